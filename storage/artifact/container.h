@@ -1,0 +1,106 @@
+// The file every artifact of ours is: named sections, each with its own checksum, found through an
+// index at the end. Little-endian.
+//
+//   offset 0   header, 64 bytes: magic "VOXWELD\x1a", kind (4 characters), version u32,
+//              key 16 bytes, index offset u64, index size u64, header hash (XXH3-128 of the
+//              48 bytes before it), written last
+//   offset 64  sections, back to back, no padding
+//   end        index: one 40-byte record a section (name u64, offset u64, size u64, XXH3-128),
+//              then XXH3-128 of those records
+//
+// The file ends with the index: any truncation is seen on opening, any flipped bit by the hash of
+// the header, of the index, or of the section it lies in.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "storage/support/file_io.h"
+#include "storage/support/hash.h"
+
+namespace voxweld {
+
+// What a file is and which inputs and parameters it was made from.
+struct ArtifactStamp {
+  std::array<char, 4> kind{};  // "octr", "tops", ...
+  std::uint32_t version = 0;   // of the format and of the stage that writes it
+  Hash128 key;                 // DESIGN: commits and resume
+};
+
+struct SectionRecord {
+  std::uint64_t name = 0;  // meaning is the format's; unique in a file, ascending in the index
+  std::uint64_t offset = 0;
+  std::uint64_t size = 0;
+  Hash128 hash;
+};
+
+class ArtifactWriter {
+ public:
+  ArtifactWriter(const std::filesystem::path& path, const ArtifactStamp& stamp);
+
+  // Appends one section. Names may come in any order.
+  void section(std::uint64_t name, std::span<const std::byte> data);
+  // The same in pieces: begin, any number of append, end.
+  void begin_section(std::uint64_t name);
+  void append(std::span<const std::byte> data);
+  void end_section();
+
+  // Writes index and header and renames into place. Returns the hash of the index: the artifact's
+  // content hash, since it covers the hash of every section.
+  Hash128 commit(Durability durability = Durability::rename_only);
+
+ private:
+  AtomicFile file_;
+  ArtifactStamp stamp_;
+  std::vector<SectionRecord> index_;
+  std::unique_ptr<StreamHasher> open_hash_;
+};
+
+class ArtifactReader {
+ public:
+  // Opens and checks header and index. DamagedArtifact when they fail, or when kind or version is
+  // another; StorageError when the file cannot be opened.
+  ArtifactReader(const std::filesystem::path& path, std::array<char, 4> kind,
+                 std::uint32_t version);
+
+  const std::string& path() const { return file_.path(); }
+  const Hash128& key() const { return key_; }
+  const Hash128& content_hash() const { return content_hash_; }
+  std::span<const SectionRecord> sections() const { return index_; }
+  const SectionRecord* find(std::uint64_t name) const;
+
+  // Reads one section and checks its hash; DamagedArtifact when absent or wrong.
+  void read(std::uint64_t name, std::vector<std::byte>& out) const;
+  template <class T>
+  void read_array(std::uint64_t name, std::vector<T>& out) const;
+
+  [[noreturn]] void damaged(const std::string& what) const;
+
+ private:
+  void read_checked(const SectionRecord& record, std::span<std::byte> out) const;
+  const SectionRecord& required(std::uint64_t name) const;
+
+  ReadFile file_;
+  Hash128 key_, content_hash_;
+  std::vector<SectionRecord> index_;
+};
+
+template <class T>
+void ArtifactReader::read_array(std::uint64_t name, std::vector<T>& out) const {
+  static_assert(std::is_trivially_copyable_v<T>);
+  const SectionRecord& record = required(name);
+  if (record.size % sizeof(T) != 0) damaged("a section has an odd size");
+  out.resize(record.size / sizeof(T));
+  read_checked(record, std::as_writable_bytes(std::span(out)));
+}
+
+}  // namespace voxweld

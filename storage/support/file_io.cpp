@@ -1,0 +1,167 @@
+#include "storage/support/file_io.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <random>
+#include <system_error>
+#include <utility>
+
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+constexpr std::size_t buffer_bytes = std::size_t{1} << 18;
+
+std::string temporary_name(const std::filesystem::path& path) {
+  char host[256] = "host";
+  if (gethostname(host, sizeof host) != 0) host[0] = '\0';
+  host[255] = '\0';
+  std::random_device device;
+  const auto random = (static_cast<std::uint64_t>(device()) << 32) | device();
+  return fmt::format("{}.tmp-{}-{}-{:016x}", path.string(), host, getpid(), random);
+}
+
+}  // namespace
+
+ReadFile::ReadFile(const std::filesystem::path& path) : path_(path.string()) {
+  fd_ = open(path_.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd_ < 0) throw_errno("open", path_, errno);
+  struct stat status {};
+  if (fstat(fd_, &status) != 0) {
+    const int error = errno;
+    close(fd_);
+    throw_errno("stat", path_, error);
+  }
+  if (!S_ISREG(status.st_mode)) {
+    close(fd_);
+    throw StorageError("cannot read " + path_ + ": not a regular file");
+  }
+  size_ = static_cast<std::uint64_t>(status.st_size);
+  mtime_ns_ = std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
+}
+
+ReadFile::~ReadFile() {
+  if (fd_ >= 0) close(fd_);
+}
+
+ReadFile::ReadFile(ReadFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      fd_(std::exchange(other.fd_, -1)),
+      size_(other.size_),
+      mtime_ns_(other.mtime_ns_) {}
+
+ReadFile& ReadFile::operator=(ReadFile&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(fd_, other.fd_);
+  std::swap(size_, other.size_);
+  std::swap(mtime_ns_, other.mtime_ns_);
+  return *this;
+}
+
+void ReadFile::read(std::uint64_t offset, std::span<std::byte> out) const {
+  std::size_t done = 0;
+  while (done < out.size()) {
+    const ssize_t got =
+        pread(fd_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
+    if (got < 0) {
+      if (errno == EINTR) continue;
+      throw_errno("read", path_, errno);
+    }
+    if (got == 0)
+      throw FormatError(
+          fmt::format("{}: truncated: {} bytes wanted at offset {}, the file ends at {}", path_,
+                      out.size(), offset, offset + done));
+    done += static_cast<std::size_t>(got);
+  }
+}
+
+AtomicFile::AtomicFile(const std::filesystem::path& path)
+    : final_path_(path), temporary_(temporary_name(path)) {
+  if (path.has_parent_path()) make_directories(path.parent_path());
+  fd_ = open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (fd_ < 0) throw_errno("create", temporary_, errno);
+  buffer_.reserve(buffer_bytes);
+}
+
+AtomicFile::~AtomicFile() {
+  if (fd_ >= 0) {
+    close(fd_);
+    unlink(temporary_.c_str());
+  }
+}
+
+void AtomicFile::write_all(std::uint64_t offset, std::span<const std::byte> data) {
+  std::size_t done = 0;
+  while (done < data.size()) {
+    const ssize_t put =
+        pwrite(fd_, data.data() + done, data.size() - done, static_cast<off_t>(offset + done));
+    if (put < 0) {
+      if (errno == EINTR) continue;
+      throw_errno("write", final_path_.string(), errno);
+    }
+    done += static_cast<std::size_t>(put);
+  }
+}
+
+void AtomicFile::flush() {
+  write_all(size_ - buffer_.size(), buffer_);
+  buffer_.clear();
+}
+
+void AtomicFile::append(std::span<const std::byte> data) {
+  if (buffer_.size() + data.size() > buffer_bytes) flush();
+  if (data.size() >= buffer_bytes)
+    write_all(size_, data);
+  else
+    buffer_.insert(buffer_.end(), data.begin(), data.end());
+  size_ += data.size();
+}
+
+void AtomicFile::write_at(std::uint64_t offset, std::span<const std::byte> data) {
+  flush();
+  write_all(offset, data);
+}
+
+void AtomicFile::commit(Durability durability) {
+  flush();
+  if (durability == Durability::fsync && fsync(fd_) != 0)
+    throw_errno("fsync", final_path_.string(), errno);
+  const int fd = std::exchange(fd_, -1);
+  if (close(fd) != 0) {
+    const int error = errno;
+    unlink(temporary_.c_str());
+    throw_errno("close", final_path_.string(), error);
+  }
+  if (rename(temporary_.c_str(), final_path_.c_str()) != 0) {
+    const int error = errno;
+    unlink(temporary_.c_str());
+    throw_errno("rename into place", final_path_.string(), error);
+  }
+}
+
+std::vector<std::byte> read_whole_file(const std::filesystem::path& path) {
+  const ReadFile file(path);
+  std::vector<std::byte> data(file.size());
+  file.read(0, data);
+  return data;
+}
+
+void write_whole_file(const std::filesystem::path& path, std::span<const std::byte> data,
+                      Durability durability) {
+  AtomicFile file(path);
+  file.append(data);
+  file.commit(durability);
+}
+
+void make_directories(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) throw_errno("create directory", path.string(), error.value());
+}
+
+}  // namespace voxweld

@@ -1,0 +1,73 @@
+// Checked file access. Every call either does all it says or throws StorageError naming the path.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace voxweld {
+
+// A file opened for reading; pread-based, so one object serves many threads.
+class ReadFile {
+ public:
+  explicit ReadFile(const std::filesystem::path& path);
+  ~ReadFile();
+  ReadFile(ReadFile&& other) noexcept;
+  ReadFile& operator=(ReadFile&& other) noexcept;
+
+  const std::string& path() const { return path_; }
+  std::uint64_t size() const { return size_; }
+  std::int64_t mtime_ns() const { return mtime_ns_; }
+  // Reads exactly out.size() bytes at offset; FormatError "truncated" when the file ends before.
+  void read(std::uint64_t offset, std::span<std::byte> out) const;
+
+ private:
+  std::string path_;
+  int fd_ = -1;
+  std::uint64_t size_ = 0;
+  std::int64_t mtime_ns_ = 0;
+};
+
+enum class Durability {
+  rename_only,  // intermediates: power loss is caught by their checksums
+  fsync,        // outputs
+};
+
+// Writes `path` through a temporary name (host, process, random) in the same directory, creating
+// the directory where missing. Nothing appears under the final name before commit(); a destructor
+// without commit removes the temporary. Appends are buffered.
+class AtomicFile {
+ public:
+  explicit AtomicFile(const std::filesystem::path& path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  std::uint64_t size() const { return size_; }  // bytes appended so far
+  void append(std::span<const std::byte> data);
+  void write_at(std::uint64_t offset, std::span<const std::byte> data);  // within what was appended
+  void commit(Durability durability);
+
+ private:
+  void flush();
+  void write_all(std::uint64_t offset, std::span<const std::byte> data);
+
+  std::filesystem::path final_path_;
+  std::string temporary_;
+  int fd_ = -1;
+  std::uint64_t size_ = 0;
+  std::vector<std::byte> buffer_;
+};
+
+std::vector<std::byte> read_whole_file(const std::filesystem::path& path);
+void write_whole_file(const std::filesystem::path& path, std::span<const std::byte> data,
+                      Durability durability);
+inline std::span<const std::byte> as_bytes(const std::string& text) {
+  return std::as_bytes(std::span(text.data(), text.size()));
+}
+void make_directories(const std::filesystem::path& path);
+
+}  // namespace voxweld

@@ -1,0 +1,47 @@
+// One tile's mesh as stitch leaves it and encode takes it: self-contained, in lattice coordinates.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "storage/types/morton.h"
+#include "storage/types/output_lattice.h"
+
+namespace voxweld {
+
+// Unit vector as two 16-bit octahedral coordinates (Cigolle et al., "A Survey of Efficient
+// Representations for Independent Unit Vectors", 2014).
+struct PackedNormal {
+  std::int16_t u = 0, v = 0;
+  friend bool operator==(const PackedNormal&, const PackedNormal&) = default;
+};
+PackedNormal pack_normal(Vec3 unit);
+Vec3 unpack_normal(PackedNormal packed);  // unit length
+
+// A vertex keeps at most this many clusters of its Hermite normals.
+inline constexpr int max_clusters = 3;
+
+struct TileMesh {
+  CellKey tile;
+  OutputLattice lattice;
+
+  // For each vertex. Order: first use by the polygons in their order (Morton order of the owner
+  // cells, axis), so that it depends on nothing but the mesh.
+  std::vector<std::array<std::int32_t, 3>> positions;  // lattice coordinates
+  std::vector<VertexId> ids;
+  std::vector<std::array<PackedNormal, max_clusters>> normals;
+
+  // For each triangle: its vertices, counter-clockwise seen from outside, and for each corner the
+  // cluster of that vertex it takes its normal from (empty when normals are off).
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::array<std::uint8_t, 3>> corner_clusters;
+
+  // Polygons as the dual walk makes them: quads, and triangles where two cells are one leaf.
+  std::uint64_t quads = 0;
+  std::uint64_t polygon_triangles = 0;
+  // Output triangles whose corners are distinct but collinear.
+  std::uint64_t collinear = 0;
+};
+
+}  // namespace voxweld

@@ -1,0 +1,86 @@
+// A volume as every reader presents it: facts first (VolumeInfo), then samples by box
+// (SampleSource). Filters (crop, overrides) wrap a source and are sources themselves.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "storage/types/box.h"
+#include "storage/types/sample_type.h"
+
+namespace voxweld {
+
+// Where the samples lie. The contouring works in the axis-aligned frame spacing * index; direction
+// and origin carry that frame into the scanner's world and are applied by writers only.
+struct VolumeGeometry {
+  Index3 size;            // samples a side
+  Vec3 spacing{1, 1, 1};  // distance of neighbouring samples, in `unit`, positive
+  Vec3 origin{0, 0, 0};   // world position of sample (0, 0, 0), in `unit`
+  // direction[a]: the world direction (unit vector) of increasing index along axis a.
+  std::array<Vec3, 3> direction{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+  std::string unit;   // "mm", "um", "nm", "m" ...; empty when the file does not say
+  std::string space;  // world convention where known: "LPS", "RAS" ...; else empty
+};
+
+// How a source can be read without decoding much more than was asked for (DESIGN: reading).
+enum class Access : std::uint8_t {
+  box,     // any box, from any thread
+  rows,    // whole rows of a slice, in bands
+  slice,   // whole slices in any order (a compressed slice is one unit)
+  stream,  // whole slices in increasing z only (one compressed stream)
+};
+const char* access_name(Access access);
+
+// One file the volume is made of, with what tells that it changed.
+struct InputFile {
+  std::string path;
+  std::uint64_t size = 0;
+  std::int64_t mtime_ns = 0;
+};
+
+struct VolumeInfo {
+  std::string format;  // "nrrd", "metaimage", "nifti", "raw", "stack", "zarr"
+  SampleType type = SampleType::u8;
+  VolumeGeometry geometry;
+  Access access = Access::box;
+  // The largest piece the reader must hold decoded at once, in bytes, beyond the caller's buffer.
+  std::uint64_t largest_decode = 0;
+  std::vector<InputFile> files;
+  // Things the user should hear about once: ignored fields, assumed units ...
+  std::vector<std::string> warnings;
+};
+
+class SampleSource {
+ public:
+  virtual ~SampleSource() = default;
+
+  virtual const VolumeInfo& info() const = 0;
+
+  // Fills `out` with the samples of `box`, native byte order, x fastest, tightly packed.
+  // Preconditions: box not empty and inside [0, size); out holds box.count() samples. Access::slice
+  // and stream take boxes of whole rows only (x full); stream takes whole slices with z rising
+  // from call to call.
+  // Access::box may be called from many threads at once; the others from one at a time.
+  // Throws FormatError for truncated or corrupt data, StorageError when the system fails.
+  virtual void read(const Box3& box, std::byte* out) const = 0;
+};
+
+// True when the source's lowest and highest values are known for a box without reading it.
+// Ranges are of non-NaN samples; `any_nan` tells of the others.
+struct ValueRange {
+  double lo = 0, hi = 0;
+  bool any_nan = false;
+  bool empty = true;  // no ordinary sample at all
+};
+
+// A source that can also tell ranges (the brick store). Conservative: may cover more than the box.
+class RangedSource : public SampleSource {
+ public:
+  virtual ValueRange range(const Box3& box) const = 0;
+};
+
+}  // namespace voxweld
