@@ -1,0 +1,98 @@
+#include "stages/build/active_cells.h"
+
+#include <array>
+
+#include "storage/types/morton.h"
+
+namespace voxweld {
+
+LocalCell decode_local(std::uint32_t code) {
+  using morton_detail::gather;
+  return {static_cast<int>(gather(code)), static_cast<int>(gather(code >> 1)),
+          static_cast<int>(gather(code >> 2))};
+}
+
+std::uint32_t encode_local(int x, int y, int z) {
+  return static_cast<std::uint32_t>(morton_encode({x, y, z}));
+}
+
+void ActiveCells::find(const SignGrid& signs, int side) {
+  side_ = side;
+  codes_.clear();
+  signs_.clear();
+  joined_.clear();
+  find_rows(signs);
+  const auto across = static_cast<std::uint32_t>(side / 4);
+  blocks_.assign(static_cast<std::size_t>(across) * across * across, Block{});
+  for (std::uint32_t b = 0; b < blocks_.size(); ++b) {
+    const LocalCell at = decode_local(b);
+    Block& block = blocks_[b];
+    block.first = codes_.size();
+    block.mask = block_mask(at.x, at.y, at.z);
+    for (std::uint64_t rest = block.mask; rest != 0; rest &= rest - 1)
+      add_cell(signs, b << 6 | static_cast<std::uint32_t>(std::countr_zero(rest)));
+  }
+}
+
+// A cell is active unless its eight corners agree: or and and of four rows and of neighbouring
+// bits.
+void ActiveCells::find_rows(const SignGrid& signs) {
+  row_words_ = static_cast<std::size_t>(side_ + 63) / 64;
+  rows_.resize(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_) * row_words_);
+  std::uint64_t* out = rows_.data();
+  for (int z = 0; z < side_; ++z)
+    for (int y = 0; y < side_; ++y)
+      for (std::size_t w = 0; w < row_words_; ++w) {
+        const std::uint64_t* rows[4] = {signs.row(y, z) + w, signs.row(y + 1, z) + w,
+                                        signs.row(y, z + 1) + w, signs.row(y + 1, z + 1) + w};
+        std::uint64_t any[2] = {0, 0}, all[2] = {~std::uint64_t{0}, ~std::uint64_t{0}};
+        for (const std::uint64_t* row : rows)
+          for (int k = 0; k < 2; ++k) {
+            any[k] |= row[k];
+            all[k] &= row[k];
+          }
+        // Bit i of a sign row is x = i - 1: cell x needs bits x + 1 and x + 2.
+        const std::uint64_t any1 = any[0] >> 1 | any[1] << 63, any2 = any[0] >> 2 | any[1] << 62;
+        const std::uint64_t all1 = all[0] >> 1 | all[1] << 63, all2 = all[0] >> 2 | all[1] << 62;
+        std::uint64_t active = (any1 | any2) & ~(all1 & all2);
+        if (side_ < 64) active &= (std::uint64_t{1} << side_) - 1;
+        *out++ = active;
+      }
+}
+
+std::uint64_t ActiveCells::block_mask(int bx, int by, int bz) const {
+  // Four bits of a row to their places in Morton order; (y, z) shift them as a whole.
+  static constexpr std::array<std::uint64_t, 16> spread = {0x000, 0x001, 0x002, 0x003, 0x100, 0x101,
+                                                           0x102, 0x103, 0x200, 0x201, 0x202, 0x203,
+                                                           0x300, 0x301, 0x302, 0x303};
+  static constexpr std::array<int, 4> shift = {0, 2, 16, 18};
+  const std::size_t word = static_cast<std::size_t>(bx) / 16;
+  const int bit = bx % 16 * 4;
+  std::uint64_t mask = 0;
+  for (int z = 0; z < 4; ++z)
+    for (int y = 0; y < 4; ++y) {
+      const std::size_t row =
+          static_cast<std::size_t>(bz * 4 + z) * static_cast<std::size_t>(side_) +
+          static_cast<std::size_t>(by * 4 + y);
+      const std::uint64_t four = rows_[row * row_words_ + word] >> bit & 15u;
+      mask |= spread[four] << (shift[static_cast<std::size_t>(y)] +
+                               2 * shift[static_cast<std::size_t>(z)]);
+    }
+  return mask;
+}
+
+void ActiveCells::add_cell(const SignGrid& signs, std::uint32_t code) {
+  const LocalCell c = decode_local(code);
+  const CellSigns own = signs.cell(c.x, c.y, c.z);
+  bool joined = false;
+  if (const int face = problem_face(own); face >= 0) {
+    LocalCell n = c;
+    (face < 2 ? n.x : face < 4 ? n.y : n.z) += (face & 1) != 0 ? 1 : -1;
+    joined = joins_across(own, face, signs.cell(n.x, n.y, n.z));
+  }
+  codes_.push_back(code);
+  signs_.push_back(own);
+  joined_.push_back(joined ? 1 : 0);
+}
+
+}  // namespace voxweld

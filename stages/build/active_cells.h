@@ -1,0 +1,65 @@
+// The finest cells with a sign change, in Morton order.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "stages/build/sign_grid.h"
+
+namespace voxweld {
+
+// Morton arithmetic inside a brick: codes of 24 bits, x in bits 0, 3, 6 ...
+inline constexpr std::uint32_t morton_axis_mask[3] = {0x249249, 0x492492, 0x924924};
+
+struct LocalCell {
+  int x = 0, y = 0, z = 0;
+  int operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+};
+LocalCell decode_local(std::uint32_t code);
+std::uint32_t encode_local(int x, int y, int z);
+
+// The code one cell further along `axis`, wrapping at 256.
+constexpr std::uint32_t next_along(std::uint32_t code, int axis) {
+  const std::uint32_t mask = morton_axis_mask[axis];
+  return (((code | ~mask) + 1) & mask) | (code & ~mask & 0xffffff);
+}
+
+class ActiveCells {
+ public:
+  void find(const SignGrid& signs, int side);
+
+  std::size_t size() const { return codes_.size(); }
+  std::uint32_t code(std::size_t i) const { return codes_[i]; }
+  CellSigns signs(std::size_t i) const { return signs_[i]; }
+  bool joined(std::size_t i) const { return joined_[i] != 0; }
+  const CellSheets& sheets(std::size_t i) const { return cell_sheets(signs_[i], joined_[i] != 0); }
+  const std::vector<std::uint32_t>& codes() const { return codes_; }
+
+  // The index of the active cell with this code. Precondition: it is active.
+  std::size_t index_of(std::uint32_t code) const {
+    const Block& block = blocks_[code >> 6];
+    const std::uint64_t below = (std::uint64_t{1} << (code & 63)) - 1;
+    return block.first + static_cast<std::size_t>(std::popcount(block.mask & below));
+  }
+
+ private:
+  void find_rows(const SignGrid& signs);
+  std::uint64_t block_mask(int bx, int by, int bz) const;
+  void add_cell(const SignGrid& signs, std::uint32_t code);
+
+  // 4^3 cells: a bit each in Morton order, and how many active cells come before.
+  struct Block {
+    std::uint64_t mask = 0;
+    std::size_t first = 0;
+  };
+  int side_ = 0;
+  std::size_t row_words_ = 0;
+  std::vector<std::uint64_t> rows_;  // active bits, a row for each (y, z)
+  std::vector<Block> blocks_;
+  std::vector<std::uint32_t> codes_;
+  std::vector<CellSigns> signs_;
+  std::vector<std::uint8_t> joined_;
+};
+
+}  // namespace voxweld

@@ -1,0 +1,168 @@
+#include "stages/build/brick_polygons.h"
+
+#include <algorithm>
+
+namespace voxweld {
+namespace {
+
+class PolygonEmitter {
+ public:
+  PolygonEmitter(const BrickFrame& frame, Index3 volume_size, const SignGrid& signs,
+                 const ActiveCells& cells, const BrickLeaves& leaves,
+                 const ContourParameters& parameters, BrickOctree& out)
+      : frame_(frame),
+        size_(volume_size),
+        signs_(signs),
+        cells_(cells),
+        leaves_(leaves),
+        open_(parameters.surface.border == Border::open),
+        free_(parameters.simplify.topology == Topology::free && parameters.simplify.enabled),
+        out_(out) {}
+
+  void emit_all() {
+    std::size_t block = 0;
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      const std::size_t of_cell = cells_.code(i) >> (3 * block_level);
+      for (; block < of_cell; ++block) close_block(block);
+      for (int axis = 0; axis < 3; ++axis) {
+        // The owner of an edge is the lowest of its four cells: it is the owner's last edge.
+        const int low = 7 ^ 1 << axis;
+        const unsigned s = cells_.signs(i);
+        if ((s >> 7 & 1u) != (s >> low & 1u)) emit(i, axis, (s >> low & 1u) != 0);
+      }
+    }
+    for (; block < out_.blocks.size(); ++block) close_block(block);
+  }
+
+ private:
+  void close_block(std::size_t block) {
+    out_.blocks[block].polygon_end = static_cast<std::uint32_t>(out_.polygons.size());
+  }
+
+  // The cells around an edge along `axis`, from the owner, counter-clockwise seen from its high
+  // end:
+  //   3 2   c = axis + 2
+  //   0 1   b = axis + 1 to the right, c up
+  void emit(std::size_t owner, int axis, bool low_inside) {
+    const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+    const LocalCell at = decode_local(cells_.code(owner));
+    ++out_.counts.crossing_edges;
+    if (open_ && ends_in_ring(at, axis)) return;
+    const unsigned around[4] = {0, 1u << b, 1u << b | 1u << c, 1u << c};
+    PolygonRefs refs;
+    for (std::size_t k = 0; k < 4; ++k) {
+      // In the cell at this offset the edge's low corner is what remains to (b, c) = (1, 1).
+      const int corner = (1 << b | 1 << c) & ~static_cast<int>(around[k]);
+      refs[k] = corner_ref(owner, around[k], edge_at(axis, corner));
+    }
+    if (!low_inside) std::swap(refs[1], refs[3]);
+    if (!three_distinct(refs)) return;
+    if (free_) {
+      const std::uint8_t levels = emit_levels(at, axis);
+      if (all_local(refs) && (levels >> smallest_level(refs) & 1) == 0) return;
+      out_.emit_levels.push_back(levels);
+    }
+    out_.polygons.push_back(refs);
+  }
+
+  CornerRef corner_ref(std::size_t owner, unsigned offset, int edge) const {
+    if (offset == 0) return CornerRef::local(leaves_.vertex(cells_, owner, edge, out_));
+    std::uint32_t code = cells_.code(owner);
+    int direction = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((offset >> axis & 1u) == 0) continue;
+      code = next_along(code, axis);
+      const std::uint32_t inside = morton_axis_mask[axis] & ((1u << 3 * frame_.level) - 1);
+      if ((code & inside) == 0) {  // past the brick's upper plane: first layer of the neighbour
+        direction |= 1 << axis;
+        code &= ~morton_axis_mask[axis];
+      }
+    }
+    if (direction != 0) return CornerRef::foreign(direction, code, edge);
+    return CornerRef::local(leaves_.vertex(cells_, cells_.index_of(code), edge, out_));
+  }
+
+  bool ends_in_ring(const LocalCell& at, int axis) const {
+    const std::int64_t low = frame_.origin[axis] + at[axis];
+    return low < 1 || low + 1 > size_[axis];
+  }
+
+  static bool all_local(const PolygonRefs& refs) {
+    return std::none_of(refs.begin(), refs.end(), [](CornerRef r) { return r.is_foreign(); });
+  }
+  // False only when it is certain: two foreign corners may still turn out to be one leaf.
+  static bool three_distinct(const PolygonRefs& refs) {
+    int distinct = 0;
+    for (std::size_t k = 0; k < 4; ++k)
+      if (refs[k] != refs[(k + 1) % 4]) ++distinct;
+    return distinct >= 3;
+  }
+  int smallest_level(const PolygonRefs& refs) const {
+    int level = max_brick_level;
+    for (const CornerRef ref : refs)
+      level = std::min(level, out_.vertices[ref.vertex()].leaf.level());
+    return level;
+  }
+
+  // Bit l: in the aligned segment of 2^l lattice edges around this one the ends differ and no
+  // crossing comes before this one. Then, when the smallest leaf around is of level l, the segment
+  // is a minimal edge with a sign change and this crossing speaks for it.
+  std::uint8_t emit_levels(const LocalCell& at, int axis) const {
+    unsigned levels = 0;
+    for (int l = 0; l <= min_brick_level; ++l) {
+      const int length = 1 << l, start = at[axis] & ~(length - 1);
+      const bool first = point_inside(at, axis, start);
+      bool alone = first != point_inside(at, axis, start + length);
+      for (int p = start + 1; p <= at[axis] && alone; ++p)
+        alone = point_inside(at, axis, p) == first;
+      levels |= static_cast<unsigned>(alone) << l;
+    }
+    return static_cast<std::uint8_t>(levels);
+  }
+  // On the line of the edge: the lattice point at `along` on its axis.
+  bool point_inside(const LocalCell& at, int axis, int along) const {
+    return axis == 0   ? signs_.inside(along, at.y + 1, at.z + 1)
+           : axis == 1 ? signs_.inside(at.x + 1, along, at.z + 1)
+                       : signs_.inside(at.x + 1, at.y + 1, along);
+  }
+
+  const BrickFrame& frame_;
+  Index3 size_;
+  const SignGrid& signs_;
+  const ActiveCells& cells_;
+  const BrickLeaves& leaves_;
+  bool open_, free_;
+  BrickOctree& out_;
+};
+
+}  // namespace
+
+void emit_polygons(const BrickFrame& frame, Index3 volume_size, const SignGrid& signs,
+                   const ActiveCells& cells, const BrickLeaves& leaves,
+                   const ContourParameters& parameters, BrickOctree& out) {
+  PolygonEmitter(frame, volume_size, signs, cells, leaves, parameters, out).emit_all();
+}
+
+void make_skin(const ActiveCells& cells, const BrickLeaves& leaves,
+               std::vector<std::uint32_t>& scratch, BrickOctree& out) {
+  constexpr std::uint32_t unseen = 0xffffffffu;
+  scratch.assign(out.vertices.size(), unseen);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::uint32_t code = cells.code(i);
+    if ((code & morton_axis_mask[0]) != 0 && (code & morton_axis_mask[1]) != 0 &&
+        (code & morton_axis_mask[2]) != 0)
+      continue;
+    const std::uint32_t first = leaves.first_vertex(i);
+    if (scratch[first] == unseen) {
+      scratch[first] = static_cast<std::uint32_t>(out.skin.vertices.size());
+      const bool own_leaf = out.vertices[first].leaf.level() == 0;
+      const std::uint32_t sheets = own_leaf ? cells.sheets(i).sheets : 1;
+      for (std::uint32_t s = 0; s < sheets; ++s)
+        out.skin.vertices.push_back({first + s, out.vertices[first + s]});
+    }
+    out.skin.cells.push_back({code | static_cast<std::uint32_t>(cells.signs(i)) << 24,
+                              scratch[first] | static_cast<std::uint32_t>(cells.joined(i)) << 31});
+  }
+}
+
+}  // namespace voxweld

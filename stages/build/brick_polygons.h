@@ -1,0 +1,24 @@
+// The polygons a brick owns, and the skin its lower neighbours need for theirs.
+//
+// Based on: Ju, Losasso, Schaefer, Warren, "Dual Contouring of Hermite Data", 2002, section 3.2
+// (the dual walk). Where it differs: on safe octrees the walk equals a flat pass over the finest
+// lattice edges with a sign change, the polygon being the distinct leaves among the edge's four
+// cells, if three or more are distinct; under topology = "free" an edge's polygon also needs to be
+// the first crossing of a minimal edge whose ends differ.
+#pragma once
+
+#include "stages/build/brick_leaves.h"
+
+namespace voxweld {
+
+// volume_size: samples a side, for the edges that end in the ring. Appends to out.polygons,
+// out.blocks, out.emit_levels, out.counts.crossing_edges.
+void emit_polygons(const BrickFrame& frame, Index3 volume_size, const SignGrid& signs,
+                   const ActiveCells& cells, const BrickLeaves& leaves,
+                   const ContourParameters& parameters, BrickOctree& out);
+
+// scratch: one entry a vertex, any content.
+void make_skin(const ActiveCells& cells, const BrickLeaves& leaves,
+               std::vector<std::uint32_t>& scratch, BrickOctree& out);
+
+}  // namespace voxweld

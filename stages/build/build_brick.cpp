@@ -1,0 +1,95 @@
+#include "stages/build/build_brick.h"
+
+#include "stages/build/brick_polygons.h"
+
+namespace voxweld {
+namespace {
+
+void clear(BrickOctree& brick, int level) {
+  brick.vertices.clear();
+  brick.polygons.clear();
+  brick.emit_levels.clear();
+  brick.blocks.assign(std::size_t{1} << 3 * (level - block_level), BlockCount{});
+  brick.skin.cells.clear();
+  brick.skin.vertices.clear();
+  brick.root = RootRecord{};
+  brick.counts = BrickCounts{};
+}
+
+// What merge needs to go on: see NodeState.
+RootRecord make_root(const BrickFrame& frame, const SignGrid& signs, const BrickNodes& nodes,
+                     const ContourParameters& parameters, const BrickOctree& brick) {
+  RootRecord root;
+  const int side = frame.side();
+  for (int corner = 0; corner < 8; ++corner)
+    root.corner_signs |= static_cast<std::uint32_t>(signs.inside(
+                             side * (corner & 1), side * (corner >> 1 & 1), side * (corner >> 2)))
+                         << corner;
+  const NodeLevel& top = nodes.level(frame.level);
+  if (top.leaf[0] == no_leaf || parameters.simplify.topology == Topology::free) {
+    root.state = NodeState::split;
+    return root;
+  }
+  const LeafData& leaf = top.leaves[top.leaf[0]];
+  root.state = NodeState::leaf;
+  root.qef = leaf.qef;
+  root.clusters = leaf.clusters;
+  root.vertex = brick.vertices[0];
+  root.residual = leaf.solution.residual;
+  return root;
+}
+
+}  // namespace
+
+struct BrickScratch::Parts {
+  SignGrid signs;
+  ActiveCells cells;
+  HermiteEdges edges;
+  BrickNodes nodes;
+  BrickLeaves leaves;
+  std::vector<std::uint32_t> vertex_marks;
+};
+BrickScratch::BrickScratch() : parts_(std::make_unique<Parts>()) {}
+BrickScratch::~BrickScratch() = default;
+
+Box3 halo_samples(const BrickPlace& place, Gradient gradient) {
+  // Lattice points -1 .. side + 1 for the signs of the cells -1 .. side; the gradient of a crossing
+  // in the brick reaches from its lattice points 0 .. side. Lattice point u is sample u - 1.
+  const std::int64_t reach = std::max(1, gradient_halo(gradient));
+  const std::int64_t side = std::int64_t{1} << place.level;
+  return {place.origin - splat(1 + reach), place.origin + splat(side + reach)};
+}
+
+void build_brick(const HaloBlock& block, const BrickPlace& place,
+                 const ContourParameters& parameters, BrickScratch& scratch, BrickOctree& out) {
+  BrickScratch::Parts& s = scratch.parts();
+  const BrickFrame frame{place.origin, place.level};
+  clear(out, place.level);
+  s.signs.fill(block, place.origin, frame.side(), parameters.surface);
+  s.cells.find(s.signs, frame.side());
+  out.counts.active_cells = s.cells.size();
+  if (s.cells.size() == 0) {
+    out.root.state = s.signs.inside(0, 0, 0) ? NodeState::inside : NodeState::outside;
+    out.root.corner_signs = out.root.state == NodeState::inside ? 255 : 0;
+    return;
+  }
+  s.edges.compute(block, place.origin, frame.side(), s.signs, parameters);
+  s.nodes.simplify(frame, s.signs, s.cells, s.edges, parameters);
+  s.leaves.collect(frame, s.cells, s.nodes, parameters, out);
+  emit_polygons(frame, block.size, s.signs, s.cells, s.leaves, parameters, out);
+  make_skin(s.cells, s.leaves, s.vertex_marks, out);
+  out.root = make_root(frame, s.signs, s.nodes, parameters, out);
+}
+
+std::uint64_t build_brick_bytes(int level) {
+  const std::uint64_t side = std::uint64_t{1} << level;
+  const std::uint64_t cells = side * side * side, points = (side + 3) * (side + 3) * (side + 3);
+  // Worst cases: every lattice edge crosses (3 a cell, and a polygon each); every cell is active. A
+  // cell keeps either a QEF (and the level above an eighth of those, and so on) or up to four
+  // sheets, each a SheetVertex and a LeafVertex. Vectors may have grown to twice their content.
+  const std::uint64_t per_edge = sizeof(HermiteEdge) + 2 * sizeof(PolygonRefs);
+  const std::uint64_t per_cell = 16 + 2 * 4 * (sizeof(SheetVertex) + sizeof(LeafVertex));
+  return points / 2 + 3 * cells * per_edge + cells * per_cell;
+}
+
+}  // namespace voxweld

@@ -1,0 +1,44 @@
+// Build: the samples of one brick to its simplified octree, polygons, skin and root record.
+//
+// Based on: Ju, Losasso, Schaefer, Warren, "Dual Contouring of Hermite Data", 2002. The brick is an
+// aligned subtree of the volume's one octree, so nothing is approximated at its border; what it
+// says of its cells depends on the volume and the parameters alone.
+#pragma once
+
+#include <memory>
+
+#include "stages/geometry/parameters.h"
+#include "storage/types/brick_octree.h"
+#include "storage/types/halo_block.h"
+
+namespace voxweld {
+
+struct BrickPlace {
+  Index3 origin;  // lattice point of the brick's lowest corner, a multiple of its side
+  int level = 6;  // 2^level cells a side, min_brick_level .. max_brick_level
+};
+
+// The sample indices a brick reads, before clipping to the volume: its lattice points, those of
+// Wenger's rule, and the gradient's reach.
+Box3 halo_samples(const BrickPlace& place, Gradient gradient);
+
+// Working memory, reused from brick to brick: nothing is allocated once it has met the largest.
+class BrickScratch {
+ public:
+  BrickScratch();
+  ~BrickScratch();
+  struct Parts;
+  Parts& parts() { return *parts_; }
+
+ private:
+  std::unique_ptr<Parts> parts_;
+};
+
+// Fills `out` (cleared first). Precondition: `block` holds halo_samples clipped to the volume.
+void build_brick(const HaloBlock& block, const BrickPlace& place,
+                 const ContourParameters& parameters, BrickScratch& scratch, BrickOctree& out);
+
+// An upper bound on what build_brick and its result hold, in bytes, for the worst volume there is.
+std::uint64_t build_brick_bytes(int level);
+
+}  // namespace voxweld

@@ -1,0 +1,35 @@
+#include "stages/build/cell_planes.h"
+
+namespace voxweld {
+
+void gather_planes(LocalCell c, const CellSheets& sheets, int sheet, const HermiteEdges& edges,
+                   Vec3 spacing, SheetPlanes& out) {
+  out.count = 0;
+  for (std::size_t i = 0; i < sheets.crossings; ++i) {
+    const int e = sheets.edges[i];
+    if (sheet != all_sheets && sheets.sheet_of_edge[static_cast<std::size_t>(e)] != sheet) continue;
+    const int axis = e >> 2, low = edge_corners(e).low;
+    const int x = low & 1, y = low >> 1 & 1, z = low >> 2;
+    const HermiteEdge& edge = edges.at(axis, c.x + x, c.y + y, c.z + z);
+    double point[3] = {x - 0.5, y - 0.5, z - 0.5};
+    point[axis] += static_cast<double>(edge.t);
+    const auto k = static_cast<std::size_t>(out.count++);
+    for (std::size_t a = 0; a < 3; ++a) {
+      out.planes[k].normal[a] = static_cast<double>(edge.normal[a]);
+      out.planes[k].point[a] = point[a] * spacing[static_cast<int>(a)];
+    }
+    out.normals[k] = edge.normal;
+  }
+}
+
+Vec3 node_centre(const BrickFrame& frame, int level, std::uint32_t code, Vec3 spacing) {
+  const LocalCell c = decode_local(code);
+  Vec3 centre;
+  for (int a = 0; a < 3; ++a) {
+    const double side = static_cast<double>(std::int64_t{1} << level);
+    centre[a] = (static_cast<double>(frame.origin[a]) + (c[a] + 0.5) * side - 1) * spacing[a];
+  }
+  return centre;
+}
+
+}  // namespace voxweld

@@ -1,0 +1,54 @@
+// Crossings and normals of the lattice edges with a sign change (DESIGN: Hermite edges).
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "stages/build/sign_grid.h"
+#include "stages/geometry/parameters.h"
+#include "storage/types/halo_block.h"
+
+namespace voxweld {
+
+struct HermiteEdge {
+  float t = 0;                    // of the crossing, 0 at the edge's low end, in [1/256, 255/256]
+  std::array<float, 3> normal{};  // unit, outward, physical
+};
+
+// All crossing edges of a brick's cells, upper border planes included, found by rank: a row of bits
+// for each line of edges and a running count, so that no map is needed.
+class HermiteEdges {
+ public:
+  // Halo the block must have around the brick's lattice points 0 .. side:
+  // gradient_halo(surface.gradient) samples, where the volume has them.
+  void compute(const HaloBlock& block, Index3 brick, int side, const SignGrid& signs,
+               const ContourParameters& parameters);
+
+  // The edge along `axis` whose low end is the relative lattice point (x, y, z).
+  // Precondition: it has a sign change.
+  const HermiteEdge& at(int axis, int x, int y, int z) const {
+    const std::size_t word = word_of(axis, x, y, z);
+    const std::uint64_t below = (std::uint64_t{1} << (x & 63)) - 1;
+    return edges_[first_[word] + static_cast<std::uint32_t>(std::popcount(bits_[word] & below))];
+  }
+  std::size_t size() const { return edges_.size(); }
+
+ private:
+  std::size_t word_of(int axis, int x, int y, int z) const {
+    return ((static_cast<std::size_t>(axis) * points_ + static_cast<std::size_t>(z)) * points_ +
+            static_cast<std::size_t>(y)) *
+               row_words_ +
+           static_cast<std::size_t>(x >> 6);
+  }
+  void find_rows(const SignGrid& signs, int side);
+
+  std::size_t points_ = 0;  // side + 1
+  std::size_t row_words_ = 0;
+  std::vector<std::uint64_t> bits_;
+  std::vector<std::uint32_t> first_;  // edges before each word
+  std::vector<HermiteEdge> edges_;
+};
+
+}  // namespace voxweld

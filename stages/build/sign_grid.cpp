@@ -1,0 +1,89 @@
+#include "stages/build/sign_grid.h"
+
+#include <algorithm>
+
+#include "stages/geometry/inside_test.h"
+
+namespace voxweld {
+namespace {
+
+// Bit i: inside(p[i]), for 64 samples: a vectorised comparison to bytes, then eight bytes to eight
+// bits by one multiplication.
+template <class T>
+std::uint64_t pack64(const T* p, const InsideTest<T>& inside) {
+  alignas(64) std::uint8_t flags[64];
+  const T threshold = inside.threshold;
+  if (inside.above)
+    for (int i = 0; i < 64; ++i) flags[i] = p[i] >= threshold;
+  else
+    for (int i = 0; i < 64; ++i) flags[i] = p[i] <= threshold;
+  std::uint64_t bits = 0;
+  for (int group = 0; group < 8; ++group) {
+    std::uint64_t eight;
+    std::memcpy(&eight, flags + 8 * group, 8);
+    bits |= (eight * 0x0102040810204080ULL >> 56) << (8 * group);
+  }
+  return bits;
+}
+
+template <class T>
+std::uint64_t pack_some(const T* p, int count, const InsideTest<T>& inside) {
+  std::uint64_t bits = 0;
+  for (int i = 0; i < count; ++i) bits |= static_cast<std::uint64_t>(inside(p[i])) << i;
+  return bits;
+}
+
+// Ors `count` bits into a row from bit `at` on.
+void or_bits(std::uint64_t* row, int at, std::uint64_t bits) {
+  row[at >> 6] |= bits << (at & 63);
+  if ((at & 63) != 0) row[(at >> 6) + 1] |= bits >> (64 - (at & 63));
+}
+
+template <class T>
+void pack_row(const T* p, int count, int at, const InsideTest<T>& inside, std::uint64_t* row) {
+  int done = 0;
+  for (; done + 64 <= count; done += 64) or_bits(row, at + done, pack64(p + done, inside));
+  if (done < count) or_bits(row, at + done, pack_some(p + done, count - done, inside));
+}
+
+}  // namespace
+
+void SignGrid::fill(const HaloBlock& block, Index3 brick, int side,
+                    const SurfaceParameters& surface) {
+  points_ = static_cast<std::size_t>(side) + 3;
+  stride_ = (points_ + 63) / 64 + 1;
+  bits_.assign(points_ * points_ * stride_, 0);
+  // Lattice point u is sample u - 1; the grid's first point is brick - 1, so sample brick - 2.
+  const Index3 first = brick - splat(2);
+  const Box3 held = intersect(block.samples, Box3{first, first + splat(side + 3)});
+  if (held.empty()) return;
+  dispatch_sample_type(block.type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    const auto inside = make_inside_test<T>(surface.isovalue, surface.inside);
+    if (inside.never) return;
+    const T* data = reinterpret_cast<const T*>(block.data);
+    const int count = static_cast<int>(held.size().x), at = static_cast<int>(held.lo.x - first.x);
+    for (std::int64_t z = held.lo.z; z < held.hi.z; ++z)
+      for (std::int64_t y = held.lo.y; y < held.hi.y; ++y) {
+        const T* p = data + (z - block.samples.lo.z) * block.slice +
+                     (y - block.samples.lo.y) * block.row + (held.lo.x - block.samples.lo.x);
+        const std::size_t index =
+            static_cast<std::size_t>(z - first.z) * points_ + static_cast<std::size_t>(y - first.y);
+        pack_row(p, count, at, inside, bits_.data() + index * stride_);
+      }
+  });
+}
+
+std::uint32_t SignGrid::signs27(int x, int y, int z, int node_side) const {
+  const int half = node_side / 2;
+  std::uint32_t signs = 0;
+  int bit = 0;
+  for (int k = 0; k < 3; ++k)
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i, ++bit)
+        signs |= static_cast<std::uint32_t>(inside(x + i * half, y + j * half, z + k * half))
+                 << bit;
+  return signs;
+}
+
+}  // namespace voxweld

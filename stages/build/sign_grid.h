@@ -1,0 +1,57 @@
+// The inside/outside bits of the lattice points around one brick, a row of bits for each (y, z).
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "stages/geometry/cell_topology.h"
+#include "stages/geometry/parameters.h"
+#include "storage/types/halo_block.h"
+
+namespace voxweld {
+
+// Covers lattice points -1 .. side + 1 relative to the brick's lowest: what the signs of the cells
+// -1 .. side need (Wenger's rule looks one cell beyond the brick).
+class SignGrid {
+ public:
+  // brick: lattice point of the brick's lowest corner; side: cells a side.
+  // Points without a sample are outside. Tests run in the sample's own type: equal to the isovalue
+  // is inside, NaN outside.
+  void fill(const HaloBlock& block, Index3 brick, int side, const SurfaceParameters& surface);
+
+  // Relative coordinates, -1 .. side + 1.
+  bool inside(int x, int y, int z) const {
+    const int bit = x + 1;
+    return (row(y, z)[bit >> 6] >> (bit & 63) & 1u) != 0;
+  }
+  // Corner signs of the cell at (x, y, z), each -1 .. side.
+  CellSigns cell(int x, int y, int z) const {
+    return static_cast<CellSigns>(pair(x, y, z) | pair(x, y + 1, z) << 2 | pair(x, y, z + 1) << 4 |
+                                  pair(x, y + 1, z + 1) << 6);
+  }
+  // The 27 signs of the node of `side` cells at (x, y, z), at half its side.
+  std::uint32_t signs27(int x, int y, int z, int node_side) const;
+
+  // Bits of the row at relative (y, z); bit i is x = i - 1. words() words, then one of zeros.
+  const std::uint64_t* row(int y, int z) const {
+    return bits_.data() +
+           (static_cast<std::size_t>(z + 1) * points_ + static_cast<std::size_t>(y + 1)) * stride_;
+  }
+  std::size_t words() const { return stride_ - 1; }
+
+ private:
+  // Signs of x and x + 1, in bits 0 and 1.
+  unsigned pair(int x, int y, int z) const {
+    std::uint32_t word;
+    std::memcpy(&word, reinterpret_cast<const unsigned char*>(row(y, z)) + (x + 1) / 8,
+                sizeof word);
+    return word >> ((x + 1) & 7) & 3u;
+  }
+
+  std::size_t points_ = 0;  // a side
+  std::size_t stride_ = 0;  // words a row, the last one zero
+  std::vector<std::uint64_t> bits_;
+};
+
+}  // namespace voxweld

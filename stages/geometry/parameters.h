@@ -1,0 +1,44 @@
+// What the contouring depends on, besides the volume.
+#pragma once
+
+#include <cstdint>
+
+#include "storage/types/box.h"
+
+namespace voxweld {
+
+enum class Inside : std::uint8_t { above, below };  // samples equal to the isovalue are inside
+enum class Border : std::uint8_t { closed, open };
+enum class Gradient : std::uint8_t { eno, central };
+enum class Metric : std::uint8_t { rms, sum };
+enum class Topology : std::uint8_t { safe, free };
+enum class QefForm : std::uint8_t { qr, normal };
+
+struct SurfaceParameters {
+  double isovalue = 0;
+  Inside inside = Inside::above;
+  Border border = Border::closed;
+  Gradient gradient = Gradient::eno;
+};
+
+struct SimplifyParameters {
+  bool enabled = true;
+  double tolerance = 0.1;  // in the units of the spacing
+  Metric metric = Metric::rms;
+  Topology topology = Topology::safe;
+  QefForm qef = QefForm::qr;
+  double singular_threshold = 0.1;  // of the largest singular value (Ju et al. 2002)
+};
+
+struct ContourParameters {
+  Vec3 spacing{1, 1, 1};
+  SurfaceParameters surface;
+  SimplifyParameters simplify;
+};
+
+// Samples the gradient stencil reaches beyond the crossing edge's ends; the halo's width.
+constexpr int gradient_halo(Gradient gradient) {
+  return gradient == Gradient::eno ? 2 : 1;
+}
+
+}  // namespace voxweld

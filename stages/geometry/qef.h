@@ -1,0 +1,78 @@
+// Quadratic error functions kept by their triangular factor, merged up the octree without ever
+// forming A^T A.
+//
+// Based on: Ju, Losasso, Schaefer, Warren, "Dual Contouring of Hermite Data", 2002 (QR
+// representation, Givens merging); Lindstrom, "Out-of-Core Simplification of Large Polygonal
+// Models", 2000 (truncated SVD about the mass point); Hestenes, "Inversion of Matrices by
+// Biorthogonalization", 1958 (one-sided Jacobi). Where it differs: each QEF is relative to its own
+// node's centre (DESIGN: QR QEF), so that floats are enough at any volume size; a minimiser outside
+// the cell is replaced by the constrained one (qef.cpp), not clamped.
+//
+// Everything is computed in double, in eight lanes, by + - * / and sqrt alone: lane by lane the
+// same bits on every vector unit. Results are rounded to float once, on storing.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "storage/types/box.h"
+#include "storage/types/brick_octree.h"
+
+namespace voxweld {
+
+inline constexpr std::size_t lanes = 8;
+using LaneArray = std::array<double, lanes>;
+
+// Planes to reduce: up to 12 for each lane, n . x = n . p with p relative to the node's centre.
+// Unused rows must be zero.
+struct alignas(64) PlaneBatch {
+  int rows = 0;                                      // the longest lane
+  std::array<std::array<LaneArray, 4>, 12> plane{};  // nx ny nz n.p
+  std::array<LaneArray, 3> mass{};                   // mean of the crossings
+};
+
+// Children to merge, by octant. Absent ones are all zero.
+struct alignas(64) ChildBatch {
+  std::uint32_t octants = 0;  // bit i: some lane has a child i
+  std::array<std::array<std::array<float, lanes>, 13>, 8> child{};  // Qef::r then Qef::mass
+};
+
+// A factor in double: r as in Qef, n the number of planes (squared Frobenius norm).
+struct alignas(64) FactorBatch {
+  std::array<LaneArray, 10> r{};
+  std::array<LaneArray, 3> mass{};
+  LaneArray planes{};
+};
+
+struct alignas(64) SolutionBatch {
+  std::array<LaneArray, 3> x{};  // relative to the node's centre
+  LaneArray energy{};            // sum of squared distances to the planes, at x
+};
+
+struct QefKernels {
+  void (*reduce)(const PlaneBatch&, FactorBatch&);
+  // half: half the child's side on each axis, scaled.
+  void (*merge)(const ChildBatch&, Vec3 half, FactorBatch&);
+  // Unconstrained minimiser nearest the mass point; singular values under threshold * largest are
+  // dropped.
+  void (*solve)(const FactorBatch&, double threshold, SolutionBatch&);
+  const char* name;
+};
+
+// The kernels for this machine; all of them, for the tests.
+const QefKernels& qef_kernels();
+const QefKernels& qef_kernels_base();
+const QefKernels* qef_kernels_avx2();  // null where the CPU lacks it
+const QefKernels* qef_kernels_avx512();
+
+Qef store_lane(const FactorBatch& factor, std::size_t lane);
+void load_lane(const Qef& qef, std::size_t lane, FactorBatch& factor);
+
+// Replaces the solution of one lane by the minimiser over the box |x| <= half on each axis, where
+// it lies outside: exact over the box's faces, edges and corners, each solved with the same
+// threshold.
+void constrain_lane(const FactorBatch& factor, std::size_t lane, Vec3 half, double threshold,
+                    SolutionBatch& solution);
+
+}  // namespace voxweld

@@ -1,0 +1,29 @@
+// Vertices onto the output lattice, once and for all (DESIGN: the output lattice).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "storage/types/brick_octree.h"
+#include "storage/types/output_lattice.h"
+
+namespace voxweld {
+
+using LatticePoint = std::array<std::int32_t, 3>;  // in [0, 2^bits)
+
+// Frame of the snap: lattice point u of the volume lies at (u - 1) * spacing.
+struct SnapFrame {
+  OutputLattice lattice;
+  Vec3 spacing{1, 1, 1};
+};
+
+// The nearest lattice point strictly inside the leaf's box, so that vertices of different leaves
+// never coincide.
+LatticePoint snap_vertex(const SnapFrame& frame, CellKey leaf, const std::array<float, 3>& offset);
+
+// The sheets of one finest cell, in their order: a taken point yields the nearest free one inside.
+// Returns the point of the last of them.
+LatticePoint snap_sheets(const SnapFrame& frame, CellKey leaf, std::span<const LeafVertex> sheets);
+
+}  // namespace voxweld

@@ -1,0 +1,180 @@
+#include "stages/stitch/tile_stitcher.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "stages/geometry/cell_topology.h"
+#include "stages/geometry/normal_clusters.h"
+#include "stages/stitch/quad_split.h"
+
+namespace voxweld {
+namespace {
+
+constexpr std::uint32_t unset = 0xffffffffu;
+
+std::string name(CellKey key) {
+  return fmt::format("level {} at ({}, {}, {})", key.level, key.at.x, key.at.y, key.at.z);
+}
+
+CellKey leaf_key(CellKey brick, LeafCode leaf) {
+  const Index3 cell = brick.lo() + morton_decode(leaf.code());
+  return {leaf.level(), {cell.x >> leaf.level(), cell.y >> leaf.level(), cell.z >> leaf.level()}};
+}
+
+}  // namespace
+
+TileStitcher::TileStitcher(CellKey tile, const StitchParameters& parameters,
+                           std::span<const TopLeaf> top)
+    : parameters_(parameters), top_(top) {
+  mesh_.tile = tile;
+  mesh_.lattice = parameters.frame.lattice;
+}
+
+const TopLeaf* TileStitcher::leaf_above(CellKey brick) const {
+  const std::uint64_t code = brick.code();
+  auto after = std::upper_bound(top_.begin(), top_.end(), code,
+                                [](std::uint64_t c, const TopLeaf& leaf) { return c < leaf.code; });
+  if (after == top_.begin()) return nullptr;
+  const TopLeaf& leaf = *--after;
+  return code - leaf.code < std::uint64_t{1} << (3 * leaf.level) ? &leaf : nullptr;
+}
+
+void TileStitcher::add(const StitchBrick& brick) {
+  local_.assign(brick.vertices.size(), unset);
+  in_own_skin_.assign(brick.vertices.size(), 0);
+  for (const SkinVertex& v : brick.own_skin->vertices) in_own_skin_[v.brick_vertex] = 1;
+  brick_above_ = brick.vertices.size() == 1 ? leaf_above(brick.key) : nullptr;
+  for (std::size_t i = 0; i < brick.polygons.size(); ++i) {
+    std::array<std::uint32_t, 4> corners;
+    int smallest = max_levels;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const CornerRef ref = brick.polygons[i][k];
+      const Corner corner =
+          ref.is_foreign() ? foreign_corner(brick, ref) : local_corner(brick, ref.vertex());
+      corners[k] = corner.index;
+      smallest = std::min(smallest, corner.level);
+    }
+    if (!brick.emit_levels.empty() && (brick.emit_levels[i] >> smallest & 1) == 0) continue;
+    add_polygon(corners);
+  }
+}
+
+TileStitcher::Corner TileStitcher::local_corner(const StitchBrick& brick, std::uint32_t vertex) {
+  const LeafVertex& v = brick.vertices[vertex];
+  if (local_[vertex] != unset)
+    return {local_[vertex],
+            brick_above_ != nullptr ? static_cast<int>(brick_above_->level) : v.leaf.level()};
+  const auto sheet = static_cast<std::size_t>(v.leaf.sheet());
+  const auto group = brick.vertices.subspan(vertex - sheet, sheet + 1);
+  Corner corner{};
+  if (in_own_skin_[vertex] != 0 || brick_above_ != nullptr) {
+    corner = shared_vertex(brick.key, group);
+  } else {
+    const CellKey leaf = leaf_key(brick.key, v.leaf);
+    const LatticePoint point = sheet == 0 ? snap_vertex(parameters_.frame, leaf, v.offset)
+                                          : snap_sheets(parameters_.frame, leaf, group);
+    corner = {append(leaf, v.leaf.sheet(), point, v.normals), leaf.level};
+  }
+  local_[vertex] = corner.index;
+  return corner;
+}
+
+TileStitcher::Corner TileStitcher::foreign_corner(const StitchBrick& brick, CornerRef ref) {
+  const int d = ref.direction();
+  const CellKey neighbour{brick.key.level, brick.key.at + Index3{d & 1, d >> 1 & 1, d >> 2}};
+  const Skin* skin = brick.upper[static_cast<std::size_t>(d)];
+  const auto fail = [&](const char* what) {
+    throw std::logic_error(
+        fmt::format("stitch: brick {} refers to cell {:#x} of brick {}, which {}", name(brick.key),
+                    ref.code(), name(neighbour), what));
+  };
+  if (skin == nullptr) fail("has no skin");
+  const auto cell =
+      std::lower_bound(skin->cells.begin(), skin->cells.end(), ref.code(),
+                       [](const SkinCell& c, std::uint32_t code) { return c.code() < code; });
+  if (cell == skin->cells.end() || cell->code() != ref.code()) fail("is not active there");
+  const std::uint32_t first = cell->first();
+  std::uint32_t sheet = 0;
+  if (skin->vertices[first].vertex.leaf.level() == 0)
+    sheet = cell_sheets(static_cast<CellSigns>(cell->signs()), cell->joined())
+                .sheet_of_edge[static_cast<std::size_t>(ref.edge())];
+  if (sheet > 3) fail("has no crossing on that edge");
+  group_.clear();
+  for (std::uint32_t s = 0; s <= sheet; ++s) group_.push_back(skin->vertices[first + s].vertex);
+  return shared_vertex(neighbour, group_);
+}
+
+// group: the sheets of one leaf up to the one wanted.
+TileStitcher::Corner TileStitcher::shared_vertex(CellKey brick, std::span<const LeafVertex> group) {
+  const LeafVertex& v = group.back();
+  CellKey leaf = leaf_key(brick, v.leaf);
+  const TopLeaf* above = leaf.level == brick.level ? leaf_above(brick) : nullptr;
+  if (above != nullptr) leaf = above->key();
+  const VertexId id = VertexId::make(leaf, v.leaf.sheet());
+  const auto found = shared_.find(id.bits);
+  if (found != shared_.end()) return {found->second, leaf.level};
+  const LeafVertex& source = above != nullptr ? above->vertex : v;
+  const LatticePoint point = group.size() == 1 ? snap_vertex(parameters_.frame, leaf, source.offset)
+                                               : snap_sheets(parameters_.frame, leaf, group);
+  const std::uint32_t index = append(leaf, v.leaf.sheet(), point, source.normals);
+  shared_.emplace(id.bits, index);
+  return {index, leaf.level};
+}
+
+std::uint32_t TileStitcher::append(CellKey leaf, int sheet, const LatticePoint& point,
+                                   const std::array<PackedNormal, max_clusters>& normals) {
+  const auto index = static_cast<std::uint32_t>(mesh_.positions.size());
+  mesh_.positions.push_back(point);
+  mesh_.ids.push_back(VertexId::make(leaf, sheet));
+  if (parameters_.normals) mesh_.normals.push_back(normals);
+  return index;
+}
+
+void TileStitcher::add_polygon(std::array<std::uint32_t, 4> corners) {
+  std::size_t count = 0;
+  std::array<std::uint32_t, 4> distinct{};
+  for (std::size_t k = 0; k < 4; ++k)
+    if (corners[k] != corners[(k + 3) % 4]) distinct[count++] = corners[k];
+  if (count < 3) return;
+  if (count == 3) {
+    ++mesh_.polygon_triangles;
+    add_triangle(distinct[0], distinct[1], distinct[2]);
+    return;
+  }
+  ++mesh_.quads;
+  std::array<QuadCorner, 4> quad;
+  for (std::size_t k = 0; k < 4; ++k)
+    quad[k] = {mesh_.positions[corners[k]], mesh_.ids[corners[k]]};
+  if (cut_from_one(quad)) {
+    add_triangle(corners[1], corners[2], corners[3]);
+    add_triangle(corners[1], corners[3], corners[0]);
+  } else {
+    add_triangle(corners[0], corners[1], corners[2]);
+    add_triangle(corners[0], corners[2], corners[3]);
+  }
+}
+
+void TileStitcher::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  const Vec3 area = area_vector(mesh_.positions[a], mesh_.positions[b], mesh_.positions[c]);
+  if (area == Vec3{}) ++mesh_.collinear;
+  mesh_.triangles.push_back({a, b, c});
+  if (!parameters_.normals) return;
+  const auto cluster = [&](std::uint32_t v) {
+    return static_cast<std::uint8_t>(nearest_cluster(mesh_.normals[v], area));
+  };
+  mesh_.corner_clusters.push_back({cluster(a), cluster(b), cluster(c)});
+}
+
+TileMesh TileStitcher::finish() {
+  return std::move(mesh_);
+}
+
+std::uint64_t stitch_bytes(std::uint64_t vertices, std::uint64_t polygons) {
+  // Position, id, normals of a vertex; two triangles with clusters of a polygon; vectors may have
+  // grown to twice their content, and hold old and new while they grow.
+  return vertices * 3 * (12 + 8 + 12) + polygons * 3 * 2 * (12 + 3) + vertices / 4 * 48;
+}
+
+}  // namespace voxweld

@@ -1,0 +1,77 @@
+// Stitch: the polygons of one tile, brick by brick, with the upper neighbours' skins for the
+// corners that lie beyond; a vertex is computed once and referred to by id, so there is nothing to
+// patch.
+//
+// Based on: Ju, Losasso, Schaefer, Warren, "Dual Contouring of Hermite Data", 2002, section 3.2.
+// See stages/build/brick_polygons.h for what a brick hands over.
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "stages/stitch/snap.h"
+#include "storage/types/tile_mesh.h"
+#include "storage/types/top_tree.h"
+
+namespace voxweld {
+
+struct StitchParameters {
+  SnapFrame frame;
+  bool normals = true;
+};
+
+// One brick with what its polygons refer to. The spans are the caller's and need to live for the
+// call only.
+struct StitchBrick {
+  CellKey key;
+  std::span<const LeafVertex> vertices;
+  std::span<const PolygonRefs> polygons;      // only those whose owner cells lie in the tile
+  std::span<const std::uint8_t> emit_levels;  // beside polygons, or empty
+  const Skin* own_skin = nullptr;
+  std::array<const Skin*, 8> upper{};  // by direction; null where no brick has a surface
+};
+
+class TileStitcher {
+ public:
+  // top: the leaves above the bricks that the tile's bricks and their upper neighbours lie in,
+  // ascending code. Copied nowhere: lives as long as the stitcher.
+  TileStitcher(CellKey tile, const StitchParameters& parameters, std::span<const TopLeaf> top);
+
+  // Bricks in Morton order. Throws std::logic_error (a bug or inconsistent artifacts) when a corner
+  // cannot be resolved, naming the brick.
+  void add(const StitchBrick& brick);
+
+  TileMesh finish();
+
+ private:
+  struct Corner {
+    std::uint32_t index;  // in the tile's mesh
+    int level;            // of its leaf
+  };
+  Corner local_corner(const StitchBrick& brick, std::uint32_t vertex);
+  Corner foreign_corner(const StitchBrick& brick, CornerRef ref);
+  Corner shared_vertex(CellKey brick, std::span<const LeafVertex> group);
+  const TopLeaf* leaf_above(CellKey brick) const;
+  std::uint32_t append(CellKey leaf, int sheet, const LatticePoint& point,
+                       const std::array<PackedNormal, max_clusters>& normals);
+  void add_polygon(std::array<std::uint32_t, 4> corners);
+  void add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+
+  StitchParameters parameters_;
+  std::span<const TopLeaf> top_;
+  TileMesh mesh_;
+  // Vertices that several bricks refer to, those of the skins and of the leaves above: found by id.
+  std::unordered_map<std::uint64_t, std::uint32_t> shared_;
+  std::vector<std::uint32_t> local_;       // of the current brick: index in the mesh, or unset
+  std::vector<std::uint8_t> in_own_skin_;  // of the current brick
+  const TopLeaf* brick_above_ = nullptr;
+  std::vector<LeafVertex> group_;
+};
+
+// Bytes a stitcher holds for a tile of so many vertices and polygons, brick data not counted.
+std::uint64_t stitch_bytes(std::uint64_t vertices, std::uint64_t polygons);
+
+}  // namespace voxweld

@@ -1,0 +1,140 @@
+// What build makes of one brick: the simplified octree's vertices, the polygons the brick owns, the
+// skin its lower neighbours need, and the record by which merge goes on collapsing above it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "storage/types/morton.h"
+#include "storage/types/tile_mesh.h"
+
+namespace voxweld {
+
+// Bricks are 16 .. 256 cells a side, so a cell inside one has a 24-bit Morton code.
+inline constexpr int min_brick_level = 4;
+inline constexpr int max_brick_level = 8;
+
+// Counts are kept, and tiles cut, in blocks of this side whatever the brick size.
+inline constexpr int block_level = 4;
+
+// A quadratic error function by its triangular factor (Ju et al. 2002, equation 3), relative to its
+// node's centre in index units scaled by the spacing. Ten floats, and three for the mean of the
+// crossings. The number of planes is the squared Frobenius norm of the 3x3 part.
+//   | r00 r01 r02 b0 |
+//   |     r11 r12 b1 |
+//   |         r22 b2 |
+//   |             rho|
+// Under qef = "normal" the same ten floats hold A^T A (xx xy xz yy yz zz), A^T b, b^T b in the
+// volume's coordinates (order: xx xy xz ax yy yz ay zz az bb).
+struct Qef {
+  std::array<float, 10> r{};    // r00 r01 r02 b0 r11 r12 b1 r22 b2 rho
+  std::array<float, 3> mass{};  // mean of the crossings, relative to the node's centre
+};
+
+// Sums of unit Hermite normals by direction; the unused ones are zero.
+struct NormalClusters {
+  std::array<std::array<float, 3>, max_clusters> sum{};
+};
+
+// A leaf inside a brick: Morton code of its lowest cell (24 bits), level (4 bits), sheet (2 bits).
+struct LeafCode {
+  std::uint32_t bits = 0;
+  static constexpr LeafCode make(std::uint32_t code, int level, int sheet) {
+    return {code | static_cast<std::uint32_t>(level) << 24 |
+            static_cast<std::uint32_t>(sheet) << 28};
+  }
+  constexpr std::uint32_t code() const { return bits & 0xffffff; }
+  constexpr int level() const { return static_cast<int>(bits >> 24 & 15); }
+  constexpr int sheet() const { return static_cast<int>(bits >> 28 & 3); }
+};
+
+struct LeafVertex {
+  LeafCode leaf;
+  std::array<float, 3> offset{};  // from the leaf's centre, index units scaled by the spacing
+  std::array<PackedNormal, max_clusters> normals{};  // u = v = min for the unused
+};
+inline constexpr PackedNormal no_normal{INT16_MIN, INT16_MIN};
+
+// A corner of a polygon: a vertex of this brick, or a cell of one of the seven upper neighbours
+// together with the edge of that cell the polygon stands for (which picks the sheet).
+struct CornerRef {
+  std::uint32_t bits = 0;
+  static constexpr CornerRef local(std::uint32_t vertex) { return {vertex}; }
+  static constexpr CornerRef foreign(int direction, std::uint32_t code, int edge) {
+    return {0x80000000u | static_cast<std::uint32_t>(direction) << 28 |
+            static_cast<std::uint32_t>(edge) << 24 | code};
+  }
+  constexpr bool is_foreign() const { return (bits >> 31) != 0; }
+  constexpr std::uint32_t vertex() const { return bits; }
+  constexpr int direction() const {
+    return static_cast<int>(bits >> 28 & 7);
+  }  // bit a: +1 on axis a
+  constexpr int edge() const { return static_cast<int>(bits >> 24 & 15); }
+  constexpr std::uint32_t code() const { return bits & 0xffffff; }
+  friend constexpr bool operator==(CornerRef, CornerRef) = default;
+};
+using PolygonRefs = std::array<CornerRef, 4>;  // counter-clockwise seen from outside
+
+// One 16^3 block of the brick, in Morton order.
+struct BlockCount {
+  std::uint32_t polygon_end = 0;  // its polygons end here, and begin where the block before ends
+  std::uint32_t vertices = 0;     // of leaves whose lowest cell lies in the block
+};
+
+// An active finest cell of the lowest layer on x, y or z.
+struct SkinCell {
+  std::uint32_t code_signs = 0;    // Morton code (24 bits) | sign byte << 24
+  std::uint32_t first_joined = 0;  // first of its sheets in Skin::vertices | joined face << 31
+  constexpr std::uint32_t code() const { return code_signs & 0xffffff; }
+  constexpr int signs() const { return static_cast<int>(code_signs >> 24); }
+  constexpr std::uint32_t first() const { return first_joined & 0x7fffffff; }
+  constexpr bool joined() const { return first_joined >> 31 != 0; }
+};
+struct SkinVertex {
+  std::uint32_t brick_vertex = 0;  // its index in BrickOctree::vertices
+  LeafVertex vertex;
+};
+struct Skin {
+  std::vector<SkinCell> cells;  // ascending code
+  std::vector<SkinVertex> vertices;
+};
+
+// What an octree node is to its parent.
+enum class NodeState : std::uint32_t {
+  outside,  // homogeneous
+  inside,   // homogeneous
+  leaf,     // one vertex; the record holds what collapsing further needs
+  split,    // stays as it is
+};
+struct RootRecord {
+  NodeState state = NodeState::outside;
+  std::uint32_t corner_signs = 0;  // bit i: corner i (x = i & 1, y = i >> 1 & 1, z = i >> 2) inside
+  Qef qef;
+  NormalClusters clusters;
+  LeafVertex vertex;
+  float residual = 0;  // root mean square distance reached (metric rms) or its sum's root (sum)
+};
+
+// Figures that add up over bricks (and take the maximum where they are one).
+struct BrickCounts {
+  std::uint64_t active_cells = 0;
+  std::uint64_t crossing_edges = 0;  // owned by the brick
+  std::array<std::uint64_t, max_levels + 1> leaves{};
+  std::uint64_t vertices = 0;
+  double worst_residual = 0;  // of all leaves
+};
+
+struct BrickOctree {
+  std::vector<LeafVertex> vertices;   // leaves in Morton order, sheets in theirs
+  std::vector<PolygonRefs> polygons;  // by owner cell in Morton order, then axis
+  // topology = "free" only, beside polygons: bit l set when the polygon stands if its smallest leaf
+  // has level l.
+  std::vector<std::uint8_t> emit_levels;
+  std::vector<BlockCount> blocks;
+  Skin skin;
+  RootRecord root;
+  BrickCounts counts;
+};
+
+}  // namespace voxweld

@@ -1,0 +1,44 @@
+// What lies above the bricks: leaves that took in whole bricks, and the cubes tiles are cut from.
+#pragma once
+
+#include <cstdint>
+
+#include "storage/types/brick_octree.h"
+
+namespace voxweld {
+
+// A leaf above the bricks. Ascending `code` in every list.
+struct TopLeaf {
+  std::uint64_t code = 0;  // Morton code of its lowest finest cell
+  std::uint32_t level = 0;
+  LeafVertex vertex;  // leaf code unused; offset from the leaf's centre
+  float residual = 0;
+
+  constexpr CellKey key() const {
+    return {static_cast<int>(level), morton_decode(code >> (3 * level))};
+  }
+};
+
+// Vertices and polygons of one cube, a 16^3 block or larger. Vertices count where their leaf's
+// lowest cell lies, polygons where their owner cell does.
+struct CubeCount {
+  std::uint64_t code = 0;  // Morton code of its lowest finest cell
+  std::uint32_t level = 0;
+  std::uint32_t vertices = 0;
+  std::uint64_t polygons = 0;
+};
+
+// One tile of the plan.
+struct PlannedTile {
+  std::uint64_t code = 0;
+  std::uint32_t level = 0;
+  std::uint32_t reserved = 0;
+  std::uint64_t vertices = 0;
+  std::uint64_t polygons = 0;  // before those of fewer than three leaves are dropped
+
+  constexpr CellKey key() const {
+    return {static_cast<int>(level), morton_decode(code >> (3 * level))};
+  }
+};
+
+}  // namespace voxweld

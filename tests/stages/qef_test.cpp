@@ -1,0 +1,199 @@
+#include "stages/geometry/qef.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "stages/geometry/node_solver.h"
+
+namespace voxweld {
+namespace {
+
+struct Planes {
+  std::vector<std::array<double, 3>> normal, point;
+  double energy(const std::array<double, 3>& x) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < normal.size(); ++i) {
+      double d = 0;
+      for (std::size_t a = 0; a < 3; ++a) d += normal[i][a] * (x[a] - point[i][a]);
+      sum += d * d;
+    }
+    return sum;
+  }
+};
+
+Planes random_planes(std::mt19937& random, int count, double spread) {
+  std::uniform_real_distribution<double> u(-1, 1);
+  Planes planes;
+  const std::array<double, 3> main{u(random), u(random), u(random)};
+  for (int i = 0; i < count; ++i) {
+    std::array<double, 3> n;
+    double length = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      n[a] = main[a] + spread * u(random);
+      length += n[a] * n[a];
+    }
+    for (double& v : n) v /= std::sqrt(length);
+    planes.normal.push_back(n);
+    planes.point.push_back({0.5 * u(random), 0.5 * u(random), 0.5 * u(random)});
+  }
+  return planes;
+}
+
+PlaneBatch batch_of(const std::vector<Planes>& sets) {
+  PlaneBatch batch;
+  for (std::size_t lane = 0; lane < sets.size(); ++lane) {
+    const Planes& p = sets[lane];
+    batch.rows = std::max(batch.rows, static_cast<int>(p.normal.size()));
+    for (std::size_t i = 0; i < p.normal.size(); ++i) {
+      double b = 0;
+      for (std::size_t a = 0; a < 3; ++a) {
+        batch.plane[i][a][lane] = p.normal[i][a];
+        b += p.normal[i][a] * p.point[i][a];
+        batch.mass[a][lane] += p.point[i][a] / static_cast<double>(p.normal.size());
+      }
+      batch.plane[i][3][lane] = b;
+    }
+  }
+  return batch;
+}
+
+TEST(Qef, FactorHasTheEnergyOfThePlanes) {
+  std::mt19937 random(1);
+  std::vector<Planes> sets;
+  for (int lane = 0; lane < 8; ++lane) sets.push_back(random_planes(random, 3 + lane, 1));
+  FactorBatch factor;
+  qef_kernels_base().reduce(batch_of(sets), factor);
+  SolutionBatch solution;
+  qef_kernels_base().solve(factor, 0, solution);
+  for (std::size_t lane = 0; lane < 8; ++lane) {
+    std::array<double, 3> x;
+    for (std::size_t a = 0; a < 3; ++a) x[a] = solution.x[a][lane];
+    EXPECT_NEAR(solution.energy[lane], sets[lane].energy(x), 1e-12);
+    EXPECT_NEAR(factor.planes[lane], static_cast<double>(sets[lane].normal.size()), 1e-9);
+    for (std::size_t a = 0; a < 3; ++a)  // a minimum: no step lowers the energy
+      for (const double step : {-1e-4, 1e-4}) {
+        auto moved = x;
+        moved[a] += step;
+        EXPECT_GE(sets[lane].energy(moved), solution.energy[lane] - 1e-13);
+      }
+  }
+}
+
+TEST(Qef, FlatSetsTakeThePointNearestTheMassPoint) {
+  Planes flat;
+  for (int i = 0; i < 4; ++i) {
+    flat.normal.push_back({0, 0, 1});
+    flat.point.push_back({i * 0.1, -0.2, 0.25});
+  }
+  FactorBatch factor;
+  SolutionBatch solution;
+  qef_kernels_base().reduce(batch_of({flat}), factor);
+  qef_kernels_base().solve(factor, 0.1, solution);
+  EXPECT_NEAR(solution.x[0][0], 0.15, 1e-12);
+  EXPECT_NEAR(solution.x[1][0], -0.2, 1e-12);
+  EXPECT_NEAR(solution.x[2][0], 0.25, 1e-12);
+  EXPECT_NEAR(solution.energy[0], 0, 1e-20);
+}
+
+TEST(Qef, EveryVectorUnitGivesTheSameBits) {
+  std::vector<const QefKernels*> all = {qef_kernels_avx2(), qef_kernels_avx512()};
+  std::mt19937 random(2);
+  for (int round = 0; round < 500; ++round) {
+    std::vector<Planes> sets;
+    for (int lane = 0; lane < 8; ++lane)
+      sets.push_back(
+          random_planes(random, 1 + static_cast<int>(random() % 12), round % 3 == 0 ? 0 : 0.3));
+    const PlaneBatch batch = batch_of(sets);
+    FactorBatch expected;
+    SolutionBatch expected_x;
+    qef_kernels_base().reduce(batch, expected);
+    qef_kernels_base().solve(expected, 0.1, expected_x);
+    ChildBatch children;
+    for (std::size_t octant = 0; octant < 8; ++octant) {
+      if (random() % 3 == 0) continue;
+      children.octants |= 1u << octant;
+      for (std::size_t lane = 0; lane < 8; ++lane) {
+        const Qef q = store_lane(expected, (lane + octant) % 8);
+        for (std::size_t i = 0; i < 10; ++i) children.child[octant][i][lane] = q.r[i];
+        for (std::size_t a = 0; a < 3; ++a) children.child[octant][10 + a][lane] = q.mass[a];
+      }
+    }
+    FactorBatch expected_merge;
+    qef_kernels_base().merge(children, {0.5, 0.75, 1}, expected_merge);
+    for (const QefKernels* kernels : all) {
+      if (kernels == nullptr) continue;
+      FactorBatch factor, merged;
+      SolutionBatch x;
+      kernels->reduce(batch, factor);
+      kernels->solve(factor, 0.1, x);
+      kernels->merge(children, {0.5, 0.75, 1}, merged);
+      EXPECT_EQ(std::memcmp(&factor, &expected, sizeof factor), 0) << kernels->name;
+      EXPECT_EQ(std::memcmp(&x, &expected_x, sizeof x), 0) << kernels->name;
+      EXPECT_EQ(std::memcmp(&merged, &expected_merge, sizeof merged), 0) << kernels->name;
+    }
+  }
+}
+
+TEST(Qef, MergedChildrenHaveTheEnergyOfAllTheirPlanes) {
+  std::mt19937 random(3);
+  std::vector<Planes> sets;
+  for (int i = 0; i < 8; ++i) sets.push_back(random_planes(random, 5, 1));
+  FactorBatch factor;
+  qef_kernels().reduce(batch_of(sets), factor);
+  ChildBatch children;
+  children.octants = 255;
+  for (std::size_t octant = 0; octant < 8; ++octant) {
+    const Qef q = store_lane(factor, octant);
+    for (std::size_t i = 0; i < 10; ++i) children.child[octant][i][0] = q.r[i];
+    for (std::size_t a = 0; a < 3; ++a) children.child[octant][10 + a][0] = q.mass[a];
+  }
+  FactorBatch merged;
+  SolutionBatch solution;
+  qef_kernels().merge(children, {0.5, 0.5, 0.5}, merged);
+  qef_kernels().solve(merged, 0, solution);
+  std::array<double, 3> x, mass{};
+  for (std::size_t a = 0; a < 3; ++a) x[a] = solution.x[a][0];
+  double energy = 0;
+  for (std::size_t octant = 0; octant < 8; ++octant) {
+    std::array<double, 3> local = x;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double centre = (octant >> a & 1) != 0 ? 0.5 : -0.5;
+      local[a] -= centre;
+      for (const auto& p : sets[octant].point) mass[a] += (p[a] + centre) / 40;
+    }
+    energy += sets[octant].energy(local);
+  }
+  EXPECT_NEAR(solution.energy[0], energy, 1e-5);
+  for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(merged.mass[a][0], mass[a], 1e-6);
+}
+
+TEST(Qef, ConstrainedMinimumIsTheBestOfAFineSearch) {
+  std::mt19937 random(4);
+  int outside = 0;
+  for (int round = 0; round < 200; ++round) {
+    const Planes planes = random_planes(random, 4, 0.4);
+    FactorBatch factor;
+    SolutionBatch solution;
+    qef_kernels().reduce(batch_of({planes}), factor);
+    qef_kernels().solve(factor, 0, solution);
+    const Vec3 half{0.5, 0.4, 0.6};
+    const SolutionBatch before = solution;
+    constrain_lane(factor, 0, half, 0, solution);
+    outside += before.x[0][0] != solution.x[0][0] ? 1 : 0;
+    double best = 1e300;
+    for (int i = -20; i <= 20; ++i)
+      for (int j = -20; j <= 20; ++j)
+        for (int k = -20; k <= 20; ++k)
+          best = std::min(best, planes.energy({i * half.x / 20, j * half.y / 20, k * half.z / 20}));
+    EXPECT_LE(solution.energy[0], best + 1e-9);
+    for (std::size_t a = 0; a < 3; ++a)
+      EXPECT_LE(std::abs(solution.x[a][0]), half[static_cast<int>(a)]);
+  }
+  EXPECT_GT(outside, 50);
+}
+
+}  // namespace
+}  // namespace voxweld
