@@ -6,7 +6,7 @@ set -euo pipefail
 
 packages=(
   # build
-  g++ cmake ninja-build pkg-config git ca-certificates
+  g++ cmake ninja-build pkg-config git
   # libraries of the program
   libdraco-dev libopenmesh-dev libopenimageio-dev libtbb-dev libtomlplusplus-dev libcli11-dev
   nlohmann-json3-dev libfmt-dev libspdlog-dev libblosc-dev libzstd-dev libxxhash-dev zlib1g-dev

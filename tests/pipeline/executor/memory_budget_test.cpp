@@ -12,7 +12,7 @@
 namespace voxweld {
 namespace {
 
-constexpr std::uint64_t mebibyte = 1 << 20;
+constexpr std::uint64_t mebibyte = 1 << 20, gibibyte = 1 << 30;
 
 StageMemory build_needs(std::uint64_t base, std::uint64_t per_unit) {
   return {"build", base, per_unit, "one brick (brick = 256)",
@@ -54,7 +54,7 @@ TEST(MemoryBudget, RefusesSizesThatOverflow) {
 TEST(MemoryBudget, WritesBytesExactlyAndForPeople) {
   EXPECT_EQ(exact_bytes(0), "0B");
   EXPECT_EQ(exact_bytes(64 * mebibyte), "64MiB");
-  EXPECT_EQ(exact_bytes(3 * 1024 * mebibyte), "3GiB");
+  EXPECT_EQ(exact_bytes(3 * gibibyte), "3GiB");
   EXPECT_EQ(exact_bytes(1000000), "1000000B");
   EXPECT_EQ(readable_bytes(512), "512 B");
   EXPECT_EQ(readable_bytes(3.4 * 1024 * 1024 * 1024), "3.4 GiB");

@@ -13,7 +13,6 @@
 namespace voxweld {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 
 // What a user would see, and a clock that stands still until told.
