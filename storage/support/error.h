@@ -36,7 +36,14 @@ class FormatError : public Error {
 // The system refused: open, read, write, rename, disk full.
 class StorageError : public Error {
  public:
-  explicit StorageError(const std::string& message) : Error(message, 1) {}
+  explicit StorageError(const std::string& message, int error_number = 0)
+      : Error(message, 1), error_number_(error_number) {}
+  int error_number() const { return error_number_; }  // an errno value; 0 where there is none
+  // No space or quota left: every other write would fail in the same way.
+  bool disk_full() const;
+
+ private:
+  int error_number_;
 };
 
 // An artifact of ours fails its checks. `path` is the file to rebuild.

@@ -21,7 +21,7 @@ std::vector<std::byte> some_bytes(std::size_t count, int seed) {
 }
 
 std::filesystem::path write_sample(const testing::TempDirectory& directory) {
-  const auto path = directory / "a.vx";
+  auto path = directory / "a.vx";
   ArtifactWriter writer(path, {kind, 3, {7, 9}});
   writer.section(20, some_bytes(100, 1));
   writer.begin_section(10);

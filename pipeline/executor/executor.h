@@ -1,0 +1,83 @@
+// Runs the units of one stage. The stage says what a unit is and does; the executor decides where
+// and when, so that threads of this process and tasks of a cluster serve the same pipeline.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "pipeline/executor/interrupt.h"
+
+namespace voxweld {
+
+class StageProgress;
+
+using StageName = std::string_view;  // "ingest", "build" ...
+
+// One independent piece of a stage's work.
+struct Unit {
+  std::uint64_t key = 0;  // unique in its stage; orders errors
+  std::string name;       // "shard 3/0/1": how messages call it
+  double weight = 1;      // expected cost, in any unit common to the stage; not negative
+};
+
+enum class UnitOrder {
+  largest_first,  // no long unit is left to run alone at the end; equal weights in key order
+  as_given,       // for sources that can only be read forwards
+};
+
+struct RunOptions {
+  int threads = 1;  // at least 1
+  UnitOrder order = UnitOrder::largest_first;
+  StageProgress* progress = nullptr;         // told of each finished unit
+  const InterruptFlag* interrupt = nullptr;  // asked before each unit
+};
+
+// What a unit's work is given of the place it runs in.
+class WorkerContext {
+ public:
+  WorkerContext(int slot, const RunOptions& options) : slot_(slot), options_(options) {}
+
+  // In [0, threads), held by one unit at a time: the index of scratch memory that the caller owns
+  // and units use again and again.
+  int slot() const { return slot_; }
+  // Counts bytes towards the rate that is shown.
+  void add_bytes(std::uint64_t bytes);
+  // Throws Interrupted once a stop was asked for; long units call it between their pieces.
+  void check_interrupt() const {
+    if (options_.interrupt != nullptr) options_.interrupt->check();
+  }
+
+ private:
+  int slot_;
+  const RunOptions& options_;
+};
+
+using UnitWork = std::function<void(const Unit&, WorkerContext&)>;
+
+class Executor {
+ public:
+  virtual ~Executor() = default;
+
+  // Runs `work` on every unit and returns when all are done. A unit that fails does not keep the
+  // others from running, unless going on is of no use: a stop was asked for, or the disk is full;
+  // then units under way end and no other starts.
+  // `work` is called from several threads at once. An executor whose units run in other processes
+  // passes the stage and the keys on, and `work` is what those processes call.
+  // Throws a single failure as it came, several as ErrorSet (error_set.h) in key order, and
+  // Interrupted when a stop left units undone.
+  virtual void run_units(StageName stage, std::span<const Unit> units, const UnitWork& work,
+                         const RunOptions& options) = 0;
+};
+
+// Threads of this process (oneTBB). Work may use oneTBB itself: a thread that waits inside a unit
+// does not start another one.
+class LocalExecutor : public Executor {
+ public:
+  void run_units(StageName stage, std::span<const Unit> units, const UnitWork& work,
+                 const RunOptions& options) override;
+};
+
+}  // namespace voxweld

@@ -1,0 +1,101 @@
+#include "pipeline/executor/resources.h"
+
+#include <fcntl.h>
+#include <malloc.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <ctime>
+#include <fstream>
+#include <limits>
+#include <string>
+
+namespace voxweld {
+namespace {
+
+// The highest peak that was reset away.
+std::atomic<std::uint64_t> earlier_peak{0};
+
+// A figure of /proc/self/status, in bytes; 0 where there is none.
+std::uint64_t status_bytes(const std::string& field) {
+  std::ifstream status("/proc/self/status");
+  std::string name;
+  while (status >> name) {
+    if (name == field) {
+      std::uint64_t kibibytes = 0;
+      return status >> kibibytes ? kibibytes * 1024 : 0;
+    }
+    status.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  }
+  return 0;
+}
+
+std::uint64_t peak_since_reset() {
+  if (const std::uint64_t peak = status_bytes("VmHWM:"); peak != 0) return peak;
+  struct rusage usage {};
+  if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+// Sets the peak to what is resident now. False where that is not permitted or not heeded.
+bool reset_peak() {
+  const std::uint64_t before = peak_since_reset();
+  earlier_peak = std::max(earlier_peak.load(), before);
+  const int fd = ::open("/proc/self/clear_refs", O_WRONLY | O_CLOEXEC);
+  if (fd < 0) return false;
+  const bool written = ::write(fd, "5", 1) == 1;
+  ::close(fd);
+  return written && status_bytes("VmHWM:") != 0;
+}
+
+double seconds_of(clockid_t clock) {
+  struct timespec now {};
+  clock_gettime(clock, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+}  // namespace
+
+std::uint64_t resident_bytes() {
+  return status_bytes("VmRSS:");
+}
+
+std::uint64_t peak_resident_bytes() {
+  return std::max(earlier_peak.load(), peak_since_reset());
+}
+
+StageMeter::StageMeter()
+    : wall_start_s_(seconds_of(CLOCK_MONOTONIC)),
+      cpu_start_s_(seconds_of(CLOCK_PROCESS_CPUTIME_ID)),
+      peak_was_reset_(reset_peak()) {}
+
+StageFigures StageMeter::read() const {
+  StageFigures figures;
+  figures.wall_s = seconds_of(CLOCK_MONOTONIC) - wall_start_s_;
+  figures.cpu_s = seconds_of(CLOCK_PROCESS_CPUTIME_ID) - cpu_start_s_;
+  figures.peak_resident = peak_since_reset();
+  figures.peak_is_of_stage = peak_was_reset_;
+  return figures;
+}
+
+void tune_allocator(int threads) {
+#ifdef __GLIBC__
+  // A threshold that is set stays: by itself glibc raises it to the largest block freed so far, up
+  // to 32 MiB, and blocks below it are kept.
+  mallopt(M_MMAP_THRESHOLD, 256 * 1024);
+  mallopt(M_TRIM_THRESHOLD, 1024 * 1024);
+  mallopt(M_ARENA_MAX, std::max(threads, 1));
+#else
+  static_cast<void>(threads);
+#endif
+}
+
+void release_free_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
+}  // namespace voxweld

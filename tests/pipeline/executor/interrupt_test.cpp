@@ -1,0 +1,58 @@
+#include "pipeline/executor/interrupt.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstdlib>
+
+namespace voxweld {
+namespace {
+
+TEST(Interrupt, FlagThrowsOnlyAfterARequest) {
+  InterruptFlag flag;
+  EXPECT_NO_THROW(flag.check());
+  flag.request();
+  EXPECT_TRUE(flag.requested());
+  EXPECT_THROW(flag.check(), Interrupted);
+}
+
+TEST(Interrupt, SignalsSetTheFlagWithinTheScopeOnly) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const auto before = std::signal(signal, SIG_IGN);
+    InterruptFlag flag;
+    {
+      const InterruptScope scope(flag);
+      EXPECT_FALSE(flag.requested());
+      std::raise(signal);
+      EXPECT_TRUE(flag.requested());
+    }
+    InterruptFlag untouched;
+    std::raise(signal);  // ignored again, as before the scope
+    EXPECT_FALSE(untouched.requested());
+    std::signal(signal, before);
+  }
+}
+
+TEST(Interrupt, RepeatedTerminationChangesNothing) {
+  InterruptFlag flag;
+  const InterruptScope scope(flag);
+  std::raise(SIGTERM);
+  std::raise(SIGTERM);
+  EXPECT_TRUE(flag.requested());
+}
+
+void press_twice() {
+  InterruptFlag flag;
+  const InterruptScope scope(flag);
+  std::raise(SIGINT);
+  std::raise(SIGINT);
+  std::exit(0);
+}
+
+TEST(InterruptDeathTest, ASecondCtrlCExitsAtOnce) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(press_twice(), testing::ExitedWithCode(130), "Ctrl-C again stops at once");
+}
+
+}  // namespace
+}  // namespace voxweld

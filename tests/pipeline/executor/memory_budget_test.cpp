@@ -1,0 +1,85 @@
+#include "pipeline/executor/memory_budget.h"
+
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+
+#include <cstring>
+#include <limits>
+
+#include "pipeline/executor/resources.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+constexpr std::uint64_t mebibyte = 1 << 20, gibibyte = 1 << 30;
+
+StageMemory build_needs(std::uint64_t base, std::uint64_t per_unit) {
+  return {"build", base, per_unit, "one brick (brick = 256)",
+          "raise run.memory or lower work.brick"};
+}
+
+std::string refusal(std::uint64_t budget, const StageMemory& need) {
+  try {
+    threads_within({budget}, need, 4);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return {};
+}
+
+TEST(MemoryBudget, GivesTheThreadsThatFitAndNoMoreThanWanted) {
+  const StageMemory need = build_needs(40 * mebibyte, 50 * mebibyte);
+  EXPECT_EQ(threads_within({90 * mebibyte}, need, 8), 1);
+  EXPECT_EQ(threads_within({139 * mebibyte}, need, 8), 1);
+  EXPECT_EQ(threads_within({140 * mebibyte}, need, 8), 2);
+  EXPECT_EQ(threads_within({4096 * mebibyte}, need, 8), 8);
+  EXPECT_EQ(threads_within({40 * mebibyte}, build_needs(40 * mebibyte, 0), 8), 8);
+}
+
+TEST(MemoryBudget, RefusesNamingAFigureThatWouldDo) {
+  EXPECT_EQ(refusal(64 * mebibyte, build_needs(40 * mebibyte, 50 * mebibyte)),
+            "run.memory = 64MiB is too small: stage build needs at least 90MiB for one brick "
+            "(brick = 256); raise run.memory or lower work.brick");
+  const StageMemory odd = build_needs(40 * mebibyte, 50 * mebibyte + 1);
+  EXPECT_NE(refusal(90 * mebibyte, odd).find("at least 91MiB"), std::string::npos);
+  EXPECT_EQ(refusal(91 * mebibyte, odd), "");
+}
+
+TEST(MemoryBudget, RefusesSizesThatOverflow) {
+  constexpr std::uint64_t huge = std::numeric_limits<std::uint64_t>::max() - 5;
+  EXPECT_NE(refusal(64 * mebibyte, build_needs(huge, huge)), "");
+}
+
+TEST(MemoryBudget, WritesBytesExactlyAndForPeople) {
+  EXPECT_EQ(exact_bytes(0), "0B");
+  EXPECT_EQ(exact_bytes(64 * mebibyte), "64MiB");
+  EXPECT_EQ(exact_bytes(3 * gibibyte), "3GiB");
+  EXPECT_EQ(exact_bytes(1000000), "1000000B");
+  EXPECT_EQ(readable_bytes(512), "512 B");
+  EXPECT_EQ(readable_bytes(3.4 * 1024 * 1024 * 1024), "3.4 GiB");
+}
+
+TEST(Resources, PeakSeesAnAllocationAndForgetsItAtTheNextStage) {
+  constexpr std::size_t large = 64 * mebibyte;
+  const StageMeter first;
+  const std::uint64_t before = resident_bytes();
+  // Straight from the system: an allocator, a sanitizer's above all, may keep what is freed.
+  void* block = mmap(nullptr, large, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(block, MAP_FAILED);
+  std::memset(block, 1, large);
+  ASSERT_EQ(munmap(block, large), 0);
+  const StageFigures figures = first.read();
+  if (before == 0) GTEST_SKIP() << "the system does not tell resident sizes";
+  EXPECT_GE(figures.peak_resident + mebibyte, before + large);
+  EXPECT_GE(figures.wall_s, 0);
+  EXPECT_GE(figures.cpu_s, 0);
+  const StageMeter second;
+  if (second.read().peak_is_of_stage) {
+    EXPECT_LT(second.read().peak_resident, figures.peak_resident);
+  }
+  EXPECT_GE(peak_resident_bytes(), figures.peak_resident);
+}
+
+}  // namespace
+}  // namespace voxweld

@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Builds everything (Release) and runs all tests. Closes on ctest's own summary, which is kept in
+# BUILD_DIR/ctest.log.
+# Usage: tests/run.sh [BUILD_DIR]        (default: build, which pipeline/quickstart.sh shares)
+set -euo pipefail
+case ${1:-} in -h | --help)
+  sed -n '2,4s/^# //p' "$0"
+  exit 0
+  ;;
+esac
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+build=${1:-$root/build}
+jobs=$(nproc)
+
+# What the configuration finds is of interest only when it fails.
+if ! configured=$(cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release 2>&1); then
+  printf '%s\n' "$configured" >&2
+  exit 1
+fi
+cmake --build "$build" -j "$jobs"
+ctest --test-dir "$build" --output-on-failure -j "$jobs" 2>&1 | tee "$build/ctest.log"

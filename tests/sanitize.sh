@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# Builds with sanitizers and runs tests under them; any finding fails.
+# Usage: tests/sanitize.sh asan|tsan [TEST_PROGRAM...]
+#   asan: addresses, leaks and undefined behaviour; tsan: data races.
+#   With test programs named (test_container ...) only those are built and run, else all of ctest.
+set -euo pipefail
+usage() { sed -n '2,5s/^# //p' "${BASH_SOURCE[0]}"; }
+
+kind=${1:-}
+case $kind in
+  asan | tsan) shift ;;
+  -h | --help)
+    usage
+    exit 0
+    ;;
+  *)
+    usage >&2
+    exit 2
+    ;;
+esac
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+build=$root/build-$kind
+jobs=$(nproc)
+
+export ASAN_OPTIONS=${ASAN_OPTIONS:-strict_string_checks=1:detect_stack_use_after_return=1}
+export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1:halt_on_error=1}
+export TSAN_OPTIONS=${TSAN_OPTIONS:-halt_on_error=1:second_deadlock_stack=1}
+# The thread sanitizer of GCC 12 does not start where addresses are randomized over more bits than
+# it expects; tests are also started by the build, to be listed.
+fixed_addresses=()
+if [ "$kind" = tsan ] && setarch "$(uname -m)" -R true 2>/dev/null; then
+  fixed_addresses=(setarch "$(uname -m)" -R)
+fi
+
+cmake -C "$root/configs/presets/$kind.cmake" -S "$root" -B "$build" -G Ninja >/dev/null
+if [ $# -eq 0 ]; then
+  "${fixed_addresses[@]}" cmake --build "$build" -j "$jobs"
+  "${fixed_addresses[@]}" ctest --test-dir "$build" --output-on-failure -j "$jobs"
+else
+  "${fixed_addresses[@]}" cmake --build "$build" -j "$jobs" --target "$@"
+  for program in "$@"; do
+    echo "$kind: $program"
+    "${fixed_addresses[@]}" "$build/$program" --gtest_brief=1
+  done
+fi
