@@ -1,0 +1,141 @@
+#include "pipeline/config/commented.h"
+
+#include <fmt/format.h>
+
+#include <functional>
+#include <map>
+#include <string_view>
+
+#include "pipeline/config/settings.h"
+#include "pipeline/config/text_layout.h"
+
+namespace voxweld {
+namespace {
+
+std::string real(double value) {
+  return to_toml(ConfigValue{value});
+}
+
+// Comments hold one line and no control characters.
+std::string comment_text(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  return text;
+}
+
+// A value for a key that is commented out and has no default of its own.
+std::string sample_value(const Setting& setting) {
+  static const std::map<std::string, std::string> samples = {
+      {"input.crop", "[0, 0, 0, 256, 256, 256]"},
+      {"input.spacing", "[1.0, 1.0, 1.0]"},
+      {"input.unit", "\"mm\""},
+      {"input.size", "[512, 512, 512]"},
+      {"input.type", "\"uint16\""},
+      {"work.directory", "\"scan.work\""},
+      {"output.directory", "\"scan.mesh\""}};
+  const auto found = samples.find(setting.name());
+  return found == samples.end() ? setting.default_text() : found->second;
+}
+
+std::string described(const Setting& setting) {
+  std::string text = setting.description;
+  text += " Takes " + accepted_text(setting.rule) + ".";
+  if (!setting.default_note.empty() && !setting.required)
+    text += " Default: " + setting.default_note + ".";
+  return wrapped(text, "# ");
+}
+
+// The values of the keys that are active; the others are written as comments.
+using Active = std::map<std::string, std::string>;
+
+std::string table_text(const std::string& table, const Active& active) {
+  std::string text = fmt::format("\n[{}]\n", table);
+  for (const Setting& setting : settings()) {
+    if (setting.table != table) continue;
+    const auto value = active.find(setting.name());
+    text += described(setting);
+    text += value == active.end() ? fmt::format("# {} = {}\n\n", setting.key, sample_value(setting))
+                                  : fmt::format("{} = {}\n\n", setting.key, value->second);
+  }
+  text.pop_back();
+  return text;
+}
+
+std::string facts(const VolumeInfo& info, const InitSuggestion& suggestion) {
+  const VolumeGeometry& g = info.geometry;
+  std::string text = fmt::format("# {} x {} x {} samples of {}, {} to {}, read as {}\n", g.size.x,
+                                 g.size.y, g.size.z, sample_type_name(info.type),
+                                 real(suggestion.lowest), real(suggestion.highest), info.format);
+  const Vec3 spacing = suggestion.spacing.value_or(g.spacing);
+  const std::string unit = g.unit.empty() ? "(the file names no unit)" : comment_text(g.unit);
+  text += fmt::format("# spacing {} x {} x {} {}\n", real(spacing.x), real(spacing.y),
+                      real(spacing.z), unit);
+  for (const std::string& warning : info.warnings)
+    text += wrapped("Note: " + comment_text(warning), "# ");
+  return text;
+}
+
+Active active_for(const VolumeInfo& info, const InitSuggestion& suggestion) {
+  const Config defaults;
+  const auto value_of = [&](const char* table, const char* key) {
+    return to_toml(*find_setting(table, key)->get(defaults));
+  };
+  Active active;
+  active["input.path"] = toml_string(suggestion.path);
+  if (info.format == "raw") {
+    const Index3 size = info.geometry.size;
+    active["input.format"] = "\"raw\"";
+    active["input.size"] = fmt::format("[{}, {}, {}]", size.x, size.y, size.z);
+    active["input.type"] = toml_string(sample_type_name(info.type));
+    active["input.endian"] =
+        suggestion.endian == InputConfig::Endian::big ? "\"big\"" : "\"little\"";
+    active["input.header_bytes"] = std::to_string(suggestion.header_bytes);
+  }
+  if (suggestion.spacing)
+    active["input.spacing"] = fmt::format("[{}, {}, {}]", real(suggestion.spacing->x),
+                                          real(suggestion.spacing->y), real(suggestion.spacing->z));
+  active["surface.isovalue"] = real(suggestion.isovalue);
+  active["surface.inside"] =
+      suggestion.inside == SurfaceConfig::Inside::above ? "\"above\"" : "\"below\"";
+  active["simplify.tolerance"] = value_of("simplify", "tolerance");
+  active["output.formats"] = value_of("output", "formats");
+  active["run.memory"] = value_of("run", "memory");
+  return active;
+}
+
+}  // namespace
+
+std::string commented_config(const VolumeInfo& info, const InitSuggestion& suggestion) {
+  std::string text = "# voxweld config. Keys that begin with # are at their defaults.\n";
+  text += facts(info, suggestion);
+  const Active active = active_for(info, suggestion);
+  for (const std::string& table : table_names()) {
+    text += table_text(table, active);
+    if (table != "surface") continue;
+    // Where the number came from belongs beside it.
+    const std::string line = "isovalue = ";
+    text.insert(
+        text.find("\n" + line) + 1,
+        fmt::format("# Suggested by the histogram (\"otsu\"); the samples lie in {} to {}.\n",
+                    real(suggestion.lowest), real(suggestion.highest)));
+  }
+  return text;
+}
+
+std::string reference_config() {
+  const Config defaults;
+  Active active;
+  for (const Setting& setting : settings())
+    if (setting.default_note.empty()) active[setting.name()] = to_toml(*setting.get(defaults));
+  active["input.path"] = "\"scan.nrrd\"";
+  active["surface.isovalue"] = "\"otsu\"";
+  // Only raw files take these.
+  active.erase("input.endian");
+  active.erase("input.header_bytes");
+  std::string text = "#:schema voxweld.schema.json\n";
+  text += "# Every key there is. Those that begin with # have no value unless one is given.\n";
+  for (const std::string& table : table_names()) text += table_text(table, active);
+  return text;
+}
+
+}  // namespace voxweld

@@ -1,0 +1,36 @@
+// Config files written for people: one to begin with for a given volume, and one that shows every
+// key. Both load as they are.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "pipeline/config/config.h"
+#include "storage/types/volume.h"
+
+namespace voxweld {
+
+// What looking at the volume suggests.
+struct InitSuggestion {
+  std::string path;     // for input.path: absolute, or relative to where the config will lie
+  double isovalue = 0;  // finite
+  SurfaceConfig::Inside inside = SurfaceConfig::Inside::above;
+  double lowest = 0, highest = 0;  // of the samples
+  // Raw files only: what the user said of the layout besides size and type.
+  InputConfig::Endian endian = InputConfig::Endian::little;
+  std::int64_t header_bytes = 0;
+  // Set where the file says nothing or something else.
+  std::optional<Vec3> spacing;
+};
+
+// A config for that volume: facts about it in comments, the keys one is likely to touch active,
+// the rest commented out at their defaults. The format is written only for raw files, which cannot
+// be recognised. Precondition: suggestion.path is valid UTF-8 without control characters.
+std::string commented_config(const VolumeInfo& info, const InitSuggestion& suggestion);
+
+// Every key with its description, accepted values and default; input.path stands for a volume
+// beside the config. configs/example.toml is this text.
+std::string reference_config();
+
+}  // namespace voxweld

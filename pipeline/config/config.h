@@ -1,0 +1,136 @@
+// The config of a run: what the TOML file and the --set overrides say, defaults filled in, every
+// value checked. The keys, their accepted values and the stages that read them are listed once, in
+// settings.cpp; the members here have the same names.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "storage/support/hash.h"
+#include "storage/types/box.h"
+#include "storage/types/sample_type.h"
+
+namespace voxweld {
+
+// The order of the enumerators is the order of the names in settings.cpp.
+
+struct InputConfig {
+  enum class Format : std::uint8_t { automatic, nrrd, metaimage, nifti, raw, stack, zarr };
+  enum class Endian : std::uint8_t { little, big };
+
+  std::filesystem::path path;  // absolute
+  Format format = Format::automatic;
+  std::optional<Box3> crop;     // samples, half-open; empty: the whole volume
+  std::optional<Vec3> spacing;  // overrides the file's, in the volume's unit
+  std::string unit;             // overrides the file's; empty: as the file says
+  // The layout of raw samples. size and type are both set or both empty, set when format is raw.
+  std::optional<Index3> size;
+  std::optional<SampleType> type;
+  Endian endian = Endian::little;
+  std::int64_t header_bytes = 0;
+
+  friend bool operator==(const InputConfig&, const InputConfig&) = default;
+};
+
+struct WorkConfig {
+  enum class Copy : std::uint8_t { automatic, always, never };
+
+  std::filesystem::path directory;  // absolute
+  std::int64_t chunk = 32;          // samples a side, divides brick * shard
+  std::int64_t brick = 64;          // cells a side
+  std::int64_t shard = 4;           // bricks a side
+  Copy copy = Copy::automatic;
+
+  friend bool operator==(const WorkConfig&, const WorkConfig&) = default;
+};
+
+struct SurfaceConfig {
+  enum class Inside : std::uint8_t { above, below };
+  enum class Border : std::uint8_t { closed, open };
+  enum class Gradient : std::uint8_t { eno, central };
+
+  std::optional<double> isovalue;  // empty: "otsu", chosen from the volume's histogram
+  Inside inside = Inside::above;
+  Border border = Border::closed;
+  Gradient gradient = Gradient::eno;
+
+  friend bool operator==(const SurfaceConfig&, const SurfaceConfig&) = default;
+};
+
+struct SimplifyConfig {
+  enum class Unit : std::uint8_t { voxel, physical };
+  enum class Metric : std::uint8_t { rms, sum };
+  enum class Topology : std::uint8_t { safe, free };
+  enum class Qef : std::uint8_t { qr, normal };
+
+  bool enabled = true;
+  double tolerance = 0.1;  // in tolerance_unit; a voxel is the smallest spacing
+  Unit tolerance_unit = Unit::voxel;
+  Metric metric = Metric::rms;
+  Topology topology = Topology::safe;
+  Qef qef = Qef::qr;
+
+  friend bool operator==(const SimplifyConfig&, const SimplifyConfig&) = default;
+};
+
+struct OutputConfig {
+  enum class Format : std::uint8_t { drc, glb };
+  enum class Merged : std::uint8_t { automatic, always, never };
+
+  std::filesystem::path directory;                           // absolute
+  std::vector<Format> formats = {Format::drc, Format::glb};  // not empty, no duplicates
+  Merged merged = Merged::automatic;
+  bool tiles = true;  // false only where merged is not `never`
+  std::int64_t tile_vertices = 500000;
+  double precision = 0.01;  // voxels (the smallest spacing)
+  bool normals = true;
+
+  friend bool operator==(const OutputConfig&, const OutputConfig&) = default;
+};
+
+struct RunConfig {
+  enum class Executor : std::uint8_t { local };
+
+  Executor executor = Executor::local;
+  std::int64_t threads = 0;                       // 0: as many as the machine has
+  std::uint64_t memory = std::uint64_t{4} << 30;  // bytes a process, peak
+
+  friend bool operator==(const RunConfig&, const RunConfig&) = default;
+};
+
+struct Config {
+  InputConfig input;
+  WorkConfig work;
+  SurfaceConfig surface;
+  SimplifyConfig simplify;
+  OutputConfig output;
+  RunConfig run;
+
+  friend bool operator==(const Config&, const Config&) = default;
+};
+
+// Reads the TOML file at `path`, then applies `overrides` in order, each "table.key=value": the
+// value is TOML, bare words are strings ("surface.isovalue=otsu"). Relative paths are relative to
+// the file's folder, those in overrides to the current directory.
+// Throws InputError, naming file:line:column (or the override), the key, what is accepted and what
+// was found; StorageError when the file exists but cannot be read.
+Config load_config(const std::filesystem::path& path, std::span<const std::string> overrides = {});
+
+// The same for a text already at hand; `path` is the file it stands for (names it in messages,
+// gives the folder of relative paths and the default directories) and need not exist.
+Config parse_config(const std::string& text, const std::filesystem::path& path,
+                    std::span<const std::string> overrides = {});
+
+// The effective config as TOML: every key that has a value, in the order of the table, paths
+// absolute. Reading it back gives an equal config.
+std::string canonical_toml(const Config& config);
+
+// Equal for equal configs. Over every key, those that cannot change a result included: to see
+// whether anything was edited. What decides the bytes of a stage is parameter_hash().
+Hash128 config_fingerprint(const Config& config);
+
+}  // namespace voxweld

@@ -1,0 +1,264 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <system_error>
+
+#include "pipeline/config/config.h"
+#include "pipeline/config/document.h"
+#include "pipeline/config/settings.h"
+#include "pipeline/config/suggest.h"
+#include "storage/support/error.h"
+#include "storage/support/file_io.h"
+
+namespace voxweld {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A config is a page of text; a volume given in its place is refused before it is read.
+constexpr std::uint64_t largest_config = std::uint64_t{1} << 20;
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+// Keys come from the file, so they are shown cut and escaped.
+std::string shown(const std::string& name) {
+  const std::string text = toml_string_short(name);
+  return text.substr(1, text.size() - 2);
+}
+
+std::string did_you_mean(const std::string& name) {
+  return name.empty() ? "" : "; did you mean " + name + "?";
+}
+
+// Where each value that was given stands, for the checks that look at several.
+using Places = std::map<std::string, std::string>;  // setting name to "file:line:column"
+
+struct Assignment {
+  const Setting* setting;
+  ConfigValue value;
+  std::string where;
+  fs::path base;  // of relative paths
+};
+
+void assign(Config& config, Places& places, Assignment a) {
+  const Verdict verdict = check(a.setting->rule, a.value);
+  if (!verdict.accepted) {
+    const std::string by_default =
+        a.setting->required ? "" : fmt::format(" (default: {})", a.setting->default_text());
+    throw InputError(fmt::format("{}: {}: expected {}{}, found {}{}{}", a.where, a.setting->name(),
+                                 accepted_text(a.setting->rule), by_default, describe(a.value),
+                                 verdict.hint.empty() ? "" : "; ", verdict.hint));
+  }
+  if (std::holds_alternative<PathRule>(a.setting->rule))
+    a.value = {(a.base / *a.value.text()).lexically_normal().string()};
+  a.setting->set(config, a.value);
+  places[a.setting->name()] = a.where;
+}
+
+[[noreturn]] void throw_unknown_table(const std::string& where, const std::string& table) {
+  const auto tables = table_names();
+  const std::string nearest = nearest_name(table, tables);
+  throw InputError(fmt::format("{}: unknown table [{}]{} The tables are {}", where, shown(table),
+                               nearest.empty() ? "." : "; did you mean [" + nearest + "]?",
+                               joined(tables)));
+}
+
+[[noreturn]] void throw_unknown_key(const std::string& where, const std::string& table,
+                                    const std::string& key) {
+  // A key of another table is a better guess than one that is merely spelled alike.
+  for (const Setting& setting : settings())
+    if (setting.key == key)
+      throw InputError(fmt::format("{}: unknown key {}; did you mean {}? [{}] takes {}", where,
+                                   shown(table + "." + key), setting.name(), table,
+                                   joined(key_names(table))));
+  const auto keys = key_names(table);
+  const std::string nearest = nearest_name(key, keys);
+  throw InputError(fmt::format(
+      "{}: unknown key {}{} [{}] takes {}", where, shown(table + "." + key),
+      nearest.empty() ? "." : did_you_mean(table + "." + nearest), table, joined(keys)));
+}
+
+[[noreturn]] void throw_outside_tables(const std::string& where, const DocumentEntry& entry) {
+  const auto tables = table_names();
+  if (std::find(tables.begin(), tables.end(), entry.key) != tables.end())
+    throw InputError(fmt::format("{}: expected a table [{}] with keys {}, found {}", where,
+                                 entry.key, joined(key_names(entry.key)), describe(entry.value)));
+  std::string meant;
+  for (const Setting& setting : settings())
+    if (setting.key == entry.key && meant.empty()) meant = setting.name();
+  throw InputError(fmt::format("{}: key {} stands outside any table{} The tables are {}", where,
+                               shown(entry.key), meant.empty() ? "." : did_you_mean(meant),
+                               joined(tables)));
+}
+
+void apply_document(const std::string& text, const fs::path& path, Config& config, Places& places) {
+  const std::string file = path.string();
+  const fs::path base = fs::absolute(path).parent_path();
+  const auto tables = table_names();
+  for (const DocumentEntry& entry : parse_document(text, file)) {
+    const auto where = [&](TextPlace at) {
+      return fmt::format("{}:{}:{}", file, at.line, at.column);
+    };
+    if (entry.table.empty()) throw_outside_tables(where(entry.key_at), entry);
+    if (std::find(tables.begin(), tables.end(), entry.table) == tables.end())
+      throw_unknown_table(where(entry.key_at), entry.table);
+    if (entry.key.empty()) continue;
+    const Setting* setting = find_setting(entry.table, entry.key);
+    if (setting == nullptr) throw_unknown_key(where(entry.key_at), entry.table, entry.key);
+    assign(config, places, {setting, entry.value, where(entry.value_at), base});
+  }
+}
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+void apply_override(const std::string& text, Config& config, Places& places) {
+  const std::string where = "--set " + shown(text);
+  const auto equals = text.find('=');
+  const std::string name = trimmed(text.substr(0, equals));
+  const auto dot = name.find('.');
+  if (equals == std::string::npos || dot == std::string::npos)
+    throw InputError(where +
+                     ": expected table.key=value, for example --set simplify.tolerance=0.2");
+  const std::string table = name.substr(0, dot);
+  const std::string key = name.substr(dot + 1);
+  const auto tables = table_names();
+  if (std::find(tables.begin(), tables.end(), table) == tables.end())
+    throw_unknown_table(where, table);
+  const Setting* setting = find_setting(table, key);
+  if (setting == nullptr) throw_unknown_key(where, table, key);
+  const std::string written = trimmed(text.substr(equals + 1));
+  std::optional<ConfigValue> value = parse_override_value(written);
+  if (!value)
+    throw InputError(fmt::format("{}: {}: expected {}, found {}, which is not valid TOML", where,
+                                 setting->name(), accepted_text(setting->rule), written));
+  // Paths that look like numbers or dates are paths all the same.
+  if (std::holds_alternative<PathRule>(setting->rule) && value->text() == nullptr)
+    value = ConfigValue{written};
+  assign(config, places, {setting, *value, where, fs::current_path()});
+}
+
+// The checks that look at several settings. `where` is the place of the first of the named keys
+// that was given.
+class CrossChecks {
+ public:
+  CrossChecks(const Config& config, const Places& places, std::string file)
+      : config_(config), places_(places), file_(std::move(file)) {}
+
+  void required() const {
+    for (const Setting& setting : settings())
+      if (setting.required && !places_.contains(setting.name()))
+        throw InputError(fmt::format("{}: missing key {} (expected {}): {}", file_, setting.name(),
+                                     accepted_text(setting.rule), setting.description));
+  }
+
+  void crop() const {
+    if (!config_.input.crop || !config_.input.crop->empty()) return;
+    fail({"input.crop"}, "expected [x0, y0, z0, x1, y1, z1] with x0 < x1, y0 < y1 and z0 < z1");
+  }
+
+  void raw() const {
+    const InputConfig& in = config_.input;
+    using Format = InputConfig::Format;
+    if (in.format != Format::raw && in.format != Format::automatic)
+      for (const char* name : {"input.size", "input.type", "input.endian", "input.header_bytes"})
+        if (places_.contains(name))
+          fail({name}, "only raw files take it; remove it, or set input.format = \"raw\"");
+    const bool needed = in.format == Format::raw || in.size || in.type;
+    if (needed && !in.size) fail({"input.size", "input.format", "input.type"}, missing_raw("size"));
+    if (needed && !in.type) fail({"input.type", "input.format", "input.size"}, missing_raw("type"));
+  }
+
+  void work() const {
+    const WorkConfig& w = config_.work;
+    if (w.chunk <= w.brick * w.shard) return;
+    fail({"work.chunk", "work.shard", "work.brick"},
+         fmt::format("expected at most work.brick * work.shard = {} * {} = {}, so that chunks "
+                     "divide shards; lower work.chunk or raise work.brick or work.shard",
+                     w.brick, w.shard, w.brick * w.shard));
+  }
+
+  void output() const {
+    if (config_.output.tiles || config_.output.merged != OutputConfig::Merged::never) return;
+    fail({"output.tiles", "output.merged"},
+         "with output.merged = false there is nothing to write; set one of the two to true");
+  }
+
+ private:
+  static std::string missing_raw(const std::string& key) {
+    const Setting& setting = *find_setting("input", key);
+    return fmt::format("missing, and raw files need it: expected {}", accepted_text(setting.rule));
+  }
+
+  // The message is about the first name.
+  [[noreturn]] void fail(const std::vector<std::string>& names, const std::string& problem) const {
+    std::string where = file_;
+    for (auto name = names.rbegin(); name != names.rend(); ++name)
+      if (const auto found = places_.find(*name); found != places_.end()) where = found->second;
+    const auto dot = names[0].find('.');
+    const Setting& setting = *find_setting(names[0].substr(0, dot), names[0].substr(dot + 1));
+    const auto value = setting.get(config_);
+    throw InputError(fmt::format("{}: {}{}: {}", where, names[0],
+                                 value ? " = " + to_toml(*value) : std::string(), problem));
+  }
+
+  const Config& config_;
+  const Places& places_;
+  std::string file_;
+};
+
+void set_default_directories(const fs::path& path, Config& config) {
+  fs::path base = fs::absolute(path).lexically_normal();
+  if (base.extension() == ".toml") base.replace_extension();
+  if (config.work.directory.empty()) config.work.directory = base.string() + ".work";
+  if (config.output.directory.empty()) config.output.directory = base.string() + ".mesh";
+}
+
+}  // namespace
+
+Config parse_config(const std::string& text, const fs::path& path,
+                    std::span<const std::string> overrides) {
+  Config config;
+  Places places;
+  apply_document(text, path, config, places);
+  for (const std::string& override_text : overrides) apply_override(override_text, config, places);
+
+  const CrossChecks checks(config, places, path.string());
+  checks.required();
+  checks.crop();
+  checks.raw();
+  checks.work();
+  checks.output();
+  set_default_directories(path, config);
+  return config;
+}
+
+Config load_config(const fs::path& path, std::span<const std::string> overrides) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status))
+    throw InputError(path.string() +
+                     ": no such config file; check the path, or write one with `voxweld init`");
+  if (!fs::is_regular_file(status))
+    throw InputError(path.string() +
+                     ": expected a config file (TOML), found a directory or device");
+  const std::uint64_t size = ReadFile(path).size();
+  if (size > largest_config)
+    throw InputError(
+        fmt::format("{}: expected a config file (TOML) of at most {}, found {} bytes; "
+                    "a volume is named inside the config, as input.path",
+                    path.string(), bytes_text(largest_config), size));
+  const auto bytes = read_whole_file(path);
+  return parse_config(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()), path,
+                      overrides);
+}
+
+}  // namespace voxweld

@@ -1,0 +1,269 @@
+#include "pipeline/config/rule.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "pipeline/config/suggest.h"
+
+namespace voxweld {
+namespace {
+
+template <class... F>
+struct Overloaded : F... {
+  using F::operator()...;
+};
+
+std::string alternatives(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + toml_string(names[i]);
+  return text;
+}
+
+std::string range_text(std::int64_t lo, std::int64_t hi) {
+  if (hi == std::numeric_limits<std::int64_t>::max()) return fmt::format("of at least {}", lo);
+  return fmt::format("from {} to {}", lo, hi);
+}
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+Verdict refuse(std::string hint = {}) {
+  return {false, std::move(hint)};
+}
+
+// A number in quotes, or a word without: the two slips of TOML's syntax worth a hint.
+std::string quote_hint(const ConfigValue& value) {
+  const std::string* text = value.text();
+  if (text == nullptr || text->empty()) return {};
+  if (*text == "true" || *text == "false") return "write " + *text + " without quotes";
+  double parsed = 0;
+  const char* const end = text->data() + text->size();
+  const auto [stop, error] = std::from_chars(text->data(), end, parsed);
+  if (error != std::errc{} || stop != end) return {};
+  return "write numbers without quotes";
+}
+
+std::string meant(const std::string& name, const std::vector<std::string>& names) {
+  std::string lower = name;
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  const std::string nearest = nearest_name(lower, names);
+  return nearest.empty() ? "" : "did you mean " + toml_string(nearest) + "?";
+}
+
+Verdict check_choice(const std::vector<std::string>& names, const ConfigValue& value) {
+  const std::string* text = value.text();
+  if (text == nullptr) return refuse();
+  if (contains(names, *text)) return {true, {}};
+  return refuse(meant(*text, names));
+}
+
+Verdict check_choices(const std::vector<std::string>& names, const ConfigValue& value) {
+  const auto* list = value.list();
+  if (list == nullptr && value.text() != nullptr && contains(names, *value.text()))
+    return refuse("write it in brackets: [" + toml_string(*value.text()) + "]");
+  if (list == nullptr || list->empty()) return refuse();
+  for (auto item = list->begin(); item != list->end(); ++item) {
+    if (Verdict one = check_choice(names, *item); !one.accepted) return one;
+    if (std::find(list->begin(), item, *item) != item)
+      return refuse(*item->text() + " is listed twice");
+  }
+  return {true, {}};
+}
+
+Verdict check_integer(std::int64_t lo, std::int64_t hi, const ConfigValue& value) {
+  const auto* whole = value.integer();
+  if (whole == nullptr) return refuse(quote_hint(value));
+  return {*whole >= lo && *whole <= hi, {}};
+}
+
+Verdict check_power(const PowerOfTwoRule& rule, const ConfigValue& value) {
+  Verdict verdict = check_integer(rule.lo, rule.hi, value);
+  if (!verdict.accepted) return verdict;
+  const auto whole = static_cast<std::uint64_t>(*value.integer());
+  if (std::has_single_bit(whole)) return verdict;
+  return refuse(
+      fmt::format("the nearest are {} and {}", std::bit_floor(whole), std::bit_ceil(whole)));
+}
+
+// Integers that a double cannot hold exactly are refused, not rounded.
+bool exact_number(const ConfigValue& value) {
+  constexpr std::int64_t limit = std::int64_t{1} << 53;
+  if (const auto* whole = value.integer()) return *whole >= -limit && *whole <= limit;
+  return value.is_number() && std::isfinite(value.number());
+}
+
+Verdict check_positive(const ConfigValue& value) {
+  if (!value.is_number()) return refuse(quote_hint(value));
+  return {exact_number(value) && value.number() > 0, {}};
+}
+
+Verdict check_spacing(const ConfigValue& value) {
+  const auto* list = value.list();
+  if (list == nullptr) return check_positive(value);
+  if (list->size() != 3) return refuse();
+  return {std::all_of(list->begin(), list->end(),
+                      [](const ConfigValue& item) { return check_positive(item).accepted; }),
+          {}};
+}
+
+Verdict check_integers(const IntegerListRule& rule, const ConfigValue& value) {
+  const auto* list = value.list();
+  if (list == nullptr || list->size() != rule.count) return refuse();
+  return {std::all_of(list->begin(), list->end(),
+                      [&](const ConfigValue& item) {
+                        return check_integer(rule.lo, rule.hi, item).accepted;
+                      }),
+          {}};
+}
+
+Verdict check_memory(const MemoryRule& rule, const ConfigValue& value) {
+  if (const auto* whole = value.integer())
+    return {*whole >= 0 && static_cast<std::uint64_t>(*whole) >= rule.least, {}};
+  if (value.text() == nullptr) return refuse();
+  const auto bytes = parse_bytes(*value.text());
+  if (!bytes) return refuse("units are B, KiB, MiB, GiB, TiB, KB, MB, GB and TB");
+  return {*bytes >= rule.least, {}};
+}
+
+Verdict check_path(const ConfigValue& value) {
+  const std::string* text = value.text();
+  if (text == nullptr) return refuse("write paths in quotes");
+  const bool control = std::any_of(text->begin(), text->end(), [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+  });
+  if (control) return refuse("it holds a control character; write backslashes twice");
+  return {!text->empty(), {}};
+}
+
+struct Unit {
+  const char* name;
+  std::uint64_t bytes;
+};
+constexpr std::array<Unit, 9> units = {{{"tib", std::uint64_t{1} << 40},
+                                        {"gib", std::uint64_t{1} << 30},
+                                        {"mib", std::uint64_t{1} << 20},
+                                        {"kib", std::uint64_t{1} << 10},
+                                        {"tb", 1000000000000},
+                                        {"gb", 1000000000},
+                                        {"mb", 1000000},
+                                        {"kb", 1000},
+                                        {"b", 1}}};
+
+}  // namespace
+
+std::string type_text(const Rule& rule) {
+  return std::visit(Overloaded{[](const PathRule&) { return "string"; },
+                               [](const ChoiceRule&) { return "string"; },
+                               [](const ChoiceListRule&) { return "list of strings"; },
+                               [](const FlagRule&) { return "boolean"; },
+                               [](const SwitchRule&) { return "boolean or string"; },
+                               [](const IntegerRule&) { return "integer"; },
+                               [](const PowerOfTwoRule&) { return "integer"; },
+                               [](const PositiveNumberRule&) { return "number"; },
+                               [](const NumberOrWordRule&) { return "number or string"; },
+                               [](const SpacingRule&) { return "number or list of numbers"; },
+                               [](const IntegerListRule&) { return "list of integers"; },
+                               [](const MemoryRule&) { return "string or integer"; }},
+                    rule);
+}
+
+std::string accepted_text(const Rule& rule) {
+  using fmt::format;
+  return std::visit(
+      Overloaded{
+          [](const PathRule&) { return std::string("a path in quotes"); },
+          [](const ChoiceRule& r) { return alternatives(r.names); },
+          [](const ChoiceListRule& r) {
+            return "a list of one or more of " + alternatives(r.names) + ", each once";
+          },
+          [](const FlagRule&) { return std::string("true or false"); },
+          [](const SwitchRule&) { return std::string("\"auto\", true or false"); },
+          [](const IntegerRule& r) { return "an integer " + range_text(r.lo, r.hi); },
+          [](const PowerOfTwoRule& r) { return "a power of two " + range_text(r.lo, r.hi); },
+          [](const PositiveNumberRule&) { return std::string("a finite number above 0"); },
+          [](const NumberOrWordRule& r) { return "a finite number or " + toml_string(r.word); },
+          [](const SpacingRule&) {
+            return std::string("a finite number above 0, or three of them: [x, y, z]");
+          },
+          [](const IntegerListRule& r) {
+            return format("a list of {} integers {}", r.count, range_text(r.lo, r.hi));
+          },
+          [](const MemoryRule& r) {
+            return format("text such as \"4GiB\" or a number of bytes, at least {}",
+                          bytes_text(r.least));
+          }},
+      rule);
+}
+
+Verdict check(const Rule& rule, const ConfigValue& value) {
+  return std::visit(
+      Overloaded{[&](const PathRule&) { return check_path(value); },
+                 [&](const ChoiceRule& r) { return check_choice(r.names, value); },
+                 [&](const ChoiceListRule& r) { return check_choices(r.names, value); },
+                 [&](const FlagRule&) {
+                   return Verdict{value.flag() != nullptr, quote_hint(value)};
+                 },
+                 [&](const SwitchRule&) {
+                   const bool word = value.text() != nullptr && *value.text() == "auto";
+                   return Verdict{word || value.flag() != nullptr, quote_hint(value)};
+                 },
+                 [&](const IntegerRule& r) { return check_integer(r.lo, r.hi, value); },
+                 [&](const PowerOfTwoRule& r) { return check_power(r, value); },
+                 [&](const PositiveNumberRule&) { return check_positive(value); },
+                 [&](const NumberOrWordRule& r) {
+                   if (value.text() != nullptr && *value.text() == r.word) return Verdict{true, {}};
+                   if (value.text() == nullptr) return Verdict{exact_number(value), {}};
+                   const std::string hint = quote_hint(value);
+                   return refuse(hint.empty() ? meant(*value.text(), {r.word}) : hint);
+                 },
+                 [&](const SpacingRule&) { return check_spacing(value); },
+                 [&](const IntegerListRule& r) { return check_integers(r, value); },
+                 [&](const MemoryRule& r) { return check_memory(r, value); }},
+      rule);
+}
+
+std::optional<std::uint64_t> parse_bytes(const std::string& text) {
+  double count = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, count, std::chars_format::fixed);
+  if (error != std::errc{} || text.front() < '0' || text.front() > '9') return std::nullopt;
+  std::string unit;
+  for (const char* c = stop; c != end; ++c)
+    if (*c != ' ' || !unit.empty())
+      unit += *c >= 'A' && *c <= 'Z' ? static_cast<char>(*c + 32) : *c;
+  for (const Unit& known : units) {
+    if (unit != known.name) continue;
+    // Whole counts are multiplied as integers, so that every byte count has an exact text.
+    std::uint64_t whole = 0;
+    const auto exact = std::from_chars(text.data(), stop, whole);
+    if (exact.ec == std::errc{} && exact.ptr == stop) {
+      if (whole > std::uint64_t{std::numeric_limits<std::int64_t>::max()} / known.bytes)
+        return std::nullopt;
+      return whole * known.bytes;
+    }
+    const double bytes = count * static_cast<double>(known.bytes);
+    if (!(bytes < 0x1p63)) return std::nullopt;
+    return static_cast<std::uint64_t>(bytes);
+  }
+  return std::nullopt;
+}
+
+std::string bytes_text(std::uint64_t bytes) {
+  constexpr std::array<const char*, 4> names = {"TiB", "GiB", "MiB", "KiB"};
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (bytes != 0 && bytes % units[i].bytes == 0)
+      return fmt::format("{}{}", bytes / units[i].bytes, names[i]);
+  return fmt::format("{}B", bytes);
+}
+
+}  // namespace voxweld

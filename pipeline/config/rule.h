@@ -1,0 +1,64 @@
+// What values a setting takes. One rule serves the parser, the messages, the help and the schema.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "pipeline/config/config_value.h"
+
+namespace voxweld {
+
+struct PathRule {};  // not empty; relative ones are made absolute by the loader
+struct ChoiceRule {  // one of the names
+  std::vector<std::string> names;
+};
+struct ChoiceListRule {  // at least one of the names, each once
+  std::vector<std::string> names;
+};
+struct FlagRule {};    // true or false
+struct SwitchRule {};  // "auto", true or false
+struct IntegerRule {   // lo .. hi
+  std::int64_t lo = 0, hi = 0;
+};
+struct PowerOfTwoRule {  // lo .. hi
+  std::int64_t lo = 1, hi = 1;
+};
+struct PositiveNumberRule {};  // finite, above 0
+struct NumberOrWordRule {      // finite, or that word
+  std::string word;
+};
+struct SpacingRule {};    // a positive number, or three
+struct IntegerListRule {  // exactly `count`, each lo .. hi
+  std::size_t count = 0;
+  std::int64_t lo = 0, hi = 0;
+};
+struct MemoryRule {  // bytes, or text such as "4GiB"
+  std::uint64_t least = 0;
+};
+
+using Rule = std::variant<PathRule, ChoiceRule, ChoiceListRule, FlagRule, SwitchRule, IntegerRule,
+                          PowerOfTwoRule, PositiveNumberRule, NumberOrWordRule, SpacingRule,
+                          IntegerListRule, MemoryRule>;
+
+// "integer", "string", "number or string" ...
+std::string type_text(const Rule& rule);
+// Reads after "expected": "a power of two from 8 to 256".
+std::string accepted_text(const Rule& rule);
+
+// Whether the value may be taken; when not, `hint` may say what was probably meant.
+struct Verdict {
+  bool accepted = false;
+  std::string hint;  // "", or a clause such as: did you mean "above"?
+};
+Verdict check(const Rule& rule, const ConfigValue& value);
+
+// Bytes of "4GiB", "500 MB", "1.5TiB" (KiB .. TiB: powers of 1024; KB .. TB: of 1000; B), in any
+// letter case; empty when it is not such a text or does not fit 63 bits.
+std::optional<std::uint64_t> parse_bytes(const std::string& text);
+// The shortest exact text: "4GiB", "1500MiB", "1000B". parse_bytes reads it back.
+std::string bytes_text(std::uint64_t bytes);
+
+}  // namespace voxweld

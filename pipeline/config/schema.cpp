@@ -1,0 +1,130 @@
+#include "pipeline/config/schema.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/config/settings.h"
+
+namespace voxweld {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json positive_number() {
+  return {{"type", "number"}, {"exclusiveMinimum", 0}};
+}
+
+Json whole(std::int64_t lo, std::int64_t hi) {
+  Json json = {{"type", "integer"}, {"minimum", lo}};
+  if (hi != std::numeric_limits<std::int64_t>::max()) json["maximum"] = hi;
+  return json;
+}
+
+Json fixed_list(Json item, std::size_t count) {
+  return {{"type", "array"}, {"items", std::move(item)}, {"minItems", count}, {"maxItems", count}};
+}
+
+Json either(Json a, Json b) {
+  Json json;
+  json["anyOf"] = Json::array({std::move(a), std::move(b)});
+  return json;
+}
+
+struct RuleSchema {
+  Json operator()(const PathRule&) const { return {{"type", "string"}, {"minLength", 1}}; }
+  Json operator()(const ChoiceRule& rule) const { return {{"enum", rule.names}}; }
+  Json operator()(const ChoiceListRule& rule) const {
+    return {{"type", "array"},
+            {"items", {{"enum", rule.names}}},
+            {"minItems", 1},
+            {"uniqueItems", true}};
+  }
+  Json operator()(const FlagRule&) const { return {{"type", "boolean"}}; }
+  Json operator()(const SwitchRule&) const {
+    return {{"enum", Json::array({"auto", true, false})}};
+  }
+  Json operator()(const IntegerRule& rule) const { return whole(rule.lo, rule.hi); }
+  Json operator()(const PowerOfTwoRule& rule) const {
+    Json values = Json::array();
+    for (std::int64_t value = rule.lo; value <= rule.hi; value *= 2) values.push_back(value);
+    return {{"enum", std::move(values)}};
+  }
+  Json operator()(const PositiveNumberRule&) const { return positive_number(); }
+  Json operator()(const NumberOrWordRule& rule) const {
+    return either({{"type", "number"}}, {{"const", rule.word}});
+  }
+  Json operator()(const SpacingRule&) const {
+    return either(positive_number(), fixed_list(positive_number(), 3));
+  }
+  Json operator()(const IntegerListRule& rule) const {
+    return fixed_list(whole(rule.lo, rule.hi), rule.count);
+  }
+  Json operator()(const MemoryRule& rule) const {
+    return either(
+        {{"type", "string"}, {"pattern", "^[0-9]+([.][0-9]+)? *([kKmMgGtT][iI]?)?[bB]$"}},
+        whole(static_cast<std::int64_t>(rule.least), std::numeric_limits<std::int64_t>::max()));
+  }
+};
+
+Json setting_schema(const Setting& setting) {
+  Json json = std::visit(RuleSchema{}, setting.rule);
+  std::string text = setting.description;
+  text += fmt::format(" Takes {}.", accepted_text(setting.rule));
+  if (!setting.default_note.empty() && !setting.required)
+    text += fmt::format(" Default: {}.", setting.default_note);
+  json["description"] = std::move(text);
+  // Every default that is a value is TOML that is JSON too.
+  if (setting.default_note.empty()) json["default"] = Json::parse(setting.default_text());
+  return json;
+}
+
+Json table_schema(const std::string& table) {
+  Json properties = Json::object();
+  Json required = Json::array();
+  for (const Setting& setting : settings()) {
+    if (setting.table != table) continue;
+    properties[setting.key] = setting_schema(setting);
+    if (setting.required) required.push_back(setting.key);
+  }
+  Json json = {{"type", "object"},
+               {"description", std::string(table_description(table))},
+               {"additionalProperties", false},
+               {"properties", std::move(properties)}};
+  if (!required.empty()) json["required"] = std::move(required);
+  return json;
+}
+
+// What the loader checks across keys and a schema can say.
+void add_cross_checks(Json& tables) {
+  Json& input = tables["input"];
+  input["if"] = {{"properties", {{"format", {{"const", "raw"}}}}},
+                 {"required", Json::array({"format"})}};
+  input["then"] = {{"required", Json::array({"size", "type"})}};
+  input["dependencies"] = {{"size", Json::array({"type"})}, {"type", Json::array({"size"})}};
+  tables["output"]["not"] = {
+      {"properties", {{"tiles", {{"const", false}}}, {"merged", {{"const", false}}}}},
+      {"required", Json::array({"tiles", "merged"})}};
+}
+
+}  // namespace
+
+std::string config_schema_json() {
+  Json tables = Json::object();
+  Json required = Json::array();
+  for (const std::string& table : table_names()) {
+    tables[table] = table_schema(table);
+    if (tables[table].contains("required")) required.push_back(table);
+  }
+  add_cross_checks(tables);
+  const Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"},
+                       {"title", "voxweld config"},
+                       {"type", "object"},
+                       {"additionalProperties", false},
+                       {"required", std::move(required)},
+                       {"properties", std::move(tables)}};
+  return schema.dump(2) + "\n";
+}
+
+}  // namespace voxweld

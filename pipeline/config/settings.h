@@ -1,0 +1,77 @@
+// The one table of all settings. Parsing and validation, the stage parameters that key every
+// artifact, help, schema and the commented files are all made from it, so they cannot disagree.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pipeline/config/config.h"
+#include "pipeline/config/config_value.h"
+#include "pipeline/config/rule.h"
+
+namespace voxweld {
+
+enum class Stage : std::uint8_t { ingest, build, merge, stitch, encode };
+inline constexpr std::array<Stage, 5> all_stages = {Stage::ingest, Stage::build, Stage::merge,
+                                                    Stage::stitch, Stage::encode};
+std::string_view stage_name(Stage stage);
+
+struct Setting {
+  std::string table, key;
+  Rule rule;
+  // The stages whose artifact bytes the value may change, beyond what reaches them through their
+  // inputs. Empty: no result depends on it.
+  std::vector<Stage> stages;
+  std::string description;
+  bool required = false;
+  // Shown where there is no fixed default value: "the whole volume".
+  std::string default_note;
+
+  // Precondition: check(rule, value) accepts; a path is absolute.
+  std::function<void(Config&, const ConfigValue&)> set;
+  // The value in its one canonical form; empty where the config leaves it open.
+  std::function<std::optional<ConfigValue>(const Config&)> get;
+
+  std::string name() const { return table + "." + key; }
+  bool read_by(Stage stage) const;
+  // The default as TOML, or the note, or "required".
+  std::string default_text() const;
+};
+
+// In the order of tables and keys in a config file.
+std::span<const Setting> settings();
+// Null when there is none of that name.
+const Setting* find_setting(std::string_view table, std::string_view key);
+std::vector<std::string> table_names();
+std::vector<std::string> key_names(std::string_view table);
+// One line on what the table is for.
+std::string_view table_description(std::string_view table);
+
+struct StageParameter {
+  std::string name;  // "table.key"
+  std::optional<ConfigValue> value;
+  friend bool operator==(const StageParameter&, const StageParameter&) = default;
+};
+
+// The settings a stage reads, in table order, in canonical form: equal for configs that ask the
+// same of the stage, however they are written.
+// A volume's isovalue may be left to "otsu"; keys of artifacts need the number, so callers put it
+// into config.surface.isovalue first.
+std::vector<StageParameter> stage_parameters(const Config& config, Stage stage);
+// What of the config goes into the keys and paths of the stage's artifacts.
+Hash128 parameter_hash(const Config& config, Stage stage);
+
+struct ChangedSetting {
+  const Setting* setting = nullptr;
+  std::string before, after;  // as TOML, or the default's note where unset
+};
+// In table order. For messages that say why a stage runs again.
+std::vector<ChangedSetting> changed_settings(const Config& before, const Config& after);
+
+}  // namespace voxweld
