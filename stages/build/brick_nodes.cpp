@@ -13,7 +13,8 @@ namespace {
 // edge by edge inside one brick (polygons.cpp), the same for every brick size.
 int highest_collapse(const BrickFrame& frame, const SimplifyParameters& simplify) {
   if (!simplify.enabled) return 0;
-  return simplify.topology == Topology::free ? std::min(frame.level, min_brick_level) : frame.level;
+  const int highest = std::min(frame.level, frame.domain_level);
+  return simplify.topology == Topology::free ? std::min(highest, min_brick_level) : highest;
 }
 
 // Eight finest cells (or sheets) on their way through the solver.

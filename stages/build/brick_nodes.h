@@ -15,8 +15,9 @@ namespace voxweld {
 
 // Where a brick lies and how large it is.
 struct BrickFrame {
-  Index3 origin;  // lattice point of its lowest corner: the lowest cell
-  int level = 6;  // side = 2^level cells
+  Index3 origin;         // lattice point of its lowest corner: the lowest cell
+  int level = 6;         // side = 2^level cells
+  int domain_level = 6;  // of the octree's root: nothing collapses above
   constexpr int side() const { return 1 << level; }
 };
 

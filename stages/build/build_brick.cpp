@@ -63,7 +63,7 @@ Box3 halo_samples(const BrickPlace& place, Gradient gradient) {
 void build_brick(const HaloBlock& block, const BrickPlace& place,
                  const ContourParameters& parameters, BrickScratch& scratch, BrickOctree& out) {
   BrickScratch::Parts& s = scratch.parts();
-  const BrickFrame frame{place.origin, place.level};
+  const BrickFrame frame{place.origin, place.level, domain_level(block.size)};
   clear(out, place.level);
   s.signs.fill(block, place.origin, frame.side(), parameters.surface);
   s.cells.find(s.signs, frame.side());

@@ -30,9 +30,13 @@ CellSigns corner_signs(const NodeSummary& node) {
 
 }  // namespace
 
-OctreeReduction::OctreeReduction(CellKey root, const ContourParameters& parameters,
-                                 ReductionSink& sink)
-    : root_(root), solver_(parameters), spacing_(parameters.spacing), sink_(sink) {
+OctreeReduction::OctreeReduction(CellKey root, int domain_level,
+                                 const ContourParameters& parameters, ReductionSink& sink)
+    : root_(root),
+      domain_level_(domain_level),
+      solver_(parameters),
+      spacing_(parameters.spacing),
+      sink_(sink) {
   result_.key = root;
 }
 
@@ -116,6 +120,7 @@ NodeSummary OctreeReduction::close(OpenNode& node) {
 }
 
 bool OctreeReduction::collapse(const OpenNode& node, NodeSummary& result) {
+  if (node.key.level > domain_level_) return false;
   std::array<CellSigns, 8> signs;
   for (std::size_t i = 0; i < 8; ++i) signs[i] = corner_signs(node.children[i]);
   const std::uint32_t signs27 = gather_signs27(signs);

@@ -34,8 +34,11 @@ struct NodeSummary {
 
 class OctreeReduction {
  public:
-  // The subtree to reduce; what lies in it and is never pushed is outside.
-  OctreeReduction(CellKey root, const ContourParameters& parameters, ReductionSink& sink);
+  // root: the subtree to reduce; what lies in it and is never pushed is outside. domain_level: of
+  // the octree's root; a subtree that reaches above it (a shard larger than the volume) does not
+  // collapse there.
+  OctreeReduction(CellKey root, int domain_level, const ContourParameters& parameters,
+                  ReductionSink& sink);
 
   // The next node, in Morton order, not overlapping those before. When it is split, everything
   // before it has reached the sink on return: the caller passes on the node's own cubes then.
@@ -65,6 +68,7 @@ class OctreeReduction {
   void mark_split();
 
   CellKey root_;
+  int domain_level_;
   NodeSolver solver_;
   Vec3 spacing_;
   ReductionSink& sink_;

@@ -59,6 +59,15 @@ struct CellKey {
   friend constexpr bool operator==(const CellKey&, const CellKey&) = default;
 };
 
+// The smallest L with 2^L >= max(size) + 1: the level of the root of a volume's octree, whatever
+// the brick size. size: samples a side.
+constexpr int domain_level(Index3 size) {
+  const std::int64_t cells = std::max({size.x, size.y, size.z}) + 1;
+  int level = 0;
+  while ((std::int64_t{1} << level) < cells) ++level;
+  return level;
+}
+
 // The id of a vertex: its leaf and, in a finest cell with several sheets, the sheet. The same in
 // every partition. Layout: level (5 bits) | Morton code at that level (57 bits) | sheet (2 bits).
 struct VertexId {

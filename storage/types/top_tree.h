@@ -13,6 +13,7 @@ struct TopLeaf {
   std::uint32_t level = 0;
   LeafVertex vertex;  // leaf code unused; offset from the leaf's centre
   float residual = 0;
+  std::uint32_t reserved = 0;  // no padding: leaves are written as they lie in memory
 
   constexpr CellKey key() const {
     return {static_cast<int>(level), morton_decode(code >> (3 * level))};

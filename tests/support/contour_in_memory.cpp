@@ -25,12 +25,6 @@ struct Collector : ReductionSink {
   void cube(const CubeCount& count) override { planner->push(count); }
 };
 
-int domain_level(Index3 size) {
-  int level = 0;
-  while ((std::int64_t{1} << level) < std::max({size.x, size.y, size.z}) + 1) ++level;
-  return level;
-}
-
 using Bricks = std::map<std::uint64_t, BrickOctree>;  // by Morton code of the brick's key
 
 Bricks build_all(const MemoryVolume& volume, const ContourParameters& parameters, int level) {
@@ -57,9 +51,10 @@ void add_counts(const BrickCounts& from, bool root_leaf, BrickCounts& to) {
   to.worst_residual = std::max(to.worst_residual, from.worst_residual);
 }
 
-void reduce_all(const Bricks& bricks, const ContourParameters& parameters, const CellKey& root,
-                int level, Collector& sink) {
-  OctreeReduction reduction(root, parameters, sink);
+void reduce_all(const Bricks& bricks, const ContourParameters& parameters, int domain, int level,
+                Collector& sink) {
+  const CellKey root{std::max(domain, level), {}};
+  OctreeReduction reduction(root, domain, parameters, sink);
   for (const auto& [code, brick] : bricks) {
     const CellKey key{level, morton_decode(code)};
     const bool leaf = brick.root.state == NodeState::leaf;
@@ -113,15 +108,15 @@ MemoryContour contour_in_memory(const MemoryVolume& volume, const ContourParamet
                                 const MemoryOptions& options) {
   MemoryContour contour;
   const Bricks bricks = build_all(volume, parameters, options.brick_level);
-  const int domain = std::max(domain_level(volume.size), options.brick_level);
+  const int domain = domain_level(volume.size);
   std::vector<PlannedTile> plan;
-  TilePlanner planner(domain, options.tile_vertices,
+  TilePlanner planner(std::max(domain, block_level), options.tile_vertices,
                       [&](const PlannedTile& t) { plan.push_back(t); });
   Collector sink;
   sink.out = &contour;
   sink.planner = &planner;
   sink.brick_level = options.brick_level;
-  reduce_all(bricks, parameters, {domain, {}}, options.brick_level, sink);
+  reduce_all(bricks, parameters, domain, options.brick_level, sink);
   planner.finish();
   StitchParameters stitch_parameters;
   stitch_parameters.frame.lattice =

@@ -1,0 +1,89 @@
+// The octree artifact: what build makes of one shard. Kind "octr", a container (container.h) with
+// these sections, all little-endian arrays of the plain records of storage/types:
+//
+//   name                       content
+//   brick code << 8 | part     of one brick with a surface; the code is the Morton code of the
+//   brick's
+//                              index; part 1 LeafVertex, 2 PolygonRefs, 3 emit levels (u8, only
+//                              under topology = "free"), 4 BlockCount, 5 SkinCell, 6 SkinVertex
+//   all ones << 8 | part       part 1 ShardSummaryRecord (one), 2 ShardNodeRecord,
+//                              3 CubeCount, 4 TopLeaf (each node's range is in its record)
+//
+// Bricks without a surface have no section; neighbours see them as absent.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "storage/artifact/container.h"
+#include "storage/types/brick_octree.h"
+#include "storage/types/top_tree.h"
+
+namespace voxweld {
+
+inline constexpr std::array<char, 4> shard_kind = {'o', 'c', 't', 'r'};
+// Goes up whenever build's bytes change: format or mathematics.
+inline constexpr std::uint32_t shard_version = 1;
+
+// One shard-sized cube of the octree. A shard at the volume's upper border also builds the layer of
+// bricks above it when that holds nothing but ring cells: such bricks lie in cubes of their own.
+struct ShardNode {
+  CellKey key;
+  RootRecord record;
+  std::uint64_t polygons = 0;    // when the whole cube is one leaf
+  std::vector<CubeCount> cubes;  // final ones, in Morton order
+  std::vector<TopLeaf> leaves;   // final ones above the bricks, in Morton order
+};
+
+struct ShardSummary {
+  BrickCounts counts;  // leaves and vertices: those no node above can take in
+  std::uint64_t bricks = 0;
+  std::uint64_t active_bricks = 0;
+  std::uint64_t collapsed_above = 0;  // nodes above the bricks that took in their children
+  // Of the samples read: what the data holds where no surface was found.
+  double lowest = 0, highest = 0;
+  std::uint64_t samples = 0;  // ordinary ones among them
+  Hash128 input;              // content hash of the samples read
+};
+
+class ShardArtifactWriter {
+ public:
+  ShardArtifactWriter(const std::filesystem::path& path, Hash128 key);
+  // Morton code of the brick's index. Any order.
+  void brick(std::uint64_t code, const BrickOctree& octree);
+  // Nodes in Morton order. Returns the artifact's content hash.
+  Hash128 finish(const ShardSummary& summary, std::span<const ShardNode> nodes);
+
+ private:
+  ArtifactWriter file_;
+};
+
+// Reads are thread-safe: a reader holds the index only.
+class ShardArtifact {
+ public:
+  explicit ShardArtifact(const std::filesystem::path& path);
+  const Hash128& key() const { return file_.key(); }
+  const Hash128& content_hash() const { return file_.content_hash(); }
+  const std::string& path() const { return file_.path(); }
+
+  ShardSummary summary() const;
+  std::vector<ShardNode> nodes() const;
+
+  bool has_brick(std::uint64_t code) const;
+  // Hashes of the parts stitch reads of its own bricks, or of neighbours (the skin alone).
+  void add_brick_hashes(std::uint64_t code, KeyHasher& key) const;
+  void add_skin_hashes(std::uint64_t code, KeyHasher& key) const;
+
+  void read_brick(std::uint64_t code, BrickOctree& out) const;  // all but root and counts
+  void read_skin(std::uint64_t code, Skin& out) const;
+  // Bytes the brick's parts take in memory.
+  std::uint64_t brick_bytes(std::uint64_t code) const;
+
+ private:
+  ArtifactReader file_;
+};
+
+}  // namespace voxweld

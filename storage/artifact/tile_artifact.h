@@ -1,0 +1,40 @@
+// A tile's mesh between stitch and encode. Kind "tile", a container with these sections:
+//   1 TileHeader (one)   2 positions, i32 x 3      3 vertex ids, u64    4 PackedNormal x 3, or
+//   empty 5 triangles, u32 x 3 6 corner clusters, u8 x 3, or empty
+#pragma once
+
+#include "storage/artifact/container.h"
+#include "storage/types/tile_mesh.h"
+
+namespace voxweld {
+
+inline constexpr std::array<char, 4> tile_kind = {'t', 'i', 'l', 'e'};
+inline constexpr std::uint32_t tile_version = 1;
+
+// A tile's figures, without its mesh.
+struct TileHeader {
+  std::uint64_t code = 0, level = 0;
+  std::uint64_t vertices = 0, triangles = 0;
+  std::uint64_t quads = 0, polygon_triangles = 0, collinear = 0;
+  double step = 0;
+  std::uint64_t bits = 0;
+  std::array<double, 3> origin{};
+
+  CellKey key() const { return {static_cast<int>(level), morton_decode(code >> (3 * level))}; }
+};
+
+Hash128 write_tile(const std::filesystem::path& path, Hash128 key, const TileMesh& mesh);
+
+class TileArtifact {
+ public:
+  explicit TileArtifact(const std::filesystem::path& path);
+  const Hash128& key() const { return file_.key(); }
+  const Hash128& content_hash() const { return file_.content_hash(); }
+  TileHeader header() const;
+  TileMesh read() const;
+
+ private:
+  ArtifactReader file_;
+};
+
+}  // namespace voxweld

@@ -1,0 +1,76 @@
+#include "storage/artifact/top_artifact.h"
+
+#include <algorithm>
+
+namespace voxweld {
+namespace {
+
+constexpr std::uint64_t counts_section = 1, tiles_section = 2, codes_section = 3;
+constexpr std::uint64_t first_leaf_section = 0x1000000;
+constexpr std::size_t leaves_per_section = 4096;
+
+static_assert(std::has_unique_object_representations_v<PlannedTile>);
+
+}  // namespace
+
+TopArtifactWriter::TopArtifactWriter(const std::filesystem::path& path, Hash128 key)
+    : file_(path, {top_kind, top_version, key}) {}
+
+void TopArtifactWriter::leaf(const TopLeaf& leaf) {
+  pending_.push_back(leaf);
+  if (pending_.size() == leaves_per_section) flush_leaves();
+}
+
+void TopArtifactWriter::flush_leaves() {
+  if (pending_.empty()) return;
+  file_.section(first_leaf_section + first_codes_.size(), std::as_bytes(std::span(pending_)));
+  first_codes_.push_back(pending_.front().code);
+  pending_.clear();
+}
+
+void TopArtifactWriter::tile(const PlannedTile& tile) {
+  tiles_.push_back(tile);
+}
+
+Hash128 TopArtifactWriter::finish(const MergeCounts& counts) {
+  flush_leaves();
+  file_.section(counts_section, std::as_bytes(std::span(&counts, 1)));
+  file_.section(tiles_section, std::as_bytes(std::span(tiles_)));
+  file_.section(codes_section, std::as_bytes(std::span(first_codes_)));
+  return file_.commit();
+}
+
+TopArtifact::TopArtifact(const std::filesystem::path& path) : file_(path, top_kind, top_version) {
+  file_.read_array(codes_section, first_codes_);
+}
+
+MergeCounts TopArtifact::counts() const {
+  std::vector<MergeCounts> counts;
+  file_.read_array(counts_section, counts);
+  if (counts.size() != 1) file_.damaged("has no counts");
+  return counts[0];
+}
+
+std::vector<PlannedTile> TopArtifact::tiles() const {
+  std::vector<PlannedTile> tiles;
+  file_.read_array(tiles_section, tiles);
+  return tiles;
+}
+
+std::vector<TopLeaf> TopArtifact::leaves(std::uint64_t begin, std::uint64_t end) const {
+  std::vector<TopLeaf> found, section;
+  // The section before the first that starts inside may still reach into the range.
+  auto first = std::upper_bound(first_codes_.begin(), first_codes_.end(), begin);
+  if (first != first_codes_.begin()) --first;
+  for (; first != first_codes_.end() && *first < end; ++first) {
+    file_.read_array(first_leaf_section + static_cast<std::uint64_t>(first - first_codes_.begin()),
+                     section);
+    for (const TopLeaf& leaf : section) {
+      const std::uint64_t leaf_end = leaf.code + (std::uint64_t{1} << (3 * leaf.level));
+      if (leaf.code < end && leaf_end > begin) found.push_back(leaf);
+    }
+  }
+  return found;
+}
+
+}  // namespace voxweld

@@ -1,0 +1,64 @@
+// The top tree: the leaves above the bricks and the tile plan, as merge leaves them. Kind "tops", a
+// container with these sections:
+//   1              MergeCounts (one)
+//   2              TileRecord: PlannedTile, in Morton order
+//   3              code of the first leaf of each leaf section, u64
+//   0x1000000 + i  TopLeaf, in Morton order, leaves_per_section in each but the last
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "storage/artifact/container.h"
+#include "storage/types/top_tree.h"
+
+namespace voxweld {
+
+inline constexpr std::array<char, 4> top_kind = {'t', 'o', 'p', 's'};
+inline constexpr std::uint32_t top_version = 1;
+
+// What is known of the whole after merge.
+struct MergeCounts {
+  std::uint64_t bricks = 0, active_bricks = 0;
+  std::uint64_t active_cells = 0, crossing_edges = 0;
+  std::uint64_t vertices = 0;         // of the final octree
+  std::uint64_t collapsed_above = 0;  // nodes above the bricks that took in their children
+  std::uint64_t top_leaves = 0;       // those of them that are leaves in the end
+  std::uint64_t samples = 0;
+  double worst_residual = 0;       // of the collapsed leaves
+  double lowest = 0, highest = 0;  // of the samples
+  std::array<std::uint64_t, max_levels + 1> leaves{};
+};
+
+class TopArtifactWriter {
+ public:
+  TopArtifactWriter(const std::filesystem::path& path, Hash128 key);
+  void leaf(const TopLeaf& leaf);      // in Morton order
+  void tile(const PlannedTile& tile);  // in Morton order
+  Hash128 finish(const MergeCounts& counts);
+
+ private:
+  void flush_leaves();
+  ArtifactWriter file_;
+  std::vector<TopLeaf> pending_;
+  std::vector<std::uint64_t> first_codes_;
+  std::vector<PlannedTile> tiles_;
+};
+
+class TopArtifact {
+ public:
+  explicit TopArtifact(const std::filesystem::path& path);
+  const Hash128& key() const { return file_.key(); }
+  const Hash128& content_hash() const { return file_.content_hash(); }
+
+  MergeCounts counts() const;
+  std::vector<PlannedTile> tiles() const;
+  // The leaves whose cubes meet the Morton range [begin, end), in order.
+  std::vector<TopLeaf> leaves(std::uint64_t begin, std::uint64_t end) const;
+
+ private:
+  ArtifactReader file_;
+  std::vector<std::uint64_t> first_codes_;
+};
+
+}  // namespace voxweld
