@@ -42,7 +42,9 @@ std::size_t cached_records(const StoreLayout& layout) {
 }  // namespace
 
 StoreSource::StoreSource(const StoreLayout& layout)
-    : layout_(layout), reader_(layout.zarr(), Ownership::ours), records_(cached_records(layout_)) {
+    : layout_(checked(layout)),
+      reader_(layout_.zarr(), Ownership::ours),
+      records_(cached_records(layout_)) {
   info_ = describe(layout_, reader_.largest_decode());
 }
 
