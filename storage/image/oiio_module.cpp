@@ -1,0 +1,59 @@
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <cstring>
+#include <exception>
+#include <memory>
+
+#include "storage/image/module_api.h"
+#include "storage/image/oiio_reader.h"
+
+namespace voxweld {
+namespace {
+
+class OiioModule final : public ImageModule {
+ public:
+  OiioModule() {
+    // The caller decides on parallelism; a pool of its own would also hold memory of its own.
+    OIIO::attribute("threads", 1);
+    OIIO::attribute("exr_threads", -1);
+  }
+
+  ImageModuleReader* open(const std::string& path, std::string& error) override try {
+    return OiioReader::open(path, error).release();
+  } catch (const std::exception& failure) {
+    error = failure.what();
+    return nullptr;
+  }
+
+  bool encode_png(const PngImage& image, std::span<const std::byte> pixels,
+                  std::vector<unsigned char>& out, std::string& error) override try {
+    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
+    if (!output) {
+      error = OIIO::geterror();
+      return false;
+    }
+    OIIO::Filesystem::IOVecOutput memory(out);
+    output->set_ioproxy(&memory);
+    OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height),
+                         image.channels, OIIO::TypeUInt8);
+    spec.attribute("oiio:UnassociatedAlpha", 1);
+    const bool done = output->open("image.png", spec) &&
+                      output->write_image(OIIO::TypeUInt8, pixels.data()) && output->close();
+    if (!done) error = output->geterror();
+    return done;
+  } catch (const std::exception& failure) {
+    error = failure.what();
+    return false;
+  }
+};
+
+}  // namespace
+}  // namespace voxweld
+
+extern "C" __attribute__((visibility("default"))) voxweld::ImageModule* voxweld_image_module_entry(
+    const char* version) {
+  if (std::strcmp(version, voxweld::image_module_version) != 0) return nullptr;
+  static voxweld::OiioModule module;
+  return &module;
+}

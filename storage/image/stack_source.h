@@ -1,0 +1,30 @@
+// A volume made of images: a directory or pattern of slices, or one multi-page file.
+//
+// Axes: x along a row, y down the rows of the file, z in slice order (first slice or page: z = 0).
+// Values are those of the file in its own type: odd bit depths are widened without rescaling, half
+// floats become float32, white-is-zero images are turned so that brighter is larger.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "storage/types/volume.h"
+
+namespace voxweld {
+
+struct StackSpec {
+  std::string path;             // directory, file, or glob pattern ("scan/slice_*.tif")
+  std::optional<Vec3> spacing;  // overrides what the files say
+  std::string unit;             // overrides the unit; empty: the files', unless spacing is given
+};
+
+// Reads the headers of all slices (one file open at a time) and checks that they fit together.
+// The source has format "stack" and Access::slice; `read` takes boxes of whole rows, from one
+// thread at a time, and decodes each row once when rows are asked for in rising order.
+// Throws InputError when the path names no usable stack (missing slices, mixed names, nothing
+// there), FormatError when a file is damaged or differs from the others, StorageError when the
+// system fails.
+std::unique_ptr<SampleSource> open_stack(const StackSpec& spec);
+
+}  // namespace voxweld
