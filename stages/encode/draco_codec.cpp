@@ -187,14 +187,32 @@ void set_bounds(EncodedMesh& out, const TileMesh& mesh) {
   out.hi = lattice_point(mesh.lattice, hi);
 }
 
+// Text that reads back as exactly value: a multiple of step, itself a power of two. Without a
+// decimal point, which would depend on the locale.
+std::string exact_text(double value, double step) {
+  int exponent = 0;
+  std::frexp(step, &exponent);
+  const auto multiple = static_cast<std::int64_t>(value / step);
+  return fmt::format("{}0x{:x}p{}", multiple < 0 ? "-" : "", std::abs(multiple), exponent - 1);
+}
+
+// What SetAttributeExplicitQuantization does, but for one thing: Draco keeps its options as text,
+// and that call writes them with six decimals, so that a range of 63.9990234375 arrives as
+// 63.999023 and every vertex is off the lattice.
+draco::Options lattice_quantization(const OutputLattice& lattice) {
+  draco::Options options;
+  options.SetInt("quantization_bits", lattice.bits);
+  options.SetString("quantization_range", exact_text(lattice.range(), lattice.step));
+  std::string origin;
+  for (const double o : lattice.origin) origin += exact_text(o, lattice.step) + " ";
+  options.SetString("quantization_origin", origin);
+  return options;
+}
+
 void set_options(draco::ExpertEncoder& encoder, const OutputLattice& lattice,
                  const AttributeIds& ids, const EncodeParameters& parameters) {
-  std::array<float, 3> origin;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    origin[axis] = static_cast<float>(lattice.origin[axis]);
   encoder.SetSpeedOptions(parameters.encode_speed, parameters.decode_speed);
-  encoder.SetAttributeExplicitQuantization(ids.position, lattice.bits, 3, origin.data(),
-                                           static_cast<float>(lattice.range()));
+  encoder.options().SetAttributeOptions(ids.position, lattice_quantization(lattice));
   if (ids.normal >= 0) encoder.SetAttributeQuantization(ids.normal, parameters.normal_bits);
   // Else the fast speeds cut the connectivity along normal seams.
   encoder.options().SetGlobalBool("split_mesh_on_seams", false);
