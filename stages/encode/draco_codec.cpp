@@ -1,0 +1,342 @@
+#include "stages/encode/draco_codec.h"
+
+#include <draco/compression/decode.h>
+#include <draco/compression/expert_encode.h>
+#include <draco/mesh/mesh.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "stages/encode/draco_header.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+constexpr std::uint32_t no_point = std::numeric_limits<std::uint32_t>::max();
+// Draco numbers corners with a signed 32-bit integer.
+constexpr std::uint64_t max_triangles = std::numeric_limits<std::int32_t>::max() / 3;
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw InputError("cannot encode the mesh: " + what);
+}
+
+void check_lattice(const OutputLattice& lattice) {
+  int exponent = 0;
+  if (lattice.bits < 1 || lattice.bits > max_lattice_bits)
+    refuse(fmt::format("its lattice has {} bits, 1 to {} decode exactly; raise output.precision",
+                       lattice.bits, max_lattice_bits));
+  if (!(lattice.step > 0) || std::frexp(lattice.step, &exponent) != 0.5)
+    refuse(fmt::format("its lattice step is {}, expected a power of two", lattice.step));
+  for (const double origin : lattice.origin) {
+    if (!(origin <= 0 && origin >= -lattice.range()) || std::fmod(origin, lattice.step) != 0)
+      refuse(fmt::format("its lattice origin {} is no multiple of the step {} in [-{}, 0]", origin,
+                         lattice.step, lattice.range()));
+  }
+}
+
+void check_triangles(const TileMesh& mesh) {
+  const std::size_t count = mesh.positions.size();
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle& t = mesh.triangles[i];
+    if (std::max({t[0], t[1], t[2]}) >= count)
+      refuse(fmt::format("triangle {} refers to vertex {} of {}", i, std::max({t[0], t[1], t[2]}),
+                         count));
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
+      refuse(fmt::format("triangle {} has two equal corners ({}, {}, {})", i, t[0], t[1], t[2]));
+  }
+}
+
+void check_mesh(const TileMesh& mesh, const EncodeParameters& parameters) {
+  check_lattice(mesh.lattice);
+  if (mesh.triangles.empty()) refuse("it has no triangles, and neither format can hold none");
+  if (mesh.triangles.size() > max_triangles)
+    refuse(fmt::format("{} triangles, Draco takes at most {}; write tiles instead of one mesh",
+                       mesh.triangles.size(), max_triangles));
+  const std::int32_t end = std::int32_t{1} << mesh.lattice.bits;
+  for (const auto& q : mesh.positions) {
+    if (std::min({q[0], q[1], q[2]}) < 0 || std::max({q[0], q[1], q[2]}) >= end)
+      refuse(fmt::format("vertex ({}, {}, {}) lies outside its lattice [0, {})", q[0], q[1], q[2],
+                         end));
+  }
+  check_triangles(mesh);
+  if (!parameters.normals) return;
+  if (parameters.normal_bits < 2 || parameters.normal_bits > 30)
+    refuse(fmt::format("normals of {} bits, expected 2 to 30", parameters.normal_bits));
+  if (mesh.normals.size() != mesh.positions.size() ||
+      mesh.corner_clusters.size() != mesh.triangles.size())
+    refuse(
+        fmt::format("normals are asked for, but {} of {} vertices and {} of {} triangles have "
+                    "them",
+                    mesh.normals.size(), mesh.positions.size(), mesh.corner_clusters.size(),
+                    mesh.triangles.size()));
+  for (const auto& clusters : mesh.corner_clusters) {
+    if (std::max({clusters[0], clusters[1], clusters[2]}) >= max_clusters)
+      refuse(fmt::format("a corner takes normal cluster {}, a vertex has {}",
+                         std::max({clusters[0], clusters[1], clusters[2]}), max_clusters));
+  }
+}
+
+std::array<float, 3> lattice_point(const OutputLattice& lattice,
+                                   const std::array<std::int32_t, 3>& q) {
+  std::array<float, 3> p;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    p[axis] = static_cast<float>(lattice.coordinate(static_cast<int>(axis), q[axis]));
+  return p;
+}
+
+int add_float_attribute(draco::Mesh& out, draco::GeometryAttribute::Type type, bool identity,
+                        std::size_t values) {
+  draco::GeometryAttribute attribute;
+  attribute.Init(type, nullptr, 3, draco::DT_FLOAT32, false, 3 * sizeof(float), 0);
+  return out.AddAttribute(attribute, identity, static_cast<std::uint32_t>(values));
+}
+
+void set_value(draco::PointAttribute& attribute, std::size_t at, const std::array<float, 3>& p) {
+  attribute.SetAttributeValue(draco::AttributeValueIndex(static_cast<std::uint32_t>(at)), p.data());
+}
+
+void set_face(draco::Mesh& out, std::size_t at, const Triangle& t) {
+  out.SetFace(draco::FaceIndex(static_cast<std::uint32_t>(at)),
+              {draco::PointIndex(t[0]), draco::PointIndex(t[1]), draco::PointIndex(t[2])});
+}
+
+// One point for each (vertex, cluster) pair that a corner uses, numbered by first use.
+struct CornerPoints {
+  std::vector<std::array<std::uint32_t, max_clusters>> of_vertex;
+  std::uint32_t count = 0;
+
+  explicit CornerPoints(const TileMesh& mesh)
+      : of_vertex(mesh.positions.size(), {no_point, no_point, no_point}) {
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::uint32_t& point = of_vertex[mesh.triangles[i][k]][mesh.corner_clusters[i][k]];
+        if (point == no_point) point = count++;
+      }
+    }
+  }
+};
+
+int add_positions(draco::Mesh& out, const TileMesh& mesh, bool identity) {
+  const int id =
+      add_float_attribute(out, draco::GeometryAttribute::POSITION, identity, mesh.positions.size());
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+    set_value(*out.attribute(id), v, lattice_point(mesh.lattice, mesh.positions[v]));
+  return id;
+}
+
+// Points are vertices: without normals nothing tells two corners of a vertex apart.
+int fill_plain(draco::Mesh& out, const TileMesh& mesh) {
+  out.set_num_points(static_cast<std::uint32_t>(mesh.positions.size()));
+  const int id = add_positions(out, mesh, true);
+  out.SetNumFaces(mesh.triangles.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) set_face(out, i, mesh.triangles[i]);
+  return id;
+}
+
+struct AttributeIds {
+  int position = 0;
+  int normal = -1;
+};
+
+AttributeIds fill_with_normals(draco::Mesh& out, const TileMesh& mesh) {
+  const CornerPoints points(mesh);
+  out.set_num_points(points.count);
+  AttributeIds ids;
+  ids.position = add_positions(out, mesh, false);
+  ids.normal = add_float_attribute(out, draco::GeometryAttribute::NORMAL, true, points.count);
+  draco::PointAttribute& position = *out.attribute(ids.position);
+  draco::PointAttribute& normal = *out.attribute(ids.normal);
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    for (std::size_t c = 0; c < max_clusters; ++c) {
+      const std::uint32_t point = points.of_vertex[v][c];
+      if (point == no_point) continue;
+      const Vec3 n = unpack_normal(mesh.normals[v][c]);
+      position.SetPointMapEntry(draco::PointIndex(point),
+                                draco::AttributeValueIndex(static_cast<std::uint32_t>(v)));
+      set_value(normal, point,
+                {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
+    }
+  }
+  out.SetNumFaces(mesh.triangles.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    Triangle corner;
+    for (std::size_t k = 0; k < 3; ++k)
+      corner[k] = points.of_vertex[mesh.triangles[i][k]][mesh.corner_clusters[i][k]];
+    set_face(out, i, corner);
+  }
+  return ids;
+}
+
+// Of the vertices in use: the others are not in the decoded mesh.
+void set_bounds(EncodedMesh& out, const TileMesh& mesh) {
+  std::array<std::int32_t, 3> lo = mesh.positions[mesh.triangles[0][0]], hi = lo;
+  for (const Triangle& t : mesh.triangles) {
+    for (const std::uint32_t v : t) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        lo[axis] = std::min(lo[axis], mesh.positions[v][axis]);
+        hi[axis] = std::max(hi[axis], mesh.positions[v][axis]);
+      }
+    }
+  }
+  out.lo = lattice_point(mesh.lattice, lo);
+  out.hi = lattice_point(mesh.lattice, hi);
+}
+
+// Text that reads back as exactly value: a multiple of step, itself a power of two. Without a
+// decimal point, which would depend on the locale.
+std::string exact_text(double value, double step) {
+  int exponent = 0;
+  std::frexp(step, &exponent);
+  const auto multiple = static_cast<std::int64_t>(value / step);
+  return fmt::format("{}0x{:x}p{}", multiple < 0 ? "-" : "", std::abs(multiple), exponent - 1);
+}
+
+// What SetAttributeExplicitQuantization does, but for one thing: Draco keeps its options as text,
+// and that call writes them with six decimals, so that a range of 63.9990234375 arrives as
+// 63.999023 and every vertex is off the lattice.
+draco::Options lattice_quantization(const OutputLattice& lattice) {
+  draco::Options options;
+  options.SetInt("quantization_bits", lattice.bits);
+  options.SetString("quantization_range", exact_text(lattice.range(), lattice.step));
+  std::string origin;
+  for (const double o : lattice.origin) origin += exact_text(o, lattice.step) + " ";
+  options.SetString("quantization_origin", origin);
+  return options;
+}
+
+void set_options(draco::ExpertEncoder& encoder, const OutputLattice& lattice,
+                 const AttributeIds& ids, const EncodeParameters& parameters) {
+  encoder.SetSpeedOptions(parameters.encode_speed, parameters.decode_speed);
+  encoder.options().SetAttributeOptions(ids.position, lattice_quantization(lattice));
+  if (ids.normal >= 0) encoder.SetAttributeQuantization(ids.normal, parameters.normal_bits);
+  // Else the fast speeds cut the connectivity along normal seams.
+  encoder.options().SetGlobalBool("split_mesh_on_seams", false);
+  encoder.SetTrackEncodedProperties(true);
+}
+
+std::vector<std::byte> copy_bytes(const draco::EncoderBuffer& buffer) {
+  const auto bytes = std::as_bytes(std::span(buffer.data(), buffer.size()));
+  return {bytes.begin(), bytes.end()};
+}
+
+std::unique_ptr<draco::Mesh> decode_mesh(std::span<const std::byte> bytes,
+                                         const std::string& where) {
+  check_draco_header(bytes, where);
+  draco::DecoderBuffer buffer;
+  buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  draco::Decoder decoder;
+  try {
+    auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
+    if (!decoded.ok())
+      throw FormatError(fmt::format("{}: damaged Draco data of {} bytes: {}", where, bytes.size(),
+                                    decoded.status().error_msg_string()));
+    return std::move(decoded).value();
+  } catch (const std::bad_alloc&) {
+  } catch (const std::length_error&) {
+  }
+  throw FormatError(
+      fmt::format("{}: damaged Draco data of {} bytes: it states sizes that memory cannot hold",
+                  where, bytes.size()));
+}
+
+const draco::PointAttribute* float3_attribute(const draco::Mesh& mesh,
+                                              draco::GeometryAttribute::Type type) {
+  const draco::PointAttribute* attribute = mesh.GetNamedAttribute(type);
+  if (attribute == nullptr || attribute->num_components() != 3 ||
+      attribute->data_type() != draco::DT_FLOAT32 || attribute->size() == 0)
+    return nullptr;
+  return attribute;
+}
+
+void read_attribute(const draco::PointAttribute& attribute, std::uint32_t points,
+                    std::vector<std::array<float, 3>>& out, const std::string& where) {
+  out.resize(points);
+  for (std::uint32_t i = 0; i < points; ++i) {
+    const draco::AttributeValueIndex value = attribute.mapped_index(draco::PointIndex(i));
+    if (value.value() >= attribute.size())
+      throw FormatError(fmt::format("{}: damaged Draco data: point {} refers to value {} of {}",
+                                    where, i, value.value(), attribute.size()));
+    attribute.GetValue(value, out[i].data());
+  }
+}
+
+}  // namespace
+
+EncodedMesh encode_draco(const TileMesh& mesh, const EncodeParameters& parameters) {
+  check_mesh(mesh, parameters);
+  draco::Mesh source;
+  AttributeIds ids;
+  if (parameters.normals)
+    ids = fill_with_normals(source, mesh);
+  else
+    ids.position = fill_plain(source, mesh);
+
+  draco::ExpertEncoder encoder(source);
+  set_options(encoder, mesh.lattice, ids, parameters);
+  draco::EncoderBuffer buffer;
+  const draco::Status status = encoder.EncodeToBuffer(&buffer);
+  if (!status.ok()) refuse("Draco: " + status.error_msg_string());
+
+  EncodedMesh out;
+  out.bytes = copy_bytes(buffer);
+  out.points = encoder.num_encoded_points();
+  out.triangles = encoder.num_encoded_faces();
+  out.position_id = static_cast<int>(source.attribute(ids.position)->unique_id());
+  if (ids.normal >= 0) out.normal_id = static_cast<int>(source.attribute(ids.normal)->unique_id());
+  set_bounds(out, mesh);
+  return out;
+}
+
+DecodedMesh decode_draco(std::span<const std::byte> bytes, const std::string& where) {
+  const std::unique_ptr<draco::Mesh> mesh = decode_mesh(bytes, where);
+  const auto* position = float3_attribute(*mesh, draco::GeometryAttribute::POSITION);
+  if (position == nullptr)
+    throw FormatError(where + ": the Draco mesh has no positions of three 32-bit floats");
+  DecodedMesh out;
+  out.position_id = static_cast<int>(position->unique_id());
+  read_attribute(*position, mesh->num_points(), out.positions, where);
+  if (const auto* normal = float3_attribute(*mesh, draco::GeometryAttribute::NORMAL)) {
+    out.normal_id = static_cast<int>(normal->unique_id());
+    read_attribute(*normal, mesh->num_points(), out.normals, where);
+  }
+  out.triangles.resize(mesh->num_faces());
+  for (std::uint32_t i = 0; i < mesh->num_faces(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t point = mesh->face(draco::FaceIndex(i))[k].value();
+      if (point >= mesh->num_points())
+        throw FormatError(
+            fmt::format("{}: damaged Draco data: triangle {} refers to point {} of "
+                        "{}",
+                        where, i, point, mesh->num_points()));
+      out.triangles[i][k] = point;
+    }
+  }
+  return out;
+}
+
+EncodedMesh describe_draco(std::vector<std::byte> bytes, const std::string& where) {
+  const DecodedMesh mesh = decode_draco(bytes, where);
+  if (mesh.positions.empty() || mesh.triangles.empty())
+    throw FormatError(where + ": the Draco mesh has no triangles");
+  EncodedMesh out;
+  out.bytes = std::move(bytes);
+  out.points = mesh.positions.size();
+  out.triangles = mesh.triangles.size();
+  out.position_id = mesh.position_id;
+  out.normal_id = mesh.normal_id;
+  out.lo = out.hi = mesh.positions[0];
+  for (const auto& p : mesh.positions) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      out.lo[axis] = std::min(out.lo[axis], p[axis]);
+      out.hi[axis] = std::max(out.hi[axis], p[axis]);
+    }
+  }
+  return out;
+}
+
+}  // namespace voxweld

@@ -1,0 +1,41 @@
+// glTF 2.0 binaries around a Draco buffer (KHR_draco_mesh_compression), and back.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "stages/encode/draco_codec.h"
+#include "storage/types/volume.h"
+
+namespace voxweld {
+
+struct GlbParameters {
+  // Where the mesh's axis-aligned frame lies in the world, applied as the node's transform: origin
+  // and direction, the unit scaled to glTF's metre (an unknown or empty unit is left as it is).
+  // Directions that are not orthogonal have no place in a glTF node: then they are left out and
+  // stated in the node's extras.
+  std::optional<VolumeGeometry> frame;
+  bool y_up = true;  // turn z-up data to glTF's y-up: (x, y, z) -> (x, z, -y)
+};
+
+// The file holds `mesh.bytes` as it is, one node, one mesh, one primitive of mode TRIANGLES with
+// uncompressed accessors left out. Positions stay in the mesh's frame and unit, so tiles agree to
+// the bit. The same input gives the same bytes. InputError past 4 GiB, the format's limit.
+std::vector<std::byte> wrap_glb(const EncodedMesh& mesh, const GlbParameters& parameters);
+
+// The Draco buffer inside a .glb of the kind wrap_glb writes: a view into `glb`. FormatError,
+// starting with `where`, for anything else.
+std::span<const std::byte> glb_draco_buffer(std::span<const std::byte> glb,
+                                            const std::string& where = "glTF binary");
+
+// decode_draco of glb_draco_buffer, and the accessors' counts, minima and maxima compared with what
+// was decoded.
+DecodedMesh decode_glb(std::span<const std::byte> glb, const std::string& where = "glTF binary");
+
+// Metres in one `unit` ("mm", "micrometer" ...), nothing where it is not known.
+std::optional<double> metres_per(const std::string& unit);
+
+}  // namespace voxweld

@@ -1,0 +1,48 @@
+// Joins the tiles of a run, given in order, into one mesh.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "stages/encode/index_table.h"
+#include "storage/types/tile_mesh.h"
+
+namespace voxweld {
+
+class MeshAccumulator {
+ public:
+  MeshAccumulator() = default;
+  MeshAccumulator(const MeshAccumulator&) = delete;
+  MeshAccumulator& operator=(const MeshAccumulator&) = delete;
+
+  // Appends a tile's triangles; vertices are joined by id and numbered by first use. So the result
+  // depends on the sequence of triangles alone, not on where it is cut into tiles: tiles are to
+  // come in Morton order. InputError when a tile lies on another lattice, when a vertex has other
+  // coordinates than in a tile before, when only some tiles have normals, or past 2^32 - 1
+  // vertices.
+  void append(const TileMesh& tile);
+
+  // The mesh so far; its `tile` is the first one's. The accumulator is empty afterwards.
+  TileMesh take();
+
+  std::uint64_t memory_bytes() const;
+
+ private:
+  struct Hash {
+    const std::vector<VertexId>* ids;
+    std::uint64_t operator()(std::uint32_t i) const { return mix_bits((*ids)[i].bits); }
+  };
+  std::uint32_t add_vertex(const TileMesh& tile, std::uint32_t v);
+  void check(const TileMesh& tile) const;
+
+  TileMesh mesh_;
+  IndexTable<Hash> table_{Hash{&mesh_.ids}};
+  std::vector<std::uint32_t> merged_;  // of the current tile's vertices, kept for its memory
+};
+
+// What an accumulator of this many vertices and triangles takes at most, growth of its arrays
+// included; encode_memory_bytes comes on top when the result is encoded.
+std::uint64_t accumulator_memory_bytes(std::uint64_t vertices, std::uint64_t triangles,
+                                       bool normals);
+
+}  // namespace voxweld

@@ -1,0 +1,113 @@
+// Holds encode_memory_bytes and decode_memory_bytes against every byte allocated.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <new>
+#include <random>
+
+#include "stages/encode/draco_codec.h"
+#include "tests/support/shapes.h"
+
+namespace {
+std::atomic<std::int64_t> now_bytes{0}, peak_bytes{0};
+
+void* counted(std::size_t size) {
+  void* p = std::malloc(size);
+  if (p == nullptr) throw std::bad_alloc();
+  const auto used = static_cast<std::int64_t>(malloc_usable_size(p));
+  const std::int64_t now = now_bytes += used;
+  std::int64_t peak = peak_bytes;
+  while (now > peak && !peak_bytes.compare_exchange_weak(peak, now)) {
+  }
+  return p;
+}
+void release(void* p) {
+  if (p != nullptr) now_bytes -= static_cast<std::int64_t>(malloc_usable_size(p));
+  std::free(p);
+}
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return counted(size);
+}
+void* operator new[](std::size_t size) {
+  return counted(size);
+}
+void operator delete(void* p) noexcept {
+  release(p);
+}
+void operator delete[](void* p) noexcept {
+  release(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  release(p);
+}
+void operator delete[](void* p, std::size_t) noexcept {
+  release(p);
+}
+
+namespace voxweld {
+namespace {
+
+template <class Work>
+std::uint64_t peak_of(Work work) {
+  const std::int64_t before = now_bytes;
+  peak_bytes = before;
+  work();
+  return static_cast<std::uint64_t>(peak_bytes - before);
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void measure(const TileMesh& mesh, const EncodeParameters& parameters) {
+  EncodedMesh encoded;
+  const std::uint64_t v = mesh.positions.size(), t = mesh.triangles.size();
+  auto start = std::chrono::steady_clock::now();
+  const std::uint64_t encode_peak = peak_of([&] { encoded = encode_draco(mesh, parameters); });
+  const double encode_seconds = seconds_since(start);
+  start = std::chrono::steady_clock::now();
+  const std::uint64_t decode_peak = peak_of([&] { decode_draco(encoded.bytes); });
+  const double decode_seconds = seconds_since(start);
+  const auto each = [&](std::uint64_t bytes) {
+    return static_cast<double>(bytes) / static_cast<double>(t);
+  };
+  fmt::print(
+      "{} triangles, normals {}, speed {}: {:.3f} bytes, encode {:.3f} s {:.0f} bytes, decode "
+      "{:.3f} s {:.0f} bytes (sizes a triangle)\n",
+      t, parameters.normals, parameters.encode_speed, each(encoded.bytes.size()), encode_seconds,
+      each(encode_peak), decode_seconds, each(decode_peak));
+  EXPECT_LE(encode_peak, encode_memory_bytes(v, t));
+  EXPECT_LE(decode_peak, decode_memory_bytes(v, t));
+}
+
+TEST(EncodeMemory, StaysUnderTheFigureTheBudgetUses) {
+  // VOXWELD_MEASURE=1000 measures a million triangles (n^2) at every speed.
+  const char* size = std::getenv("VOXWELD_MEASURE");
+  const bool large = size != nullptr;
+  const int n = large ? std::atoi(size) : 250;
+  const OutputLattice lattice{1.0 / 4096, 20, {-2, -2, -2}};
+  const TileMesh torus = testing::make_torus({.around = n, .across = n / 2}, lattice);
+  // The worst there is: noise, and a seam at every edge.
+  TileMesh noisy = torus;
+  std::mt19937 random(1);
+  for (auto& q : noisy.positions)
+    for (auto& c : q) c += static_cast<std::int32_t>(random() % 400);
+  for (auto& clusters : noisy.corner_clusters)
+    for (auto& c : clusters) c = static_cast<std::uint8_t>(random() % max_clusters);
+  const TileMesh cube = testing::make_cube(lattice, {1, 1, 1}, 100, n / 4);
+  for (const TileMesh* mesh : {&torus, &cube, &noisy}) {
+    for (const bool normals : {false, true}) {
+      for (int speed = 0; speed <= 10; speed += large ? 1 : 5)
+        measure(*mesh, {.normals = normals, .encode_speed = speed, .decode_speed = speed});
+    }
+  }
+}
+
+}  // namespace
+}  // namespace voxweld
