@@ -17,11 +17,11 @@ std::string stages_text(const Setting& setting) {
   return text.empty() ? "none" : text;
 }
 
-// A bar would end the cell.
+// A bar would end the cell, an angle bracket begin a tag.
 std::string cell(const std::string& text) {
   std::string out;
   for (const char c : text) {
-    if (c == '|') out += '\\';
+    if (c == '|' || c == '<') out += '\\';
     out += c;
   }
   return out;

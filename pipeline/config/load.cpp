@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <system_error>
+#include <utility>
 
 #include "pipeline/config/config.h"
 #include "pipeline/config/document.h"
@@ -168,10 +170,15 @@ class CrossChecks {
   void raw() const {
     const InputConfig& in = config_.input;
     using Format = InputConfig::Format;
+    // Judged by value, not by presence: canonical configs write the defaults of every key.
+    const std::array<std::pair<const char*, bool>, 4> raw_only = {
+        {{"input.size", in.size.has_value()},
+         {"input.type", in.type.has_value()},
+         {"input.endian", in.endian != InputConfig::Endian::little},
+         {"input.header_bytes", in.header_bytes != 0}}};
     if (in.format != Format::raw && in.format != Format::automatic)
-      for (const char* name : {"input.size", "input.type", "input.endian", "input.header_bytes"})
-        if (places_.contains(name))
-          fail({name}, "only raw files take it; remove it, or set input.format = \"raw\"");
+      for (const auto& [name, set] : raw_only)
+        if (set) fail({name}, "only raw files take it; remove it, or set input.format = \"raw\"");
     const bool needed = in.format == Format::raw || in.size || in.type;
     if (needed && !in.size) fail({"input.size", "input.format", "input.type"}, missing_raw("size"));
     if (needed && !in.type) fail({"input.type", "input.format", "input.size"}, missing_raw("type"));

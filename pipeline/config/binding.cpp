@@ -1,0 +1,103 @@
+#include "pipeline/config/binding.h"
+
+#include <cstdint>
+
+namespace voxweld::binding {
+namespace {
+
+constexpr std::int64_t most_samples = (std::int64_t{1} << 19) - 1;  // a side; see max_levels
+
+}  // namespace
+
+Binding crop() {
+  return {IntegerListRule{6, 0, most_samples},
+          [](Config& c, const ConfigValue& v) {
+            const auto& list = *v.list();
+            Box3 box;
+            for (int axis = 0; axis < 3; ++axis) {
+              box.lo[axis] = *list[static_cast<std::size_t>(axis)].integer();
+              box.hi[axis] = *list[static_cast<std::size_t>(axis) + 3].integer();
+            }
+            c.input.crop = box;
+          },
+          [](const Config& c) -> std::optional<ConfigValue> {
+            if (!c.input.crop) return std::nullopt;
+            const Box3& box = *c.input.crop;
+            return ConfigValue{ConfigValue::List{
+                {box.lo.x}, {box.lo.y}, {box.lo.z}, {box.hi.x}, {box.hi.y}, {box.hi.z}}};
+          }};
+}
+
+Binding spacing() {
+  return {SpacingRule{},
+          [](Config& c, const ConfigValue& v) {
+            const auto* list = v.list();
+            if (list == nullptr)
+              c.input.spacing = Vec3{v.number(), v.number(), v.number()};
+            else
+              c.input.spacing = Vec3{(*list)[0].number(), (*list)[1].number(), (*list)[2].number()};
+          },
+          [](const Config& c) -> std::optional<ConfigValue> {
+            if (!c.input.spacing) return std::nullopt;
+            const Vec3 s = *c.input.spacing;
+            return ConfigValue{ConfigValue::List{{s.x}, {s.y}, {s.z}}};
+          }};
+}
+
+Binding unit() {
+  return {ChoiceRule{{"m", "cm", "mm", "um", "nm", "angstrom"}},
+          [](Config& c, const ConfigValue& v) { c.input.unit = *v.text(); },
+          [](const Config& c) -> std::optional<ConfigValue> {
+            if (c.input.unit.empty()) return std::nullopt;
+            return ConfigValue{c.input.unit};
+          }};
+}
+
+Binding raw_size() {
+  return {IntegerListRule{3, 1, most_samples},
+          [](Config& c, const ConfigValue& v) {
+            const auto& list = *v.list();
+            c.input.size = Index3{*list[0].integer(), *list[1].integer(), *list[2].integer()};
+          },
+          [](const Config& c) -> std::optional<ConfigValue> {
+            if (!c.input.size) return std::nullopt;
+            const Index3 s = *c.input.size;
+            return ConfigValue{ConfigValue::List{{s.x}, {s.y}, {s.z}}};
+          }};
+}
+
+Binding raw_type() {
+  ChoiceRule rule;
+  for (int i = 0; i <= static_cast<int>(SampleType::f64); ++i)
+    rule.names.emplace_back(sample_type_name(static_cast<SampleType>(i)));
+  return {std::move(rule),
+          [](Config& c, const ConfigValue& v) { c.input.type = parse_sample_type(*v.text()); },
+          [](const Config& c) -> std::optional<ConfigValue> {
+            if (!c.input.type) return std::nullopt;
+            return ConfigValue{std::string(sample_type_name(*c.input.type))};
+          }};
+}
+
+Binding isovalue() {
+  return {NumberOrWordRule{"otsu"},
+          [](Config& c, const ConfigValue& v) {
+            c.surface.isovalue = v.is_number() ? std::optional(v.number()) : std::nullopt;
+          },
+          [](const Config& c) -> std::optional<ConfigValue> {
+            if (!c.surface.isovalue) return ConfigValue{std::string("otsu")};
+            return ConfigValue{*c.surface.isovalue};
+          }};
+}
+
+Binding memory() {
+  return {MemoryRule{std::uint64_t{64} << 20},
+          [](Config& c, const ConfigValue& v) {
+            c.run.memory = v.text() != nullptr ? *parse_bytes(*v.text())
+                                               : static_cast<std::uint64_t>(*v.integer());
+          },
+          [](const Config& c) -> std::optional<ConfigValue> {
+            return ConfigValue{bytes_text(c.run.memory)};
+          }};
+}
+
+}  // namespace voxweld::binding

@@ -1,0 +1,157 @@
+// The files under configs/ and what is made for them from the table of settings.
+// VOXWELD_UPDATE_CONFIGS=1 in the environment writes the generated ones anew.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "pipeline/config/commented.h"
+#include "pipeline/config/help.h"
+#include "pipeline/config/schema.h"
+#include "pipeline/config/settings.h"
+#include "storage/support/file_io.h"
+#include "tests/pipeline/config/config_texts.h"
+
+namespace voxweld {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::filesystem::path configs_file(const std::string& name) {
+  return std::filesystem::path(VOXWELD_CONFIGS) / name;
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  const auto bytes = read_whole_file(path);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+void expect_committed(const std::string& name, const std::string& generated) {
+  const auto path = configs_file(name);
+  if (std::getenv("VOXWELD_UPDATE_CONFIGS") != nullptr)
+    write_whole_file(path, as_bytes(generated), Durability::rename_only);
+  ASSERT_TRUE(std::filesystem::exists(path)) << path;
+  EXPECT_EQ(read_text(path), generated)
+      << name << " is not what the table of settings gives; run this test once with "
+      << "VOXWELD_UPDATE_CONFIGS=1 and commit the file";
+}
+
+TEST(GeneratedFiles, Schema) {
+  expect_committed("voxweld.schema.json", config_schema_json());
+}
+
+TEST(GeneratedFiles, Example) {
+  expect_committed("example.toml", reference_config());
+}
+
+TEST(GeneratedFiles, Settings) {
+  expect_committed("SETTINGS.md", settings_markdown());
+}
+
+TEST(GeneratedFiles, SchemaNamesEveryKey) {
+  const auto schema = nlohmann::json::parse(config_schema_json());
+  std::size_t keys = 0;
+  for (const auto& table : schema["properties"]) keys += table["properties"].size();
+  EXPECT_EQ(keys, settings().size());
+  for (const Setting& setting : settings())
+    EXPECT_TRUE(schema["properties"][setting.table]["properties"].contains(setting.key))
+        << setting.name();
+}
+
+TEST(GeneratedFiles, HelpNamesEveryKey) {
+  const std::string help = settings_help();
+  for (const Setting& setting : settings()) {
+    EXPECT_THAT(help, HasSubstr("\n  " + setting.key + ": "));
+    EXPECT_FALSE(setting.description.empty());
+    EXPECT_FALSE(setting.default_text().empty()) << setting.name();
+    EXPECT_EQ(find_setting(setting.table, setting.key), &setting) << "listed twice";
+  }
+  std::size_t begin = 0;
+  for (std::size_t end = 0; (end = help.find('\n', begin)) != std::string::npos; begin = end + 1)
+    EXPECT_LE(end - begin, 100U) << help.substr(begin, end - begin);
+}
+
+TEST(GeneratedFiles, EveryConfigLoads) {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(VOXWELD_CONFIGS)) {
+    if (entry.path().extension() != ".toml") continue;
+    names.insert(entry.path().filename().string());
+    EXPECT_NO_THROW(load_config(entry.path())) << entry.path();
+  }
+  EXPECT_GE(names.size(), 3U);
+}
+
+TEST(GeneratedFiles, ExampleIsTheDefaults) {
+  Config expected = parse_config("input.path = \"scan.nrrd\"\nsurface.isovalue = \"otsu\"\n",
+                                 configs_file("example.toml"));
+  EXPECT_EQ(load_config(configs_file("example.toml")), expected);
+}
+
+// Every line that is commented out must be right too when its mark is taken away.
+TEST(GeneratedFiles, ExampleLoadsWithEveryKeyActive) {
+  std::string text = reference_config();
+  for (const Setting& setting : settings())
+    if (const auto at = text.find("\n# " + setting.key + " = "); at != std::string::npos)
+      text.erase(at + 1, 2);
+  const Config config = testing::parse(text);
+  EXPECT_TRUE(config.input.crop && config.input.size && config.input.type);
+}
+
+VolumeInfo head() {
+  VolumeInfo info;
+  info.format = "nifti";
+  info.type = SampleType::i16;
+  info.geometry.size = {512, 500, 361};
+  info.geometry.spacing = {0.5, 0.5, 1.25};
+  info.geometry.unit = "mm";
+  info.warnings = {"a field is ignored:\n\"evil\" = [1]"};
+  return info;
+}
+
+InitSuggestion suggestion() {
+  InitSuggestion s;
+  s.path = "head.nii";
+  s.isovalue = 1150;
+  s.lowest = -2000;
+  s.highest = 4095;
+  return s;
+}
+
+TEST(CommentedConfig, SaysWhatWasSuggested) {
+  const std::string text = commented_config(head(), suggestion());
+  const Config config = testing::parse(text);
+  EXPECT_EQ(config, testing::parse("input.path = \"head.nii\"\nsurface.isovalue = 1150\n"));
+  EXPECT_THAT(text,
+              HasSubstr("# 512 x 500 x 361 samples of int16, -2000.0 to 4095.0, read as nifti\n"));
+  EXPECT_THAT(text, HasSubstr("# spacing 0.5 x 0.5 x 1.25 mm\n"));
+  EXPECT_THAT(text, HasSubstr("# Note: a field is ignored: \"evil\" = [1]\n"));
+  EXPECT_THAT(text, HasSubstr("\nisovalue = 1150.0\n"));
+  EXPECT_THAT(text, HasSubstr("\n# chunk = 32\n"));
+  EXPECT_THAT(text, Not(HasSubstr("\n\n\n")));
+}
+
+TEST(CommentedConfig, SaysTheLayoutOfRawFiles) {
+  VolumeInfo info = head();
+  info.format = "raw";
+  InitSuggestion s = suggestion();
+  s.path = "a \"b\" \\ c.raw";
+  s.inside = SurfaceConfig::Inside::below;
+  s.endian = InputConfig::Endian::big;
+  s.header_bytes = 352;
+  s.spacing = Vec3{1, 2, 3};
+  const Config config = testing::parse(commented_config(info, s));
+  EXPECT_EQ(config.input.path, "/data/a \"b\" \\ c.raw");
+  EXPECT_EQ(config.input.format, InputConfig::Format::raw);
+  EXPECT_EQ(config.input.size, (Index3{512, 500, 361}));
+  EXPECT_EQ(config.input.type, SampleType::i16);
+  EXPECT_EQ(config.input.endian, InputConfig::Endian::big);
+  EXPECT_EQ(config.input.header_bytes, 352);
+  EXPECT_EQ(config.input.spacing, (Vec3{1, 2, 3}));
+  EXPECT_EQ(config.surface.inside, SurfaceConfig::Inside::below);
+}
+
+}  // namespace
+}  // namespace voxweld

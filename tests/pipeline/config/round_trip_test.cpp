@@ -1,0 +1,153 @@
+// Any config the loader can make is written and read back as an equal one.
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+#include <rapidcheck/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "pipeline/config/settings.h"
+#include "tests/pipeline/config/config_texts.h"
+
+namespace voxweld {
+namespace {
+
+bool chance() {
+  return *rc::gen::arbitrary<bool>();
+}
+
+template <class Enum>
+Enum any_of(int count) {
+  return static_cast<Enum>(*rc::gen::inRange(0, count));
+}
+
+// Finite doubles of every magnitude, by their bits.
+double any_finite() {
+  const auto value = std::bit_cast<double>(*rc::gen::arbitrary<std::uint64_t>());
+  return std::isfinite(value) && value != 0 ? value : 0.1;
+}
+
+double any_positive() {
+  return std::abs(any_finite());
+}
+
+// Quotes, backslashes, letters beyond ASCII; no control characters, which paths refuse.
+std::filesystem::path any_path() {
+  const auto pieces =
+      *rc::gen::nonEmpty(rc::gen::container<std::vector<std::string>>(rc::gen::element<std::string>(
+          "a", "\"", "\\", "'", " ", "#", "=", "\xc3\xa9", "{", "%d", "x")));
+  std::string name;
+  for (const std::string& piece : pieces) name += piece;
+  return "/data/" + name;
+}
+
+std::int64_t power_of_two(int least, int most) {
+  return std::int64_t{1} << *rc::gen::inRange(least, most + 1);
+}
+
+InputConfig any_input() {
+  InputConfig in;
+  in.path = any_path();
+  in.format = any_of<InputConfig::Format>(7);
+  const auto coordinate = rc::gen::inRange<std::int64_t>(0, 100000);
+  const auto extent = rc::gen::inRange<std::int64_t>(1, 100000);
+  if (chance()) {
+    const Index3 lo{*coordinate, *coordinate, *coordinate};
+    in.crop = Box3{lo, lo + Index3{*extent, *extent, *extent}};
+  }
+  if (chance()) in.spacing = Vec3{any_positive(), any_positive(), any_positive()};
+  if (chance()) in.unit = *rc::gen::element<std::string>("m", "cm", "mm", "um", "nm", "angstrom");
+  const bool raw = in.format == InputConfig::Format::raw;
+  if (raw || (in.format == InputConfig::Format::automatic && chance())) {
+    in.size = Index3{*extent, *extent, *extent};
+    in.type = any_of<SampleType>(10);
+    in.endian = any_of<InputConfig::Endian>(2);
+    in.header_bytes = *rc::gen::inRange<std::int64_t>(0, std::numeric_limits<std::int64_t>::max());
+  }
+  return in;
+}
+
+WorkConfig any_work() {
+  WorkConfig work;
+  work.directory = any_path();
+  work.chunk = power_of_two(3, 8);
+  work.brick = power_of_two(4, 8);
+  work.shard = power_of_two(0, 4);
+  work.copy = any_of<WorkConfig::Copy>(3);
+  work.chunk = std::min(work.chunk, work.brick * work.shard);
+  return work;
+}
+
+OutputConfig any_output() {
+  OutputConfig output;
+  output.directory = any_path();
+  using Formats = std::vector<OutputConfig::Format>;
+  constexpr auto drc = OutputConfig::Format::drc;
+  constexpr auto glb = OutputConfig::Format::glb;
+  output.formats = *rc::gen::element(Formats{drc}, Formats{glb}, Formats{drc, glb});
+  output.merged = any_of<OutputConfig::Merged>(3);
+  output.tiles = output.merged == OutputConfig::Merged::never || chance();
+  output.tile_vertices = *rc::gen::inRange<std::int64_t>(1024, 1000000000);
+  output.precision = any_positive();
+  output.normals = chance();
+  return output;
+}
+
+Config any_config() {
+  Config config;
+  config.input = any_input();
+  config.work = any_work();
+  if (chance()) config.surface.isovalue = any_finite();
+  config.surface.inside = any_of<SurfaceConfig::Inside>(2);
+  config.surface.border = any_of<SurfaceConfig::Border>(2);
+  config.surface.gradient = any_of<SurfaceConfig::Gradient>(2);
+  config.simplify.enabled = chance();
+  config.simplify.tolerance = any_positive();
+  config.simplify.tolerance_unit = any_of<SimplifyConfig::Unit>(2);
+  config.simplify.metric = any_of<SimplifyConfig::Metric>(2);
+  config.simplify.topology = any_of<SimplifyConfig::Topology>(2);
+  config.simplify.qef = any_of<SimplifyConfig::Qef>(2);
+  config.output = any_output();
+  config.run.threads = *rc::gen::inRange<std::int64_t>(0, 4097);
+  config.run.memory = *rc::gen::inRange<std::uint64_t>(64U << 20, std::uint64_t{1} << 62);
+  if (chance()) config.run.memory &= ~((std::uint64_t{1} << 20) - 1);
+  return config;
+}
+
+RC_GTEST_PROP(RoundTrip, CanonicalTomlReadsBackEqual, ()) {
+  const Config config = any_config();
+  const std::string text = canonical_toml(config);
+  // Everything is absolute, so the place of the file does not matter.
+  const Config again = parse_config(text, "/elsewhere/other.toml");
+  RC_ASSERT(again == config);
+  RC_ASSERT(canonical_toml(again) == text);
+  RC_ASSERT(config_fingerprint(again) == config_fingerprint(config));
+  RC_ASSERT(changed_settings(config, again).empty());
+}
+
+TEST(RoundTrip, CanonicalTomlOfDefaults) {
+  const std::string text = canonical_toml(testing::parse(testing::least_config()));
+  EXPECT_EQ(text.substr(0, text.find("[surface]")), R"([input]
+path = "/data/scan.nrrd"
+format = "auto"
+# crop: the whole volume
+# spacing: as the file says, else 1
+# unit: as the file says
+# size: none; raw files need it
+# type: none; raw files need it
+endian = "little"
+header_bytes = 0
+
+[work]
+directory = "/data/scan.work"
+chunk = 32
+brick = 64
+shard = 4
+copy = "auto"
+
+)");
+}
+
+}  // namespace
+}  // namespace voxweld

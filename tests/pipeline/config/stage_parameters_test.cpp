@@ -1,0 +1,144 @@
+// Which key belongs to which stage, said a second time and in full: a slip here costs either stale
+// results or needless work.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "pipeline/config/settings.h"
+#include "tests/pipeline/config/config_texts.h"
+
+namespace voxweld {
+namespace {
+
+using testing::least_config;
+using testing::parse;
+
+using Stages = std::set<Stage>;
+
+struct KeyChange {
+  std::string value;  // another value than the base has
+  Stages stages;      // whose parameters it changes
+};
+
+const std::map<std::string, KeyChange>& key_changes() {
+  constexpr auto ingest = Stage::ingest;
+  constexpr auto build = Stage::build;
+  constexpr auto merge = Stage::merge;
+  constexpr auto stitch = Stage::stitch;
+  constexpr auto encode = Stage::encode;
+  static const std::map<std::string, KeyChange> changes = {
+      {"input.path", {"\"other.raw\"", {}}},
+      {"input.format", {"\"auto\"", {ingest}}},
+      {"input.crop", {"[0, 0, 0, 5, 5, 5]", {ingest, build}}},
+      {"input.spacing", {"0.5", {ingest, build, merge, stitch}}},
+      {"input.unit", {"\"um\"", {ingest, encode}}},
+      {"input.size", {"[8, 8, 9]", {ingest, build}}},
+      {"input.type", {"\"int8\"", {ingest, build}}},
+      {"input.endian", {"\"big\"", {ingest, build}}},
+      {"input.header_bytes", {"1", {ingest, build}}},
+      {"work.directory", {"\"elsewhere\"", {}}},
+      {"work.chunk", {"64", {ingest}}},
+      {"work.brick", {"32", {ingest, build}}},
+      {"work.shard", {"2", {ingest, build}}},
+      {"work.copy", {"true", {}}},
+      {"surface.isovalue", {"\"otsu\"", {build}}},
+      {"surface.inside", {"\"below\"", {build}}},
+      {"surface.border", {"\"open\"", {build, stitch}}},
+      {"surface.gradient", {"\"central\"", {build}}},
+      {"simplify.enabled", {"false", {build, merge}}},
+      {"simplify.tolerance", {"0.2", {build, merge}}},
+      {"simplify.tolerance_unit", {"\"physical\"", {build, merge}}},
+      {"simplify.metric", {"\"sum\"", {build, merge}}},
+      {"simplify.topology", {"\"free\"", {build, merge}}},
+      {"simplify.qef", {"\"normal\"", {build, merge}}},
+      {"output.directory", {"\"elsewhere\"", {}}},
+      {"output.formats", {"[\"drc\"]", {encode}}},
+      {"output.merged", {"true", {encode}}},
+      {"output.tiles", {"false", {encode}}},
+      {"output.tile_vertices", {"4096", {merge}}},
+      {"output.precision", {"0.02", {stitch}}},
+      {"output.normals", {"false", {stitch}}},
+      {"run.executor", {"\"local\"", {}}},  // the only one there is
+      {"run.threads", {"2", {}}},
+      {"run.memory", {"\"1GiB\"", {}}},
+  };
+  return changes;
+}
+
+Config base() {
+  return parse(
+      least_config("input.format = \"raw\"\ninput.size = [8, 8, 8]\n"
+                   "input.type = \"uint8\"\n"));
+}
+
+TEST(StageParameters, EveryKeyChangesItsStagesAndNoOther) {
+  const Config before = base();
+  EXPECT_EQ(key_changes().size(), settings().size());
+  for (const Setting& setting : settings()) {
+    const auto found = key_changes().find(setting.name());
+    ASSERT_NE(found, key_changes().end()) << setting.name();
+    const auto& [value, expected] = found->second;
+    const Config after = parse(least_config("input.format = \"raw\"\ninput.size = [8, 8, 8]\n"
+                                            "input.type = \"uint8\"\n"),
+                               {setting.name() + "=" + value});
+    Stages changed;
+    for (const Stage stage : all_stages)
+      if (parameter_hash(before, stage) != parameter_hash(after, stage)) changed.insert(stage);
+    EXPECT_EQ(changed, expected) << setting.name();
+
+    const auto differences = changed_settings(before, after);
+    if (setting.name() == "run.executor") {
+      EXPECT_TRUE(differences.empty());
+      continue;
+    }
+    ASSERT_EQ(differences.size(), 1U) << setting.name();
+    EXPECT_EQ(differences[0].setting, &setting);
+    EXPECT_NE(differences[0].before, differences[0].after);
+    EXPECT_NE(config_fingerprint(before), config_fingerprint(after)) << setting.name();
+  }
+}
+
+TEST(StageParameters, HowAValueIsWrittenDoesNotMatter) {
+  const Config a =
+      parse(least_config("input.spacing = 2\nsimplify.tolerance = 1\n"
+                         "run.memory = 4294967296\noutput.tiles = true\n"));
+  const Config b = parse(
+      "surface.isovalue = 5.0\ninput.path = \"./scan.nrrd\"\n"
+      "simplify.tolerance = 1.0e0\ninput.spacing = [2.0, 2, 2]\n");
+  EXPECT_EQ(a, b);
+  for (const Stage stage : all_stages)
+    EXPECT_EQ(parameter_hash(a, stage), parameter_hash(b, stage)) << stage_name(stage);
+  EXPECT_EQ(config_fingerprint(a), config_fingerprint(b));
+  EXPECT_TRUE(changed_settings(a, b).empty());
+  EXPECT_EQ(parameter_hash(parse(least_config(), {"surface.isovalue=0.0"}), Stage::build),
+            parameter_hash(parse(least_config(), {"surface.isovalue=-0.0"}), Stage::build));
+}
+
+TEST(StageParameters, AreNamedInTableOrder) {
+  const auto parameters = stage_parameters(base(), Stage::stitch);
+  ASSERT_EQ(parameters.size(), 4U);
+  EXPECT_EQ(parameters[0].name, "input.spacing");
+  EXPECT_EQ(parameters[0].value, std::nullopt);
+  EXPECT_EQ(parameters[1].name, "surface.border");
+  EXPECT_EQ(parameters[1].value, ConfigValue{std::string("closed")});
+  EXPECT_EQ(parameters[2].name, "output.precision");
+  EXPECT_EQ(parameters[2].value, ConfigValue{0.01});
+  EXPECT_EQ(parameters[3].name, "output.normals");
+}
+
+TEST(StageParameters, ChangesAreToldAsToml) {
+  const auto changes =
+      changed_settings(parse(least_config()), parse(least_config("input.crop = [0, 0, 0, 4, 4, 4]\n"
+                                                                 "surface.border = \"open\"\n")));
+  ASSERT_EQ(changes.size(), 2U);
+  EXPECT_EQ(changes[0].setting->name(), "input.crop");
+  EXPECT_EQ(changes[0].before, "the whole volume");
+  EXPECT_EQ(changes[0].after, "[0, 0, 0, 4, 4, 4]");
+  EXPECT_EQ(changes[1].setting->name(), "surface.border");
+  EXPECT_EQ(changes[1].before, "\"closed\"");
+  EXPECT_EQ(changes[1].after, "\"open\"");
+}
+
+}  // namespace
+}  // namespace voxweld

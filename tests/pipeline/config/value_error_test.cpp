@@ -1,0 +1,228 @@
+// Every key given wrong values in turn: the message names the place, the key, what is accepted and
+// what was found.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "pipeline/config/settings.h"
+#include "tests/pipeline/config/config_texts.h"
+
+namespace voxweld {
+namespace {
+
+using testing::error_of;
+
+struct WrongValue {
+  std::string value;  // as TOML
+  std::string found;  // what follows "found " in the message
+};
+
+struct WrongKey {
+  std::string name;
+  std::string expected;  // what follows "expected " in the message
+  std::vector<WrongValue> values;
+};
+
+const std::vector<WrongKey>& wrong_keys() {
+  static const std::string a_path = "a path in quotes";
+  static const std::string positive = "a finite number above 0";
+  static const std::vector<WrongValue> not_positive = {
+      {"0", "0"},
+      {"-0.5", "-0.5"},
+      {"inf", "inf"},
+      {"nan", "nan"},
+      {"true", "true (a boolean)"},
+      {"9007199254740993", "9007199254740993"},
+      {"\"0.1\"", "\"0.1\" (a string); write numbers without quotes"}};
+  static const std::vector<WrongValue> not_flag = {
+      {"1", "1"},
+      {"\"yes\"", "\"yes\" (a string)"},
+      {"\"true\"", "\"true\" (a string); write true without quotes"},
+      {"{}", "a table"}};
+  static const std::vector<WrongKey> all = {
+      {"input.path",
+       a_path,
+       {{"3", "3; write paths in quotes"},
+        {"\"\"", "\"\" (a string)"},
+        {"\"a\\tb\"",
+         "\"a\\u0009b\" (a string); it holds a control character; write backslashes twice"},
+        {"[\"a\"]", "[\"a\"] (a list of 1); write paths in quotes"}}},
+      {"input.format",
+       "\"auto\", \"nrrd\", \"metaimage\", \"nifti\", \"raw\", \"stack\" or \"zarr\" (default: "
+       "\"auto\")",
+       {{"\"NRRD\"", "\"NRRD\" (a string); did you mean \"nrrd\"?"},
+        {"\"bmp\"", "\"bmp\" (a string)"},
+        {"1", "1"}}},
+      {"input.crop",
+       "a list of 6 integers from 0 to 524287 (default: the whole volume)",
+       {{"[0, 0, 0, 9, 9]", "[0, 0, 0, 9, 9] (a list of 5)"},
+        {"[-1, 0, 0, 9, 9, 9]", "[-1, 0, 0, 9, 9, 9] (a list of 6)"},
+        {"[0, 0, 0, 9, 9, 9.5]", "[0, 0, 0, 9, 9, 9.5] (a list of 6)"},
+        {"9", "9"}}},
+      {"input.spacing",
+       "a finite number above 0, or three of them: [x, y, z] (default: as the file says, else 1)",
+       {{"0", "0"},
+        {"[1, 2]", "[1, 2] (a list of 2)"},
+        {"[1, 2, 0]", "[1, 2, 0] (a list of 3)"},
+        {"[1, 2, \"3\"]", "[1, 2, \"3\"] (a list of 3)"},
+        {"1979-05-27", "a date"}}},
+      {"input.unit",
+       "\"m\", \"cm\", \"mm\", \"um\", \"nm\" or \"angstrom\" (default: as the file says)",
+       {{"\"MM\"", "\"MM\" (a string); did you mean \"mm\"?"}, {"1", "1"}}},
+      {"input.size",
+       "a list of 3 integers from 1 to 524287 (default: none; raw files need it)",
+       {{"[0, 1, 1]", "[0, 1, 1] (a list of 3)"},
+        {"[1, 1, 1, 1]", "[1, 1, 1, 1] (a list of 4)"},
+        {"\"1x1x1\"", "\"1x1x1\" (a string)"}}},
+      {"input.type",
+       "\"uint8\", \"int8\", \"uint16\", \"int16\", \"uint32\", \"int32\", \"uint64\", \"int64\", "
+       "\"float32\" or \"float64\" (default: none; raw files need it)",
+       {{"\"uint12\"", "\"uint12\" (a string); did you mean \"uint16\"?"}, {"16", "16"}}},
+      {"input.endian",
+       "\"little\" or \"big\" (default: \"little\")",
+       {{"\"litle\"", "\"litle\" (a string); did you mean \"little\"?"},
+        {"true", "true (a boolean)"}}},
+      {"input.header_bytes",
+       "an integer of at least 0 (default: 0)",
+       {{"-1", "-1"}, {"1.0", "1.0"}, {"\"8\"", "\"8\" (a string); write numbers without quotes"}}},
+      {"work.directory",
+       a_path + " (default: \"<config name>.work\" beside the config)",
+       {{"false", "false (a boolean); write paths in quotes"}, {"\"\"", "\"\" (a string)"}}},
+      {"work.chunk",
+       "a power of two from 8 to 256 (default: 32)",
+       {{"48", "48; the nearest are 32 and 64"},
+        {"4", "4"},
+        {"512", "512"},
+        {"-32", "-32"},
+        {"32.0", "32.0"},
+        {"\"32\"", "\"32\" (a string); write numbers without quotes"}}},
+      {"work.brick",
+       "a power of two from 16 to 256 (default: 64)",
+       {{"100", "100; the nearest are 64 and 128"}, {"8", "8"}, {"512", "512"}}},
+      {"work.shard",
+       "a power of two from 1 to 16 (default: 4)",
+       {{"0", "0"}, {"3", "3; the nearest are 2 and 4"}, {"32", "32"}}},
+      {"work.copy",
+       "\"auto\", true or false (default: \"auto\")",
+       {{"\"always\"", "\"always\" (a string)"},
+        {"\"false\"", "\"false\" (a string); write false without quotes"},
+        {"0", "0"}}},
+      {"surface.isovalue",
+       "a finite number or \"otsu\"",
+       {{"inf", "inf"},
+        {"nan", "nan"},
+        {"\"Otsu\"", "\"Otsu\" (a string); did you mean \"otsu\"?"},
+        {"\"120\"", "\"120\" (a string); write numbers without quotes"},
+        {"[5]", "[5] (a list of 1)"},
+        {"07:32:00", "a time"}}},
+      {"surface.inside",
+       "\"above\" or \"below\" (default: \"above\")",
+       {{"\"over\"", "\"over\" (a string)"},
+        {"\"Below\"", "\"Below\" (a string); did you mean \"below\"?"},
+        {"1", "1"}}},
+      {"surface.border",
+       "\"closed\" or \"open\" (default: \"closed\")",
+       {{"\"close\"", "\"close\" (a string); did you mean \"closed\"?"},
+        {"true", "true (a boolean)"}}},
+      {"surface.gradient",
+       "\"eno\" or \"central\" (default: \"eno\")",
+       {{"\"centre\"", "\"centre\" (a string); did you mean \"central\"?"}, {"2", "2"}}},
+      {"simplify.enabled", "true or false (default: true)", not_flag},
+      {"simplify.tolerance", positive + " (default: 0.1)", not_positive},
+      {"simplify.tolerance_unit",
+       "\"voxel\" or \"physical\" (default: \"voxel\")",
+       {{"\"voxels\"", "\"voxels\" (a string); did you mean \"voxel\"?"}, {"1", "1"}}},
+      {"simplify.metric",
+       "\"rms\" or \"sum\" (default: \"rms\")",
+       {{"\"max\"", "\"max\" (a string)"}, {"1", "1"}}},
+      {"simplify.topology",
+       "\"safe\" or \"free\" (default: \"safe\")",
+       {{"\"save\"", "\"save\" (a string); did you mean \"safe\"?"}, {"true", "true (a boolean)"}}},
+      {"simplify.qef",
+       "\"qr\" or \"normal\" (default: \"qr\")",
+       {{"\"normals\"", "\"normals\" (a string); did you mean \"normal\"?"}, {"1", "1"}}},
+      {"output.directory",
+       a_path + " (default: \"<config name>.mesh\" beside the config)",
+       {{"1.5", "1.5; write paths in quotes"}, {"\"\"", "\"\" (a string)"}}},
+      {"output.formats",
+       "a list of one or more of \"drc\" or \"glb\", each once (default: [\"drc\", \"glb\"])",
+       {{"[]", "[] (a list of 0)"},
+        {"\"drc\"", "\"drc\" (a string); write it in brackets: [\"drc\"]"},
+        {"[\"drc\", \"drc\"]", "[\"drc\", \"drc\"] (a list of 2); drc is listed twice"},
+        {"[\"drc\", \"gltf\"]", "[\"drc\", \"gltf\"] (a list of 2)"},
+        {"[1]", "[1] (a list of 1)"}}},
+      {"output.merged",
+       "\"auto\", true or false (default: \"auto\")",
+       {{"\"never\"", "\"never\" (a string)"}, {"1", "1"}}},
+      {"output.tiles", "true or false (default: true)", not_flag},
+      {"output.tile_vertices",
+       "an integer from 1024 to 1000000000 (default: 500000)",
+       {{"1023", "1023"},
+        {"5000000000", "5000000000"},
+        {"5e5", "500000.0"},
+        {"\"many\"", "\"many\" (a string)"}}},
+      {"output.precision", positive + " (default: 0.01)", not_positive},
+      {"output.normals", "true or false (default: true)", not_flag},
+      {"run.executor",
+       "\"local\" (default: \"local\")",
+       {{"\"locl\"", "\"locl\" (a string); did you mean \"local\"?"}, {"1", "1"}}},
+      {"run.threads",
+       "an integer from 0 to 4096 (default: 0)",
+       {{"-1", "-1"}, {"4097", "4097"}, {"\"all\"", "\"all\" (a string)"}}},
+      {"run.memory",
+       "text such as \"4GiB\" or a number of bytes, at least 64MiB (default: \"4GiB\")",
+       {{"\"4G\"", "\"4G\" (a string); units are B, KiB, MiB, GiB, TiB, KB, MB, GB and TB"},
+        {"\"63MiB\"", "\"63MiB\" (a string)"},
+        {"1000", "1000"},
+        {"-1", "-1"},
+        {"4.5", "4.5"}}},
+  };
+  return all;
+}
+
+TEST(ValueError, CoversEveryKey) {
+  std::set<std::string> covered;
+  for (const WrongKey& key : wrong_keys()) covered.insert(key.name);
+  for (const Setting& setting : settings()) EXPECT_TRUE(covered.contains(setting.name()));
+  EXPECT_EQ(covered.size(), settings().size());
+}
+
+TEST(ValueError, NamesPlaceKeyExpectedAndFound) {
+  for (const WrongKey& key : wrong_keys()) {
+    for (const WrongValue& wrong : key.values) {
+      const std::string text = fmt::format("# first line\n{} = {}\n", key.name, wrong.value);
+      EXPECT_EQ(error_of(text),
+                fmt::format("/data/scan.toml:2:{}: {}: expected {}, found {}", key.name.size() + 4,
+                            key.name, key.expected, wrong.found));
+    }
+  }
+}
+
+TEST(ValueError, NamesTheOverride) {
+  for (const WrongKey& key : wrong_keys()) {
+    // On the command line any text is a path.
+    const bool path = key.expected.starts_with("a path");
+    for (const WrongValue& wrong : key.values) {
+      if (path && wrong.value[0] != '"') continue;
+      const std::string option = key.name + "=" + wrong.value;
+      const std::string message = error_of(testing::least_config(), {option});
+      EXPECT_TRUE(message.starts_with("--set " + key.name + "=")) << message;
+      EXPECT_TRUE(message.ends_with(
+          fmt::format(": {}: expected {}, found {}", key.name, key.expected, wrong.found)))
+          << message;
+    }
+  }
+}
+
+TEST(ValueError, LongValuesAreCut) {
+  const std::string message = error_of("surface.inside = \"" + std::string(5000, 'a') + "\"\n");
+  EXPECT_LT(message.size(), 200U);
+  std::string list = "[1";
+  for (int i = 0; i < 5000; ++i) list += ", 1";
+  EXPECT_LT(error_of("input.crop = " + list + "]\n").size(), 250U);
+}
+
+}  // namespace
+}  // namespace voxweld
