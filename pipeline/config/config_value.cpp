@@ -4,13 +4,10 @@
 
 #include <cmath>
 
+#include "pipeline/config/overloaded.h"
+
 namespace voxweld {
 namespace {
-
-template <class... F>
-struct Overloaded : F... {
-  using F::operator()...;
-};
 
 std::string real_toml(double value) {
   if (std::isnan(value)) return "nan";

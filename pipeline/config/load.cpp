@@ -66,7 +66,7 @@ void assign(Config& config, Places& places, Assignment a) {
   const auto tables = table_names();
   const std::string nearest = nearest_name(table, tables);
   throw InputError(fmt::format("{}: unknown table [{}]{} The tables are {}", where, shown(table),
-                               nearest.empty() ? "." : "; did you mean [" + nearest + "]?",
+                               nearest.empty() ? "." : did_you_mean(fmt::format("[{}]", nearest)),
                                joined(tables)));
 }
 

@@ -10,15 +10,11 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/config/overloaded.h"
 #include "pipeline/config/suggest.h"
 
 namespace voxweld {
 namespace {
-
-template <class... F>
-struct Overloaded : F... {
-  using F::operator()...;
-};
 
 std::string alternatives(const std::vector<std::string>& names) {
   std::string text;

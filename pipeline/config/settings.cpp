@@ -1,6 +1,7 @@
 #include "pipeline/config/settings.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <limits>
 #include <utility>
 
@@ -11,24 +12,24 @@ namespace {
 
 constexpr std::int64_t no_limit = std::numeric_limits<std::int64_t>::max();
 
-using Stages = std::vector<Stage>;
-const Stages none = {};
-const Stages ingest = {Stage::ingest};
-const Stages build = {Stage::build};
-const Stages merge = {Stage::merge};
-const Stages stitch = {Stage::stitch};
-const Stages encode = {Stage::encode};
+using Stages = std::initializer_list<Stage>;
+constexpr Stages none = {};
+constexpr Stages ingest = {Stage::ingest};
+constexpr Stages build = {Stage::build};
+constexpr Stages merge = {Stage::merge};
+constexpr Stages stitch = {Stage::stitch};
+constexpr Stages encode = {Stage::encode};
 // What ingest lays out and build reads: the layout of raw samples (build reads them itself where
 // there is no copy) and the shape of shards.
-const Stages ingest_and_build = {Stage::ingest, Stage::build};
+constexpr Stages ingest_and_build = {Stage::ingest, Stage::build};
 // Merge goes on collapsing above the bricks by the rules of build. Root records need not change
 // with them (a higher tolerance may leave every brick as it was), so merge's key names them too.
-const Stages collapse = {Stage::build, Stage::merge};
+constexpr Stages collapse = {Stage::build, Stage::merge};
 // Octrees and root records are relative to the cell, so their bytes need not change with the
 // spacing; the lengths merge and stitch work with do.
-const Stages lengths = {Stage::ingest, Stage::build, Stage::merge, Stage::stitch};
+constexpr Stages lengths = {Stage::ingest, Stage::build, Stage::merge, Stage::stitch};
 // The open result is the closed one less some polygons, and those are made in stitch.
-const Stages border = {Stage::build, Stage::stitch};
+constexpr Stages border = {Stage::build, Stage::stitch};
 
 struct Words {
   const char* table;
