@@ -1,0 +1,117 @@
+// Based on: N. Otsu, "A Threshold Selection Method from Gray-Level Histograms", IEEE Transactions
+// on Systems, Man, and Cybernetics 9(1), 1979. Differs in that the threshold lies halfway between
+// the two classes' nearest values, so that an empty stretch of the histogram is cut in its middle.
+#include "stages/ingest/threshold.h"
+
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "stages/ingest/histogram_bins.h"
+
+namespace voxweld {
+namespace {
+
+struct ValueCount {
+  double value, count;
+};
+
+std::vector<ValueCount> finite_values(const Histogram& histogram) {
+  std::vector<ValueCount> values;
+  values.reserve(histogram.bins.size());
+  for (const HistogramBin& bin : histogram.bins) {
+    const double value = histogram_bin_value(histogram.type, bin.bin);
+    if (std::isfinite(value)) values.push_back({value, static_cast<double>(bin.count)});
+  }
+  return values;
+}
+
+struct Moments {
+  double count = 0, mean = 0, squares = 0;  // squares: of the distances from the mean
+
+  // B. P. Welford, "Note on a Method for Calculating Corrected Sums of Squares and Products", 1962.
+  void add(const ValueCount& v) {
+    count += v.count;
+    const double step = v.value - mean;
+    mean += step * (v.count / count);
+    squares += step * (v.value - mean) * v.count;
+  }
+};
+
+std::optional<Threshold> otsu(std::span<const ValueCount> values) {
+  if (values.size() < 2) return std::nullopt;
+  Moments all;
+  for (const ValueCount& v : values) all.add(v);
+  Moments below;
+  double best = -1;
+  Threshold threshold;
+  for (std::size_t i = 0; i + 1 < values.size(); ++i) {
+    below.add(values[i]);
+    // w0 w1 (m1 - m0)^2 written with the mean of all: w0 / w1 (m0 - m)^2.
+    const double w0 = below.count / all.count, w1 = 1 - w0;
+    const double distance = below.mean - all.mean;
+    const double between = w1 > 0 ? w0 / w1 * distance * distance : 0;
+    if (between <= best) continue;
+    best = between;
+    threshold.value = 0.5 * values[i].value + 0.5 * values[i + 1].value;
+  }
+  const double total = all.squares / all.count;
+  threshold.separability = total > 0 ? std::fmin(1, best / total) : 0;
+  return threshold;
+}
+
+std::optional<double> quantile_of(std::span<const ValueCount> values, double q) {
+  if (values.empty()) return std::nullopt;
+  double total = 0, seen = 0;
+  for (const ValueCount& v : values) total += v.count;
+  for (const ValueCount& v : values) {
+    seen += v.count;
+    if (seen >= q * total) return v.value;
+  }
+  return values.back().value;
+}
+
+constexpr double least_padding = 0.01;      // share of the samples
+constexpr double least_gap = 0.25;          // of the spread of the others
+constexpr double least_separability = 0.8;  // of the others: clearly two classes
+
+// Whether `extreme` is padding beside `rest`, whose nearest value is `next`.
+bool is_padding(const ValueCount& extreme, double next, std::span<const ValueCount> rest) {
+  double others = 0;
+  for (const ValueCount& v : rest) others += v.count;
+  if (extreme.count < least_padding * (extreme.count + others)) return false;
+  const double spread = *quantile_of(rest, 0.999) - *quantile_of(rest, 0.001);
+  if (std::abs(next - extreme.value) < least_gap * spread) return false;
+  const auto cut = otsu(rest);
+  return cut && cut->separability >= least_separability;
+}
+
+}  // namespace
+
+std::optional<Threshold> otsu_threshold(const Histogram& histogram) {
+  return otsu(finite_values(histogram));
+}
+
+std::optional<double> quantile(const Histogram& histogram, double q) {
+  return quantile_of(finite_values(histogram), q);
+}
+
+std::optional<IsovalueSuggestion> suggest_isovalue(const Histogram& histogram) {
+  const std::vector<ValueCount> values = finite_values(histogram);
+  std::span<const ValueCount> rest = values;
+  IsovalueSuggestion suggestion;
+  if (rest.size() > 2 && is_padding(rest.front(), rest[1].value, rest.subspan(1))) {
+    suggestion.padding = rest.front().value;
+    rest = rest.subspan(1);
+  } else if (rest.size() > 2 &&
+             is_padding(rest.back(), rest[rest.size() - 2].value, rest.first(rest.size() - 1))) {
+    suggestion.padding = rest.back().value;
+    rest = rest.first(rest.size() - 1);
+  }
+  const auto threshold = otsu(rest);
+  if (!threshold) return std::nullopt;
+  suggestion.threshold = *threshold;
+  return suggestion;
+}
+
+}  // namespace voxweld

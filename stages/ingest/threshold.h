@@ -1,0 +1,36 @@
+// Thresholds from histograms. The same histogram gives the same bits, whatever it was merged from.
+#pragma once
+
+#include <optional>
+
+#include "storage/types/histogram.h"
+
+namespace voxweld {
+
+struct Threshold {
+  double value = 0;  // halfway between the two classes' nearest values
+  // Between-class over total variance, 0 to 1: how clear the cut is. A single Gaussian reaches
+  // 0.64, a uniform distribution 0.75.
+  double separability = 0;
+};
+
+// Otsu's threshold over the finite samples; none where they are all in one bin.
+std::optional<Threshold> otsu_threshold(const Histogram& histogram);
+
+// The smallest value that at least a share q of the finite samples does not exceed, to the width of
+// its bin; none where there is no finite sample. Precondition: 0 <= q <= 1.
+std::optional<double> quantile(const Histogram& histogram, double q);
+
+struct IsovalueSuggestion {
+  Threshold threshold;
+  // The value that was taken for padding (what scanners write outside their field of view) and
+  // left out.
+  std::optional<double> padding;
+};
+
+// Otsu's threshold, after leaving out padding: an extreme value that at least 1 % of the samples
+// have, far from all others, when the others have two clear classes of their own. None where
+// otsu_threshold has none.
+std::optional<IsovalueSuggestion> suggest_isovalue(const Histogram& histogram);
+
+}  // namespace voxweld

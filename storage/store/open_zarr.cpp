@@ -1,0 +1,44 @@
+#include "storage/store/open_zarr.h"
+
+#include "storage/store/chunk_reader.h"
+#include "storage/store/zarr_metadata.h"
+#include "storage/support/file_io.h"
+
+namespace voxweld {
+namespace {
+
+class ZarrSource final : public SampleSource {
+ public:
+  explicit ZarrSource(const ZarrArray& array) : reader_(array, Ownership::theirs) {
+    const ReadFile metadata(array.path / "zarr.json");
+    info_.format = "zarr";
+    info_.type = array.type;
+    info_.access = Access::box;
+    info_.largest_decode = reader_.largest_decode();
+    info_.files.push_back({metadata.path(), metadata.size(), metadata.mtime_ns()});
+    if (array.geometry)
+      info_.geometry = *array.geometry;
+    else
+      info_.warnings.push_back(metadata.path() +
+                               ": says no spacing; 1 x 1 x 1 is assumed, set it in the config");
+    info_.geometry.size = array.size;
+    if (array.rank == 2)
+      info_.warnings.push_back(metadata.path() +
+                               ": has two dimensions; read as a volume of one slice");
+  }
+
+  const VolumeInfo& info() const override { return info_; }
+  void read(const Box3& box, std::byte* out) const override { reader_.read(box, out); }
+
+ private:
+  ChunkReader reader_;
+  VolumeInfo info_;
+};
+
+}  // namespace
+
+std::unique_ptr<SampleSource> open_zarr(const std::filesystem::path& directory) {
+  return std::make_unique<ZarrSource>(read_zarr_array(directory));
+}
+
+}  // namespace voxweld

@@ -1,0 +1,130 @@
+#include "storage/store/shard_record.h"
+
+#include <algorithm>
+#include <array>
+#include <system_error>
+
+#include "storage/artifact/container.h"
+#include "storage/support/error.h"
+#include "storage/support/file_io.h"
+#include "storage/types/value_range.h"
+
+namespace voxweld {
+namespace {
+
+constexpr std::array<char, 4> record_kind = {'s', 'h', 'r', 'd'};
+constexpr std::uint32_t record_version = 1;
+enum Section : std::uint64_t { summary = 1, ranges = 2, bins = 3, counts = 4 };
+
+struct SummaryRecord {
+  std::uint64_t file_size, hash_lo, hash_hi, chunks, nans, type;
+};
+struct RangeRecord {
+  double lo, hi;
+  std::uint64_t flags;
+};
+constexpr std::uint64_t has_nan = 1, has_nothing = 2;
+
+template <class T>
+std::span<const std::byte> bytes_of(const std::vector<T>& values) {
+  return std::as_bytes(std::span(values));
+}
+
+bool ascending(const std::vector<std::uint32_t>& values) {
+  return std::is_sorted(values.begin(), values.end()) &&
+         std::adjacent_find(values.begin(), values.end()) == values.end();
+}
+
+Hash128 hash_file(const ReadFile& file) {
+  StreamHasher hasher;
+  std::vector<std::byte> piece(std::size_t{1} << 20);
+  for (std::uint64_t at = 0; at < file.size();) {
+    const auto part =
+        std::span(piece).first(std::min<std::uint64_t>(piece.size(), file.size() - at));
+    file.read(at, part);
+    hasher.update(part);
+    at += part.size();
+  }
+  return hasher.finish();
+}
+
+}  // namespace
+
+ValueRange ShardRecord::range() const {
+  ValueRange all;
+  for (const ValueRange& chunk : chunks) all = merge(all, chunk);
+  return all;
+}
+
+void write_shard_record(const std::filesystem::path& path, const ShardRecord& record) {
+  const SummaryRecord head = {
+      record.file_size,      record.file_hash.lo,
+      record.file_hash.hi,   record.chunks.size(),
+      record.histogram.nans, static_cast<std::uint64_t>(record.histogram.type)};
+  std::vector<RangeRecord> chunk_ranges;
+  chunk_ranges.reserve(record.chunks.size());
+  for (const ValueRange& range : record.chunks)
+    chunk_ranges.push_back({range.empty ? 0 : range.lo, range.empty ? 0 : range.hi,
+                            (range.any_nan ? has_nan : 0) | (range.empty ? has_nothing : 0)});
+  std::vector<std::uint32_t> bin_numbers;
+  std::vector<std::uint64_t> bin_counts;
+  for (const HistogramBin& bin : record.histogram.bins) {
+    bin_numbers.push_back(bin.bin);
+    bin_counts.push_back(bin.count);
+  }
+  ArtifactWriter writer(path, {record_kind, record_version, record.key});
+  writer.section(summary, std::as_bytes(std::span(&head, 1)));
+  writer.section(ranges, bytes_of(chunk_ranges));
+  writer.section(bins, bytes_of(bin_numbers));
+  writer.section(counts, bytes_of(bin_counts));
+  writer.commit();
+}
+
+ShardRecord read_shard_record(const StoreLayout& layout, Index3 shard) {
+  const std::filesystem::path path = layout.record_path(shard);
+  std::error_code error;
+  if (!std::filesystem::exists(path, error) && !error)
+    throw DamagedArtifact(path.string(), "missing; ingest this shard again");
+  const ArtifactReader reader(path, record_kind, record_version);
+  std::vector<SummaryRecord> head;
+  std::vector<RangeRecord> chunk_ranges;
+  std::vector<std::uint32_t> bin_numbers;
+  std::vector<std::uint64_t> bin_counts;
+  reader.read_array(summary, head);
+  reader.read_array(ranges, chunk_ranges);
+  reader.read_array(bins, bin_numbers);
+  reader.read_array(counts, bin_counts);
+  const std::int64_t side = layout.chunks();
+  if (head.size() != 1 || chunk_ranges.size() != static_cast<std::size_t>(side * side * side) ||
+      head[0].chunks != chunk_ranges.size() || bin_numbers.size() != bin_counts.size() ||
+      head[0].type != static_cast<std::uint64_t>(layout.type) || !ascending(bin_numbers))
+    reader.damaged("is the record of a store with other sizes or samples; ingest again");
+  ShardRecord record;
+  record.key = reader.key();
+  record.file_size = head[0].file_size;
+  record.file_hash = {head[0].hash_lo, head[0].hash_hi};
+  record.histogram.type = layout.type;
+  record.histogram.nans = head[0].nans;
+  for (const RangeRecord& range : chunk_ranges)
+    record.chunks.push_back(
+        {range.lo, range.hi, (range.flags & has_nan) != 0, (range.flags & has_nothing) != 0});
+  for (std::size_t i = 0; i < bin_numbers.size(); ++i)
+    record.histogram.bins.push_back({bin_numbers[i], bin_counts[i]});
+  return record;
+}
+
+bool shard_is_current(const StoreLayout& layout, Index3 shard, Hash128 key, ShardCheck check) {
+  std::error_code missing;
+  const auto size = std::filesystem::file_size(layout.shard_path(shard), missing);
+  if (missing || !std::filesystem::exists(layout.record_path(shard), missing)) return false;
+  try {
+    const ShardRecord record = read_shard_record(layout, shard);
+    if (record.key != key || record.file_size != size) return false;
+    return check == ShardCheck::size ||
+           hash_file(ReadFile(layout.shard_path(shard))) == record.file_hash;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+}  // namespace voxweld

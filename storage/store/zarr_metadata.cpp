@@ -1,0 +1,72 @@
+#include "storage/store/zarr_metadata.h"
+
+#include <fmt/format.h>
+
+#include <system_error>
+
+#include "storage/store/zarr_json.h"
+#include "storage/support/error.h"
+#include "storage/support/file_io.h"
+
+namespace voxweld {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool present(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+[[noreturn]] void refuse_directory(const fs::path& directory) {
+  const std::string name = directory.string();
+  std::error_code ignored;
+  if (!present(directory))
+    throw InputError(name + ": no such directory; a Zarr array is a directory with a zarr.json");
+  if (!fs::is_directory(directory, ignored))
+    throw InputError(name + ": is a file; a Zarr array is a directory with a zarr.json");
+  for (const char* v2 : {".zarray", ".zgroup", ".zmetadata"})
+    if (present(directory / v2))
+      throw FormatError(fmt::format(
+          "{}: Zarr v2 is not supported yet ({} found, zarr.json expected); convert it to Zarr v3",
+          name, v2));
+  if (present(directory / "attributes.json"))
+    throw FormatError(name + ": N5 is not supported (attributes.json found, zarr.json expected)");
+  throw InputError(name + ": no zarr.json in it; name the directory of a Zarr v3 array");
+}
+
+}  // namespace
+
+ChunkForm ZarrArray::form() const {
+  const std::size_t each = sample_bytes(type);
+  return {static_cast<std::size_t>(chunk.x * chunk.y * chunk.z) * each, each};
+}
+
+Index3 ZarrArray::chunks_in_file() const {
+  return {file.x / chunk.x, file.y / chunk.y, file.z / chunk.z};
+}
+
+std::uint64_t ZarrArray::index_bytes() const {
+  const Index3 grid = chunks_in_file();
+  return static_cast<std::uint64_t>(grid.x * grid.y * grid.z) * 16 +
+         static_cast<std::uint64_t>(index.checksums) * 4;
+}
+
+fs::path ZarrArray::file_path(Index3 at) const {
+  std::string key = v2_keys ? "" : "c";
+  for (int axis = rank - 1; axis >= 0; --axis) {
+    if (!key.empty()) key += separator;
+    key += std::to_string(at[axis]);
+  }
+  return path / key;
+}
+
+ZarrArray read_zarr_array(const fs::path& directory) {
+  const fs::path file = directory / "zarr.json";
+  if (!present(file)) refuse_directory(directory);
+  const std::vector<std::byte> bytes = read_whole_file(file);
+  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return parse_zarr_array(text, directory);
+}
+
+}  // namespace voxweld

@@ -1,0 +1,63 @@
+// The zarr.json of one Zarr v3 array, and where the array's chunks lie.
+// Specification: "Zarr core specification, version 3.0", with the codecs bytes, blosc, zstd, gzip,
+// crc32c, transpose (identity only) and sharding_indexed.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "storage/store/codec.h"
+#include "storage/types/box.h"
+#include "storage/types/sample_type.h"
+#include "storage/types/volume.h"
+
+namespace voxweld {
+
+// How the index of a sharding_indexed file is stored.
+struct ShardIndexForm {
+  bool at_end = true;
+  bool big_endian = false;
+  int checksums = 1;  // crc32c codecs over it
+};
+
+// All extents are x, y, z; Zarr's are z, y, x. A two-dimensional array is a volume of one slice.
+struct ZarrArray {
+  std::filesystem::path path;  // the array's directory, which holds zarr.json
+  int rank = 3;
+  SampleType type = SampleType::u8;
+  Index3 size;   // samples a side
+  Index3 file;   // samples a side that one file holds (the chunk grid)
+  Index3 chunk;  // samples a side of what is encoded as one piece; divides `file`
+  bool sharded = false;
+  ShardIndexForm index;
+  CodecChain codecs;
+  bool v2_keys = false;  // chunk keys without the leading "c"
+  char separator = '/';
+  std::array<std::byte, 8> fill{};  // one sample, native byte order
+
+  // Set where the attributes hold voxweld's own description.
+  std::optional<VolumeGeometry> geometry;
+
+  ChunkForm form() const;
+  Index3 chunks_in_file() const;
+  std::uint64_t index_bytes() const;  // on disk, checksums included
+  std::filesystem::path file_path(Index3 file_index) const;
+};
+
+// Throws InputError where `directory` is no directory or holds no Zarr array, FormatError where it
+// is of a version, type, rank or codec that is not supported, naming it.
+ZarrArray read_zarr_array(const std::filesystem::path& directory);
+
+// The same from the text of a zarr.json. `directory` is for the messages and for file_path.
+ZarrArray parse_zarr_array(const std::string& text, const std::filesystem::path& directory);
+
+// The text of zarr.json: the same for the same array. Arrays with one compressor, little-endian,
+// default keys only. `geometry` goes into the attributes, with a checksum over the whole document.
+std::string render_zarr_array(const ZarrArray& array);
+
+}  // namespace voxweld
