@@ -202,6 +202,14 @@ void parse_index(const JsonField& configuration, ZarrArray& array) {
   array.index.at_end = text == "end";
 }
 
+// No real shard comes near; more would overflow the size of its index.
+void check_index_size(const JsonField& field, const ZarrArray& array) {
+  const Index3 grid = array.chunks_in_file();
+  constexpr std::int64_t most = std::int64_t{1} << 32;
+  if (grid.x > most / grid.y || grid.x * grid.y > most / grid.z)
+    field.refuse(field.shown() + " makes more than 2^32 chunks a shard");
+}
+
 void parse_codecs(const JsonField& root, ZarrArray& array) {
   const JsonField list = root.at("codecs");
   const auto codecs = list.elements();
@@ -231,9 +239,21 @@ void parse_codecs(const JsonField& root, ZarrArray& array) {
   for (int axis = 0; axis < 3; ++axis)
     if (array.file[axis] % array.chunk[axis] != 0)
       chunk.refuse(chunk.shown() + " does not divide the shard's shape");
+  check_index_size(chunk, array);
   const JsonField inner = configuration.at("codecs");
   array.codecs = parse_chain(inner.elements(), array, inner);
   parse_index(configuration, array);
+}
+
+// A chunk is decoded whole. What fits this may still be over the caller's budget, who is told by
+// largest_decode; what does not is no real array.
+void check_chunk_size(const JsonField& root, const ZarrArray& array) {
+  constexpr std::uint64_t most = std::uint64_t{1} << 40;
+  if (array.form().bytes > most)
+    root.refuse(
+        fmt::format("one chunk takes {} bytes decoded, at most 2^40 are supported; rewrite "
+                    "the array with smaller chunks",
+                    array.form().bytes));
 }
 
 Vec3 parse_vector(const JsonField& field) {
@@ -265,9 +285,15 @@ void parse_geometry(const JsonField& root, ZarrArray& array) {
 
 ZarrArray parse_zarr_array(const std::string& text, const std::filesystem::path& directory) {
   const std::string file = (directory / "zarr.json").string();
-  nlohmann::ordered_json document;
+  using Json = nlohmann::ordered_json;
+  Json document;
+  // Copying and printing a value recurse: a document made to be deep must not exhaust the stack.
+  const auto check_depth = [&](int depth, Json::parse_event_t, Json&) {
+    if (depth > 64) throw FormatError(file + ": nested more than 64 deep, which no zarr.json is");
+    return true;
+  };
   try {
-    document = nlohmann::ordered_json::parse(text);
+    document = Json::parse(text, check_depth);
   } catch (const nlohmann::json::exception& error) {
     throw FormatError(file + ": not valid JSON: " + error.what());
   }
@@ -290,6 +316,7 @@ ZarrArray parse_zarr_array(const std::string& text, const std::filesystem::path&
   parse_keys(root, array);
   array.fill = parse_fill_value(root.at("fill_value"), array.type);
   parse_codecs(root, array);
+  check_chunk_size(root, array);
   parse_geometry(root, array);
   return array;
 }

@@ -144,8 +144,16 @@ TEST_F(Damage, AFailedWriteLeavesTheOldShardWhole) {
 
 TEST_F(Damage, ARewrittenShardIsNeverVouchedForByTheOldRecord) {
   // As a crash between the two renames leaves it: the new shard, no record.
+  const auto before = read_whole_file(layout_.shard_path({}));
   std::filesystem::remove(layout_.record_path({}));
   EXPECT_FALSE(shard_is_current(layout_, {}, some_key));
+  // An old record that cannot be removed keeps the new shard away.
+  std::filesystem::create_directories(layout_.record_path({}) / "in the way");
+  source_.set({1, 1, 1}, std::uint16_t{500});
+  HistogramStatistics statistics(SampleType::u16);
+  ShardScratch scratch;
+  EXPECT_THROW(write_shard(layout_, {}, {5, 5}, source_, statistics, scratch), StorageError);
+  EXPECT_EQ(read_whole_file(layout_.shard_path({})), before);
 }
 
 }  // namespace

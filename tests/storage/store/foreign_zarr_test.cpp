@@ -360,6 +360,22 @@ TEST_F(MadeZarr, WhatIsNotSupportedIsRefusedByName) {
   write_whole_file(array() / "zarr.json", as_bytes("{\"zarr_format\": 3,"),
                    Durability::rename_only);
   EXPECT_THAT(refusal(array()), HasSubstr("not valid JSON"));
+  const std::string deep = std::string(1000000, '[') + std::string(1000000, ']');
+  write_whole_file(array() / "zarr.json", as_bytes(deep), Durability::rename_only);
+  EXPECT_THAT(refusal(array()), HasSubstr("64 deep"));
+}
+
+TEST_F(MadeZarr, AChunkBeyondAllMemoryIsRefused) {
+  Json metadata = plain_metadata();
+  const auto side = std::int64_t{1} << 20;
+  metadata["chunk_grid"]["configuration"]["chunk_shape"] = {side, side, side};
+  metadata["codecs"].push_back(codec("zstd"));
+  expect_refused(metadata, "one chunk takes");
+  metadata["codecs"] = Json::array(
+      {codec("sharding_indexed", {{"chunk_shape", {1, 1, 1}},
+                                  {"codecs", Json::array({codec("bytes", {{"endian", "little"}})})},
+                                  {"index_codecs", Json::array({{{"name", "crc32c"}}})}})});
+  expect_refused(metadata, "2^32 chunks");
 }
 
 }  // namespace
