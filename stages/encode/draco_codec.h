@@ -47,7 +47,7 @@ EncodedMesh encode_draco(const TileMesh& mesh, const EncodeParameters& parameter
 
 // Upper bound of the memory encode_draco takes beyond the mesh it is given, for meshes that are
 // surfaces (about two triangles a vertex).
-std::uint64_t encode_memory_bytes(std::uint64_t vertices, std::uint64_t triangles);
+std::uint64_t encode_memory_bytes(std::uint64_t vertices, std::uint64_t triangles, bool normals);
 
 struct DecodedMesh {
   std::vector<std::array<float, 3>> positions;  // output units, one a point
@@ -62,7 +62,7 @@ struct DecodedMesh {
 DecodedMesh decode_draco(std::span<const std::byte> bytes, const std::string& where = "Draco mesh");
 
 // Upper bound of the memory decode_draco takes, its result included.
-std::uint64_t decode_memory_bytes(std::uint64_t vertices, std::uint64_t triangles);
+std::uint64_t decode_memory_bytes(std::uint64_t vertices, std::uint64_t triangles, bool normals);
 
 // EncodedMesh of a buffer encoded before (found by decoding it).
 EncodedMesh describe_draco(std::vector<std::byte> bytes, const std::string& where = "Draco mesh");

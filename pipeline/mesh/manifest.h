@@ -1,0 +1,114 @@
+// The summary of an output directory (manifest.json) and its list of tiles (tiles.jsonl).
+//
+// manifest.json, one object:
+//   format "voxweld-manifest", version 1
+//   lattice      {step, bits, origin [x, y, z]}
+//   border       "closed" or "open"; border_slack (output units, optional, 0): how far inside the
+//                sample range a boundary edge of an open border may lie
+//   topology     "safe" or "free"
+//   frame        {size [x, y, z], spacing, unit, origin, direction [3][3], space}
+//   counts       {bricks, active_bricks, leaves [per level], vertices (of the welded mesh), quads,
+//                triangles (polygons), output_triangles = 2 quads + triangles, tiles, collinear}
+//   merged       {drc, glb} paths, or null
+//   files        [{path, format, role "tile" or "merged", bytes, xxh3_128}]
+//   input, config, stages, error   free-form
+// tiles.jsonl, one object a line:
+//   {tile {level, at [x, y, z]}, vertices, triangles, quads, polygon_triangles,
+//    files [{format, path, bytes, xxh3_128}]}
+// Paths are relative to the directory. Keys that are not listed are ignored.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "storage/support/file_io.h"
+#include "storage/types/morton.h"
+#include "storage/types/output_lattice.h"
+#include "storage/types/volume.h"
+
+namespace voxweld {
+
+struct FileRecord {
+  std::string path;    // relative to the output directory
+  std::string format;  // "drc", "glb" ...
+  std::string role;    // "tile", "merged"; empty in tiles.jsonl
+  std::uint64_t bytes = 0;
+  std::string xxh3_128;  // to_hex of the file's hash
+  friend bool operator==(const FileRecord&, const FileRecord&) = default;
+};
+
+struct TileRecord {
+  CellKey tile;
+  std::uint64_t vertices = 0;   // of the tile's own mesh
+  std::uint64_t triangles = 0;  // output triangles: 2 quads + polygon_triangles
+  std::uint64_t quads = 0;
+  std::uint64_t polygon_triangles = 0;
+  std::vector<FileRecord> files;
+  friend bool operator==(const TileRecord&, const TileRecord&) = default;
+};
+
+struct ManifestCounts {
+  std::uint64_t bricks = 0, active_bricks = 0;
+  std::vector<std::uint64_t> leaves;  // per level
+  std::uint64_t vertices = 0;         // of the welded mesh
+  std::uint64_t quads = 0, triangles = 0, output_triangles = 0;
+  std::uint64_t tiles = 0, collinear = 0;
+  friend bool operator==(const ManifestCounts&, const ManifestCounts&) = default;
+};
+
+struct MergedFiles {
+  std::string drc, glb;  // empty: not written
+  friend bool operator==(const MergedFiles&, const MergedFiles&) = default;
+};
+
+struct Manifest {
+  Manifest();
+  ~Manifest();
+  Manifest(Manifest&&) noexcept;
+  Manifest& operator=(Manifest&&) noexcept;
+
+  OutputLattice lattice;
+  bool open_border = false;
+  double border_slack = 0;
+  bool free_topology = false;
+  VolumeGeometry frame;
+  ManifestCounts counts;
+  std::optional<MergedFiles> merged;
+  std::vector<FileRecord> files;
+  // Free-form sections: null when absent.
+  std::unique_ptr<nlohmann::json> input, config, stages, error;
+};
+
+inline constexpr const char* manifest_name = "manifest.json";
+inline constexpr const char* tiles_name = "tiles.jsonl";
+
+void write_manifest(const Manifest& manifest, const std::filesystem::path& path,
+                    Durability durability = Durability::fsync);
+// FormatError naming path and key where it is not what is described above.
+Manifest read_manifest(const std::filesystem::path& path);
+
+// One line of tiles.jsonl, with its newline.
+std::string to_json_line(const TileRecord& record);
+// FormatError, starting with `where` (path and line number).
+TileRecord parse_tile_record(const std::string& line, const std::string& where);
+
+// Streams tiles.jsonl.
+class TileListReader {
+ public:
+  explicit TileListReader(const std::filesystem::path& path);  // StorageError when it cannot open
+  // The next tile, or nothing at the end. FormatError naming path and line.
+  std::optional<TileRecord> next();
+
+ private:
+  std::string path_;
+  std::ifstream stream_;
+  std::uint64_t line_ = 0;
+};
+
+}  // namespace voxweld

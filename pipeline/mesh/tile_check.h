@@ -1,0 +1,51 @@
+// One tile on its own: what can be checked inside it, and what has to be compared with others.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/mesh/manifest.h"
+#include "stages/encode/lattice_mesh.h"
+
+namespace voxweld {
+
+// Where points of the output lattice lie in the volume.
+class PointFrame {
+ public:
+  explicit PointFrame(const Manifest& manifest);
+
+  Vec3 position(const LatticePoint& q) const;   // output units, axis-aligned frame
+  Index3 cell(const LatticePoint& q) const;     // finest octree cell
+  bool on_border(const LatticePoint& q) const;  // on or outside the range of the samples
+
+ private:
+  OutputLattice lattice_;
+  VolumeGeometry geometry_;
+  double slack_;
+};
+
+// A fan around a kept vertex; numbers index TileSeams::points.
+struct SeamFan {
+  std::uint32_t vertex = 0, from = 0, to = 0;
+  bool closed = false;
+};
+
+// What other tiles may touch. A vertex is kept when it is not surrounded by exactly one closed fan,
+// or when it lies outside the tile's own cube. Two tiles can share a position that neither of them
+// keeps only if it lies in both their cubes: never.
+struct TileSeams {
+  std::vector<LatticePoint> points;
+  std::vector<bool> home;  // the point lies in the tile's cube
+  // Half-edges that have no single reverse in the tile, and all between two kept vertices.
+  std::vector<std::array<std::uint32_t, 2>> half_edges;
+  std::vector<SeamFan> fans;         // of all kept vertices
+  std::uint64_t inner_vertices = 0;  // not kept
+};
+
+TileSeams find_seams(const LatticeMesh& mesh, const CellKey& tile, const PointFrame& frame);
+
+// Takes the triangles with two equal corners out; returns how many.
+std::uint64_t drop_degenerate(LatticeMesh& mesh);
+
+}  // namespace voxweld

@@ -1,0 +1,50 @@
+// Checks an output directory against its manifest and against what voxweld promises: files whole,
+// tiles that weld without a crack into a closed (or, on the border, open) 2-manifold.
+//
+// One tile at a time is decoded and checked for each thread; of a tile only what touches others
+// stays: its seam vertices, the half-edges between them and the fans around them. So the memory
+// taken is a tile for each thread plus all seams, whatever the size of the mesh. The merged mesh,
+// where there is one, is held whole.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace voxweld {
+
+struct VerifyOptions {
+  int threads = 0;  // 0: as many as cores
+  std::size_t listed_problems = 20;
+  bool merged = true;  // also decode the merged mesh and build it in OpenMesh
+};
+
+struct Problem {
+  std::string where;  // file, or tile and position
+  std::string what;
+};
+
+struct VerifyReport {
+  std::uint64_t files = 0, bytes = 0;  // read and hashed
+  std::uint64_t tiles = 0;
+  std::uint64_t vertices = 0;  // of the welded mesh
+  std::uint64_t triangles = 0;
+  std::uint64_t seam_vertices = 0;   // in more than one tile, equal in all to the bit
+  std::uint64_t boundary_edges = 0;  // of the welded mesh
+  bool merged_checked = false;
+  std::uint64_t problem_count = 0;
+  std::vector<Problem> problems;  // the first of them
+
+  bool good() const { return problem_count == 0; }
+};
+
+// Problems of the output are in the report; what is thrown: StorageError when the directory's
+// manifest or tile list cannot be read, FormatError when they are not what manifest.h describes.
+VerifyReport verify_output(const std::filesystem::path& directory,
+                           const VerifyOptions& options = {});
+
+std::string to_text(const VerifyReport& report);
+std::string to_json_text(const VerifyReport& report);  // one object, with a newline
+
+}  // namespace voxweld
