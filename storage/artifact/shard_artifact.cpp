@@ -21,9 +21,8 @@ constexpr std::uint64_t section_name(std::uint64_t code, std::uint64_t part) {
 }
 
 struct ShardSummaryRecord {
-  std::uint64_t active_cells, crossing_edges, vertices, bricks, active_bricks, collapsed_above,
-      samples;
-  double worst_residual, lowest, highest;
+  std::uint64_t active_cells, crossing_edges, vertices, bricks, active_bricks, collapsed_above;
+  double worst_residual;
   Hash128 input;
   std::array<std::uint64_t, max_levels + 1> leaves;
 };
@@ -66,18 +65,10 @@ void ShardArtifactWriter::brick(std::uint64_t code, const BrickOctree& octree) {
 }
 
 Hash128 ShardArtifactWriter::finish(const ShardSummary& s, std::span<const ShardNode> nodes) {
-  const ShardSummaryRecord record{s.counts.active_cells,
-                                  s.counts.crossing_edges,
-                                  s.counts.vertices,
-                                  s.bricks,
-                                  s.active_bricks,
-                                  s.collapsed_above,
-                                  s.samples,
-                                  s.counts.worst_residual,
-                                  s.lowest,
-                                  s.highest,
-                                  s.input,
-                                  s.counts.leaves};
+  const ShardSummaryRecord record{
+      s.counts.active_cells, s.counts.crossing_edges, s.counts.vertices,       s.bricks,
+      s.active_bricks,       s.collapsed_above,       s.counts.worst_residual, s.input,
+      s.counts.leaves};
   std::vector<ShardNodeRecord> node_records;
   std::vector<CubeCount> cubes;
   std::vector<TopLeaf> leaves;
@@ -111,9 +102,6 @@ ShardSummary ShardArtifact::summary() const {
   s.bricks = r.bricks;
   s.active_bricks = r.active_bricks;
   s.collapsed_above = r.collapsed_above;
-  s.samples = r.samples;
-  s.lowest = r.lowest;
-  s.highest = r.highest;
   s.input = r.input;
   return s;
 }

@@ -43,10 +43,7 @@ struct ShardSummary {
   std::uint64_t bricks = 0;
   std::uint64_t active_bricks = 0;
   std::uint64_t collapsed_above = 0;  // nodes above the bricks that took in their children
-  // Of the samples read: what the data holds where no surface was found.
-  double lowest = 0, highest = 0;
-  std::uint64_t samples = 0;  // ordinary ones among them
-  Hash128 input;              // content hash of the samples read
+  Hash128 input;                      // content hash of the samples read
 };
 
 class ShardArtifactWriter {

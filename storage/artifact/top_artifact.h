@@ -24,9 +24,7 @@ struct MergeCounts {
   std::uint64_t vertices = 0;         // of the final octree
   std::uint64_t collapsed_above = 0;  // nodes above the bricks that took in their children
   std::uint64_t top_leaves = 0;       // those of them that are leaves in the end
-  std::uint64_t samples = 0;
-  double worst_residual = 0;       // of the collapsed leaves
-  double lowest = 0, highest = 0;  // of the samples
+  double worst_residual = 0;          // of the collapsed leaves
   std::array<std::uint64_t, max_levels + 1> leaves{};
 };
 

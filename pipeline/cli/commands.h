@@ -1,0 +1,33 @@
+// The commands of the program. Each adds itself to the CLI and leaves what is to be done in `run`;
+// main calls it once everything is parsed.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "pipeline/executor/console.h"
+#include "pipeline/executor/interrupt.h"
+#include "pipeline/executor/log.h"
+
+namespace voxweld {
+
+struct Program {
+  LogLevel log_level = LogLevel::info;
+  std::shared_ptr<Console> console;
+  InterruptFlag interrupt;
+  std::function<int()> run;  // of the chosen command; returns the exit code
+};
+
+void add_run_commands(CLI::App& app,
+                      Program& program);  // run, ingest, build, merge, stitch, encode
+void add_info_command(CLI::App& app, Program& program);
+void add_init_command(CLI::App& app, Program& program);
+void add_verify_command(CLI::App& app, Program& program);
+void add_render_command(CLI::App& app, Program& program);
+void add_export_command(CLI::App& app, Program& program);
+void add_phantom_command(CLI::App& app, Program& program);
+void add_settings_command(CLI::App& app, Program& program);
+
+}  // namespace voxweld

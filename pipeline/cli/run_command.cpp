@@ -1,0 +1,110 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "pipeline/cli/commands.h"
+#include "pipeline/mesh/manifest.h"
+#include "pipeline/run/run.h"
+#include "storage/support/file_io.h"
+
+namespace voxweld {
+namespace {
+
+struct RunArguments {
+  std::string config;
+  std::vector<std::string> overrides;
+  bool dry_run = false;
+  bool json = false;
+};
+
+RunContext make_context(Program& program, const RunArguments& arguments, Executor& executor) {
+  RunContext context;
+  context.config = load_config(arguments.config, arguments.overrides);
+  context.executor = &executor;
+  context.console = program.console;
+  context.progress.enabled = shows_progress(program.log_level);
+  context.interrupt = &program.interrupt;
+  const int machine = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  context.threads =
+      context.config.run.threads > 0 ? static_cast<int>(context.config.run.threads) : machine;
+  return context;
+}
+
+// The last lines of a run: what there is now and where.
+void print_summary(const RunContext& context, bool json) {
+  const std::filesystem::path& output = context.config.output.directory;
+  if (json) {
+    const auto bytes = read_whole_file(output / manifest_name);
+    fmt::print("{}", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    return;
+  }
+  const Manifest manifest = read_manifest(output / manifest_name);
+  std::uint64_t bytes = 0;
+  for (const FileRecord& file : manifest.files) bytes += file.bytes;
+  fmt::print(
+      "{}: {} vertices, {} triangles ({} quads and {} triangles before cutting), {} tiles, {} "
+      "files, {}\n",
+      output.string(), manifest.counts.vertices, manifest.counts.output_triangles,
+      manifest.counts.quads, manifest.counts.triangles, manifest.counts.tiles,
+      manifest.files.size(), readable_bytes(static_cast<double>(bytes)));
+}
+
+void add_config_options(CLI::App& command, RunArguments& arguments) {
+  command
+      .add_option("config", arguments.config,
+                  "The config file (TOML); `voxweld settings` lists its keys")
+      ->required();
+  command
+      .add_option("--set", arguments.overrides,
+                  "Overrides a key: table.key=value; may be given again")
+      ->take_all();
+}
+
+}  // namespace
+
+void add_run_commands(CLI::App& app, Program& program) {
+  CLI::App* run =
+      app.add_subcommand("run", "Does all that is missing of a config's stages, and nothing twice");
+  auto arguments = std::make_shared<RunArguments>();
+  add_config_options(*run, *arguments);
+  run->add_flag("--dry-run", arguments->dry_run, "Says what would run and why, and does nothing");
+  run->add_flag("--json", arguments->json, "Prints the manifest on standard output at the end");
+  run->callback([&program, arguments] {
+    program.run = [&program, arguments] {
+      LocalExecutor executor;
+      RunContext context = make_context(program, *arguments, executor);
+      if (arguments->dry_run) {
+        fmt::print("{}", dry_run(context));
+        return 0;
+      }
+      run_all(context);
+      print_summary(context, arguments->json);
+      return 0;
+    };
+  });
+  static constexpr std::array<const char*, 5> help = {
+      "Stage 1: the input to a brick store, where it cannot be read in place",
+      "Stage 2: samples to simplified octrees, shard by shard",
+      "Stage 3: the top tree above the bricks, and the tile plan",
+      "Stage 4: octrees to tile meshes on the output lattice",
+      "Stage 5: tile meshes to compressed assets, and the manifest"};
+  for (const Stage stage : all_stages) {
+    auto one = std::make_shared<RunArguments>();
+    CLI::App* command =
+        app.add_subcommand(std::string(stage_name(stage)), help[static_cast<std::size_t>(stage)]);
+    add_config_options(*command, *one);
+    command->callback([&program, one, stage] {
+      program.run = [&program, one, stage] {
+        LocalExecutor executor;
+        RunContext context = make_context(program, *one, executor);
+        run_one(context, stage);
+        if (stage == Stage::encode) print_summary(context, false);
+        return 0;
+      };
+    });
+  }
+}
+
+}  // namespace voxweld

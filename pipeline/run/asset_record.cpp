@@ -1,0 +1,86 @@
+#include "pipeline/run/asset_record.h"
+
+#include <nlohmann/json.hpp>
+
+#include "storage/artifact/container.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+// A container of kind "asst", version 1, whose key is the asset's; section 1: the rest as JSON.
+constexpr std::array<char, 4> asset_kind = {'a', 's', 's', 't'};
+constexpr std::uint32_t asset_version = 1;
+
+}  // namespace
+
+void write_asset_record(const std::filesystem::path& path, const AssetRecord& record) {
+  nlohmann::json files = nlohmann::json::array();
+  for (const FileRecord& file : record.files)
+    files.push_back({{"path", file.path},
+                     {"format", file.format},
+                     {"bytes", file.bytes},
+                     {"hash", file.xxh3_128}});
+  const nlohmann::json body = {
+      {"vertices", record.vertices},   {"triangles", record.triangles},
+      {"quads", record.quads},         {"polygon_triangles", record.polygon_triangles},
+      {"collinear", record.collinear}, {"files", files}};
+  const std::string text = body.dump();
+  ArtifactWriter writer(path, {asset_kind, asset_version, record.key});
+  writer.section(1, as_bytes(text));
+  writer.commit();
+}
+
+std::optional<AssetRecord> read_asset_record(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  try {
+    const ArtifactReader reader(path, asset_kind, asset_version);
+    std::vector<char> text;
+    reader.read_array(1, text);
+    const nlohmann::json body = nlohmann::json::parse(text.begin(), text.end());
+    AssetRecord record;
+    record.key = reader.key();
+    record.vertices = body.at("vertices");
+    record.triangles = body.at("triangles");
+    record.quads = body.at("quads");
+    record.polygon_triangles = body.at("polygon_triangles");
+    record.collinear = body.at("collinear");
+    for (const auto& file : body.at("files"))
+      record.files.push_back(
+          {file.at("path"), file.at("format"), "", file.at("bytes"), file.at("hash")});
+    return record;
+  } catch (const DamagedArtifact&) {
+    return std::nullopt;
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;
+  }
+}
+
+bool asset_is_current(const std::filesystem::path& record_path, Hash128 key,
+                      const std::filesystem::path& output) {
+  const auto record = read_asset_record(record_path);
+  if (!record || record->key != key) return false;
+  for (const FileRecord& file : record->files) {
+    const auto path = output / file.path;
+    std::error_code error;
+    if (std::filesystem::file_size(path, error) != file.bytes || error) return false;
+    const ReadFile opened(path);
+    StreamHasher hash;
+    std::vector<std::byte> piece(std::min<std::uint64_t>(file.bytes, std::uint64_t{1} << 20));
+    for (std::uint64_t at = 0; at < file.bytes; at += piece.size()) {
+      piece.resize(std::min<std::uint64_t>(piece.size(), file.bytes - at));
+      opened.read(at, piece);
+      hash.update(piece);
+    }
+    if (to_hex(hash.finish()) != file.xxh3_128) return false;
+  }
+  return true;
+}
+
+FileRecord write_asset(const std::filesystem::path& output, const std::string& name,
+                       const std::string& format, std::span<const std::byte> bytes) {
+  write_whole_file(output / name, bytes, Durability::fsync);
+  return {name, format, "", bytes.size(), to_hex(hash_bytes(bytes))};
+}
+
+}  // namespace voxweld

@@ -1,0 +1,30 @@
+// The sidecar of an output asset: what it was made from and what its files are. Written after them,
+// so files without a record, or other than it says, are not taken for whole.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "pipeline/mesh/manifest.h"
+#include "storage/support/hash.h"
+
+namespace voxweld {
+
+struct AssetRecord {
+  Hash128 key;
+  std::uint64_t vertices = 0, triangles = 0, quads = 0, polygon_triangles = 0, collinear = 0;
+  std::vector<FileRecord> files;  // paths relative to the output directory
+};
+
+void write_asset_record(const std::filesystem::path& path, const AssetRecord& record);
+// Nothing when it is missing or fails its checks.
+std::optional<AssetRecord> read_asset_record(const std::filesystem::path& path);
+// Its key is this one and every file is there, byte for byte.
+bool asset_is_current(const std::filesystem::path& record, Hash128 key,
+                      const std::filesystem::path& output);
+
+// Writes one asset file, fsynced; its record. `name` is relative to `output`.
+FileRecord write_asset(const std::filesystem::path& output, const std::string& name,
+                       const std::string& format, std::span<const std::byte> bytes);
+
+}  // namespace voxweld

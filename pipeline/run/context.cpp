@@ -1,0 +1,114 @@
+#include "pipeline/run/context.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "pipeline/config/settings.h"
+#include "pipeline/run/encode_stage.h"
+#include "storage/artifact/shard_artifact.h"
+#include "storage/artifact/tile_artifact.h"
+#include "storage/artifact/top_artifact.h"
+
+namespace voxweld {
+
+int stage_threads(const RunContext& context, StageMemory memory) {
+  memory.base_bytes += program_bytes;
+  return threads_within(context.budget(), memory, context.threads);
+}
+
+void run_stage(RunContext& context, const StageRun& stage, const std::vector<Unit>& units,
+               int threads, const UnitWork& work) {
+  release_free_memory();
+  const StageMeter meter;
+  StageStart start{stage.stage, stage.noun, units.size(), 0, stage.reused};
+  for (const Unit& unit : units) start.weight += unit.weight;
+  StageProgress progress(context.console, context.progress, start);
+  RunOptions options{threads, stage.order, &progress, context.interrupt};
+  context.executor->run_units(stage.stage, units, work, options);
+  const StageFigures figures = meter.read();
+  progress.finish(figures);
+  context.reports.push_back({stage.stage, units.size() + stage.reused, units.size(), figures});
+}
+
+double smallest_spacing(const VolumeGeometry& geometry) {
+  return std::min({geometry.spacing.x, geometry.spacing.y, geometry.spacing.z});
+}
+
+ContourParameters contour_parameters(const Config& config, const VolumeGeometry& geometry) {
+  // The enumerators of both come in the order of the settings' table.
+  ContourParameters p;
+  p.spacing = geometry.spacing;
+  p.surface.isovalue = config.surface.isovalue.value();
+  p.surface.inside =
+      config.surface.inside == SurfaceConfig::Inside::above ? Inside::above : Inside::below;
+  p.surface.border =
+      config.surface.border == SurfaceConfig::Border::closed ? Border::closed : Border::open;
+  p.surface.gradient =
+      config.surface.gradient == SurfaceConfig::Gradient::eno ? Gradient::eno : Gradient::central;
+  const SimplifyConfig& s = config.simplify;
+  p.simplify.enabled = s.enabled;
+  p.simplify.tolerance =
+      s.tolerance *
+      (s.tolerance_unit == SimplifyConfig::Unit::voxel ? smallest_spacing(geometry) : 1.0);
+  p.simplify.metric = s.metric == SimplifyConfig::Metric::rms ? Metric::rms : Metric::sum;
+  p.simplify.topology =
+      s.topology == SimplifyConfig::Topology::safe ? Topology::safe : Topology::free;
+  p.simplify.qef = s.qef == SimplifyConfig::Qef::qr ? QefForm::qr : QefForm::normal;
+  return p;
+}
+
+BrickGrid brick_grid(const Config& config, const VolumeGeometry& geometry) {
+  return BrickGrid(geometry.size, std::countr_zero(static_cast<std::uint64_t>(config.work.brick)),
+                   static_cast<int>(config.work.shard));
+}
+
+std::string short_hex(Hash128 hash) {
+  return to_hex(hash).substr(0, 12);
+}
+
+StagePaths stage_paths(const Config& config, const VolumeInfo& info) {
+  const VolumeGeometry& g = info.geometry;
+  const auto vec = [](KeyHasher& key, Vec3 v) { key.real(v.x).real(v.y).real(v.z); };
+  StagePaths paths;
+  const std::filesystem::path& work = config.work.directory;
+  KeyHasher ingest;
+  ingest.hash(parameter_hash(config, Stage::ingest)).text(config.input.path.string());
+  paths.ingest = work / ("ingest-" + short_hex(ingest.finish()));
+
+  KeyHasher build;
+  build.text("build").integer(shard_version).hash(parameter_hash(config, Stage::build));
+  build.text(config.input.path.string()).text(sample_type_name(info.type));
+  build.integer(g.size.x).integer(g.size.y).integer(g.size.z);
+  vec(build, g.spacing);
+  paths.build_key = build.finish();
+  paths.build = work / ("build-" + short_hex(paths.build_key));
+
+  const auto next = [&](Stage stage, std::uint32_t version, Hash128 before) {
+    KeyHasher key;
+    key.text(stage_name(stage)).integer(version).hash(before).hash(parameter_hash(config, stage));
+    return key.finish();
+  };
+  paths.merge_key = next(Stage::merge, top_version, paths.build_key);
+  paths.merge = work / ("merge-" + short_hex(paths.merge_key));
+  paths.stitch_key = next(Stage::stitch, tile_version, paths.merge_key);
+  paths.stitch = work / ("stitch-" + short_hex(paths.stitch_key));
+  KeyHasher encode;
+  encode.hash(next(Stage::encode, encode_version, paths.stitch_key));
+  vec(encode, g.origin);
+  for (const Vec3& axis : g.direction) vec(encode, axis);
+  encode.text(g.unit).text(config.output.directory.string());
+  paths.encode_key = encode.finish();
+  paths.encode = work / ("encode-" + short_hex(paths.encode_key));
+  return paths;
+}
+
+std::filesystem::path fanned_out(const std::filesystem::path& root, Index3 at,
+                                 const std::string& name) {
+  // At most 16 x 16 x 16 / 16 files a folder of the last level: folders by z and by (y, x) / 16.
+  return root / fmt::format("{:03x}", at.z) / fmt::format("{:02x}{:02x}", at.y / 16, at.x / 16) /
+         name;
+}
+
+}  // namespace voxweld

@@ -1,0 +1,82 @@
+// What all stages of a run share: the config, where things lie, and how units are run.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pipeline/config/config.h"
+#include "pipeline/executor/executor.h"
+#include "pipeline/executor/memory_budget.h"
+#include "pipeline/executor/progress.h"
+#include "stages/geometry/brick_grid.h"
+#include "stages/geometry/parameters.h"
+#include "storage/support/hash.h"
+#include "storage/types/volume.h"
+
+namespace voxweld {
+
+// What a stage did, for the manifest and the summary.
+struct StageReport {
+  std::string stage;
+  std::uint64_t units = 0;  // in all
+  std::uint64_t ran = 0;    // those that were missing
+  StageFigures figures;
+};
+
+struct RunContext {
+  Config config;
+  Executor* executor = nullptr;
+  std::shared_ptr<Console> console;
+  ProgressSettings progress;
+  const InterruptFlag* interrupt = nullptr;
+  int threads = 1;  // as the config has it, resolved
+  std::vector<StageReport> reports;
+
+  MemoryBudget budget() const { return {config.run.memory}; }
+};
+
+// What the program itself has resident before any unit runs, with room for the allocator's slack.
+inline constexpr std::uint64_t program_bytes = std::uint64_t{40} << 20;
+
+// One stage's units on the executor, measured and shown; appends to context.reports.
+struct StageRun {
+  std::string stage;   // "build"
+  std::string noun;    // "shards"
+  StageMemory memory;  // base_bytes is filled in
+  std::uint64_t reused = 0;
+  UnitOrder order = UnitOrder::largest_first;
+};
+// workers_for: how many worker slots the work may see (scratch for each).
+int stage_threads(const RunContext& context, StageMemory memory);
+void run_stage(RunContext& context, const StageRun& stage, const std::vector<Unit>& units,
+               int threads, const UnitWork& work);
+
+// The volume as the stages read it: by boxes, from any thread.
+struct Volume {
+  std::shared_ptr<const SampleSource> source;
+  const RangedSource* ranges = nullptr;  // the same source when it knows ranges
+  Hash128 stamp;  // equal when nothing hints at a change (paths, sizes, times)
+  const VolumeGeometry& geometry() const { return source->info().geometry; }
+};
+
+// The contouring parameters the config asks for on this geometry. Precondition: the isovalue is
+// resolved.
+ContourParameters contour_parameters(const Config& config, const VolumeGeometry& geometry);
+BrickGrid brick_grid(const Config& config, const VolumeGeometry& geometry);
+double smallest_spacing(const VolumeGeometry& geometry);
+
+// Folders of a run's artifacts, each named for what its stage and those before it read.
+struct StagePaths {
+  std::filesystem::path ingest, build, merge, stitch, encode;
+  Hash128 build_key, merge_key, stitch_key, encode_key;  // parameters, all stages before included
+};
+StagePaths stage_paths(const Config& config, const VolumeInfo& info);
+
+std::string short_hex(Hash128 hash);  // 12 digits
+// "<x>-<y>-<z>" and a folder for it that keeps every folder small.
+std::filesystem::path fanned_out(const std::filesystem::path& root, Index3 at,
+                                 const std::string& name);
+
+}  // namespace voxweld

@@ -1,0 +1,282 @@
+#include "pipeline/run/encode_stage.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "pipeline/run/asset_record.h"
+#include "stages/encode/adjacency.h"
+#include "stages/encode/draco_codec.h"
+#include "stages/encode/glb.h"
+#include "stages/encode/mesh_accumulator.h"
+#include "storage/artifact/tile_artifact.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+// Tiles keep their name in every run: level and index.
+std::string tile_name(CellKey tile) {
+  return fmt::format("{}-{}-{}-{}", tile.level, tile.at.x, tile.at.y, tile.at.z);
+}
+
+// Relative to the output directory. Folders by z and by y and x / 16, as the artifacts', only when
+// there are too many for one.
+std::string tile_stem(CellKey tile, bool many) {
+  const std::filesystem::path root = "tiles";
+  return (many ? fanned_out(root, tile.at, tile_name(tile)) : root / tile_name(tile)).string();
+}
+
+std::filesystem::path tile_record_path(const EncodeJob& job, CellKey tile) {
+  return fanned_out(job.folder, tile.at, tile_name(tile) + ".record");
+}
+
+std::filesystem::path merged_record_path(const EncodeJob& job) {
+  return job.folder / "merged.record";
+}
+
+Hash128 content_of(const EncodeJob& job, CellKey tile) {
+  return TileArtifact(tile_artifact_path(*job.stitch, tile)).content_hash();
+}
+
+Hash128 asset_key(const EncodeJob& job, Hash128 content) {
+  return KeyHasher().hash(job.key).hash(content).finish();
+}
+
+Hash128 merged_key(const EncodeJob& job, const std::vector<PlannedTile>& tiles) {
+  KeyHasher key;
+  key.text("merged").hash(job.key);
+  for (const PlannedTile& tile : tiles) key.hash(content_of(job, tile.key()));
+  return key.finish();
+}
+
+// One Draco buffer serves both formats.
+std::vector<FileRecord> write_formats(const RunContext& context, const EncodeJob& job,
+                                      const TileMesh& mesh, const std::string& stem) {
+  EncodeParameters parameters;
+  parameters.normals = context.config.output.normals;
+  const EncodedMesh encoded = encode_draco(mesh, parameters);
+  std::vector<FileRecord> files;
+  for (const OutputConfig::Format format : context.config.output.formats) {
+    if (format == OutputConfig::Format::drc) {
+      files.push_back(write_asset(job.output, stem + ".drc", "drc", encoded.bytes));
+    } else {
+      GlbParameters glb;
+      glb.frame = job.frame;
+      files.push_back(write_asset(job.output, stem + ".glb", "glb", wrap_glb(encoded, glb)));
+    }
+  }
+  return files;
+}
+
+AssetRecord record_of(Hash128 key, const TileMesh& mesh, std::vector<FileRecord> files) {
+  return {key,
+          mesh.positions.size(),
+          mesh.triangles.size(),
+          mesh.quads,
+          mesh.polygon_triangles,
+          mesh.collinear,
+          std::move(files)};
+}
+
+void encode_tile(const RunContext& context, const EncodeJob& job, const PlannedTile& tile,
+                 bool many) {
+  const TileArtifact artifact(tile_artifact_path(*job.stitch, tile.key()));
+  const TileMesh mesh = artifact.read();
+  std::vector<FileRecord> files;
+  // A tile may own polygons none of which has three leaves: it has no mesh, and no files.
+  if (!mesh.triangles.empty() && context.config.output.tiles)
+    files = write_formats(context, job, mesh, tile_stem(tile.key(), many));
+  write_asset_record(tile_record_path(job, tile.key()),
+                     record_of(asset_key(job, artifact.content_hash()), mesh, std::move(files)));
+}
+
+void encode_merged(const RunContext& context, const EncodeJob& job,
+                   const std::vector<PlannedTile>& tiles) {
+  MeshAccumulator accumulator;
+  for (const PlannedTile& tile : tiles) {
+    if (context.interrupt != nullptr) context.interrupt->check();
+    const TileMesh mesh = TileArtifact(tile_artifact_path(*job.stitch, tile.key())).read();
+    if (!mesh.triangles.empty()) accumulator.append(mesh);
+  }
+  TileMesh mesh = accumulator.take();
+  if (context.config.surface.border == SurfaceConfig::Border::open) split_fans(mesh);
+  write_asset_record(merged_record_path(job), record_of(merged_key(job, tiles), mesh,
+                                                        write_formats(context, job, mesh, "mesh")));
+}
+
+// Files of ours in the output directory that the new listing does not have: from a run with other
+// formats or other tiles.
+void remove_leftovers(const std::filesystem::path& output, const std::set<std::string>& before,
+                      const std::set<std::string>& now) {
+  for (const std::string& name : before)
+    if (now.count(name) == 0) std::filesystem::remove(output / name);
+}
+
+std::set<std::string> listed_files(const std::filesystem::path& output) {
+  std::set<std::string> names;
+  try {
+    if (std::filesystem::exists(output / manifest_name))
+      for (const FileRecord& file : read_manifest(output / manifest_name).files)
+        names.insert(file.path);
+  } catch (const FormatError&) {
+    names.clear();  // somebody else's manifest: its files are not ours to remove
+  }
+  return names;
+}
+
+nlohmann::json stages_json(const RunContext& context) {
+  nlohmann::json stages = nlohmann::json::array();
+  for (const StageReport& report : context.reports)
+    stages.push_back({{"stage", report.stage},
+                      {"units", report.units},
+                      {"ran", report.ran},
+                      {"seconds", report.figures.wall_s},
+                      {"peak_resident_bytes", report.figures.peak_resident}});
+  return stages;
+}
+
+struct Listing {
+  std::string tiles_jsonl;
+  std::set<std::string> names;
+};
+
+// tiles.jsonl and the manifest's counts and files, from the records.
+Listing list_tiles(const EncodeJob& job, const std::vector<PlannedTile>& tiles,
+                   Manifest& manifest) {
+  Listing listing;
+  for (const PlannedTile& tile : tiles) {
+    const auto record = read_asset_record(tile_record_path(job, tile.key()));
+    if (!record)
+      throw DamagedArtifact(tile_record_path(job, tile.key()).string(), "is not a whole record");
+    if (record->triangles == 0) continue;
+    ManifestCounts& counts = manifest.counts;
+    counts.quads += record->quads;
+    counts.triangles += record->polygon_triangles;
+    counts.output_triangles += record->triangles;
+    counts.collinear += record->collinear;
+    if (record->files.empty()) continue;
+    ++counts.tiles;
+    listing.tiles_jsonl += to_json_line({tile.key(), record->vertices, record->triangles,
+                                         record->quads, record->polygon_triangles, record->files});
+    for (FileRecord file : record->files) {
+      file.role = "tile";
+      listing.names.insert(file.path);
+      manifest.files.push_back(file);
+    }
+  }
+  return listing;
+}
+
+void write_listing(const EncodeJob& job, const std::vector<PlannedTile>& tiles, bool merged,
+                   const std::set<std::string>& before, Manifest& manifest) {
+  Listing listing = list_tiles(job, tiles, manifest);
+  if (merged) {
+    const auto record = read_asset_record(merged_record_path(job));
+    if (!record) throw DamagedArtifact(merged_record_path(job).string(), "is not a whole record");
+    manifest.merged.emplace();
+    for (FileRecord file : record->files) {
+      file.role = "merged";
+      (file.format == "drc" ? manifest.merged->drc : manifest.merged->glb) = file.path;
+      listing.names.insert(file.path);
+      manifest.files.push_back(file);
+    }
+  }
+  remove_leftovers(job.output, before, listing.names);
+  write_whole_file(job.output / tiles_name, as_bytes(listing.tiles_jsonl), Durability::fsync);
+  write_manifest(manifest, job.output / manifest_name);
+}
+
+}  // namespace
+
+MergedPlan plan_merged(const Config& config, std::uint64_t vertices, std::uint64_t triangles) {
+  MergedPlan plan;
+  if (config.output.merged == OutputConfig::Merged::never) return plan;
+  plan.bytes = program_bytes +
+               accumulator_memory_bytes(vertices, triangles, config.output.normals) +
+               encode_memory_bytes(vertices, triangles, config.output.normals);
+  plan.write = plan.bytes <= config.run.memory;
+  if (plan.write) return plan;
+  const std::string figures =
+      fmt::format("one mesh of {} triangles takes {} to encode, run.memory is {}", triangles,
+                  exact_bytes(plan.bytes), exact_bytes(config.run.memory));
+  if (config.output.merged == OutputConfig::Merged::always)
+    throw InputError("output.merged = true: " + figures +
+                     "; raise run.memory, or leave output.merged = \"auto\" and use the tiles");
+  plan.why_not = figures;
+  return plan;
+}
+
+EncodeStatus encode_status(const RunContext& context, const EncodeJob& job,
+                           const TopArtifact& top) {
+  EncodeStatus status;
+  const std::vector<PlannedTile> tiles = top.tiles();
+  std::uint64_t vertices = 0, triangles = 0;
+  for (const PlannedTile& tile : tiles) {
+    const Hash128 key = asset_key(job, content_of(job, tile.key()));
+    if (!asset_is_current(tile_record_path(job, tile.key()), key, job.output))
+      status.missing.push_back(tile);
+    vertices += tile.vertices;
+    triangles += 2 * tile.polygons;
+  }
+  if (plan_merged(context.config, vertices, triangles).write)
+    status.merged_missing =
+        !asset_is_current(merged_record_path(job), merged_key(job, tiles), job.output);
+  return status;
+}
+
+void run_encode(RunContext& context, const EncodeJob& job, Manifest manifest) {
+  const TopArtifact top(job.stitch->merge->path());
+  const std::vector<PlannedTile> tiles = top.tiles();
+  const EncodeStatus status = encode_status(context, job, top);
+  std::uint64_t vertices = 0, triangles = 0, need = 0;
+  for (const PlannedTile& tile : tiles) {
+    vertices += tile.vertices;
+    triangles += 2 * tile.polygons;
+    const std::uint64_t v = tile.vertices + tile.vertices / 4, t = 2 * tile.polygons;
+    need = std::max(need, stitch_bytes(v, tile.polygons) / 2 +
+                              encode_memory_bytes(v, t, context.config.output.normals));
+  }
+  const MergedPlan merged = plan_merged(context.config, vertices, triangles);
+  if (!merged.why_not.empty())
+    spdlog::warn("no merged mesh: {}; the tiles are complete", merged.why_not);
+
+  const std::set<std::string> before = listed_files(job.output);
+  const bool anything = !status.missing.empty() || status.merged_missing;
+  // What is in the directory is about to stop being what its manifest says.
+  if (anything) std::filesystem::remove(job.output / manifest_name);
+
+  StageRun stage;
+  stage.stage = "encode";
+  stage.noun = "meshes";
+  stage.reused =
+      tiles.size() - status.missing.size() + (merged.write && !status.merged_missing ? 1 : 0);
+  stage.memory = {
+      "encode", 0, need,
+      fmt::format("one tile (output.tile_vertices = {})", context.config.output.tile_vertices),
+      "raise run.memory or lower output.tile_vertices"};
+  const int threads = stage_threads(context, stage.memory);
+  std::vector<Unit> units;
+  for (std::size_t i = 0; i < status.missing.size(); ++i)
+    units.push_back({i, "tile " + tile_name(status.missing[i].key()),
+                     static_cast<double>(status.missing[i].polygons)});
+  const bool many = tiles.size() > 200;
+  StageMeter meter;
+  run_stage(context, stage, units, threads, [&](const Unit& unit, WorkerContext&) {
+    encode_tile(context, job, status.missing[unit.key], many);
+  });
+  if (status.merged_missing) {
+    encode_merged(context, job, tiles);
+    StageReport& report = context.reports.back();
+    report.figures = meter.read();
+    ++report.ran;
+    ++report.units;
+  }
+  manifest.stages = std::make_unique<nlohmann::json>(stages_json(context));
+  write_listing(job, tiles, merged.write, before, manifest);
+}
+
+}  // namespace voxweld

@@ -1,0 +1,39 @@
+// Encode: tile meshes to compressed assets, the merged mesh where it fits, and the manifest.
+#pragma once
+
+#include "pipeline/mesh/manifest.h"
+#include "pipeline/run/stitch_stage.h"
+
+namespace voxweld {
+
+// Goes up whenever encode's bytes change.
+inline constexpr std::uint32_t encode_version = 1;
+
+struct EncodeJob {
+  const StitchJob* stitch = nullptr;
+  VolumeGeometry frame;
+  std::filesystem::path folder;  // of the sidecar records
+  std::filesystem::path output;
+  Hash128 key;
+};
+
+struct EncodeStatus {
+  std::vector<PlannedTile> missing;  // tiles whose files are missing, changed or of other inputs
+  bool merged_missing = false;
+};
+
+// Whether the merged mesh is to be written: "auto" leaves it out when it does not fit run.memory.
+// Throws InputError where it is asked for and does not fit.
+struct MergedPlan {
+  bool write = false;
+  std::uint64_t bytes = 0;  // what it takes in memory
+  std::string why_not;      // for the user, when auto leaves it out
+};
+MergedPlan plan_merged(const Config& config, std::uint64_t vertices, std::uint64_t triangles);
+
+// Precondition: stitch is current.
+EncodeStatus encode_status(const RunContext& context, const EncodeJob& job, const TopArtifact& top);
+// Writes what is missing, tiles.jsonl and manifest.json.
+void run_encode(RunContext& context, const EncodeJob& job, Manifest manifest);
+
+}  // namespace voxweld

@@ -1,0 +1,41 @@
+// Ingest: the input volume to something any box of which can be read by any thread: the input
+// itself where it allows that, else a brick store.
+#pragma once
+
+#include <optional>
+
+#include "pipeline/run/context.h"
+#include "storage/store/layout.h"
+#include "storage/types/histogram.h"
+
+namespace voxweld {
+
+struct IngestJob {
+  std::shared_ptr<SampleSource>
+      input;      // as opened: cropped, spacing and unit as the config has them
+  Hash128 stamp;  // of the input's files and how they are read
+  std::filesystem::path folder;
+  bool copy = false;       // make a brick store
+  bool histogram = false;  // needed: the isovalue is to be chosen
+};
+
+// Opens the input the config names. Throws InputError where work.copy = false does not fit it.
+IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder);
+std::shared_ptr<SampleSource> open_input(const InputConfig& config);
+
+struct IngestStatus {
+  std::uint64_t units = 0, missing = 0;  // shards of the store; or the one histogram
+  bool current() const { return missing == 0; }
+};
+IngestStatus ingest_status(const Config& config, const IngestJob& job);
+
+void run_ingest(RunContext& context, const IngestJob& job);
+
+// What ingest leaves. Precondition: it is current.
+Volume open_volume(const Config& config, const IngestJob& job);
+std::optional<Histogram> read_histogram(const Config& config, const IngestJob& job);
+
+// The range of all samples, for messages: from the store's records or by reading everything.
+ValueRange whole_range(RunContext& context, const Volume& volume);
+
+}  // namespace voxweld

@@ -1,0 +1,107 @@
+#include "pipeline/run/jobs.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <nlohmann/json.hpp>
+
+#include "pipeline/run/shard_builder.h"
+#include "stages/encode/draco_codec.h"
+#include "stages/ingest/threshold.h"
+#include "stages/stitch/lattice_plan.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+double choose_isovalue(const Config& config, const IngestJob& job) {
+  const auto histogram = read_histogram(config, job);
+  const auto suggestion = histogram ? suggest_isovalue(*histogram) : std::nullopt;
+  if (!suggestion)
+    throw InputError(
+        fmt::format("surface.isovalue = \"otsu\": all samples of {} have one value, so there is no "
+                    "threshold to find; give a number",
+                    config.input.path.string()));
+  spdlog::info(
+      "surface.isovalue = \"otsu\": {}{}", suggestion->threshold.value,
+      suggestion->padding ? fmt::format(" (leaving out padding of {})", *suggestion->padding) : "");
+  return suggestion->threshold.value;
+}
+
+}  // namespace
+
+Jobs::Jobs(const Config& config) {
+  // The ingest folder depends on the config alone.
+  ingest_ = plan_ingest(config, stage_paths(config, VolumeInfo{}).ingest);
+}
+
+void Jobs::open_volume(Config& config) {
+  if (!config.surface.isovalue) config.surface.isovalue = choose_isovalue(config, ingest_);
+  const Volume volume = voxweld::open_volume(config, ingest_);
+  const VolumeInfo& info = volume.source->info();
+  const StagePaths paths = stage_paths(config, info);
+  build_.emplace(BuildJob{volume, brick_grid(config, info.geometry),
+                          contour_parameters(config, info.geometry), paths.build, paths.build_key});
+  merge_ = {&*build_, paths.merge, paths.merge_key,
+            static_cast<std::uint64_t>(config.output.tile_vertices)};
+  stitch_.build = &*build_;
+  stitch_.merge = &merge_;
+  stitch_.parameters.frame.spacing = info.geometry.spacing;
+  stitch_.parameters.frame.lattice =
+      plan_lattice({info.geometry.size, info.geometry.spacing,
+                    config.output.precision * smallest_spacing(info.geometry)});
+  stitch_.parameters.normals = config.output.normals;
+  stitch_.folder = paths.stitch;
+  stitch_.key = paths.stitch_key;
+  encode_ = {&stitch_, ingest_.input->info().geometry, paths.encode, config.output.directory,
+             paths.encode_key};
+}
+
+void check_budget(const RunContext& context, const Jobs& jobs) {
+  const VolumeInfo& info = jobs.ingest().input->info();
+  const Config& config = context.config;
+  stage_threads(context, {"build", 0,
+                          ShardBuilder::memory_bytes(brick_grid(config, info.geometry), info.type),
+                          fmt::format("one brick (work.brick = {})", config.work.brick),
+                          "raise run.memory or lower work.brick"});
+  const auto vertices = static_cast<std::uint64_t>(config.output.tile_vertices) * 5 / 4;
+  stage_threads(context,
+                {"encode", 0,
+                 encode_memory_bytes(vertices, 2 * vertices, config.output.normals) +
+                     stitch_bytes(vertices, vertices) / 2,
+                 fmt::format("one tile (output.tile_vertices = {})", config.output.tile_vertices),
+                 "raise run.memory or lower output.tile_vertices"});
+}
+
+Manifest make_manifest(const RunContext& context, const Jobs& jobs) {
+  const MergeCounts counts = TopArtifact(jobs.merge().path()).counts();
+  const VolumeInfo& info = jobs.ingest().input->info();
+  const ContourParameters& parameters = jobs.build().parameters;
+  Manifest m;
+  m.lattice = jobs.stitch().parameters.frame.lattice;
+  m.open_border = parameters.surface.border == Border::open;
+  m.free_topology = parameters.simplify.topology == Topology::free;
+  m.frame = info.geometry;
+  m.counts.bricks = counts.bricks;
+  m.counts.active_bricks = counts.active_bricks;
+  m.counts.vertices = counts.vertices;
+  std::size_t levels = counts.leaves.size();
+  while (levels > 1 && counts.leaves[levels - 1] == 0) --levels;
+  m.counts.leaves.assign(counts.leaves.begin(),
+                         counts.leaves.begin() + static_cast<std::ptrdiff_t>(levels));
+  m.input =
+      std::make_unique<nlohmann::json>(nlohmann::json{{"path", context.config.input.path.string()},
+                                                      {"format", info.format},
+                                                      {"type", sample_type_name(info.type)}});
+  m.config = std::make_unique<nlohmann::json>(
+      nlohmann::json{{"fingerprint", to_hex(config_fingerprint(context.config))},
+                     {"toml", canonical_toml(context.config)}});
+  m.error = std::make_unique<nlohmann::json>(
+      nlohmann::json{{"metric", parameters.simplify.metric == Metric::rms ? "rms" : "sum"},
+                     {"tolerance", parameters.simplify.tolerance},
+                     {"reached", counts.worst_residual},
+                     {"unit", info.geometry.unit}});
+  return m;
+}
+
+}  // namespace voxweld

@@ -1,0 +1,45 @@
+// The five stages' jobs of one config, wired to each other.
+#pragma once
+
+#include <optional>
+
+#include "pipeline/run/encode_stage.h"
+#include "pipeline/run/ingest_stage.h"
+
+namespace voxweld {
+
+class Jobs {
+ public:
+  // Opens the input; throws what readers throw.
+  explicit Jobs(const Config& config);
+  Jobs(const Jobs&) = delete;
+  Jobs& operator=(const Jobs&) = delete;
+
+  const IngestJob& ingest() const { return ingest_; }
+
+  // Once ingest is current: opens its result, puts the chosen isovalue into `config` where it says
+  // "otsu", and makes the later jobs. Throws InputError where no isovalue can be chosen or no
+  // lattice planned.
+  void open_volume(Config& config);
+
+  const Volume& volume() const { return build_->volume; }
+  const BuildJob& build() const { return *build_; }
+  const MergeJob& merge() const { return merge_; }
+  const StitchJob& stitch() const { return stitch_; }
+  const EncodeJob& encode() const { return encode_; }
+
+ private:
+  IngestJob ingest_;
+  std::optional<BuildJob> build_;
+  MergeJob merge_;
+  StitchJob stitch_;
+  EncodeJob encode_;
+};
+
+// Refuses, before any work, a run.memory that is too small for one unit of some stage.
+void check_budget(const RunContext& context, const Jobs& jobs);
+
+// The manifest but for what encode adds. Precondition: merge is current.
+Manifest make_manifest(const RunContext& context, const Jobs& jobs);
+
+}  // namespace voxweld

@@ -1,0 +1,109 @@
+#include "pipeline/run/merge_stage.h"
+
+#include <algorithm>
+
+#include "stages/merge/octree_reduction.h"
+#include "stages/merge/tile_planner.h"
+#include "storage/artifact/shard_artifact.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+Hash128 full_key(const MergeJob& job) {
+  KeyHasher key;
+  key.hash(job.key);
+  for (const Index3& shard : job.build->grid.all_shards())
+    key.hash(ShardArtifact(shard_artifact_path(*job.build, shard)).content_hash());
+  return key.finish();
+}
+
+struct Sink : ReductionSink {
+  TopArtifactWriter* out = nullptr;
+  TilePlanner* planner = nullptr;
+  MergeCounts* counts = nullptr;
+  int brick_level = 0;
+
+  void leaf(CellKey key, const RootRecord& record) override {
+    ++counts->vertices;
+    ++counts->leaves[static_cast<std::size_t>(key.level)];
+    counts->worst_residual = std::max(counts->worst_residual, static_cast<double>(record.residual));
+    if (key.level > brick_level)
+      top({key.code(), static_cast<std::uint32_t>(key.level), record.vertex, record.residual, 0});
+  }
+  void cube(const CubeCount& count) override { planner->push(count); }
+  void top(const TopLeaf& leaf) {
+    ++counts->top_leaves;
+    out->leaf(leaf);
+  }
+};
+
+void add(const ShardSummary& shard, MergeCounts& counts) {
+  counts.bricks += shard.bricks;
+  counts.active_bricks += shard.active_bricks;
+  counts.active_cells += shard.counts.active_cells;
+  counts.crossing_edges += shard.counts.crossing_edges;
+  counts.vertices += shard.counts.vertices;
+  counts.collapsed_above += shard.collapsed_above;
+  counts.worst_residual = std::max(counts.worst_residual, shard.counts.worst_residual);
+  for (std::size_t l = 0; l < counts.leaves.size(); ++l) counts.leaves[l] += shard.counts.leaves[l];
+}
+
+void merge(const MergeJob& job, Hash128 key) {
+  const BrickGrid& grid = job.build->grid;
+  const ContourParameters& parameters = job.build->parameters;
+  TopArtifactWriter out(job.path(), key);
+  TilePlanner planner(std::max(grid.domain_level(), block_level), job.tile_vertices,
+                      [&](const PlannedTile& tile) { out.tile(tile); });
+  MergeCounts counts;
+  for (const Index3& shard : grid.all_shards())
+    add(ShardArtifact(shard_artifact_path(*job.build, shard)).summary(), counts);
+
+  Sink sink;
+  sink.out = &out;
+  sink.planner = &planner;
+  sink.counts = &counts;
+  sink.brick_level = grid.brick_level();
+  const CellKey root{std::max(grid.domain_level(), grid.shard_level()), {}};
+  OctreeReduction reduction(root, grid.domain_level(), parameters, sink);
+  for (const BrickGrid::Cube& cube : grid.all_cubes()) {
+    const ShardArtifact artifact(shard_artifact_path(*job.build, cube.shard));
+    for (const ShardNode& node : artifact.nodes()) {
+      if (!(node.key == cube.key)) continue;
+      reduction.push({node.key, node.record, node.polygons});
+      for (const TopLeaf& leaf : node.leaves) sink.top(leaf);
+      for (const CubeCount& count : node.cubes) planner.push(count);
+    }
+  }
+  OctreeReduction::settle(reduction.finish(), sink);
+  counts.collapsed_above += reduction.collapsed();
+  planner.finish();
+  out.finish(counts);
+}
+
+}  // namespace
+
+bool merge_is_current(const MergeJob& job) {
+  if (!std::filesystem::exists(job.path())) return false;
+  try {
+    const TopArtifact artifact(job.path());
+    return artifact.key() == full_key(job);
+  } catch (const DamagedArtifact& damage) {
+    if (damage.path() == job.path()) return false;
+    throw;
+  }
+}
+
+void run_merge(RunContext& context, const MergeJob& job) {
+  StageRun stage;
+  stage.stage = "merge";
+  stage.noun = "tree";
+  const bool current = merge_is_current(job);
+  stage.reused = current ? 1 : 0;
+  std::vector<Unit> units;
+  if (!current) units.push_back({0, "top tree", 1});
+  run_stage(context, stage, units, 1,
+            [&](const Unit&, WorkerContext&) { merge(job, full_key(job)); });
+}
+
+}  // namespace voxweld

@@ -1,0 +1,22 @@
+// Merge: the shards' root records to the top tree and the tile plan, in one streaming pass.
+#pragma once
+
+#include "pipeline/run/build_stage.h"
+#include "storage/artifact/top_artifact.h"
+
+namespace voxweld {
+
+struct MergeJob {
+  const BuildJob* build = nullptr;
+  std::filesystem::path folder;
+  Hash128 key;  // of the parameters; the artifact's also covers the shards' contents
+  std::uint64_t tile_vertices = 500000;
+
+  std::filesystem::path path() const { return folder / "top.tree"; }
+};
+
+// Precondition: no shard is missing.
+bool merge_is_current(const MergeJob& job);
+void run_merge(RunContext& context, const MergeJob& job);
+
+}  // namespace voxweld

@@ -1,0 +1,157 @@
+#include "pipeline/run/run.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <set>
+
+#include "pipeline/executor/error_set.h"
+#include "pipeline/run/jobs.h"
+#include "pipeline/run/last_config.h"
+#include "storage/support/error.h"
+#include "storage/support/file_io.h"
+
+namespace voxweld {
+namespace {
+
+void check_surface(RunContext& context, const Jobs& jobs) {
+  const MergeCounts counts = TopArtifact(jobs.merge().path()).counts();
+  if (counts.crossing_edges != 0) return;
+  const ValueRange range = whole_range(context, jobs.volume());
+  throw InputError(fmt::format(
+      "surface.isovalue = {}: no surface: no sample is {} it. The values of {} run from {} to {}; "
+      "choose one "
+      "between",
+      context.config.surface.isovalue.value(),
+      context.config.surface.inside == SurfaceConfig::Inside::above ? "at or above" : "at or below",
+      context.config.input.path.string(), range.lo, range.hi));
+}
+
+// ingest -> build -> merge -> stitch -> encode
+void run_stages(RunContext& context) {
+  Jobs jobs(context.config);
+  check_budget(context, jobs);
+  run_ingest(context, jobs.ingest());
+  jobs.open_volume(context.config);
+  run_build(context, jobs.build());
+  run_merge(context, jobs.merge());
+  check_surface(context, jobs);
+  run_stitch(context, jobs.stitch());
+  run_encode(context, jobs.encode(), make_manifest(context, jobs));
+}
+
+// Removes what failed its checks, so that the next pass makes it again. Throws the error itself
+// when something is damaged for the second time: then it is not chance.
+void mend(const std::exception& error, std::set<std::string>& mended) {
+  const auto paths = damaged_paths(error);
+  for (const std::string& path : paths) {
+    if (!mended.insert(path).second) throw;
+    spdlog::warn("{}; it is removed and made again", error.what());
+    std::filesystem::remove(path);
+  }
+}
+
+}  // namespace
+
+void run_all(RunContext& context) {
+  const Config asked = context.config;
+  std::set<std::string> mended;
+  for (bool done = false; !done;) {
+    context.config = asked;
+    context.reports.clear();
+    write_last_config(asked);
+    try {
+      run_stages(context);
+      done = true;
+    } catch (const Error& error) {
+      if (!is_only_damage(error)) throw;
+      mend(error, mended);
+    }
+  }
+}
+
+void run_one(RunContext& context, Stage stage) {
+  Jobs jobs(context.config);
+  check_budget(context, jobs);
+  const auto need = [&](Stage before, bool there) {
+    if (!there)
+      throw InputError(
+          fmt::format("stage {} needs what stage {} makes, and that is missing or out of date; run "
+                      "`voxweld {} CONFIG` first, or `voxweld run CONFIG` for all",
+                      stage_name(stage), stage_name(before), stage_name(before)));
+  };
+  if (stage == Stage::ingest) return run_ingest(context, jobs.ingest());
+  need(Stage::ingest, ingest_status(context.config, jobs.ingest()).current());
+  jobs.open_volume(context.config);
+  if (stage == Stage::build) return run_build(context, jobs.build());
+  need(Stage::build, missing_shards(jobs.build()).empty());
+  if (stage == Stage::merge) return run_merge(context, jobs.merge());
+  need(Stage::merge, merge_is_current(jobs.merge()));
+  check_surface(context, jobs);
+  if (stage == Stage::stitch) return run_stitch(context, jobs.stitch());
+  need(Stage::stitch, missing_tiles(jobs.stitch(), TopArtifact(jobs.merge().path())).empty());
+  run_encode(context, jobs.encode(), make_manifest(context, jobs));
+}
+
+std::string dry_run(RunContext& context) {
+  std::string text;
+  const auto say = [&](Stage stage, const std::string& what) {
+    text += fmt::format("{:<7} {}\n", stage_name(stage), what);
+  };
+  const auto later = [&](Stage from, const std::string& why) {
+    for (const Stage stage : all_stages)
+      if (stage >= from) say(stage, "would run: " + why);
+  };
+  const auto because = [&](Stage stage) {
+    const std::string why = changed_since_last(context.config, stage);
+    return why.empty() ? std::string() : " (" + why + ")";
+  };
+  Jobs jobs(context.config);
+  const IngestStatus ingest = ingest_status(context.config, jobs.ingest());
+  if (!ingest.current()) {
+    say(Stage::ingest,
+        fmt::format("would run: {} of {} {} missing{}", ingest.missing, ingest.units,
+                    jobs.ingest().copy ? "shards" : "histogram", because(Stage::ingest)));
+    later(Stage::build, "waits for ingest");
+    return text;
+  }
+  say(Stage::ingest,
+      jobs.ingest().copy ? "up to date" : "nothing to do: the input is read in place");
+  jobs.open_volume(context.config);
+  const auto shards = missing_shards(jobs.build());
+  const std::size_t all = jobs.build().grid.all_shards().size();
+  if (!shards.empty()) {
+    say(Stage::build, fmt::format("would run: {} of {} shards missing{}", shards.size(), all,
+                                  because(Stage::build)));
+    later(Stage::merge, "waits for build");
+    return text;
+  }
+  say(Stage::build, "up to date");
+  if (!merge_is_current(jobs.merge())) {
+    say(Stage::merge, "would run" + because(Stage::merge));
+    later(Stage::stitch, "waits for merge");
+    return text;
+  }
+  say(Stage::merge, "up to date");
+  const TopArtifact top(jobs.merge().path());
+  const auto tiles = missing_tiles(jobs.stitch(), top);
+  if (!tiles.empty()) {
+    say(Stage::stitch, fmt::format("would run: {} of {} tiles missing{}", tiles.size(),
+                                   top.tiles().size(), because(Stage::stitch)));
+    later(Stage::encode, "waits for stitch");
+    return text;
+  }
+  say(Stage::stitch, "up to date");
+  const EncodeStatus status = encode_status(context, jobs.encode(), top);
+  if (status.missing.empty() && !status.merged_missing) {
+    say(Stage::encode, "up to date");
+  } else {
+    say(Stage::encode,
+        fmt::format("would run: {} of {} tiles{} missing{}", status.missing.size(),
+                    top.tiles().size(), status.merged_missing ? " and the merged mesh" : "",
+                    because(Stage::encode)));
+  }
+  return text;
+}
+
+}  // namespace voxweld

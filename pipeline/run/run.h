@@ -1,0 +1,22 @@
+// A run: what is missing of the five stages, in their order.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "pipeline/config/settings.h"
+#include "pipeline/run/context.h"
+
+namespace voxweld {
+
+// Does all that is missing and nothing twice. Artifacts found damaged are named, removed and made
+// again. Throws InputError for what the user can mend (an empty surface among it).
+void run_all(RunContext& context);
+
+// One stage alone; InputError naming the stage to run first when what it needs is not there.
+void run_one(RunContext& context, Stage stage);
+
+// What run_all would do and why, as text for the terminal.
+std::string dry_run(RunContext& context);
+
+}  // namespace voxweld

@@ -1,0 +1,133 @@
+#include "pipeline/run/stitch_stage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pipeline/run/tile_inputs.h"
+#include "storage/artifact/tile_artifact.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+// A worker's brick and its neighbours' skins, reused.
+struct Scratch {
+  BrickOctree brick;
+  std::array<Skin, 8> upper;
+};
+
+struct TileWork {
+  PlannedTile tile;
+  std::vector<CellKey> bricks;
+  std::vector<TopLeaf> above;
+  Hash128 key;
+};
+
+TileWork prepare(const StitchJob& job, const PlannedTile& tile, const TopArtifact& top,
+                 ShardFiles& files) {
+  TileWork work;
+  work.tile = tile;
+  work.bricks = tile_bricks(*job.build, tile.key(), files);
+  work.above = leaves_above(*job.build, work.bricks, top);
+  work.key = tile_key(job, tile, work.bricks, work.above, files);
+  return work;
+}
+
+bool is_current(const StitchJob& job, const TileWork& work) {
+  const auto path = tile_artifact_path(job, work.tile.key());
+  if (!std::filesystem::exists(path)) return false;
+  try {
+    return TileArtifact(path).key() == work.key;
+  } catch (const DamagedArtifact&) {
+    return false;
+  }
+}
+
+// The polygons of the brick whose owner cells lie in the tile: all, or those of some 16^3 blocks.
+void cut_to_tile(const PlannedTile& tile, const BrickOctree& octree, StitchBrick& brick) {
+  if (static_cast<int>(tile.level) >= brick.key.level) return;
+  const std::uint64_t first = (tile.code - brick.key.code()) >> (3 * block_level);
+  const std::uint64_t count = std::uint64_t{1}
+                              << (3 * (static_cast<int>(tile.level) - block_level));
+  const std::size_t begin = first == 0 ? 0 : octree.blocks[first - 1].polygon_end;
+  const std::size_t end = octree.blocks[first + count - 1].polygon_end;
+  brick.polygons = brick.polygons.subspan(begin, end - begin);
+  if (!brick.emit_levels.empty()) brick.emit_levels = brick.emit_levels.subspan(begin, end - begin);
+}
+
+void stitch(const StitchJob& job, const TileWork& work, ShardFiles& files, Scratch& scratch,
+            WorkerContext& worker) {
+  TileStitcher stitcher(work.tile.key(), job.parameters, work.above);
+  for (const CellKey& key : work.bricks) {
+    worker.check_interrupt();
+    const auto file = files.of_brick(key.at);
+    file->read_brick(morton_encode(key.at), scratch.brick);
+    StitchBrick brick{key,
+                      scratch.brick.vertices,
+                      scratch.brick.polygons,
+                      scratch.brick.emit_levels,
+                      &scratch.brick.skin,
+                      {}};
+    for (std::size_t d = 1; d < 8; ++d) {
+      const Index3 at = key.at + Index3{static_cast<int>(d & 1), static_cast<int>(d >> 1 & 1),
+                                        static_cast<int>(d >> 2)};
+      const auto neighbour = files.of_brick(at);
+      if (neighbour == nullptr || !neighbour->has_brick(morton_encode(at))) continue;
+      neighbour->read_skin(morton_encode(at), scratch.upper[d]);
+      brick.upper[d] = &scratch.upper[d];
+    }
+    cut_to_tile(work.tile, scratch.brick, brick);
+    stitcher.add(brick);
+  }
+  write_tile(tile_artifact_path(job, work.tile.key()), work.key, stitcher.finish());
+}
+
+}  // namespace
+
+std::filesystem::path tile_artifact_path(const StitchJob& job, CellKey tile) {
+  return fanned_out(job.folder, tile.at,
+                    fmt::format("{}-{}-{}-{}.tile", tile.level, tile.at.x, tile.at.y, tile.at.z));
+}
+
+std::vector<PlannedTile> missing_tiles(const StitchJob& job, const TopArtifact& top) {
+  ShardFiles files(*job.build);
+  std::vector<PlannedTile> missing;
+  for (const PlannedTile& tile : top.tiles())
+    if (!is_current(job, prepare(job, tile, top, files))) missing.push_back(tile);
+  return missing;
+}
+
+void run_stitch(RunContext& context, const StitchJob& job) {
+  const TopArtifact top(job.merge->path());
+  const std::vector<PlannedTile> tiles = top.tiles();
+  const std::vector<PlannedTile> missing = missing_tiles(job, top);
+  ShardFiles files(*job.build);
+  std::uint64_t need = 0;
+  std::vector<Unit> units;
+  for (std::size_t i = 0; i < missing.size(); ++i) {
+    const PlannedTile& tile = missing[i];
+    const CellKey key = tile.key();
+    units.push_back({i, fmt::format("tile {}-{}-{}-{}", key.level, key.at.x, key.at.y, key.at.z),
+                     static_cast<double>(tile.vertices + tile.polygons)});
+    const auto bricks = tile_bricks(*job.build, key, files);
+    need = std::max(need, stitch_bytes(tile.vertices + tile.vertices / 4, tile.polygons) +
+                              largest_brick_bytes(bricks, files));
+  }
+  StageRun stage;
+  stage.stage = "stitch";
+  stage.noun = "tiles";
+  stage.reused = tiles.size() - missing.size();
+  stage.memory = {
+      "stitch", 0, need,
+      fmt::format("one tile (output.tile_vertices = {})", context.config.output.tile_vertices),
+      "raise run.memory or lower output.tile_vertices"};
+  const int threads = stage_threads(context, stage.memory);
+  std::vector<Scratch> scratch(static_cast<std::size_t>(threads));
+  run_stage(context, stage, units, threads, [&](const Unit& unit, WorkerContext& worker) {
+    const TileWork work = prepare(job, missing[unit.key], top, files);
+    stitch(job, work, files, scratch[static_cast<std::size_t>(worker.slot())], worker);
+  });
+}
+
+}  // namespace voxweld

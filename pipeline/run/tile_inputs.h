@@ -1,0 +1,44 @@
+// What one tile's stitching reads: its bricks, their upper neighbours' skins, its part of the top
+// tree.
+#pragma once
+
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+
+#include "pipeline/run/stitch_stage.h"
+#include "storage/artifact/shard_artifact.h"
+
+namespace voxweld {
+
+// Opened octree artifacts, a bounded number of them. Thread-safe.
+class ShardFiles {
+ public:
+  explicit ShardFiles(const BuildJob& job) : job_(job) {}
+  // The artifact of the shard that builds this brick; null when the brick is not in the grid.
+  std::shared_ptr<const ShardArtifact> of_brick(Index3 brick);
+
+ private:
+  static constexpr std::size_t most_open = 64;
+  const BuildJob& job_;
+  std::mutex mutex_;
+  std::map<std::uint64_t, std::shared_ptr<const ShardArtifact>> open_;
+  std::list<std::uint64_t> order_;  // oldest first
+};
+
+// The bricks with a surface that a tile's cube meets, in Morton order.
+std::vector<CellKey> tile_bricks(const BuildJob& job, CellKey tile, ShardFiles& files);
+
+// The Morton range of finest cells that the tile's bricks and their upper neighbours lie in is not
+// one interval: the leaves above them are looked up brick by brick.
+std::vector<TopLeaf> leaves_above(const BuildJob& job, const std::vector<CellKey>& bricks,
+                                  const TopArtifact& top);
+
+Hash128 tile_key(const StitchJob& job, const PlannedTile& tile, const std::vector<CellKey>& bricks,
+                 const std::vector<TopLeaf>& above, ShardFiles& files);
+
+// The most bytes the parts of one of these bricks take, its neighbours' skins included.
+std::uint64_t largest_brick_bytes(const std::vector<CellKey>& bricks, ShardFiles& files);
+
+}  // namespace voxweld

@@ -1,0 +1,17 @@
+// One pass over a volume that is read directly: histogram or range of all its samples.
+#pragma once
+
+#include "pipeline/run/context.h"
+#include "storage/types/histogram.h"
+
+namespace voxweld {
+
+struct ScanResult {
+  Histogram histogram;
+  ValueRange range;
+};
+
+// Reads everything once, in parallel bands of slices. Precondition: Access::box.
+ScanResult scan_volume(RunContext& context, const SampleSource& source, const std::string& stage);
+
+}  // namespace voxweld
