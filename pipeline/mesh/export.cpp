@@ -41,7 +41,8 @@ void add_apart(ExportMesh& out, const DecodedMesh& mesh, const std::array<std::u
 }
 
 ExportMesh build(const DecodedMesh& mesh) {
-  omerr().disable();
+  omerr().disable();  // each refused face, each file written: on stderr and stdout
+  omlog().disable();
   ExportMesh out;
   if (!mesh.normals.empty()) out.request_vertex_normals();
   out.reserve(mesh.positions.size(), 3 * mesh.triangles.size() / 2, mesh.triangles.size());

@@ -18,9 +18,9 @@ struct RenderOptions {
   int width = 1200, height = 900;
   double azimuth = 30, elevation = 25;  // degrees: where the eye is; z is up, 0 looks along +y
   double zoom = 1;                      // 1: the whole mesh fits
-  std::optional<Vec3> centre;           // looked at; the middle of the bounds by default
-  double field_of_view = 30;            // degrees, of the height; 0: orthographic
-  int supersample = 2;                  // samples a side of a pixel, 1 to 4
+  std::optional<Vec3> centre = std::nullopt;  // looked at; the middle of the bounds by default
+  double field_of_view = 30;                  // degrees, of the height; 0: orthographic
+  int supersample = 2;                        // samples a side of a pixel, 1 to 4
 };
 
 // RGB, 8 bits each, rows from the top.
