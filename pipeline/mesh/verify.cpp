@@ -17,6 +17,7 @@
 #include "storage/support/hash.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
+#include "storage/support/hash.h"
 
 namespace voxweld {
 namespace {
@@ -205,7 +206,7 @@ class Verifier {
         [&](TileRecord record) { return tiles_.check(std::move(record)); },
         [&](const TileResult& result) { fold(result); });
     seams_.finish([&](Problem problem) { note(std::move(problem)); });
-    if (!manifest_.free_topology) check_doubtful();
+    check_doubtful();
     check_totals();
     check_merged();
     return std::move(report_);
@@ -240,7 +241,10 @@ class Verifier {
           const auto found = doubtful.find(tile_name(record.tile));
           return found == doubtful.end() ? Problems{} : tiles_.use_of(record, found->second);
         },
-        [&](const Problems& problems) { note_all(problems); });
+        [&](const Problems& problems) {
+          counted_twice_ += problems.size();
+          if (!manifest_.free_topology) note_all(problems);
+        });
   }
 
   void expect(const char* key, std::uint64_t found, std::uint64_t stated) {
@@ -249,7 +253,7 @@ class Verifier {
   }
 
   void check_totals() {
-    report_.vertices = seams_.vertices();
+    report_.vertices = seams_.vertices() - counted_twice_;
     report_.triangles = triangles_.count;
     report_.seam_vertices = seams_.seam_vertices();
     report_.boundary_edges = seams_.boundary_edges();
@@ -310,6 +314,7 @@ class Verifier {
   const int threads_;
   TriangleDigest triangles_;
   std::uint64_t quads_ = 0, polygon_triangles_ = 0;
+  std::uint64_t counted_twice_ = 0;  // inside their tile, and kept by another
   VerifyReport report_;
 };
 

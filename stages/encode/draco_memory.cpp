@@ -7,7 +7,8 @@
 namespace voxweld {
 namespace {
 
-constexpr std::uint64_t fixed = std::uint64_t{1} << 20;
+// Entropy coding tables, whose size is that of the largest residual.
+constexpr std::uint64_t fixed = std::uint64_t{16} << 20;
 
 }  // namespace
 

@@ -17,7 +17,7 @@ struct GlbParameters {
   // and direction, the unit scaled to glTF's metre (an unknown or empty unit is left as it is).
   // Directions that are not orthogonal have no place in a glTF node: then they are left out and
   // stated in the node's extras.
-  std::optional<VolumeGeometry> frame;
+  std::optional<VolumeGeometry> frame = std::nullopt;
   bool y_up = true;  // turn z-up data to glTF's y-up: (x, y, z) -> (x, z, -y)
 };
 

@@ -1,0 +1,71 @@
+// Pictures of meshes, by a z-buffer in software: the same bytes on every machine, from any number
+// of tiles, each needed only while it is drawn.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "stages/encode/draco_codec.h"
+#include "storage/types/box.h"
+
+namespace voxweld {
+
+struct RenderOptions {
+  int width = 1200, height = 900;
+  double azimuth = 30, elevation = 25;  // degrees: where the eye is; z is up, 0 looks along +y
+  double zoom = 1;                      // 1: the whole mesh fits
+  std::optional<Vec3> centre = std::nullopt;  // looked at; the middle of the bounds by default
+  double field_of_view = 30;                  // degrees, of the height; 0: orthographic
+  int supersample = 2;                        // samples a side of a pixel, 1 to 4
+};
+
+// RGB, 8 bits each, rows from the top.
+struct Image {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+struct MeshBounds {
+  Vec3 lo, hi;
+};
+MeshBounds bounds_of(std::span<const DecodedMesh> meshes);
+
+// A picture in the making. InputError for a size, sample count or zoom out of range.
+// Fronts are warm grey, lit from the eye and from the upper left; backs are red, so that an
+// inside-out piece, or the inside seen through a crack, shows. Normals of the mesh are used where
+// it has them, else each triangle's own.
+class Renderer {
+ public:
+  Renderer(const MeshBounds& bounds, const RenderOptions& options);
+  void draw(const DecodedMesh& mesh);
+  Image finish() const;
+
+  // Depth and colour of a sample: 7 bytes times width, height and supersample squared.
+  std::uint64_t memory_bytes() const;
+
+ private:
+  struct Projected;
+  struct Corner;
+  Projected project(const std::array<float, 3>& p) const;
+  void draw_triangle(const std::array<Corner, 3>& corners);
+  void fill(const std::array<Corner, 3>& corners, double area, Vec3 face, bool back);
+
+  RenderOptions options_;
+  Vec3 centre_, right_, up_, back_;  // of the eye's frame; back_ points at the eye
+  double scale_ = 1, distance_ = 0;
+  int width_ = 0, height_ = 0;  // in samples
+  std::vector<float> depth_;
+  std::vector<std::array<std::uint8_t, 3>> colour_;
+};
+
+Image render_mesh(std::span<const DecodedMesh> meshes, const RenderOptions& options);
+// The same, tile by tile: `tiles` calls its argument once for each.
+Image render_mesh(const MeshBounds& bounds,
+                  const std::function<void(const std::function<void(const DecodedMesh&)>&)>& tiles,
+                  const RenderOptions& options);
+
+}  // namespace voxweld

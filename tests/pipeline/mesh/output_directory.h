@@ -1,0 +1,87 @@
+// Writes a small output directory as a run does, and lets a test damage it first.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "pipeline/mesh/manifest.h"
+#include "stages/encode/glb.h"
+#include "stages/encode/mesh_accumulator.h"
+#include "storage/support/file_io.h"
+#include "storage/support/hash.h"
+#include "tests/support/shapes.h"
+
+namespace voxweld::testing {
+
+struct OutputDirectory {
+  std::vector<TileMesh> tiles;
+  bool glb = true, merged = true, open = false, free_topology = false;
+  // Hooks, each called where set: on a tile's mesh before it is encoded (the merged mesh and the
+  // listing are made from the meshes before), on the listing, on the manifest.
+  std::function<void(std::size_t, TileMesh&)> damage;
+  std::function<void(std::size_t, TileRecord&)> relist;
+  std::function<void(Manifest&)> restate;
+  std::function<void(TileMesh&)> remerge;
+
+  void write(const std::filesystem::path& directory) const {
+    Manifest manifest;
+    manifest.lattice = tiles[0].lattice;
+    manifest.open_border = open;
+    manifest.free_topology = free_topology;
+    manifest.frame.size = {40, 40, 40};
+    manifest.frame.unit = "mm";
+    std::string list;
+    std::set<std::array<std::int32_t, 3>> vertices;
+    MeshAccumulator accumulator;
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+      accumulator.append(tiles[i]);
+      vertices.insert(tiles[i].positions.begin(), tiles[i].positions.end());
+      list += line(directory, i, manifest.counts);
+    }
+    manifest.counts.vertices = vertices.size();
+    if (merged) write_merged(directory, accumulator.take(), manifest);
+    if (restate) restate(manifest);
+    write_manifest(manifest, directory / manifest_name, Durability::rename_only);
+    write_whole_file(directory / tiles_name, as_bytes(list), Durability::rename_only);
+  }
+
+ private:
+  static FileRecord file(const std::filesystem::path& directory, const std::string& path,
+                         const std::string& format, const std::string& role,
+                         std::span<const std::byte> bytes) {
+    write_whole_file(directory / path, bytes, Durability::rename_only);
+    return {path, format, role, bytes.size(), to_hex(hash_bytes(bytes))};
+  }
+
+  std::string line(const std::filesystem::path& directory, std::size_t i,
+                   ManifestCounts& counts) const {
+    TileMesh mesh = tiles[i];
+    TileRecord record{mesh.tile,  mesh.positions.size(),  mesh.triangles.size(),
+                      mesh.quads, mesh.polygon_triangles, {}};
+    counts.quads += mesh.quads;
+    counts.output_triangles += mesh.triangles.size();
+    counts.tiles += 1;
+    if (damage) damage(i, mesh);
+    const EncodedMesh encoded = encode_draco(mesh, {});
+    const std::string name = "tiles/" + std::to_string(i);
+    record.files.push_back(file(directory, name + ".drc", "drc", "", encoded.bytes));
+    if (glb)
+      record.files.push_back(file(directory, name + ".glb", "glb", "", wrap_glb(encoded, {})));
+    if (relist) relist(i, record);
+    return to_json_line(record);
+  }
+
+  void write_merged(const std::filesystem::path& directory, TileMesh mesh,
+                    Manifest& manifest) const {
+    if (remerge) remerge(mesh);
+    const EncodedMesh encoded = encode_draco(mesh, {});
+    manifest.merged = MergedFiles{"mesh.drc", "mesh.glb"};
+    manifest.files.push_back(file(directory, "mesh.drc", "drc", "merged", encoded.bytes));
+    manifest.files.push_back(file(directory, "mesh.glb", "glb", "merged", wrap_glb(encoded, {})));
+  }
+};
+
+}  // namespace voxweld::testing
