@@ -7,6 +7,8 @@
 #include <limits>
 #include <optional>
 
+#include "storage/image/format_checks.h"
+
 namespace voxweld {
 namespace {
 
@@ -78,12 +80,32 @@ void describe_layout(const OIIO::ImageSpec& spec, ImagePage& page) {
   page.decode_bytes = once ? strip : 2 * strip;
 }
 
-void describe_meaning(const OIIO::ImageSpec& spec, ImagePage& page) {
+bool is_integer(SampleType type) {
+  return type != SampleType::f32 && type != SampleType::f64;
+}
+
+// Bits that OpenImageIO stretched the samples by and that `restore` takes back.
+int stretched_bits(const ImagePage& page) {
+  const bool known = page.format == "tiff" || page.format == "png";
+  const bool is_unsigned =
+      page.type == SampleType::u8 || page.type == SampleType::u16 || page.type == SampleType::u32;
+  return known && is_unsigned ? static_cast<int>(8 * sample_bytes(page.type)) - page.stored_bits
+                              : 0;
+}
+
+void describe_meaning(const OIIO::ImageSpec& spec, const std::string& path, ImagePage& page) {
   const int type_bits = static_cast<int>(8 * sample_bytes(page.type));
-  page.stored_bits = spec.get_int_attribute("oiio:BitsPerSample", type_bits);
-  page.rescaled = page.stored_bits < type_bits && page.type != SampleType::f32;
   const int photometric = spec.get_int_attribute("tiff:PhotometricInterpretation", -1);
-  page.palette = photometric == tiff::palette || spec.find_attribute("png:palette") != nullptr;
+  page.stored_bits =
+      std::clamp(spec.get_int_attribute("oiio:BitsPerSample", type_bits), 1, type_bits);
+  page.palette = photometric == tiff::palette;
+  if (page.format == "png") {
+    const PngFacts facts = png_facts(path);
+    page.stored_bits = std::clamp(facts.bits, 1, type_bits);
+    page.palette = facts.palette;
+  }
+  page.rescaled =
+      is_integer(page.type) && page.stored_bits < type_bits && stretched_bits(page) == 0;
   page.white_is_zero = photometric == tiff::white_is_zero;
   page.orientation = spec.get_int_attribute("Orientation", 1);
   page.x_resolution = static_cast<double>(spec.get_float_attribute("XResolution", 0));
@@ -97,8 +119,7 @@ void describe_meaning(const OIIO::ImageSpec& spec, ImagePage& page) {
 // n bits are v, and turns white-is-zero images round only where they are read as uint8.
 template <class T>
 void restore_values(const ImagePage& page, T* samples, std::size_t count) {
-  const int type_bits = static_cast<int>(8 * sizeof(T));
-  const int shift = page.rescaled ? type_bits - page.stored_bits : 0;
+  const int shift = stretched_bits(page);
   const bool invert = page.white_is_zero && sizeof(T) > 1;
   const bool inverted = page.white_is_zero && sizeof(T) == 1;
   constexpr T top = std::numeric_limits<T>::max();
@@ -112,7 +133,7 @@ void restore_values(const ImagePage& page, T* samples, std::size_t count) {
 }
 
 void restore(const ImagePage& page, std::byte* data, std::size_t count) {
-  if (page.format != "tiff" || (!page.rescaled && !page.white_is_zero)) return;
+  if (stretched_bits(page) == 0 && !page.white_is_zero) return;
   if (page.type == SampleType::u8)
     restore_values(page, reinterpret_cast<std::uint8_t*>(data), count);
   if (page.type == SampleType::u16)
@@ -145,6 +166,8 @@ std::unique_ptr<OiioReader> OiioReader::open(const std::string& path, std::strin
     if (error.empty()) error = "not an image of a known format";
     return nullptr;
   }
+  error = format_objection(input->format_name(), path);
+  if (!error.empty()) return nullptr;
   return std::unique_ptr<OiioReader>(new OiioReader(std::move(input), path));
 }
 
@@ -193,7 +216,7 @@ bool OiioReader::select(int page, std::string& error) {
   page_.channels = spec.nchannels;
   page_.type = *type;
   describe_layout(spec, page_);
-  describe_meaning(spec, page_);
+  describe_meaning(spec, path_, page_);
   selected_ = page;
   return true;
 }
