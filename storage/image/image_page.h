@@ -20,7 +20,7 @@ struct ImagePage {
   std::string format;       // "tiff", "png" ...
   std::string compression;  // "none", "lzw", "zip" ...
   bool palette = false;     // indexed colour
-  bool rescaled = false;    // `stored_bits` is stretched to the range of `type`
+  bool rescaled = false;    // samples are read stretched from `stored_bits` to the range of `type`
   bool white_is_zero = false;
   int orientation = 1;  // EXIF numbering, 1: first row on top, first column left
   // Pixels per resolution_unit ("in", "cm", "none"); 0 where the file does not say.

@@ -7,6 +7,8 @@
 #include <limits>
 #include <optional>
 
+#include "storage/image/format_checks.h"
+
 namespace voxweld {
 namespace {
 
@@ -78,12 +80,32 @@ void describe_layout(const OIIO::ImageSpec& spec, ImagePage& page) {
   page.decode_bytes = once ? strip : 2 * strip;
 }
 
-void describe_meaning(const OIIO::ImageSpec& spec, ImagePage& page) {
+bool is_integer(SampleType type) {
+  return type != SampleType::f32 && type != SampleType::f64;
+}
+
+// Bits that OpenImageIO stretched the samples by and that `restore` takes back.
+int stretched_bits(const ImagePage& page) {
+  const bool known = page.format == "tiff" || page.format == "png";
+  const bool is_unsigned =
+      page.type == SampleType::u8 || page.type == SampleType::u16 || page.type == SampleType::u32;
+  return known && is_unsigned ? static_cast<int>(8 * sample_bytes(page.type)) - page.stored_bits
+                              : 0;
+}
+
+void describe_meaning(const OIIO::ImageSpec& spec, const std::string& path, ImagePage& page) {
   const int type_bits = static_cast<int>(8 * sample_bytes(page.type));
-  page.stored_bits = spec.get_int_attribute("oiio:BitsPerSample", type_bits);
-  page.rescaled = page.stored_bits < type_bits && page.type != SampleType::f32;
   const int photometric = spec.get_int_attribute("tiff:PhotometricInterpretation", -1);
-  page.palette = photometric == tiff::palette || spec.find_attribute("png:palette") != nullptr;
+  page.stored_bits =
+      std::clamp(spec.get_int_attribute("oiio:BitsPerSample", type_bits), 1, type_bits);
+  page.palette = photometric == tiff::palette;
+  if (page.format == "png") {
+    const PngFacts facts = png_facts(path);
+    page.stored_bits = std::clamp(facts.bits, 1, type_bits);
+    page.palette = facts.palette;
+  }
+  page.rescaled =
+      is_integer(page.type) && page.stored_bits < type_bits && stretched_bits(page) == 0;
   page.white_is_zero = photometric == tiff::white_is_zero;
   page.orientation = spec.get_int_attribute("Orientation", 1);
   page.x_resolution = static_cast<double>(spec.get_float_attribute("XResolution", 0));
@@ -97,8 +119,7 @@ void describe_meaning(const OIIO::ImageSpec& spec, ImagePage& page) {
 // n bits are v, and turns white-is-zero images round only where they are read as uint8.
 template <class T>
 void restore_values(const ImagePage& page, T* samples, std::size_t count) {
-  const int type_bits = static_cast<int>(8 * sizeof(T));
-  const int shift = page.rescaled ? type_bits - page.stored_bits : 0;
+  const int shift = stretched_bits(page);
   const bool invert = page.white_is_zero && sizeof(T) > 1;
   const bool inverted = page.white_is_zero && sizeof(T) == 1;
   constexpr T top = std::numeric_limits<T>::max();
@@ -112,7 +133,7 @@ void restore_values(const ImagePage& page, T* samples, std::size_t count) {
 }
 
 void restore(const ImagePage& page, std::byte* data, std::size_t count) {
-  if (page.format != "tiff" || (!page.rescaled && !page.white_is_zero)) return;
+  if (stretched_bits(page) == 0 && !page.white_is_zero) return;
   if (page.type == SampleType::u8)
     restore_values(page, reinterpret_cast<std::uint8_t*>(data), count);
   if (page.type == SampleType::u16)
@@ -121,29 +142,73 @@ void restore(const ImagePage& page, std::byte* data, std::size_t count) {
     restore_values(page, reinterpret_cast<std::uint32_t*>(data), count);
 }
 
-}  // namespace
-
-std::unique_ptr<OiioReader> OiioReader::open(const std::string& path, std::string& error) {
+OIIO::ImageSpec open_config() {
   OIIO::ImageSpec config;
   config.attribute("oiio:RawColor", 1);           // no colour conversion
   config.attribute("oiio:UnassociatedAlpha", 1);  // no multiplication by alpha
+  return config;
+}
+
+}  // namespace
+
+std::unique_ptr<OiioReader> OiioReader::open(const std::string& path, std::string& error) {
+  TiffDirectories directories;
+  if (list_tiff_directories(ReadFile(path), directories, error)) {
+    std::unique_ptr<OiioReader> reader(new OiioReader(nullptr, path));
+    reader->directories_ = std::move(directories);
+    return reader->open_tiff(error) ? std::move(reader) : nullptr;
+  }
+  if (!error.empty()) return nullptr;
+  const OIIO::ImageSpec config = open_config();
   auto input = OIIO::ImageInput::open(path, &config);
   if (!input) {
     error = OIIO::geterror();
     if (error.empty()) error = "not an image of a known format";
     return nullptr;
   }
+  error = format_objection(input->format_name(), path);
+  if (!error.empty()) return nullptr;
   return std::unique_ptr<OiioReader>(new OiioReader(std::move(input), path));
 }
 
-bool OiioReader::select(int page) {
+bool OiioReader::open_tiff(std::string& error) {
+  view_ = std::make_unique<TiffPageView>(path_, directories_);
+  input_ = OIIO::ImageInput::create("tiff");
+  if (!input_) error = OIIO::geterror();
+  return input_ != nullptr && seek(0, error);
+}
+
+// Makes a page the one `input_` reads. False with an empty error: there is no such page.
+bool OiioReader::seek(int page, std::string& error) {
+  if (page < 0) return false;
+  if (!view_) return input_->seek_subimage(page, 0);
+  if (static_cast<std::size_t>(page) >= directories_.offsets.size()) return false;
+  input_->close();
+  view_->choose(directories_.offsets[static_cast<std::size_t>(page)]);
+  input_->set_ioproxy(view_.get());
+  OIIO::ImageSpec spec;
+  if (input_->open(path_, spec, open_config())) return true;
+  error = input_->geterror();
+  if (error.empty()) error = "no reason given";
+  return false;
+}
+
+bool OiioReader::select(int page, std::string& error) {
   if (page == selected_) return true;
-  if (page < 0 || !input_->seek_subimage(page, 0)) return false;
   selected_ = -1;
   tile_row_index_ = -1;
+  if (!seek(page, error)) return false;
   const OIIO::ImageSpec& spec = input_->spec();
   const std::optional<SampleType> type = sample_type(spec.format);
-  if (!type) return false;
+  if (!type) {
+    error = std::string("samples of type ") + spec.format.c_str() + " are not supported";
+    return false;
+  }
+  if (spec.depth > 1) {
+    error = "holds a volumetric image of depth " + std::to_string(spec.depth) +
+            ", which is not supported";
+    return false;
+  }
   page_ = ImagePage{};
   page_.format = input_->format_name();
   page_.width = spec.width;
@@ -151,21 +216,14 @@ bool OiioReader::select(int page) {
   page_.channels = spec.nchannels;
   page_.type = *type;
   describe_layout(spec, page_);
-  describe_meaning(spec, page_);
+  describe_meaning(spec, path_, page_);
   selected_ = page;
   return true;
 }
 
 bool OiioReader::describe(int page, ImagePage& out, std::string& error) try {
-  // The message of a failed seek is only that there are no more pages.
-  if (!select(page)) {
-    static_cast<void>(input_->geterror());
-    return false;
-  }
-  const OIIO::ImageSpec& spec = input_->spec();
-  if (spec.depth > 1) {
-    error = "holds a volumetric image of depth " + std::to_string(spec.depth) +
-            ", which is not supported";
+  if (!select(page, error)) {
+    static_cast<void>(input_->geterror());  // no more than "no such page"
     return false;
   }
   out = page_;
@@ -178,16 +236,17 @@ bool OiioReader::describe(int page, ImagePage& out, std::string& error) try {
 bool OiioReader::read_rows(int page, std::int64_t y0, std::int64_t y1, std::byte* out,
                            std::string& error) try {
   static_cast<void>(input_->geterror());  // what earlier warnings left there
-  if (!select(page)) {
-    error = "page " + std::to_string(page) + " cannot be found again";
+  if (!select(page, error)) {
+    if (error.empty()) error = "the page is not there any more";
     return false;
   }
   const OIIO::ImageSpec& spec = input_->spec();
-  const bool done = page_.tile_height > 0
-                        ? read_tiled(y0, y1, out)
-                        : input_->read_scanlines(page, 0, spec.y + static_cast<int>(y0),
-                                                 spec.y + static_cast<int>(y1), spec.z, 0,
-                                                 spec.nchannels, oiio_type(page_.type), out);
+  const bool done =
+      page_.tile_height > 0
+          ? read_tiled(y0, y1, out)
+          : input_->read_scanlines(input_->current_subimage(), 0, spec.y + static_cast<int>(y0),
+                                   spec.y + static_cast<int>(y1), spec.z, 0, spec.nchannels,
+                                   oiio_type(page_.type), out);
   if (!done) {
     error = input_->geterror();
     if (error.empty()) error = "no reason given";
@@ -225,7 +284,7 @@ bool OiioReader::load_tile_row(std::int64_t index) {
   const std::int64_t end = std::min(begin + page_.tile_height, page_.height);
   tile_row_index_ = -1;
   tile_row_.resize(row_bytes(page_) * static_cast<std::uint64_t>(end - begin));
-  if (!input_->read_tiles(selected_, 0, spec.x, spec.x + spec.width,
+  if (!input_->read_tiles(input_->current_subimage(), 0, spec.x, spec.x + spec.width,
                           spec.y + static_cast<int>(begin), spec.y + static_cast<int>(end), spec.z,
                           spec.z + 1, 0, spec.nchannels, oiio_type(page_.type), tile_row_.data()))
     return false;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "storage/image/module_api.h"
+#include "storage/image/tiff_pages.h"
 
 namespace voxweld {
 
@@ -21,13 +22,18 @@ class OiioReader final : public ImageModuleReader {
                  std::string& error) override;
 
  private:
-  explicit OiioReader(std::unique_ptr<OIIO::ImageInput> input, std::string path)
+  OiioReader(std::unique_ptr<OIIO::ImageInput> input, std::string path)
       : input_(std::move(input)), path_(std::move(path)) {}
 
-  bool select(int page);
+  bool open_tiff(std::string& error);
+  bool seek(int page, std::string& error);
+  bool select(int page, std::string& error);
   bool read_tiled(std::int64_t y0, std::int64_t y1, std::byte* out);
   bool load_tile_row(std::int64_t tile_row);
 
+  // TIFF only; outlives input_, which reads through it.
+  TiffDirectories directories_;
+  std::unique_ptr<TiffPageView> view_;
   std::unique_ptr<OIIO::ImageInput> input_;
   std::string path_;
   int selected_ = -1;

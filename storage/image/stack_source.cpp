@@ -61,11 +61,13 @@ void check_alike(const ImagePage& page, const PageName& name, const ImagePage& f
 
 std::vector<std::string> page_warnings(const std::string& path, const ImagePage& page) {
   std::vector<std::string> warnings;
-  if (page.rescaled && page.format == "tiff")
+  const int type_bits = static_cast<int>(8 * sample_bytes(page.type));
+  const bool is_integer = page.type != SampleType::f32 && page.type != SampleType::f64;
+  if (is_integer && !page.rescaled && page.stored_bits < type_bits)
     warnings.push_back(fmt::format("{}: samples of {} bits are kept as {}, values 0 to {}", path,
                                    page.stored_bits, sample_type_name(page.type),
                                    (std::uint64_t{1} << page.stored_bits) - 1));
-  if (page.rescaled && page.format != "tiff")
+  if (page.rescaled)
     warnings.push_back(
         fmt::format("{}: samples of {} bits are stretched to the range of {}; isovalues mean the "
                     "stretched values",
