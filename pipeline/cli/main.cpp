@@ -61,9 +61,9 @@ int run_main(int argc, char** argv) {
   add_run_commands(app, program);
   // add_init_command(app, program);
   // add_info_command(app, program);
-  // add_verify_command(app, program);
-  // add_render_command(app, program);
-  // add_export_command(app, program);
+  add_verify_command(app, program);
+  add_render_command(app, program);
+  add_export_command(app, program);
   // add_phantom_command(app, program);
   add_settings_command(app, program);
   try {

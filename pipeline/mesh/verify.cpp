@@ -14,7 +14,6 @@
 #include "pipeline/mesh/seam_check.h"
 #include "pipeline/mesh/tile_check.h"
 #include "stages/encode/glb.h"
-#include "storage/support/hash.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "storage/support/hash.h"

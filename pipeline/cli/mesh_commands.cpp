@@ -1,0 +1,117 @@
+// verify, render and export: what is done with an output directory or a mesh file.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "pipeline/cli/commands.h"
+#include "pipeline/mesh/export.h"
+#include "pipeline/mesh/load.h"
+#include "pipeline/mesh/render.h"
+#include "pipeline/mesh/verify.h"
+#include "storage/image/image_file.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+struct RenderArguments {
+  std::string input, output;
+  RenderOptions options;
+  std::vector<double> centre;
+};
+
+int render(const RenderArguments& arguments) {
+  RenderOptions options = arguments.options;
+  if (!arguments.centre.empty())
+    options.centre = Vec3{arguments.centre[0], arguments.centre[1], arguments.centre[2]};
+  // Two passes over the files, one mesh in memory at a time: bounds, then the picture.
+  constexpr double far = std::numeric_limits<double>::infinity();
+  MeshBounds bounds{{far, far, far}, {-far, -far, -far}};
+  for_each_mesh(arguments.input, [&](const DecodedMesh& mesh) {
+    const MeshBounds own = bounds_of(std::span(&mesh, 1));
+    for (int a = 0; a < 3; ++a) {
+      bounds.lo[a] = std::min(bounds.lo[a], own.lo[a]);
+      bounds.hi[a] = std::max(bounds.hi[a], own.hi[a]);
+    }
+  });
+  Renderer renderer(bounds, options);
+  for_each_mesh(arguments.input, [&](const DecodedMesh& mesh) { renderer.draw(mesh); });
+  const Image image = renderer.finish();
+  write_png(arguments.output, {image.width, image.height, 3}, std::as_bytes(std::span(image.rgb)));
+  fmt::print("{}: {} x {}\n", arguments.output, image.width, image.height);
+  return 0;
+}
+
+}  // namespace
+
+void add_verify_command(CLI::App& app, Program& program) {
+  struct Arguments {
+    std::string directory;
+    VerifyOptions options;
+    bool json = false, no_merged = false;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("verify",
+                                         "Re-reads an output directory: closed, 2-manifold, seams "
+                                         "equal to the bit, counts and hashes as listed");
+  command->add_option("directory", arguments->directory, "The output directory")->required();
+  command->add_option("--threads", arguments->options.threads, "0: all")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--no-merged", arguments->no_merged,
+                    "Leaves out the merged mesh, which is held in memory whole");
+  command->add_flag("--json", arguments->json, "The report as JSON");
+  command->callback([&program, arguments] {
+    program.run = [arguments] {
+      arguments->options.merged = !arguments->no_merged;
+      const VerifyReport report = verify_output(arguments->directory, arguments->options);
+      fmt::print("{}", arguments->json ? to_json_text(report) : to_text(report));
+      return report.good() ? 0 : 1;
+    };
+  });
+}
+
+void add_render_command(CLI::App& app, Program& program) {
+  auto arguments = std::make_shared<RenderArguments>();
+  CLI::App* command =
+      app.add_subcommand("render", "Draws an output directory or a mesh file as a PNG");
+  RenderOptions& o = arguments->options;
+  command->add_option("input", arguments->input, "An output directory, a .drc or a .glb file")
+      ->required();
+  command->add_option("-o,--output", arguments->output, "The PNG to write")->required();
+  command->add_option("--width", o.width, "Pixels")->capture_default_str();
+  command->add_option("--height", o.height, "Pixels")->capture_default_str();
+  command->add_option("--azimuth", o.azimuth, "Degrees around z; 0 looks along +y")
+      ->capture_default_str();
+  command->add_option("--elevation", o.elevation, "Degrees above the horizon")
+      ->capture_default_str();
+  command->add_option("--zoom", o.zoom, "1: the whole mesh fits")->capture_default_str();
+  command->add_option("--centre", arguments->centre, "Point looked at, x y z in the mesh's units")
+      ->expected(3);
+  command->add_option("--field-of-view", o.field_of_view, "Degrees; 0: orthographic")
+      ->capture_default_str();
+  command->callback(
+      [&program, arguments] { program.run = [arguments] { return render(*arguments); }; });
+}
+
+void add_export_command(CLI::App& app, Program& program) {
+  struct Arguments {
+    std::string input, output;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      app.add_subcommand("export", "Writes a mesh file as .ply, .obj, .stl or .off");
+  command->add_option("input", arguments->input, "A .drc or .glb file")->required();
+  command->add_option("-o,--output", arguments->output, "The file to write, format by its ending")
+      ->required();
+  command->callback([&program, arguments] {
+    program.run = [arguments] {
+      const DecodedMesh mesh = load_mesh(arguments->input);
+      export_mesh(mesh, arguments->output);
+      fmt::print("{}: {} triangles\n", arguments->output, mesh.triangles.size());
+      return 0;
+    };
+  });
+}
+
+}  // namespace voxweld

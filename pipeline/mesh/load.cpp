@@ -1,0 +1,37 @@
+#include "pipeline/mesh/load.h"
+
+#include "pipeline/mesh/manifest.h"
+#include "stages/encode/glb.h"
+#include "storage/support/error.h"
+#include "storage/support/file_io.h"
+
+namespace voxweld {
+
+DecodedMesh load_mesh(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  if (!std::filesystem::exists(path)) throw InputError(name + ": no such file");
+  if (path.extension() == ".drc") return decode_draco(read_whole_file(path), name);
+  if (path.extension() == ".glb") return decode_glb(read_whole_file(path), name);
+  throw InputError(name + ": not a mesh file; expected .drc or .glb, or an output directory");
+}
+
+void for_each_mesh(const std::filesystem::path& path,
+                   const std::function<void(const DecodedMesh&)>& f) {
+  if (!std::filesystem::is_directory(path)) {
+    f(load_mesh(path));
+    return;
+  }
+  bool any = false;
+  TileListReader tiles(path / tiles_name);
+  while (const auto tile = tiles.next()) {
+    if (tile->files.empty()) continue;
+    f(load_mesh(path / tile->files.front().path));
+    any = true;
+  }
+  if (any) return;
+  const Manifest manifest = read_manifest(path / manifest_name);
+  if (manifest.files.empty()) throw InputError(path.string() + ": the manifest lists no mesh");
+  f(load_mesh(path / manifest.files.front().path));
+}
+
+}  // namespace voxweld
