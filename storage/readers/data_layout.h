@@ -1,0 +1,55 @@
+// How a header says its samples are stored, and the sources that read them so. NRRD, MetaImage,
+// NIfTI and raw files differ in their headers only: what they say about the data ends up here.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "storage/types/volume.h"
+
+namespace voxweld {
+
+enum class DataEncoding {
+  raw,       // the samples' bytes
+  deflated,  // the same in a gzip or zlib stream
+  text,      // numbers separated by blanks or commas
+};
+
+struct DataLayout {
+  // The samples in order, x fastest, cut into equal shares, one for each part.
+  struct Part {
+    std::filesystem::path path;
+    std::uint64_t offset = 0;  // of the first stored byte in the file
+    int skip_lines = 0;        // lines of text from there to the first stored byte
+  };
+  std::vector<Part> parts;
+  DataEncoding encoding = DataEncoding::raw;
+  std::endian byte_order = std::endian::little;  // of the samples; nothing to `text`
+  // Bytes before the samples once decoded (raw, deflated); unset: the samples end the data.
+  std::int64_t skip_bytes = 0;
+  bool samples_at_end = false;
+  // What the message about a missing data file points at: "scan.mhd:9: field 'ElementDataFile'".
+  std::string named_by;
+};
+
+// Bytes of all samples. FormatError "<where>: ..." unless every size is positive and the product
+// fits 62 bits.
+std::uint64_t checked_volume_bytes(Index3 size, SampleType type, const std::string& where);
+
+// InputError unless `path` is a regular file.
+void require_input_file(const std::filesystem::path& path);
+
+// Opens the files of `layout`, adds them to info.files and checks their sizes; sets info.access
+// (raw: box; others: stream) and info.largest_decode; more bytes than needed only warn.
+// Preconditions: info.format, type and geometry.size are set, parts divide the samples evenly.
+// FormatError for missing, truncated or evidently not so encoded data.
+std::unique_ptr<SampleSource> open_layout(VolumeInfo info, DataLayout layout);
+
+// Throws std::logic_error unless the box is not empty and inside the volume: a bug of the caller.
+void require_inside(const Box3& box, const VolumeInfo& info);
+
+}  // namespace voxweld
