@@ -64,7 +64,7 @@ int run_main(int argc, char** argv) {
   add_verify_command(app, program);
   add_render_command(app, program);
   add_export_command(app, program);
-  // add_phantom_command(app, program);
+  add_phantom_command(app, program);
   add_settings_command(app, program);
   try {
     app.parse(argc, argv);

@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "pipeline/config/settings.h"
+#include "pipeline/run/open_input.h"
 #include "pipeline/run/volume_scan.h"
 #include "stages/ingest/statistics.h"
 #include "storage/artifact/container.h"
@@ -189,7 +190,7 @@ void run_ingest(RunContext& context, const IngestJob& job) {
   }
 }
 
-Volume open_volume(const Config& config, const IngestJob& job) {
+Volume ingested_volume(const Config& config, const IngestJob& job) {
   if (!job.copy) return {job.input, nullptr, job.stamp};
   const StoreLayout layout = layout_of(config, job);
   const auto store = std::make_shared<StoreSource>(layout);

@@ -21,7 +21,6 @@ struct IngestJob {
 
 // Opens the input the config names. Throws InputError where work.copy = false does not fit it.
 IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder);
-std::shared_ptr<SampleSource> open_input(const InputConfig& config);
 
 struct IngestStatus {
   std::uint64_t units = 0, missing = 0;  // shards of the store; or the one histogram
@@ -32,7 +31,7 @@ IngestStatus ingest_status(const Config& config, const IngestJob& job);
 void run_ingest(RunContext& context, const IngestJob& job);
 
 // What ingest leaves. Precondition: it is current.
-Volume open_volume(const Config& config, const IngestJob& job);
+Volume ingested_volume(const Config& config, const IngestJob& job);
 std::optional<Histogram> read_histogram(const Config& config, const IngestJob& job);
 
 // The range of all samples, for messages: from the store's records or by reading everything.

@@ -37,7 +37,7 @@ Jobs::Jobs(const Config& config) {
 
 void Jobs::open_volume(Config& config) {
   if (!config.surface.isovalue) config.surface.isovalue = choose_isovalue(config, ingest_);
-  const Volume volume = voxweld::open_volume(config, ingest_);
+  const Volume volume = ingested_volume(config, ingest_);
   const VolumeInfo& info = volume.source->info();
   const StagePaths paths = stage_paths(config, info);
   build_.emplace(BuildJob{volume, brick_grid(config, info.geometry),

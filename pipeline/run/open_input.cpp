@@ -1,34 +1,60 @@
-#pragma GCC diagnostic ignored "-Wconversion"
-#include <fmt/format.h>
-
-#include "pipeline/run/ingest_stage.h"
+#include "pipeline/run/open_input.h"
 #include "storage/image/stack_source.h"
-#include "storage/spool/box_reader.h"
+#include "storage/readers/open_volume.h"
 #include "storage/store/open_zarr.h"
-#include "storage/support/error.h"
 
 namespace voxweld {
 namespace {
-class RawTmp : public SampleSource {
- public:
-  RawTmp(const InputConfig& c) : file_(c.path) {
-    info_.format = "raw";
-    info_.type = *c.type;
-    info_.geometry.size = *c.size;
-    if (c.spacing) info_.geometry.spacing = *c.spacing;
-    info_.files.push_back({c.path.string(), file_.size(), file_.mtime_ns()});
-    layout_ = {*c.size, sample_bytes(*c.type), (std::uint64_t)c.header_bytes};
-  }
-  const VolumeInfo& info() const override { return info_; }
-  void read(const Box3& box, std::byte* out) const override {
-    read_raw_box(file_, layout_, box, out);
-  }
-  ReadFile file_;
-  VolumeInfo info_;
-  RawLayout layout_;
-};
-}  // namespace
-std::shared_ptr<SampleSource> open_input(const InputConfig& c) {
-  return std::make_shared<RawTmp>(c);
+
+bool has_image_extension(const std::string& extension) {
+  for (const char* known :
+       {".tif", ".tiff", ".png", ".bmp", ".jpg", ".jpeg", ".exr", ".pgm", ".jp2", ".tga"})
+    if (extension == known) return true;
+  return false;
 }
+
+Match sniff_zarr(const InputProbe& probe) {
+  if (!probe.is_directory) return Match::none;
+  for (const char* name : {"zarr.json", ".zarray", ".zgroup"})
+    if (std::filesystem::exists(probe.path / name)) return Match::contents;
+  return probe.extension == ".zarr" ? Match::extension : Match::none;
+}
+
+// A directory that is nothing else, a pattern, or an image by its name.
+Match sniff_stack(const InputProbe& probe) {
+  if (probe.is_directory) return Match::extension;
+  const bool pattern = probe.path.string().find_first_of("*?[") != std::string::npos;
+  return pattern || has_image_extension(probe.extension) ? Match::extension : Match::none;
+}
+
+}  // namespace
+
+std::vector<ReaderEntry> all_readers() {
+  std::vector<ReaderEntry> readers = builtin_readers();
+  readers.push_back({"zarr", "a Zarr v3 directory", sniff_zarr,
+                     [](const InputSpec& spec) { return open_zarr(spec.path); }});
+  readers.push_back({"stack", "a folder or pattern of images, a multi-page .tif", sniff_stack,
+                     [](const InputSpec& spec) {
+                       return open_stack({spec.path, spec.spacing, spec.unit.value_or("")});
+                     }});
+  return readers;
+}
+
+std::shared_ptr<SampleSource> open_input(const InputConfig& config) {
+  static constexpr std::array<const char*, 7> formats = {"auto", "nrrd",  "metaimage", "nifti",
+                                                         "raw",  "stack", "zarr"};
+  InputSpec spec;
+  spec.path = config.path.string();
+  spec.format = formats[static_cast<std::size_t>(config.format)];
+  spec.raw.size = config.size;
+  spec.raw.type = config.type;
+  spec.raw.byte_order =
+      config.endian == InputConfig::Endian::little ? std::endian::little : std::endian::big;
+  spec.raw.header_bytes = config.header_bytes;
+  spec.crop = config.crop;
+  spec.spacing = config.spacing;
+  if (!config.unit.empty()) spec.unit = config.unit;
+  return open_volume(spec, all_readers());
+}
+
 }  // namespace voxweld

@@ -45,7 +45,7 @@ void read_run(const ReadFile& file, const RowRun& run, std::byte* out) {
 
 }  // namespace
 
-void read_raw_box(const ReadFile& file, const RawLayout& layout, const Box3& box, std::byte* out) {
+void read_raw_box(const ReadFile& file, const RawArray& layout, const Box3& box, std::byte* out) {
   const auto bytes = [&](std::int64_t samples) {
     return static_cast<std::uint64_t>(samples) * layout.sample_size;
   };

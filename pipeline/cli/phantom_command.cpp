@@ -1,0 +1,96 @@
+#include <fmt/format.h>
+
+#include "pipeline/cli/commands.h"
+#include "pipeline/executor/progress.h"
+#include "pipeline/phantom/write.h"
+#include "stages/ingest/statistics.h"
+#include "storage/store/shard_writer.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+struct PhantomArguments {
+  std::string kind, type = "uint16", output, unit;
+  std::int64_t size = 256;
+  std::uint64_t seed = 1;
+  double spacing = 1;
+};
+
+std::string kinds_text() {
+  std::string text = "What to make:";
+  for (const PhantomKindInfo& kind : phantom_kinds())
+    text += fmt::format("\n  {:<8} {}", kind.name, kind.summary);
+  return text;
+}
+
+void write_zarr(const SampleSource& source, const std::filesystem::path& path) {
+  StoreLayout layout;
+  layout.array = path;
+  layout.records = default_records_directory(path);
+  layout.type = source.info().type;
+  layout.geometry = source.info().geometry;
+  write_store_metadata(layout);
+  HistogramStatistics statistics(layout.type);
+  ShardScratch scratch;
+  const Index3 grid = layout.shard_grid();
+  for (std::int64_t z = 0; z < grid.z; ++z)
+    for (std::int64_t y = 0; y < grid.y; ++y)
+      for (std::int64_t x = 0; x < grid.x; ++x)
+        write_shard(layout, {x, y, z}, Hash128{}, source, statistics, scratch);
+}
+
+int make_phantom(const PhantomArguments& arguments, Program& program) {
+  const auto type = parse_sample_type(arguments.type);
+  if (!type)
+    throw InputError("--type " + arguments.type + ": unknown; use uint8, uint16 or float32");
+  PhantomSpec spec;
+  spec.volume = {parse_phantom_kind(arguments.kind),
+                 arguments.size,
+                 *type,
+                 arguments.seed,
+                 {arguments.spacing, arguments.spacing, arguments.spacing},
+                 arguments.unit};
+  spec.path = arguments.output;
+  PhantomHooks hooks;
+  hooks.cancelled = [&] { return program.interrupt.requested(); };
+  hooks.zarr = write_zarr;
+  hooks.progress = [&](double share) {
+    if (shows_progress(program.log_level))
+      program.console->status(fmt::format("phantom {:.0f} %", 100 * share));
+  };
+  write_phantom(spec, hooks);
+  program.console->clear_status();
+  const auto isovalue = phantom_isovalue(spec.volume.kind, *type);
+  fmt::print("{}: {} x {} x {} {}{}\n", arguments.output, arguments.size, arguments.size,
+             arguments.size, arguments.type,
+             isovalue
+                 ? fmt::format(", surface.isovalue = {}, surface.inside = \"below\"", *isovalue)
+                 : "");
+  return 0;
+}
+
+}  // namespace
+
+void add_phantom_command(CLI::App& app, Program& program) {
+  auto arguments = std::make_shared<PhantomArguments>();
+  CLI::App* command = app.add_subcommand(
+      "phantom", "Writes a known solid as a volume, for demos, tests and scale runs");
+  command->add_option("kind", arguments->kind, kinds_text())->required();
+  command->add_option("--size", arguments->size, "Samples a side")->capture_default_str();
+  command->add_option("--type", arguments->type, "uint8, uint16 or float32")->capture_default_str();
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "The file: .nrrd, .nhdr (with .raw beside it), .raw or .zarr")
+      ->required();
+  command->add_option("--seed", arguments->seed, "Of porous, labels and noise")
+      ->capture_default_str();
+  command->add_option("--spacing", arguments->spacing, "Recorded as the distance of samples")
+      ->capture_default_str();
+  command->add_option("--unit", arguments->unit, "Of the spacing");
+  command->callback([&program, arguments] {
+    program.run = [&program, arguments] { return make_phantom(*arguments, program); };
+  });
+}
+
+}  // namespace voxweld

@@ -1,0 +1,18 @@
+// The input volume of a config, through whichever reader knows it.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "pipeline/config/config.h"
+#include "storage/readers/open_volume.h"
+#include "storage/types/volume.h"
+
+namespace voxweld {
+
+// The readers of storage, with those for Zarr arrays and image stacks.
+std::vector<ReaderEntry> all_readers();
+
+std::shared_ptr<SampleSource> open_input(const InputConfig& config);
+
+}  // namespace voxweld
