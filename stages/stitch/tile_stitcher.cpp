@@ -18,6 +18,14 @@ std::string name(CellKey key) {
   return fmt::format("level {} at ({}, {}, {})", key.level, key.at.x, key.at.y, key.at.z);
 }
 
+template <class T>
+void reorder(std::vector<T>& values, const std::vector<std::uint32_t>& order) {
+  std::vector<T> sorted;
+  sorted.reserve(order.size());
+  for (const std::uint32_t from : order) sorted.push_back(values[from]);
+  values = std::move(sorted);
+}
+
 CellKey leaf_key(CellKey brick, LeafCode leaf) {
   const Index3 cell = brick.lo() + morton_decode(leaf.code());
   return {leaf.level(), {cell.x >> leaf.level(), cell.y >> leaf.level(), cell.z >> leaf.level()}};
@@ -167,7 +175,23 @@ void TileStitcher::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t 
   mesh_.corner_clusters.push_back({cluster(a), cluster(b), cluster(c)});
 }
 
+// Polygons that turned out to have fewer than three leaves may have brought in vertices that nothing
+// uses, or brought them in early, as the bricks happened to be cut: the order that counts is that of
+// first use by a triangle.
 TileMesh TileStitcher::finish() {
+  std::vector<std::uint32_t> number(mesh_.positions.size(), unset), order;
+  order.reserve(number.size());
+  for (auto& triangle : mesh_.triangles)
+    for (std::uint32_t& corner : triangle) {
+      if (number[corner] == unset) {
+        number[corner] = static_cast<std::uint32_t>(order.size());
+        order.push_back(corner);
+      }
+      corner = number[corner];
+    }
+  reorder(mesh_.positions, order);
+  reorder(mesh_.ids, order);
+  if (parameters_.normals) reorder(mesh_.normals, order);
   return std::move(mesh_);
 }
 

@@ -26,7 +26,7 @@ struct TileMesh {
   CellKey tile;
   OutputLattice lattice;
 
-  // For each vertex. Order: first use by the polygons in their order (Morton order of the owner
+  // For each vertex, all of them used. Order: first use by the triangles (Morton order of the owner
   // cells, axis), so that it depends on nothing but the mesh.
   std::vector<std::array<std::int32_t, 3>> positions;  // lattice coordinates
   std::vector<VertexId> ids;
