@@ -18,8 +18,8 @@ enum class PhantomFormat : std::uint8_t {
 PhantomFormat phantom_format(const std::filesystem::path& path);
 
 struct PhantomSpec {
-  PhantomVolume volume;
   std::filesystem::path path;
+  PhantomVolume volume{};
 };
 
 struct PhantomHooks {
