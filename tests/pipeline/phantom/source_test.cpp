@@ -6,6 +6,8 @@
 #include <cstring>
 
 #include "storage/support/error.h"
+#include "tests/support/reference_dual.h"
+#include "tests/support/sign_grid.h"
 
 namespace voxweld {
 namespace {
@@ -66,7 +68,7 @@ TEST(PhantomSource, BoxesEqualTheWhole) {
     }
 }
 
-// The sample of a value computed by hand from PHANTOMS: the gyroid at the centre.
+// A sample computed by hand: the gyroid at the centre.
 TEST(PhantomSource, SampleByHand) {
   const PhantomSource source({.kind = PhantomKind::gyroid, .size = 121});
   const auto data = read(source, {{60, 60, 60}, {61, 61, 61}});
@@ -95,6 +97,24 @@ TEST(PhantomSource, BorderIsOutside) {
         ASSERT_GT(sample, 32767) << info.name;
     }
   }
+}
+
+// A uniform mesh of each body has the shape its name promises.
+TEST(PhantomSource, BodiesHaveTheirTopology) {
+  const auto summary = [](PhantomKind kind, std::int64_t n) {
+    const PhantomSource source({.kind = kind, .size = n});
+    const auto data = read(source, {{0, 0, 0}, splat(n)});
+    std::vector<std::uint16_t> samples(data.size() / 2);
+    std::memcpy(samples.data(), data.data(), data.size());
+    const double isovalue = *phantom_isovalue(kind, SampleType::u16);
+    const auto grid = testing::signs_of<std::uint16_t>(
+        splat(n), samples, [=](std::uint16_t v) { return testing::inside_below(v, isovalue); });
+    return testing::summarize(testing::reference_dual(grid).triangles());
+  };
+  EXPECT_EQ(summary(PhantomKind::sphere, 20), (testing::MeshSummary{.components = 1, .euler = 2}));
+  EXPECT_EQ(summary(PhantomKind::torus, 24), (testing::MeshSummary{.components = 1, .euler = 0}));
+  EXPECT_TRUE(summary(PhantomKind::part, 40).sound());
+  EXPECT_TRUE(summary(PhantomKind::noise, 12).sound());
 }
 
 TEST(PhantomSource, OneSampleWorks) {
