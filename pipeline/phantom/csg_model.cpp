@@ -102,20 +102,20 @@ CsgModel temple_model() {
   CsgModel model{{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {}};
   auto& list = model.primitives;
   list.push_back({unite, CsgShape::box, {0, 0, -150}, {200, 140, 10}});
-  list.push_back({unite, CsgShape::box, {0, 0, -131}, {185, 125, 11}});
-  list.push_back({unite, CsgShape::box, {0, 0, -111}, {170, 110, 11}});
-  list.push_back({unite, CsgShape::box, {0, 0, -20}, {100, 55, 82}});
+  list.push_back({unite, CsgShape::box, {0, 0, -140}, {185, 125, 20}});
+  list.push_back({unite, CsgShape::box, {0, 0, -130}, {170, 110, 30}});
+  list.push_back({unite, CsgShape::box, {0, 0, -21}, {100, 55, 89}});
   list.push_back({subtract, CsgShape::box, {0, 0, -20}, {92, 47, 70}});
   list.push_back({subtract, CsgShape::box, {100, 0, -45}, {20, 18, 45}});
   const auto column = [&](double x, double y) {
-    list.push_back({unite, CsgShape::cylinder_z, {x, y, -20}, {13, 13, 82}});
+    list.push_back({unite, CsgShape::cylinder_z, {x, y, -22}, {13, 13, 88}});
   };
   for (int i = -4; i <= 4; ++i)
     for (const double y : {-90.0, 90.0}) column(37.5 * i, y);
   for (const double y : {-45.0, 0.0, 45.0})
     for (const double x : {-150.0, 150.0}) column(x, y);
   list.push_back({unite, CsgShape::box, {0, 0, 70}, {166, 106, 10}});
-  list.push_back({unite, CsgShape::gable, {0, 0, 114}, {180, 120, 36}});
+  list.push_back({unite, CsgShape::gable, {0, 0, 111}, {180, 120, 39}});
   return model;
 }
 

@@ -38,15 +38,15 @@ double signed_distance(const CsgPrimitive& primitive, Vec3 q);
 void signed_distances(const CsgPrimitive& primitive, const double* x, const double* y,
                       const double* z, std::size_t count, double* out);
 
-// q = M (p - c) / s with M = Rz(0.37) Ry(0.61) Rx(0.23): PHANTOMS "part". A plate with two walls,
-// a hub with a bore, bolt holes, two cross bores, a slot and nine fins 6 thick.
+// Turned by M = Rz(0.37) Ry(0.61) Rx(0.23). A plate 300 x 220 x 48 with two walls, a hub of radius
+// 62 with a bore of 38, four bolt holes, two cross bores along x, a slot and nine fins 6 thick.
 CsgModel part_model();
 
-// In line with the axes, z up. Three steps (boxes of half sizes 200 x 140, 185 x 125, 170 x 110,
-// each 20 high above the one below, from z = -160 to -100); 24 columns of radius 13 on the
-// rectangle 150 x 90, from z = -102 to 62; a room 100 x 55 with walls 8 thick and a door; a beam
-// 166 x 106 from z = 60 to 80; a gabled roof 180 x 120 from z = 78 to 150. Parts that touch
-// overlap by 2, so that the field is nowhere zero inside.
+// In line with the axes, z up. Three steps (boxes of half sizes 200 x 140, 185 x 125, 170 x 110
+// from z = -160 up to -140, -120 and -100); 24 columns of radius 13 on the rectangle 150 x 90, from
+// z = -110 to 66; a room 100 x 55 with walls 8 thick and a door; a beam 166 x 106 from z = 60 to
+// 80; a gabled roof 180 x 120 from z = 72 to 150. Parts that touch overlap by 6 or more, so that
+// the field stays well below zero inside.
 CsgModel temple_model();
 
 }  // namespace voxweld

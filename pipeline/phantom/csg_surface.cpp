@@ -54,13 +54,19 @@ bool solve(std::array<std::array<double, 3>, 3> m, std::array<double, 3> b, int 
 
 CsgSurface::CsgSurface(CsgModel model) : model_(std::move(model)), sheets_(sheets_of(model_)) {}
 
-double CsgSurface::value(Vec3 q) const {
-  double d = std::numeric_limits<double>::infinity();
-  for (const CsgPrimitive& primitive : model_.primitives) {
-    const double p = signed_distance(primitive, q);
-    d = primitive.op == Op::unite ? std::min(d, p) : std::max(d, -p);
+CsgSurface::Winner CsgSurface::winner(Vec3 q) const {
+  Winner result{std::numeric_limits<double>::infinity(), 0};
+  for (std::size_t i = 0; i < model_.primitives.size(); ++i) {
+    const CsgPrimitive& primitive = model_.primitives[i];
+    const double d = signed_distance(primitive, q);
+    if (primitive.op == Op::unite ? d < result.value : -d > result.value)
+      result = {primitive.op == Op::unite ? d : -d, i};
   }
-  return d;
+  return result;
+}
+
+double CsgSurface::value(Vec3 q) const {
+  return winner(q).value;
 }
 
 std::vector<CsgSurface::Sheet> CsgSurface::sheets_of(const CsgModel& model) {
@@ -179,8 +185,18 @@ void CsgSurface::search(const std::vector<Near>& list, Best& best) const {
 }
 
 double CsgSurface::distance(Vec3 q) const {
-  const double lower_bound = std::abs(value(q));
+  const Winner at = winner(q);
+  const double lower_bound = std::abs(at.value);
   Best best{q, std::numeric_limits<double>::infinity(), lower_bound};
+  // Nearly always the foot on the winning primitive lies on the boundary.
+  for (const Sheet& sheet : sheets_) {
+    if (sheet.primitive != at.primitive ||
+        std::abs(std::abs(tangent(sheet, q).value) - lower_bound) > on_surface)
+      continue;
+    const std::array one = {&sheet};
+    consider(one.data(), 1, best);
+    if (best.distance <= lower_bound + on_surface) return best.distance;
+  }
   // Any boundary point within the radius has all its sheets within it, so a find inside is final.
   for (double radius = 2 * lower_bound + 1; radius < unreachable; radius *= 2) {
     search(near(q, radius), best);

@@ -44,7 +44,13 @@ class CsgSurface {
     double distance, lower_bound;
   };
 
+  struct Winner {  // the value and the primitive it comes from
+    double value;
+    std::size_t primitive;
+  };
+
   static std::vector<Sheet> sheets_of(const CsgModel& model);
+  Winner winner(Vec3 q) const;
   static Tangent tangent(const Sheet& sheet, Vec3 q);
   // The point of all the sheets' intersection nearest to `from`, found near it; false if none.
   static bool meet(const Sheet* const* sheets, int count, Vec3 from, Vec3& found);

@@ -16,6 +16,9 @@ VolumeInfo describe(const PhantomVolume& volume, const PhantomField& field) {
       throw InputError(fmt::format("phantom {}: spacing {} on axis {} must be a positive number",
                                    phantom_kind_name(volume.kind), volume.spacing[axis],
                                    "xyz"[axis]));
+  if (volume.unit.find_first_of("\"\n\r") != std::string::npos)
+    throw InputError(fmt::format("phantom {}: unit {} must not hold quotes or line breaks",
+                                 phantom_kind_name(volume.kind), volume.unit));
   VolumeInfo info;
   info.format = "phantom";
   info.type = volume.type;

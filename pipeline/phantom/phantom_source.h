@@ -17,7 +17,7 @@ struct PhantomVolume {
   SampleType type = SampleType::u16;
   std::uint64_t seed = 1;  // labels, porous and noise
   Vec3 spacing{1, 1, 1};   // only recorded: the shape is defined in voxels
-  std::string unit;        // of spacing; may be empty
+  std::string unit{};      // of spacing; may be empty
 };
 
 // Computes samples on demand; nothing is stored. Access::box: any box from any thread, the same

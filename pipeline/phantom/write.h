@@ -18,8 +18,8 @@ enum class PhantomFormat : std::uint8_t {
 PhantomFormat phantom_format(const std::filesystem::path& path);
 
 struct PhantomSpec {
-  PhantomVolume volume;
   std::filesystem::path path;
+  PhantomVolume volume{};
 };
 
 struct PhantomHooks {
@@ -32,10 +32,10 @@ struct PhantomHooks {
 };
 
 // Computes the phantom slab by slab, on all threads of the current TBB arena, and writes it:
-// samples little-endian, x fastest. Holds two slabs of at most 256 MiB each (16 MiB to 64 slices,
-// as the kind needs), never the volume. The same bytes whatever the threads. An existing file is
-// replaced once the new one is complete. InputError for a spec that cannot be, StorageError when
-// the disk refuses.
+// samples little-endian, x fastest. Holds two slabs, each of at most 64 slices and 256 MiB (or one
+// row), and for each thread PhantomSource's largest_decode; never the volume. The same bytes
+// whatever the threads. An existing file is replaced once the new one is complete. InputError for a
+// spec that cannot be, StorageError when the disk refuses.
 void write_phantom(const PhantomSpec& spec, const PhantomHooks& hooks = {});
 
 }  // namespace voxweld

@@ -1,0 +1,75 @@
+#include "pipeline/phantom/measure.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace voxweld {
+namespace {
+
+// 0.4 * 101 - 40.4 = 0: unit cubes' worth of arithmetic about (50, 50, 50).
+constexpr double radius = 40.4;
+
+TEST(MeasureMesh, ByHand) {
+  const auto sphere = make_analytic_field(PhantomKind::sphere, 101);
+  const std::vector<Vec3> vertices = {
+      {50 + radius, 50, 50}, {50, 50 + radius + 1, 50}, {50, 50, 50 - radius + 3}};
+  const MeshDistance none = measure_mesh(*sphere, std::span<const Vec3>(vertices), {});
+  EXPECT_EQ(none.vertices.count, 3u);
+  EXPECT_NEAR(none.vertices.max, 3, 1e-12);
+  EXPECT_NEAR(none.vertices.mean, 4.0 / 3, 1e-12);
+  EXPECT_NEAR(none.vertices.p99, 3, 1e-12);
+  EXPECT_EQ(none.triangles.count, 0u);
+  EXPECT_EQ(none.triangles.max, 0);
+}
+
+TEST(MeasureMesh, TrianglesAreSampledInside) {
+  const auto sphere = make_analytic_field(PhantomKind::sphere, 101);
+  // Corners on the sphere; points inside the triangle lie up to its depth below.
+  const std::vector<Vec3> vertices = {
+      {50 + radius, 50, 50}, {50, 50 + radius, 50}, {50, 50, 50 + radius}};
+  const std::vector<TriangleCorners> triangles = {{0, 1, 2}};
+  const MeshDistance result = measure_mesh(*sphere, std::span<const Vec3>(vertices), triangles);
+  EXPECT_EQ(result.triangles.count, 10u);
+  EXPECT_NEAR(result.vertices.max, 0, 1e-12);
+  EXPECT_NEAR(result.triangles.max, radius * (1 - 1 / std::sqrt(3.0)), 1e-9) << "its centre";
+  // The three points nearest the corners: barycentric (10, 1, 1) / 12.
+  EXPECT_GT(result.triangles.mean, radius * (1 - std::sqrt(102.0) / 12));
+}
+
+TEST(MeasureMesh, PercentileAndThreads) {
+  const auto sphere = make_analytic_field(PhantomKind::sphere, 101);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> coordinate(0, 100);
+  std::vector<Vec3> vertices;
+  std::vector<std::array<float, 3>> floats;
+  std::vector<TriangleCorners> triangles;
+  std::vector<double> distances;
+  for (std::uint32_t i = 0; i < 20000; ++i) {
+    floats.push_back({static_cast<float>(coordinate(random)),
+                      static_cast<float>(coordinate(random)),
+                      static_cast<float>(coordinate(random))});
+    vertices.push_back({floats.back()[0], floats.back()[1], floats.back()[2]});
+    triangles.push_back({i, (i + 1) % 20000, (i + 7) % 20000});
+    distances.push_back(sphere->surface_distance(vertices.back()));
+  }
+  const MeshDistance many = measure_mesh(*sphere, std::span<const Vec3>(vertices), triangles);
+  std::sort(distances.begin(), distances.end());
+  EXPECT_GE(many.vertices.p99, distances[19799]);
+  EXPECT_LE(many.vertices.p99, distances[19799] * 1.001);
+  EXPECT_EQ(many.vertices.max, distances.back());
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+  const MeshDistance one =
+      measure_mesh(*sphere, std::span<const std::array<float, 3>>(floats), triangles);
+  EXPECT_EQ(one.vertices.mean, many.vertices.mean);
+  EXPECT_EQ(one.triangles.mean, many.triangles.mean);
+  EXPECT_EQ(one.triangles.max, many.triangles.max);
+  EXPECT_EQ(one.triangles.p99, many.triangles.p99);
+}
+
+}  // namespace
+}  // namespace voxweld
