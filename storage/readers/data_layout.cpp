@@ -122,7 +122,7 @@ std::unique_ptr<SampleSource> open_layout(VolumeInfo info, DataLayout layout) {
   const std::uint64_t bytes =
       checked_volume_bytes(info.geometry.size, info.type, layout.named_by) / layout.parts.size();
   for (DataLayout::Part& part : layout.parts) {
-    if (!std::filesystem::is_regular_file(part.path))
+    if (std::error_code ignored; !std::filesystem::is_regular_file(part.path, ignored))
       throw FormatError(
           fmt::format("{}: the data file {} is not there: put it there or correct the name",
                       layout.named_by, part.path.string()));
