@@ -158,12 +158,16 @@ TEST(MetaImage, WarnsOfWhatItOverlooks) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::u16, {3, 4, 5});
   const auto source = open_path(write_file(
-      directory / "a.mha",
-      to_bytes(header(volume, "CompressedData = True\nCompressedDataSize = 77\n", "LOCAL")) +
-          deflated(volume.stored(), Wrapper::zlib)));
+      directory / "a.mha", to_bytes(header(volume,
+                                           "CompressedData = True\nCompressedDataSize = 77\n"
+                                           "ElementToIntensityFunctionSlope = 1\n"
+                                           "ElementToIntensityFunctionOffset = -1024\n",
+                                           "LOCAL")) +
+                               deflated(volume.stored(), Wrapper::zlib)));
   expect_volume(*source, volume);
   EXPECT_THAT(source->info().warnings,
-              ::testing::ElementsAre(HasSubstr("little-endian assumed"), HasSubstr("says 77")));
+              ::testing::ElementsAre(HasSubstr("-1024"), HasSubstr("little-endian assumed"),
+                                     HasSubstr("says 77")));
 }
 
 TEST(MetaImage, TruncatedDataAreRefused) {

@@ -122,6 +122,19 @@ TEST(Nrrd, FilesByListAndPattern) {
   }
 }
 
+TEST(Nrrd, ManyFilesWarnOnce) {
+  const TempDirectory directory;
+  const KnownVolume volume = make_volume(SampleType::u8, {9, 8, 7});
+  for (std::size_t z = 0; z < 7; ++z)
+    write_file(directory / fmt::format("s{}", z),
+               volume.share(z, 7, std::endian::little) + Bytes(3));
+  const auto source = open_path(write_file(
+      directory / "a.nhdr", header(volume, "raw", "old min: -5\ndata file: s%d 0 6 1\n")));
+  EXPECT_THAT(source->info().warnings,
+              ::testing::ElementsAre(HasSubstr("stored units"),
+                                     AllOf(HasSubstr("s0: 3 bytes after"), HasSubstr("6 more"))));
+}
+
 TEST(Nrrd, GeometryFromDirections) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::u8, {3, 4, 5});
