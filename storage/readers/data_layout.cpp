@@ -41,25 +41,27 @@ void skip_lines(const ReadFile& file, DataLayout::Part& part) {
                   file.path(), bytes, offset, offset + bytes, file.size()));
 }
 
-void settle_raw(const ReadFile& file, DataLayout::Part& part, const DataLayout& layout,
-                std::uint64_t bytes, VolumeInfo& info) {
+// The two settle one part: its place is checked. They return what the user should hear, or nothing.
+std::string settle_raw(const ReadFile& file, DataLayout::Part& part, const DataLayout& layout,
+                       std::uint64_t bytes) {
   if (layout.samples_at_end) {
     if (file.size() < bytes) fail_truncated(file, 0, bytes);
     part.offset = file.size() - bytes;
-    return;
+    return {};
   }
   part.offset += static_cast<std::uint64_t>(layout.skip_bytes);
   if (part.offset > file.size() || file.size() - part.offset < bytes)
     fail_truncated(file, part.offset, bytes);
   if (const std::uint64_t rest = file.size() - part.offset - bytes; rest > 0)
-    info.warnings.push_back(
-        fmt::format("{}: {} bytes after the samples are ignored ({} expected from byte {} on, the "
-                    "file has {}): if the picture looks sheared, check size and type",
-                    file.path(), rest, bytes, part.offset, file.size()));
+    return fmt::format(
+        "{}: {} bytes after the samples are ignored ({} expected from byte {} on, the "
+        "file has {}): if the picture looks sheared, check size and type",
+        file.path(), rest, bytes, part.offset, file.size());
+  return {};
 }
 
-void settle_deflated(const ReadFile& file, const DataLayout::Part& part, const DataLayout& layout,
-                     std::uint64_t bytes, VolumeInfo& info) {
+std::string settle_deflated(const ReadFile& file, const DataLayout::Part& part,
+                            const DataLayout& layout, std::uint64_t bytes) {
   std::vector<std::byte> head(static_cast<std::size_t>(
       part.offset < file.size() ? std::min<std::uint64_t>(3, file.size() - part.offset) : 0));
   file.read(part.offset, head);
@@ -71,16 +73,17 @@ void settle_deflated(const ReadFile& file, const DataLayout::Part& part, const D
   // A gzip file ends with its decoded size modulo 2^32 (of the last member, where several are
   // joined, so that it can only hint).
   std::byte size_bytes[4];
-  if (!looks_gzip(head) || layout.samples_at_end || file.size() < part.offset + 18) return;
+  if (!looks_gzip(head) || layout.samples_at_end || file.size() < part.offset + 18) return {};
   file.read(file.size() - 4, size_bytes);
   std::uint64_t stated = 0;
   for (int i = 3; i >= 0; --i) stated = stated << 8 | std::to_integer<std::uint64_t>(size_bytes[i]);
   const std::uint64_t needed = bytes + static_cast<std::uint64_t>(layout.skip_bytes);
   if (stated != 0 && stated != (needed & 0xffffffffU))
-    info.warnings.push_back(
-        fmt::format("{}: the gzip trailer speaks of {} decoded bytes where the header needs {} "
-                    "(modulo 2^32): the file may be truncated, or its sizes wrong",
-                    file.path(), stated, needed));
+    return fmt::format(
+        "{}: the gzip trailer speaks of {} decoded bytes where the header needs {} "
+        "(modulo 2^32): the file may be truncated, or its sizes wrong",
+        file.path(), stated, needed);
+  return {};
 }
 
 }  // namespace
@@ -121,17 +124,29 @@ void require_inside(const Box3& box, const VolumeInfo& info) {
 std::unique_ptr<SampleSource> open_layout(VolumeInfo info, DataLayout layout) {
   const std::uint64_t bytes =
       checked_volume_bytes(info.geometry.size, info.type, layout.named_by) / layout.parts.size();
+  // Thousands of slice files say the same thing once.
+  std::string note;
+  std::size_t alike = 0;
   for (DataLayout::Part& part : layout.parts) {
-    if (!std::filesystem::is_regular_file(part.path))
+    if (std::error_code ignored; !std::filesystem::is_regular_file(part.path, ignored))
       throw FormatError(
           fmt::format("{}: the data file {} is not there: put it there or correct the name",
                       layout.named_by, part.path.string()));
     const ReadFile file(part.path);
     note_file(file, info.files);
     skip_lines(file, part);
-    if (layout.encoding == DataEncoding::raw) settle_raw(file, part, layout, bytes, info);
-    if (layout.encoding == DataEncoding::deflated) settle_deflated(file, part, layout, bytes, info);
+    std::string said;
+    if (layout.encoding == DataEncoding::raw) said = settle_raw(file, part, layout, bytes);
+    if (layout.encoding == DataEncoding::deflated)
+      said = settle_deflated(file, part, layout, bytes);
+    if (said.empty()) continue;
+    if (note.empty())
+      note = std::move(said);
+    else
+      ++alike;
   }
+  if (alike > 0) note += fmt::format(" (and {} more files alike)", alike);
+  if (!note.empty()) info.warnings.push_back(std::move(note));
   if (layout.encoding == DataEncoding::raw) return make_raw_source(std::move(info), layout);
   return make_stream_source(std::move(info), layout);
 }

@@ -135,6 +135,17 @@ bool flag(const HeaderFields& fields, std::string_view key, bool otherwise) {
   return field != nullptr ? fields.boolean(*field) : otherwise;
 }
 
+// Like a slope and intercept: samples are read as stored.
+void warn_scaled(const HeaderFields& fields, VolumeInfo& info) {
+  for (const auto& [key, neutral] : {std::pair{"ElementToIntensityFunctionSlope", 1.0},
+                                     std::pair{"ElementToIntensityFunctionOffset", 0.0}})
+    if (const HeaderField* field = fields.find(key);
+        field != nullptr && parse_real(trim(field->value)) != neutral)
+      info.warnings.push_back(
+          fmt::format("{}: {}: the header scales values: ignored, the isovalue is in stored units",
+                      fields.where(*field), field->value));
+}
+
 // How many files share the samples when each holds the `within` fastest dimensions.
 std::int64_t expected_files(const HeaderFields& fields, const HeaderField& field,
                             const std::vector<std::int64_t>& sizes, std::int64_t within) {
@@ -270,6 +281,7 @@ std::unique_ptr<SampleSource> open_metaimage(const std::filesystem::path& path) 
   const std::vector<std::int64_t> sizes = meta_sizes(fields);
   info.geometry.size = {sizes[0], sizes[1], sizes[2]};
   read_meta_geometry(fields, sizes.size(), info);
+  warn_scaled(fields, info);
   DataLayout layout = lay_out(text, path, info, sizes);
   return open_layout(std::move(info), std::move(layout));
 }

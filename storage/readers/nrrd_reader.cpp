@@ -171,6 +171,11 @@ std::unique_ptr<SampleSource> open_nrrd(const std::filesystem::path& path) {
   info.warnings = std::move(text.warnings);
   info.files.push_back({file.path(), file.size(), file.mtime_ns()});
   info.type = nrrd_type(text.fields);
+  for (const char* key : {"old min", "old max"})
+    if (const HeaderField* field = text.fields.find(key))
+      info.warnings.push_back(fmt::format(
+          "{}: the samples stand for a real range: ignored, the isovalue is in stored units",
+          text.fields.where(*field)));
   const NrrdAxes axes = read_nrrd_axes(text.fields);
   read_nrrd_geometry(text.fields, axes, info);
   // Before the parts are counted: their number is bounded by the sizes.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "storage/readers/data_layout.h"
 #include "storage/readers/filters.h"
 #include "storage/readers/inflate_stream.h"
 #include "storage/readers/metaimage_reader.h"
@@ -52,8 +53,7 @@ const ReaderEntry& reader_by_probe(const InputSpec& spec, std::span<const Reader
   if (by_name == nullptr && probe.is_file && spec.raw.size && spec.raw.type)
     by_name = &reader_by_name({.path = spec.path, .format = "raw"}, readers);
   if (by_name != nullptr) return *by_name;
-  if (!probe.is_file && !probe.is_directory)
-    throw InputError(fmt::format("{}: no such file: correct the path", spec.path));
+  if (!probe.is_directory) require_input_file(spec.path);
   throw InputError(fmt::format(
       "{}: {} of an unknown kind: supported are: {}. For headerless samples set the "
       "format to \"raw\" and give size and type",

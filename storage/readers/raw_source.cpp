@@ -11,9 +11,9 @@ namespace voxweld {
 namespace {
 
 constexpr std::uint64_t scratch_bytes = std::uint64_t{1} << 20;
-// Rows less than this apart are read in one call, with what lies between: about the bytes that
-// copying moves in the time of one more call.
-constexpr std::uint64_t worthwhile_gap_bytes = std::uint64_t{1} << 13;
+// Rows at most this far apart are read in one call, with what lies between. Up to a page the system
+// fetches the gap anyway, and copying it costs less than a call.
+constexpr std::uint64_t worthwhile_gap_bytes = std::uint64_t{1} << 12;
 
 // The parts of a volume as files, at most `slots` of them open at a time.
 class PartFiles {

@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t block_bytes = std::size_t{1} << 14;
 constexpr std::size_t max_line_bytes = std::size_t{1} << 20;
+constexpr std::size_t max_fields = 10'000;
 
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f';
@@ -118,6 +119,8 @@ std::optional<std::string> LineReader::next() {
 void HeaderFields::add(HeaderField field) {
   if (const HeaderField* earlier = find(field.key))
     fail(field, fmt::format("given twice, first in line {}: keep one", earlier->line));
+  if (fields_.size() == max_fields)
+    fail(field, fmt::format("more than {} fields: not a header of a volume", max_fields));
   fields_.push_back(std::move(field));
 }
 

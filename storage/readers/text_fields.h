@@ -58,7 +58,7 @@ class HeaderFields {
   explicit HeaderFields(std::string path) : path_(std::move(path)) {}
 
   const std::string& path() const { return path_; }
-  // FormatError when the key was there already.
+  // FormatError when the key was there already, or for more fields than any header has.
   void add(HeaderField field);
   const HeaderField* find(std::string_view key) const;
   // The first of `keys` that is present.
