@@ -16,9 +16,22 @@ std::uint32_t encode_local(int x, int y, int z) {
   return static_cast<std::uint32_t>(morton_encode({x, y, z}));
 }
 
+namespace {
+
+// The cell with this Morton code inside a block of 4^3.
+constexpr LocalCell place_in_block(std::uint32_t code) {
+  const auto pair = [&](int axis) {
+    return static_cast<int>((code >> axis & 1) | (code >> (3 + axis) & 1) << 1);
+  };
+  return {pair(0), pair(1), pair(2)};
+}
+
+}  // namespace
+
 void ActiveCells::find(const SignGrid& signs, int side) {
   side_ = side;
   codes_.clear();
+  places_.clear();
   signs_.clear();
   joined_.clear();
   find_rows(signs);
@@ -29,8 +42,11 @@ void ActiveCells::find(const SignGrid& signs, int side) {
     Block& block = blocks_[b];
     block.first = codes_.size();
     block.mask = block_mask(at.x, at.y, at.z);
-    for (std::uint64_t rest = block.mask; rest != 0; rest &= rest - 1)
-      add_cell(signs, b << 6 | static_cast<std::uint32_t>(std::countr_zero(rest)));
+    for (std::uint64_t rest = block.mask; rest != 0; rest &= rest - 1) {
+      const auto inside = static_cast<std::uint32_t>(std::countr_zero(rest));
+      const LocalCell in = place_in_block(inside);
+      add_cell(signs, b << 6 | inside, {at.x * 4 + in.x, at.y * 4 + in.y, at.z * 4 + in.z});
+    }
   }
 }
 
@@ -81,8 +97,7 @@ std::uint64_t ActiveCells::block_mask(int bx, int by, int bz) const {
   return mask;
 }
 
-void ActiveCells::add_cell(const SignGrid& signs, std::uint32_t code) {
-  const LocalCell c = decode_local(code);
+void ActiveCells::add_cell(const SignGrid& signs, std::uint32_t code, LocalCell c) {
   const CellSigns own = signs.cell(c.x, c.y, c.z);
   bool joined = false;
   if (const int face = problem_face(own); face >= 0) {
@@ -91,6 +106,7 @@ void ActiveCells::add_cell(const SignGrid& signs, std::uint32_t code) {
     joined = joins_across(own, face, signs.cell(n.x, n.y, n.z));
   }
   codes_.push_back(code);
+  places_.push_back(static_cast<std::uint32_t>(c.x | c.y << 8 | c.z << 16));
   signs_.push_back(own);
   joined_.push_back(joined ? 1 : 0);
 }

@@ -31,6 +31,10 @@ class ActiveCells {
 
   std::size_t size() const { return codes_.size(); }
   std::uint32_t code(std::size_t i) const { return codes_[i]; }
+  LocalCell at(std::size_t i) const {
+    const std::uint32_t p = places_[i];
+    return {static_cast<int>(p & 255), static_cast<int>(p >> 8 & 255), static_cast<int>(p >> 16)};
+  }
   CellSigns signs(std::size_t i) const { return signs_[i]; }
   bool joined(std::size_t i) const { return joined_[i] != 0; }
   const CellSheets& sheets(std::size_t i) const { return cell_sheets(signs_[i], joined_[i] != 0); }
@@ -46,7 +50,7 @@ class ActiveCells {
  private:
   void find_rows(const SignGrid& signs);
   std::uint64_t block_mask(int bx, int by, int bz) const;
-  void add_cell(const SignGrid& signs, std::uint32_t code);
+  void add_cell(const SignGrid& signs, std::uint32_t code, LocalCell c);
 
   // 4^3 cells: a bit each in Morton order, and how many active cells come before.
   struct Block {
@@ -58,6 +62,7 @@ class ActiveCells {
   std::vector<std::uint64_t> rows_;  // active bits, a row for each (y, z)
   std::vector<Block> blocks_;
   std::vector<std::uint32_t> codes_;
+  std::vector<std::uint32_t> places_;  // x | y << 8 | z << 16: decoded once
   std::vector<CellSigns> signs_;
   std::vector<std::uint8_t> joined_;
 };

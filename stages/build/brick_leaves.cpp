@@ -83,7 +83,8 @@ void BrickLeaves::solve_pending(const BrickFrame& frame, const ContourParameters
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t cell = pending_[begin + i].cell;
       solver.load(i, level.leaves[level.leaf[cell]].qef);
-      solver.set_centre(i, node_centre(frame, 0, cells_->code(cell), parameters.spacing));
+      if (solver.needs_centres())
+        solver.set_centre(i, node_centre(frame, 0, cells_->code(cell), parameters.spacing));
     }
     solver.solve(0, count);
     for (std::size_t i = 0; i < count; ++i)

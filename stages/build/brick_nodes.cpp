@@ -29,7 +29,7 @@ class CellBatch {
 
   // Adds the planes and says which lane took them.
   std::size_t add(std::uint32_t code, const SheetPlanes& planes) {
-    solver_.set_centre(count_, node_centre(frame_, 0, code, spacing_));
+    if (solver_.needs_centres()) solver_.set_centre(count_, node_centre(frame_, 0, code, spacing_));
     solver_.set_planes(count_, planes.planes.data(), planes.count);
     return count_++;
   }
@@ -94,7 +94,7 @@ void BrickNodes::make_cells(const BrickFrame& frame, const ActiveCells& cells,
 
   SheetPlanes planes;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const LocalCell c = decode_local(cells.code(i));
+    const LocalCell c = cells.at(i);
     const CellSheets& sheets = cells.sheets(i);
     const bool may_collapse = collapsible(cells.signs(i));
     if (simplify && (may_collapse || free)) {
@@ -157,7 +157,7 @@ void BrickNodes::collapse_level(int l, const BrickFrame& frame, const SignGrid& 
   NodeSolver solver(parameters);
   for (std::size_t begin = 0; begin < candidates_.size(); begin += lanes) {
     const std::size_t end = std::min(begin + lanes, candidates_.size());
-    for (std::size_t i = begin; i < end; ++i)
+    for (std::size_t i = begin; i < end && solver.needs_centres(); ++i)
       solver.set_centre(i - begin,
                         node_centre(frame, l, level.codes[candidates_[i]], parameters.spacing));
     collapse_batch(l, candidates_, begin, end, solver);

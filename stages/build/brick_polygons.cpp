@@ -45,7 +45,7 @@ class PolygonEmitter {
   //   0 1   b = axis + 1 to the right, c up
   void emit(std::size_t owner, int axis, bool low_inside) {
     const int b = (axis + 1) % 3, c = (axis + 2) % 3;
-    const LocalCell at = decode_local(cells_.code(owner));
+    const LocalCell at = cells_.at(owner);
     ++out_.counts.crossing_edges;
     if (open_ && ends_in_ring(at, axis)) return;
     const unsigned around[4] = {0, 1u << b, 1u << b | 1u << c, 1u << c};

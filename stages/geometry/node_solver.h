@@ -44,7 +44,9 @@ class NodeSolver {
   Qef qef(std::size_t lane) const { return store_lane(factors_, lane); }
   NodeSolution solution(std::size_t lane) const;
 
-  // With qef = "normal" sums are in the volume's coordinates: each lane's node centre there.
+  // With qef = "normal" sums are in the volume's coordinates: each lane's node centre there. The QR
+  // form has no use for it.
+  bool needs_centres() const { return parameters_.simplify.qef == QefForm::normal; }
   void set_centre(std::size_t lane, Vec3 centre) { centres_[lane] = centre; }
 
   bool within_tolerance(const NodeSolution& solution) const {

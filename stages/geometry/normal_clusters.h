@@ -9,8 +9,8 @@
 
 namespace voxweld {
 
-// Directions within this angle of each other's mean are one cluster (cosine of 25 degrees: a crease of 50 or more stays
-// sharp).
+// Directions within this angle of each other's mean are one cluster (cosine of 25 degrees: a crease
+// of 50 or more stays sharp).
 inline constexpr float cluster_cosine = 0.906f;
 
 using NormalSum = std::array<float, 3>;
