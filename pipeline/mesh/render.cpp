@@ -13,7 +13,7 @@ namespace voxweld {
 namespace {
 
 constexpr int max_side = 16384;
-constexpr Vec3 front_colour{0.80, 0.77, 0.70}, back_colour{0.85, 0.22, 0.18};
+constexpr Vec3 front_colour{0.74, 0.70, 0.62}, back_colour{0.85, 0.22, 0.18};
 
 double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
@@ -45,10 +45,10 @@ void check(const RenderOptions& o) {
 
 // Light on a front-facing normal in the eye's frame (x right, y up, z to the eye), in linear units.
 double light(Vec3 n) {
-  constexpr Vec3 key{-0.42, 0.60, 0.68};  // upper left, towards the viewer
+  constexpr Vec3 key{-0.58, 0.58, 0.57};  // upper left, towards the viewer
   const double head = std::max(0.0, n.z);
   const double soft = 0.5 + 0.5 * dot(n, key);  // wraps around: no hard terminator
-  return 0.12 + 0.38 * head + 0.50 * soft * soft;
+  return 0.06 + 0.24 * head + 0.70 * soft * soft;
 }
 
 std::array<std::uint8_t, 3> encoded(Vec3 linear) {
