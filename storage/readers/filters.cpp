@@ -115,7 +115,7 @@ std::unique_ptr<SampleSource> override_source(std::shared_ptr<SampleSource> sour
             fmt::format("spacing ({}, {}, {}): expected three positive numbers", s.x, s.y, s.z));
     info.geometry.spacing = s;
   }
-  if (overrides.unit) info.geometry.unit = canonical_unit(*overrides.unit);
+  if (!overrides.unit.empty()) info.geometry.unit = canonical_unit(overrides.unit);
   return std::make_unique<OverrideSource>(std::move(source), std::move(info));
 }
 

@@ -16,8 +16,8 @@ namespace voxweld {
 std::unique_ptr<SampleSource> crop_source(std::shared_ptr<SampleSource> source, const Box3& box);
 
 struct GeometryOverrides {
-  std::optional<Vec3> spacing{};      // in the (possibly renamed) unit; positive and finite
-  std::optional<std::string> unit{};  // of spacing and origin, which keep their numbers
+  std::optional<Vec3> spacing{};  // in the (possibly renamed) unit; positive and finite
+  std::string unit{};             // when given: of spacing and origin, which keep their numbers
 };
 // InputError for a spacing that is not positive.
 std::unique_ptr<SampleSource> override_source(std::shared_ptr<SampleSource> source,

@@ -100,7 +100,7 @@ std::unique_ptr<SampleSource> open_volume(const InputSpec& spec,
   const ReaderEntry& reader =
       spec.format == "auto" ? reader_by_probe(spec, readers) : reader_by_name(spec, readers);
   std::unique_ptr<SampleSource> source = reader.open(spec);
-  if (spec.spacing || spec.unit)
+  if (spec.spacing || !spec.unit.empty())
     source = override_source(std::move(source), {.spacing = spec.spacing, .unit = spec.unit});
   if (spec.crop) source = crop_source(std::move(source), *spec.crop);
   return source;

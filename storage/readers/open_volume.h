@@ -28,9 +28,9 @@ struct InputSpec {
   std::string path;             // file, directory or pattern, as its reader takes it
   std::string format = "auto";  // or a reader's name: "raw", "nrrd", "metaimage", "nifti" ...
   RawPieces raw{};
-  std::optional<Box3> crop{};         // samples to keep, half-open, in the file's own indices
-  std::optional<Vec3> spacing{};      // replaces what the file says; positive
-  std::optional<std::string> unit{};  // renames the unit of spacing and origin, converts nothing
+  std::optional<Box3> crop{};     // samples to keep, half-open, in the file's own indices
+  std::optional<Vec3> spacing{};  // replaces what the file says; positive
+  std::string unit{};  // when given, renames the unit of spacing and origin, converts nothing
 };
 
 // What detection looks at, read once.

@@ -1,5 +1,7 @@
 #include "storage/readers/raw_reader.h"
 
+#include <fmt/format.h>
+
 #include <atomic>
 #include <thread>
 
@@ -65,11 +67,7 @@ TEST(Raw, BoxesOfWideVolumes) {
   }
 }
 
-TEST(Raw, ManyThreadsReadAtOnce) {
-  const TempDirectory directory;
-  const KnownVolume volume = make_volume(SampleType::f32, {40, 30, 20});
-  const auto source =
-      open_volume(raw_spec(write_file(directory / "a.raw", volume.stored()), volume));
+void expect_threads_agree(const SampleSource& source, const KnownVolume& volume) {
   std::atomic<int> wrong = 0;
   std::vector<std::jthread> threads;
   for (unsigned t = 0; t < 4; ++t)
@@ -77,11 +75,30 @@ TEST(Raw, ManyThreadsReadAtOnce) {
       std::mt19937_64 random(t);
       for (int i = 0; i < 200; ++i) {
         const Box3 box = random_box(volume.size, random);
-        if (read_box(*source, box) != volume.box(box)) ++wrong;
+        if (read_box(source, box) != volume.box(box)) ++wrong;
       }
     });
   threads.clear();
   EXPECT_EQ(wrong, 0);
+}
+
+TEST(Raw, ManyThreadsReadAtOnce) {
+  const TempDirectory directory;
+  const KnownVolume volume = make_volume(SampleType::f32, {40, 30, 20});
+  expect_threads_agree(
+      *open_volume(raw_spec(write_file(directory / "a.raw", volume.stored()), volume)), volume);
+}
+
+// More files than are kept open at once.
+TEST(Raw, ManyThreadsReadManyFiles) {
+  const TempDirectory directory;
+  const KnownVolume volume = make_volume(SampleType::u8, {8, 6, 150});
+  for (std::size_t z = 0; z < 150; ++z)
+    write_file(directory / fmt::format("s{}", z), volume.share(z, 150, std::endian::little));
+  const auto path = write_file(directory / "a.mhd",
+                               std::string("NDims = 3\nDimSize = 8 6 150\nElementType = MET_UCHAR\n"
+                                           "ElementDataFile = s%d 0 149 1\n"));
+  expect_threads_agree(*open_path(path), volume);
 }
 
 TEST(Raw, RefusesEveryTruncation) {
