@@ -40,6 +40,18 @@ void run_stages(RunContext& context) {
   run_encode(context, jobs.encode(), make_manifest(context, jobs));
 }
 
+// Of runs that were killed. Only where we write: the directories may hold others' files too.
+void clear_temporaries(const Config& config) {
+  for (const std::filesystem::path& folder : {config.work.directory, config.output.directory})
+    remove_stale_temporaries(folder, false);
+  remove_stale_temporaries(config.output.directory / "tiles", true);
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(config.work.directory, error))
+    for (const Stage stage : all_stages)
+      if (entry.path().filename().string().starts_with(std::string(stage_name(stage)) + "-"))
+        remove_stale_temporaries(entry.path(), true);
+}
+
 // Removes what failed its checks, so that the next pass makes it again. Throws the error itself
 // when something is damaged for the second time: then it is not chance.
 void mend(const std::exception& error, std::set<std::string>& mended) {
@@ -56,6 +68,7 @@ void mend(const std::exception& error, std::set<std::string>& mended) {
 void run_all(RunContext& context) {
   const Config asked = context.config;
   std::set<std::string> mended;
+  clear_temporaries(asked);
   for (bool done = false; !done;) {
     context.config = asked;
     context.reports.clear();
