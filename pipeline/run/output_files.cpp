@@ -59,4 +59,16 @@ void finish_output(const std::filesystem::path& output) {
   std::filesystem::remove(note_path(output));
 }
 
+bool output_is_finished(const std::filesystem::path& output) {
+  if (!std::filesystem::exists(output / manifest_name) ||
+      !std::filesystem::exists(output / tiles_name) || std::filesystem::exists(note_path(output)))
+    return false;
+  try {
+    read_manifest(output / manifest_name);
+    return true;
+  } catch (const FormatError&) {
+    return false;
+  }
+}
+
 }  // namespace voxweld

@@ -20,5 +20,7 @@ std::set<std::string> files_of_earlier_runs(const std::filesystem::path& output)
 void begin_output(const std::filesystem::path& output, const std::set<std::string>& names);
 // After the new manifest: the note has done its work.
 void finish_output(const std::filesystem::path& output);
+// Whether the manifest and the list of tiles are there and no run was cut short before they were.
+bool output_is_finished(const std::filesystem::path& output);
 
 }  // namespace voxweld

@@ -2,12 +2,16 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <set>
 
 #include "pipeline/executor/error_set.h"
 #include "pipeline/run/jobs.h"
 #include "pipeline/run/last_config.h"
+#include "pipeline/run/output_files.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 
@@ -25,6 +29,21 @@ void check_surface(RunContext& context, const Jobs& jobs) {
       context.config.surface.isovalue.value(),
       context.config.surface.inside == SurfaceConfig::Inside::above ? "at or above" : "at or below",
       context.config.input.path.string(), range.lo, range.hi));
+}
+
+// A directory that cannot be written is better found now than after hours of work. Nothing is made
+// yet: where there is no surface nothing shall be left.
+void check_writable(const std::filesystem::path& directory, const std::string& key) {
+  std::filesystem::path there = directory;
+  std::error_code error;
+  while (!std::filesystem::exists(there, error) && there.has_relative_path())
+    there = there.parent_path();
+  const bool folder = std::filesystem::is_directory(there, error);
+  if (folder && access(there.c_str(), W_OK | X_OK) == 0) return;
+  throw InputError(fmt::format("{} = \"{}\": cannot be written: {}; choose another directory", key,
+                               directory.string(),
+                               folder ? fmt::format("{}: {}", there.string(), std::strerror(errno))
+                                      : fmt::format("{} is not a directory", there.string())));
 }
 
 // ingest -> build -> merge -> stitch -> encode
@@ -68,6 +87,8 @@ void mend(const std::exception& error, std::set<std::string>& mended) {
 void run_all(RunContext& context) {
   const Config asked = context.config;
   std::set<std::string> mended;
+  check_writable(asked.work.directory, "work.directory");
+  check_writable(asked.output.directory, "output.directory");
   clear_temporaries(asked);
   for (bool done = false; !done;) {
     context.config = asked;
@@ -123,8 +144,10 @@ std::string dry_run(RunContext& context) {
   const IngestStatus ingest = ingest_status(context.config, jobs.ingest());
   if (!ingest.current()) {
     say(Stage::ingest,
-        fmt::format("would run: {} of {} {} missing{}", ingest.missing, ingest.units,
-                    jobs.ingest().copy ? "shards" : "histogram", because(Stage::ingest)));
+        ingest.missing == 0
+            ? "would run: the store's zarr.json is missing or changed"
+            : fmt::format("would run: {} of {} {} missing{}", ingest.missing, ingest.units,
+                          jobs.ingest().copy ? "shards" : "histogram", because(Stage::ingest)));
     later(Stage::build, "waits for ingest");
     return text;
   }
@@ -157,7 +180,9 @@ std::string dry_run(RunContext& context) {
   say(Stage::stitch, "up to date");
   const EncodeStatus status = encode_status(context, jobs.encode(), top);
   if (status.missing.empty() && !status.merged_missing) {
-    say(Stage::encode, "up to date");
+    say(Stage::encode, output_is_finished(context.config.output.directory)
+                           ? "up to date"
+                           : "would run: the manifest or the list of tiles is missing");
   } else {
     say(Stage::encode,
         fmt::format("would run: {} of {} tiles{} missing{}", status.missing.size(),
