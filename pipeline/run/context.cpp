@@ -13,8 +13,13 @@
 
 namespace voxweld {
 
+std::uint64_t program_bytes() {
+  constexpr std::uint64_t least = std::uint64_t{40} << 20, slack = std::uint64_t{16} << 20;
+  return std::max(least, resident_bytes() + slack);
+}
+
 int stage_threads(const RunContext& context, StageMemory memory) {
-  memory.base_bytes += program_bytes;
+  memory.base_bytes += program_bytes();
   return threads_within(context.budget(), memory, context.threads);
 }
 
