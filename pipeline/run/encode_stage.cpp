@@ -8,6 +8,7 @@
 #include <set>
 
 #include "pipeline/run/asset_record.h"
+#include "pipeline/run/output_files.h"
 #include "stages/encode/adjacency.h"
 #include "stages/encode/draco_codec.h"
 #include "stages/encode/glb.h"
@@ -108,24 +109,23 @@ void encode_merged(const RunContext& context, const EncodeJob& job,
                                                         write_formats(context, job, mesh, "mesh")));
 }
 
+// The names of what is about to be written.
+void add_planned(const RunContext& context, const EncodeStatus& status, bool many,
+                 std::set<std::string>& names) {
+  for (const OutputConfig::Format format : context.config.output.formats) {
+    const char* ending = format == OutputConfig::Format::drc ? ".drc" : ".glb";
+    for (const PlannedTile& tile : status.missing)
+      names.insert(tile_stem(tile.key(), many) + ending);
+    if (status.merged_missing) names.insert(std::string("mesh") + ending);
+  }
+}
+
 // Files of ours in the output directory that the new listing does not have: from a run with other
 // formats or other tiles.
 void remove_leftovers(const std::filesystem::path& output, const std::set<std::string>& before,
                       const std::set<std::string>& now) {
   for (const std::string& name : before)
     if (now.count(name) == 0) std::filesystem::remove(output / name);
-}
-
-std::set<std::string> listed_files(const std::filesystem::path& output) {
-  std::set<std::string> names;
-  try {
-    if (std::filesystem::exists(output / manifest_name))
-      for (const FileRecord& file : read_manifest(output / manifest_name).files)
-        names.insert(file.path);
-  } catch (const FormatError&) {
-    names.clear();  // somebody else's manifest: its files are not ours to remove
-  }
-  return names;
 }
 
 nlohmann::json stages_json(const RunContext& context) {
@@ -188,6 +188,7 @@ void write_listing(const EncodeJob& job, const std::vector<PlannedTile>& tiles, 
   remove_leftovers(job.output, before, listing.names);
   write_whole_file(job.output / tiles_name, as_bytes(listing.tiles_jsonl), Durability::fsync);
   write_manifest(manifest, job.output / manifest_name);
+  finish_output(job.output);
 }
 
 }  // namespace
@@ -244,10 +245,12 @@ void run_encode(RunContext& context, const EncodeJob& job, Manifest manifest) {
   if (!merged.why_not.empty())
     spdlog::warn("no merged mesh: {}; the tiles are complete", merged.why_not);
 
-  const std::set<std::string> before = listed_files(job.output);
-  const bool anything = !status.missing.empty() || status.merged_missing;
-  // What is in the directory is about to stop being what its manifest says.
-  if (anything) std::filesystem::remove(job.output / manifest_name);
+  const bool many = tiles.size() > 200;
+  std::set<std::string> before = files_of_earlier_runs(job.output);
+  if (!status.missing.empty() || status.merged_missing) {
+    add_planned(context, status, many, before);
+    begin_output(job.output, before);
+  }
 
   StageRun stage;
   stage.stage = "encode";
@@ -263,7 +266,6 @@ void run_encode(RunContext& context, const EncodeJob& job, Manifest manifest) {
   for (std::size_t i = 0; i < status.missing.size(); ++i)
     units.push_back({i, "tile " + tile_name(status.missing[i].key()),
                      static_cast<double>(status.missing[i].polygons)});
-  const bool many = tiles.size() > 200;
   StageMeter meter;
   run_stage(context, stage, units, threads, [&](const Unit& unit, WorkerContext&) {
     encode_tile(context, job, status.missing[unit.key], many);

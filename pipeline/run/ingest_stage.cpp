@@ -21,6 +21,8 @@
 namespace voxweld {
 namespace {
 
+constexpr std::uint64_t band_bytes = std::uint64_t{8} << 20;  // read at once for a shard
+
 StoreLayout layout_of(const Config& config, const IngestJob& job) {
   StoreLayout layout;
   layout.array = job.folder / "volume.zarr";
@@ -94,19 +96,11 @@ void run_copy(RunContext& context, const IngestJob& job) {
   stage.stage = "ingest";
   stage.noun = "shards";
   stage.reused = shards_of(layout).size() - missing.size();
-  ShardScratch probe;
-  probe.band_bytes = std::uint64_t{8} << 20;
-  stage.memory = {"ingest",
-                  job.input->info().access == Access::box ? job.input->info().largest_decode : 0,
-                  shard_writer_bytes(layout, 1, probe.band_bytes) + (std::uint64_t{16} << 20),
-                  fmt::format("one shard (work.chunk = {})", context.config.work.chunk),
-                  "raise run.memory or lower work.chunk"};
+  stage.memory = ingest_memory(context.config, job);
   const int threads = stage_threads(context, stage.memory);
   std::shared_ptr<const SampleSource> source;
-  if (!missing.empty()) {
-    source = by_boxes(context, job);
-    write_store_metadata(layout);
-  }
+  if (!missing.empty()) source = by_boxes(context, job);
+  if (!store_metadata_is_current(layout)) write_store_metadata(layout);
   struct Worker {
     ShardScratch scratch;
     HistogramStatistics statistics;
@@ -115,7 +109,7 @@ void run_copy(RunContext& context, const IngestJob& job) {
   std::vector<std::unique_ptr<Worker>> workers;
   for (int i = 0; i < threads; ++i) {
     workers.push_back(std::make_unique<Worker>(layout.type));
-    workers.back()->scratch.band_bytes = probe.band_bytes;
+    workers.back()->scratch.band_bytes = band_bytes;
   }
   std::vector<Unit> units;
   for (std::size_t i = 0; i < missing.size(); ++i) {
@@ -160,10 +154,22 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder)
 IngestStatus ingest_status(const Config& config, const IngestJob& job) {
   if (job.copy) {
     const StoreLayout layout = layout_of(config, job);
-    return {shards_of(layout).size(), missing_of(layout, job.stamp).size()};
+    return {shards_of(layout).size(), missing_of(layout, job.stamp).size(),
+            !store_metadata_is_current(layout)};
   }
-  if (job.histogram) return {1, histogram_is_current(job) ? 0u : 1u};
-  return {0, 0};
+  if (job.histogram) return {1, histogram_is_current(job) ? 0u : 1u, false};
+  return {};
+}
+
+StageMemory ingest_memory(const Config& config, const IngestJob& job) {
+  StageMemory memory{"ingest", 0, 0, fmt::format("one shard (work.chunk = {})", config.work.chunk),
+                     "raise run.memory or lower work.chunk"};
+  if (!job.copy) return memory;
+  const VolumeInfo& info = job.input->info();
+  if (info.access == Access::box) memory.base_bytes = info.largest_decode;
+  memory.per_unit_bytes =
+      shard_writer_bytes(layout_of(config, job), 1, band_bytes) + (std::uint64_t{16} << 20);
+  return memory;
 }
 
 void run_ingest(RunContext& context, const IngestJob& job) {

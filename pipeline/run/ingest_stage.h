@@ -24,10 +24,13 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder)
 
 struct IngestStatus {
   std::uint64_t units = 0, missing = 0;  // shards of the store; or the one histogram
-  bool current() const { return missing == 0; }
+  bool metadata_missing = false;         // the store's zarr.json
+  bool current() const { return missing == 0 && !metadata_missing; }
 };
 IngestStatus ingest_status(const Config& config, const IngestJob& job);
 
+// What one unit of it takes. No bytes where nothing is copied.
+StageMemory ingest_memory(const Config& config, const IngestJob& job);
 void run_ingest(RunContext& context, const IngestJob& job);
 
 // What ingest leaves. Precondition: it is current.

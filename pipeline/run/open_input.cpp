@@ -35,7 +35,7 @@ std::vector<ReaderEntry> all_readers() {
                      [](const InputSpec& spec) { return open_zarr(spec.path); }});
   readers.push_back({"stack", "a folder or pattern of images, a multi-page .tif", sniff_stack,
                      [](const InputSpec& spec) {
-                       return open_stack({spec.path, spec.spacing, spec.unit.value_or("")});
+                       return open_stack({spec.path, spec.spacing, spec.unit});
                      }});
   return readers;
 }
@@ -53,7 +53,7 @@ std::shared_ptr<SampleSource> open_input(const InputConfig& config) {
   spec.raw.header_bytes = config.header_bytes;
   spec.crop = config.crop;
   spec.spacing = config.spacing;
-  if (!config.unit.empty()) spec.unit = config.unit;
+  spec.unit = config.unit;
   return open_volume(spec, all_readers());
 }
 

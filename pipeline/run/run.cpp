@@ -2,12 +2,16 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <set>
 
 #include "pipeline/executor/error_set.h"
 #include "pipeline/run/jobs.h"
 #include "pipeline/run/last_config.h"
+#include "pipeline/run/output_files.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 
@@ -27,6 +31,21 @@ void check_surface(RunContext& context, const Jobs& jobs) {
       context.config.input.path.string(), range.lo, range.hi));
 }
 
+// A directory that cannot be written is better found now than after hours of work. Nothing is made
+// yet: where there is no surface nothing shall be left.
+void check_writable(const std::filesystem::path& directory, const std::string& key) {
+  std::filesystem::path there = directory;
+  std::error_code error;
+  while (!std::filesystem::exists(there, error) && there.has_relative_path())
+    there = there.parent_path();
+  const bool folder = std::filesystem::is_directory(there, error);
+  if (folder && access(there.c_str(), W_OK | X_OK) == 0) return;
+  throw InputError(fmt::format("{} = \"{}\": cannot be written: {}; choose another directory", key,
+                               directory.string(),
+                               folder ? fmt::format("{}: {}", there.string(), std::strerror(errno))
+                                      : fmt::format("{} is not a directory", there.string())));
+}
+
 // ingest -> build -> merge -> stitch -> encode
 void run_stages(RunContext& context) {
   Jobs jobs(context.config);
@@ -38,6 +57,18 @@ void run_stages(RunContext& context) {
   check_surface(context, jobs);
   run_stitch(context, jobs.stitch());
   run_encode(context, jobs.encode(), make_manifest(context, jobs));
+}
+
+// Of runs that were killed. Only where we write: the directories may hold others' files too.
+void clear_temporaries(const Config& config) {
+  for (const std::filesystem::path& folder : {config.work.directory, config.output.directory})
+    remove_stale_temporaries(folder, false);
+  remove_stale_temporaries(config.output.directory / "tiles", true);
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(config.work.directory, error))
+    for (const Stage stage : all_stages)
+      if (entry.path().filename().string().starts_with(std::string(stage_name(stage)) + "-"))
+        remove_stale_temporaries(entry.path(), true);
 }
 
 // Removes what failed its checks, so that the next pass makes it again. Throws the error itself
@@ -56,6 +87,9 @@ void mend(const std::exception& error, std::set<std::string>& mended) {
 void run_all(RunContext& context) {
   const Config asked = context.config;
   std::set<std::string> mended;
+  check_writable(asked.work.directory, "work.directory");
+  check_writable(asked.output.directory, "output.directory");
+  clear_temporaries(asked);
   for (bool done = false; !done;) {
     context.config = asked;
     context.reports.clear();
@@ -110,8 +144,10 @@ std::string dry_run(RunContext& context) {
   const IngestStatus ingest = ingest_status(context.config, jobs.ingest());
   if (!ingest.current()) {
     say(Stage::ingest,
-        fmt::format("would run: {} of {} {} missing{}", ingest.missing, ingest.units,
-                    jobs.ingest().copy ? "shards" : "histogram", because(Stage::ingest)));
+        ingest.missing == 0
+            ? "would run: the store's zarr.json is missing or changed"
+            : fmt::format("would run: {} of {} {} missing{}", ingest.missing, ingest.units,
+                          jobs.ingest().copy ? "shards" : "histogram", because(Stage::ingest)));
     later(Stage::build, "waits for ingest");
     return text;
   }
@@ -144,7 +180,9 @@ std::string dry_run(RunContext& context) {
   say(Stage::stitch, "up to date");
   const EncodeStatus status = encode_status(context, jobs.encode(), top);
   if (status.missing.empty() && !status.merged_missing) {
-    say(Stage::encode, "up to date");
+    say(Stage::encode, output_is_finished(context.config.output.directory)
+                           ? "up to date"
+                           : "would run: the manifest or the list of tiles is missing");
   } else {
     say(Stage::encode,
         fmt::format("would run: {} of {} tiles{} missing{}", status.missing.size(),

@@ -104,6 +104,17 @@ void ShardBuilder::each_run(Index3 shard, F&& f) {
       for (const Run& run : runs_of({bricks.lo.x, y, z}, bricks.hi.x)) f(run);
 }
 
+// A brick that is not read may change sides without a sample changing in those that are.
+void ShardBuilder::note_sides(Index3 shard, StreamHasher& hash) const {
+  const Box3 bricks = job_.grid.shard_bricks(shard);
+  for (std::int64_t z = bricks.lo.z; z < bricks.hi.z; ++z)
+    for (std::int64_t y = bricks.lo.y; y < bricks.hi.y; ++y)
+      for (std::int64_t x = bricks.lo.x; x < bricks.hi.x; ++x) {
+        const NodeState state = skip_state({x, y, z});
+        hash.update(std::as_bytes(std::span(&state, 1)));
+      }
+}
+
 void ShardBuilder::read(const Run& run, StreamHasher& hash) {
   const std::size_t size = sample_bytes(job_.volume.source->info().type);
   samples_.resize(static_cast<std::size_t>(run.samples.count()) * size);
@@ -114,6 +125,7 @@ void ShardBuilder::read(const Run& run, StreamHasher& hash) {
 
 Hash128 ShardBuilder::input_hash(Index3 shard) {
   StreamHasher hash;
+  note_sides(shard, hash);
   each_run(shard, [&](const Run& run) { read(run, hash); });
   return hash.finish();
 }
@@ -122,6 +134,7 @@ void ShardBuilder::build(Index3 shard, const WorkerContext& worker) {
   roots_.clear();
   summary_ = ShardSummary{};
   StreamHasher hash;
+  note_sides(shard, hash);
   ShardArtifactWriter out(shard_artifact_path(job_, shard), job_.key);
   each_run(shard, [&](const Run& run) {
     read(run, hash);

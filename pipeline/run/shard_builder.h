@@ -14,7 +14,8 @@ class ShardBuilder {
 
   // Reads, builds and writes the artifact. `worker` is asked to stop between bricks.
   void build(Index3 shard, const WorkerContext& worker);
-  // Reads the samples build would and returns their content hash.
+  // Reads the samples build would and returns the content hash of them and of the sides that the
+  // bricks it need not read are on.
   Hash128 input_hash(Index3 shard);
 
   // Bytes of one builder at work on one shard, whatever the samples.
@@ -35,6 +36,7 @@ class ShardBuilder {
   std::vector<Run> runs_of(Index3 row, std::int64_t end) const;
   NodeState skip_state(Index3 brick) const;
   Box3 brick_samples(Index3 brick) const;
+  void note_sides(Index3 shard, StreamHasher& hash) const;
   void read(const Run& run, StreamHasher& hash);
   void build_run(const Run& run, ShardArtifactWriter& out, const WorkerContext& worker);
   std::vector<ShardNode> reduce(Index3 shard);

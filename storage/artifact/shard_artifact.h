@@ -26,7 +26,7 @@ namespace voxweld {
 
 inline constexpr std::array<char, 4> shard_kind = {'o', 'c', 't', 'r'};
 // Goes up whenever build's bytes change: format or mathematics.
-inline constexpr std::uint32_t shard_version = 1;
+inline constexpr std::uint32_t shard_version = 2;
 
 // One shard-sized cube of the octree. A shard at the volume's upper border also builds the layer of
 // bricks above it when that holds nothing but ring cells: such bricks lie in cubes of their own.
@@ -43,7 +43,7 @@ struct ShardSummary {
   std::uint64_t bricks = 0;
   std::uint64_t active_bricks = 0;
   std::uint64_t collapsed_above = 0;  // nodes above the bricks that took in their children
-  Hash128 input;                      // content hash of the samples read
+  Hash128 input;                      // content hash of the samples read, and of unread sides
 };
 
 class ShardArtifactWriter {

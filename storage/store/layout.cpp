@@ -115,6 +115,14 @@ void write_store_metadata(const StoreLayout& layout) {
   write_whole_file(layout.array / "zarr.json", as_bytes(text), Durability::rename_only);
 }
 
+bool store_metadata_is_current(const StoreLayout& layout) {
+  const std::filesystem::path path = layout.array / "zarr.json";
+  if (!std::filesystem::exists(path)) return false;
+  const std::vector<std::byte> bytes = read_whole_file(path);
+  return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()) ==
+         render_zarr_array(layout.zarr());
+}
+
 StoreLayout read_store_layout(const std::filesystem::path& array,
                               const std::filesystem::path& records) {
   const std::string file = (array / "zarr.json").string();

@@ -52,6 +52,9 @@ void check_layout(const StoreLayout& layout);
 // Checks the layout and writes its zarr.json.
 void write_store_metadata(const StoreLayout& layout);
 
+// Whether it is there, as this layout is written.
+bool store_metadata_is_current(const StoreLayout& layout);
+
 // The layout of an existing store. DamagedArtifact where its zarr.json is not as it was written,
 // FormatError where the array is not a store of ours.
 StoreLayout read_store_layout(const std::filesystem::path& array,

@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
+#include <csignal>
 #include <random>
 #include <system_error>
 #include <utility>
@@ -17,13 +19,47 @@ namespace {
 
 constexpr std::size_t buffer_bytes = std::size_t{1} << 18;
 
-std::string temporary_name(const std::filesystem::path& path) {
+std::string host_name() {
   char host[256] = "host";
   if (gethostname(host, sizeof host) != 0) host[0] = '\0';
   host[255] = '\0';
+  return host;
+}
+
+// "<name>.tmp-<host>-<process>-<16 random hexadecimal digits>"
+std::string temporary_name(const std::filesystem::path& path) {
   std::random_device device;
   const auto random = (static_cast<std::uint64_t>(device()) << 32) | device();
-  return fmt::format("{}.tmp-{}-{}-{:016x}", path.string(), host, getpid(), random);
+  return fmt::format("{}.tmp-{}-{}-{:016x}", path.string(), host_name(), getpid(), random);
+}
+
+// Whether `name` is such a name, of a process of this host that is no more.
+bool is_stale_temporary(const std::string& name, const std::string& host) {
+  constexpr std::size_t random_digits = 16;
+  const std::string mark = ".tmp-" + host + "-";
+  const std::size_t at = name.rfind(mark);
+  if (at == std::string::npos) return false;
+  const std::string rest = name.substr(at + mark.size());
+  const std::size_t dash = rest.find('-');
+  if (dash == 0 || dash == std::string::npos || rest.size() != dash + 1 + random_digits ||
+      rest.find_first_not_of("0123456789") != dash ||
+      rest.find_first_not_of("0123456789abcdef", dash + 1) != std::string::npos)
+    return false;
+  pid_t process = 0;
+  const auto parsed = std::from_chars(rest.data(), rest.data() + dash, process);
+  return parsed.ec == std::errc() && process > 0 && kill(process, 0) != 0 && errno == ESRCH;
+}
+
+template <class Iterator>
+void remove_stale_of(const std::filesystem::path& folder) {
+  const std::string host = host_name();
+  // Another process may clear the same folder: what is gone already is no failure.
+  std::error_code error;
+  for (Iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    if (!is_stale_temporary(entry->path().filename().string(), host)) continue;
+    std::error_code ignored;
+    std::filesystem::remove(entry->path(), ignored);
+  }
 }
 
 }  // namespace
@@ -142,6 +178,13 @@ void AtomicFile::commit(Durability durability) {
     unlink(temporary_.c_str());
     throw_errno("rename into place", final_path_.string(), error);
   }
+}
+
+void remove_stale_temporaries(const std::filesystem::path& folder, bool recursive) {
+  if (recursive)
+    remove_stale_of<std::filesystem::recursive_directory_iterator>(folder);
+  else
+    remove_stale_of<std::filesystem::directory_iterator>(folder);
 }
 
 std::vector<std::byte> read_whole_file(const std::filesystem::path& path) {

@@ -62,6 +62,10 @@ class AtomicFile {
   std::vector<std::byte> buffer_;
 };
 
+// Removes the temporaries in `folder` (and below it, where `recursive`) that processes of this host
+// left behind when they were killed: those whose process is no more. Others' stay.
+void remove_stale_temporaries(const std::filesystem::path& folder, bool recursive);
+
 std::vector<std::byte> read_whole_file(const std::filesystem::path& path);
 void write_whole_file(const std::filesystem::path& path, std::span<const std::byte> data,
                       Durability durability);

@@ -127,8 +127,8 @@ MemoryContour contour_in_memory(const MemoryVolume& volume, const ContourParamet
   return contour;
 }
 
-WeldedMesh weld_tiles(const std::vector<TileMesh>& tiles) {
-  WeldedMesh welded;
+LatticeWeld weld_tiles(const std::vector<TileMesh>& tiles) {
+  LatticeWeld welded;
   std::map<std::array<std::int32_t, 3>, std::uint32_t> index;
   for (const TileMesh& tile : tiles)
     for (const auto& triangle : tile.triangles) {

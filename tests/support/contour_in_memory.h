@@ -43,10 +43,10 @@ MemoryContour contour_in_memory(const MemoryVolume& volume, const ContourParamet
                                 const MemoryOptions& options);
 
 // All tiles as one mesh, welded on lattice coordinates; triangle order kept.
-struct WeldedMesh {
+struct LatticeWeld {
   std::vector<std::array<std::int32_t, 3>> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
-WeldedMesh weld_tiles(const std::vector<TileMesh>& tiles);
+LatticeWeld weld_tiles(const std::vector<TileMesh>& tiles);
 
 }  // namespace voxweld::testing

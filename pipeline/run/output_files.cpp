@@ -1,0 +1,74 @@
+#include "pipeline/run/output_files.h"
+
+#include "pipeline/mesh/manifest.h"
+#include "storage/artifact/container.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+constexpr std::array<char, 4> note_kind = {'u', 'n', 'f', 'i'};
+constexpr std::uint32_t note_version = 1;
+constexpr std::uint64_t names_section = 1;
+
+std::filesystem::path note_path(const std::filesystem::path& output) {
+  return output / "unfinished.files";
+}
+
+void add_noted(const std::filesystem::path& output, std::set<std::string>& names) {
+  if (!std::filesystem::exists(note_path(output))) return;
+  try {
+    const ArtifactReader reader(note_path(output), note_kind, note_version);
+    std::vector<char> text;
+    reader.read_array(names_section, text);
+    for (auto begin = text.begin(); begin != text.end();) {
+      const auto end = std::find(begin, text.end(), '\0');
+      names.emplace(begin, end);
+      begin = end == text.end() ? end : end + 1;
+    }
+  } catch (const DamagedArtifact&) {
+    return;  // what it named stays; nothing else depends on it
+  }
+}
+
+}  // namespace
+
+std::set<std::string> files_of_earlier_runs(const std::filesystem::path& output) {
+  std::set<std::string> names;
+  try {
+    if (std::filesystem::exists(output / manifest_name))
+      for (const FileRecord& file : read_manifest(output / manifest_name).files)
+        names.insert(file.path);
+  } catch (const FormatError&) {
+    names.clear();
+  }
+  add_noted(output, names);
+  return names;
+}
+
+void begin_output(const std::filesystem::path& output, const std::set<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text.append(name).push_back('\0');
+  ArtifactWriter note(note_path(output), {note_kind, note_version, {}});
+  note.section(names_section, as_bytes(text));
+  note.commit(Durability::fsync);
+  std::filesystem::remove(output / manifest_name);
+}
+
+void finish_output(const std::filesystem::path& output) {
+  std::filesystem::remove(note_path(output));
+}
+
+bool output_is_finished(const std::filesystem::path& output) {
+  if (!std::filesystem::exists(output / manifest_name) ||
+      !std::filesystem::exists(output / tiles_name) || std::filesystem::exists(note_path(output)))
+    return false;
+  try {
+    read_manifest(output / manifest_name);
+    return true;
+  } catch (const FormatError&) {
+    return false;
+  }
+}
+
+}  // namespace voxweld

@@ -1,0 +1,26 @@
+// Which files of an output directory are ours: those its manifest lists, and while encode is at
+// work, when there is no manifest, those of `unfinished.files`. So a run that follows a killed one
+// still knows what to clear away.
+//
+// unfinished.files: a container (storage/artifact/container.h) of kind "unfi", version 1; section
+// 1: names relative to the directory, each followed by a zero byte.
+#pragma once
+
+#include <filesystem>
+#include <set>
+#include <string>
+
+namespace voxweld {
+
+// What earlier runs wrote or were about to write. Somebody else's manifest lists nothing of ours.
+std::set<std::string> files_of_earlier_runs(const std::filesystem::path& output);
+
+// Before anything in the directory changes: notes `names` for later runs, and takes the manifest
+// away, which is about to stop being true.
+void begin_output(const std::filesystem::path& output, const std::set<std::string>& names);
+// After the new manifest: the note has done its work.
+void finish_output(const std::filesystem::path& output);
+// Whether the manifest and the list of tiles are there and no run was cut short before they were.
+bool output_is_finished(const std::filesystem::path& output);
+
+}  // namespace voxweld

@@ -1,0 +1,44 @@
+// How far a finished output lies from the true surface of a phantom.
+// usage: measure_output OUTPUT_DIR KIND SIZE
+// Prints, in voxels: vertices max mean p99, points inside the triangles max mean p99.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "pipeline/mesh/load.h"
+#include "pipeline/mesh/manifest.h"
+#include "pipeline/phantom/measure.h"
+#include "storage/support/error.h"
+
+int main(int argc, char** argv) try {
+  using namespace voxweld;
+  if (argc != 4) {
+    fmt::print(stderr, "usage: measure_output OUTPUT_DIR KIND SIZE\n");
+    return 2;
+  }
+  const auto field = make_analytic_field(parse_phantom_kind(argv[2]), std::atoll(argv[3]));
+  const Manifest manifest = read_manifest(std::filesystem::path(argv[1]) / manifest_name);
+  const Vec3 spacing = manifest.frame.spacing;
+  std::vector<std::array<float, 3>> points;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for_each_mesh(argv[1], [&](const DecodedMesh& mesh) {
+    const auto base = static_cast<std::uint32_t>(points.size());
+    for (const auto& p : mesh.positions)
+      points.push_back({static_cast<float>(static_cast<double>(p[0]) / spacing.x),
+                        static_cast<float>(static_cast<double>(p[1]) / spacing.y),
+                        static_cast<float>(static_cast<double>(p[2]) / spacing.z)});
+    for (const auto& t : mesh.triangles)
+      triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
+  });
+  const MeshDistance d = measure_mesh(*field, points, triangles);
+  fmt::print(
+      "{} {}: {} triangles; vertices max {:.3f} mean {:.4f} p99 {:.3f}; triangles max {:.3f} mean "
+      "{:.4f} p99 {:.3f}\n",
+      argv[2], argv[3], triangles.size(), d.vertices.max, d.vertices.mean, d.vertices.p99,
+      d.triangles.max, d.triangles.mean, d.triangles.p99);
+  return 0;
+} catch (const voxweld::Error& error) {
+  fmt::print(stderr, "{}\n", error.what());
+  return error.exit_code();
+}

@@ -1,0 +1,25 @@
+// Runs the built program as a user does, and ends it as a crash or a user would.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace voxweld::testing {
+
+struct ProgramResult {
+  int exit_code = -1;  // 128 + the signal that ended it
+  std::string out, err;
+  double seconds = 0;
+};
+
+// A signal sent this long after the start, unless the program has ended by then.
+struct Stop {
+  int signal = 0;
+  double after_s = 0;
+};
+
+// `arguments` without the program's own name. Ended by force after two minutes.
+ProgramResult run_voxweld(const std::vector<std::string>& arguments, std::optional<Stop> stop = {});
+
+}  // namespace voxweld::testing

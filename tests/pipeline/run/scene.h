@@ -1,0 +1,103 @@
+// A volume, its config and the directories of its runs, in a folder that goes with the test.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "storage/types/box.h"
+#include "storage/types/sample_type.h"
+#include "tests/pipeline/run/program.h"
+#include "tests/support/temp_directory.h"
+
+namespace voxweld::testing {
+
+using Settings = std::vector<std::string>;  // "table.key=value"
+Settings operator+(Settings a, const Settings& b);
+
+// What a run leaves for the user, as name -> hash: every file of the output directory but the
+// manifest, whose times differ; of that, as "manifest", what depends on the volume and the
+// contouring parameters alone.
+using Tree = std::map<std::string, std::string>;
+Tree output_tree(const std::filesystem::path& output);
+// Names that only one has or that differ; empty when the same.
+std::string difference(const Tree& expected, const Tree& found);
+
+// Raw samples of one of the program's types, little-endian, x fastest.
+struct RawVolume {
+  Index3 size;
+  SampleType type = SampleType::u8;
+  std::vector<std::byte> samples;
+  double isovalue = 0;
+  Vec3 spacing{1, 1, 1};
+
+  std::int64_t index(Index3 at) const { return (at.z * size.y + at.y) * size.x + at.x; }
+};
+RawVolume noise_volume(Index3 size, unsigned seed);
+// u8, from a function of the sample's index; the isovalue is 128.
+template <class F>
+RawVolume volume_of(Index3 size, F&& value) {
+  RawVolume volume{size, SampleType::u8, {}, 128};
+  for (std::int64_t z = 0; z < size.z; ++z)
+    for (std::int64_t y = 0; y < size.y; ++y)
+      for (std::int64_t x = 0; x < size.x; ++x)
+        volume.samples.push_back(static_cast<std::byte>(value(Index3{x, y, z})));
+  return volume;
+}
+
+class Scene {
+ public:
+  Scene(const std::string& phantom, std::int64_t size);  // uint8, made by the program
+  explicit Scene(const RawVolume& volume);
+
+  // Directories by name, so that one scene may have several runs beside each other.
+  std::filesystem::path work(const std::string& name = "scene") const;
+  std::filesystem::path output(const std::string& name = "scene") const;
+  std::filesystem::path volume() const { return volume_; }
+  std::filesystem::path directory() const { return directory_.path(); }
+  std::filesystem::path config() const { return directory_ / "scene.toml"; }
+  void write_volume(const RawVolume& volume) const;  // over the one that is there
+
+  ProgramResult command(const std::string& command, const Settings& settings = {},
+                        std::optional<Stop> stop = {}) const;
+  ProgramResult run(const Settings& settings = {}, std::optional<Stop> stop = {}) const {
+    return command("run", settings, stop);
+  }
+  // The same into directories of that name.
+  ProgramResult run_in(const std::string& name, const Settings& settings = {},
+                       std::optional<Stop> stop = {}) const {
+    return run(settings + in(name), stop);
+  }
+  Settings in(const std::string& name) const;
+  // Runs into fresh directories, checks that it worked, and returns what came out.
+  Tree clean_tree(const Settings& settings = {}) const;
+
+ private:
+  void write_config(const std::string& input, const std::string& surface) const;
+
+  TempDirectory directory_;
+  std::filesystem::path volume_;
+};
+
+nlohmann::json manifest_of(const std::filesystem::path& output);
+// "build" -> how many units of it the last run did, those that it ran alone.
+std::map<std::string, std::uint64_t> units_run(const std::filesystem::path& output);
+
+// All files below `root` whose name ends so, sorted.
+std::vector<std::filesystem::path> files_ending(const std::filesystem::path& root,
+                                                const std::string& ending);
+std::vector<std::filesystem::path> temporary_files(const std::filesystem::path& root);
+
+}  // namespace voxweld::testing
+
+// The run ended well; its messages if not.
+#define VOXWELD_EXPECT_DONE(result)                                     \
+  do {                                                                  \
+    const ::voxweld::testing::ProgramResult& checked_result = (result); \
+    EXPECT_EQ(checked_result.exit_code, 0) << checked_result.err;       \
+  } while (false)
