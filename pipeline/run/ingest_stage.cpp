@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "pipeline/config/settings.h"
+#include "pipeline/run/histogram_artifact.h"
 #include "pipeline/run/open_input.h"
 #include "pipeline/run/volume_scan.h"
 #include "stages/ingest/statistics.h"
@@ -21,8 +22,6 @@ namespace voxweld {
 namespace {
 
 constexpr std::uint64_t band_bytes = std::uint64_t{8} << 20;  // read at once for a shard
-constexpr std::array<char, 4> histogram_kind = {'h', 'i', 's', 't'};
-constexpr std::uint32_t histogram_version = 1;
 
 StoreLayout layout_of(const Config& config, const IngestJob& job) {
   StoreLayout layout;
@@ -63,20 +62,6 @@ bool histogram_is_current(const IngestJob& job) {
   } catch (const DamagedArtifact&) {
     return false;
   }
-}
-
-// Section 1: bins (u64), 2: counts (u64), 3: samples that are NaN (u64).
-void write_histogram(const IngestJob& job, const Histogram& histogram) {
-  ArtifactWriter out(histogram_path(job), {histogram_kind, histogram_version, job.stamp});
-  std::vector<std::uint64_t> bins, counts;
-  for (const HistogramBin& bin : histogram.bins) {
-    bins.push_back(bin.bin);
-    counts.push_back(bin.count);
-  }
-  out.section(1, std::as_bytes(std::span(bins)));
-  out.section(2, std::as_bytes(std::span(counts)));
-  out.section(3, std::as_bytes(std::span(&histogram.nans, 1)));
-  out.commit();
 }
 
 // The input where boxes of it can be read, else its spool.
@@ -198,7 +183,8 @@ void run_ingest(RunContext& context, const IngestJob& job) {
   if (job.copy) {
     run_copy(context, job);
   } else if (job.histogram && !histogram_is_current(job)) {
-    write_histogram(job, scan_volume(context, *job.input, "ingest").histogram);
+    write_histogram_artifact(histogram_path(job),
+                             {job.stamp, scan_volume(context, *job.input, "ingest").histogram});
   }
 }
 
@@ -222,15 +208,7 @@ std::optional<Histogram> read_histogram(const Config& config, const IngestJob& j
     return histogram;
   }
   if (!histogram_is_current(job)) return std::nullopt;
-  const ArtifactReader in(histogram_path(job), histogram_kind, histogram_version);
-  std::vector<std::uint64_t> bins, counts, nans;
-  in.read_array(1, bins);
-  in.read_array(2, counts);
-  in.read_array(3, nans);
-  for (std::size_t i = 0; i < bins.size(); ++i)
-    histogram.bins.push_back({static_cast<std::uint32_t>(bins[i]), counts.at(i)});
-  histogram.nans = nans.at(0);
-  return histogram;
+  return read_histogram_artifact(histogram_path(job)).histogram;
 }
 
 ValueRange whole_range(RunContext& context, const Volume& volume) {
