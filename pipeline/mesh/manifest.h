@@ -7,8 +7,10 @@
 //                sample range a boundary edge of an open border may lie
 //   topology     "safe" or "free"
 //   frame        {size [x, y, z], spacing, unit, origin, direction [3][3], space}
-//   counts       {bricks, active_bricks, leaves [per level], vertices (of the welded mesh), quads,
-//                triangles (polygons), output_triangles = 2 quads + triangles, tiles, collinear}
+//   counts       {bricks, active_bricks, leaves [per level], vertices, quads, triangles
+//                (polygons), output_triangles = 2 quads + triangles, tiles, collinear};
+//                vertices: of the octree, which with a closed border and safe topology are those
+//                of the welded mesh; else some of them are in no polygon
 //   merged       {drc, glb} paths, or null
 //   files        [{path, format, role "tile" or "merged", bytes, xxh3_128}]
 //   input, config, stages, error   free-form
@@ -56,7 +58,7 @@ struct TileRecord {
 struct ManifestCounts {
   std::uint64_t bricks = 0, active_bricks = 0;
   std::vector<std::uint64_t> leaves;  // per level
-  std::uint64_t vertices = 0;         // of the welded mesh
+  std::uint64_t vertices = 0;         // of the octree
   std::uint64_t quads = 0, triangles = 0, output_triangles = 0;
   std::uint64_t tiles = 0, collinear = 0;
   friend bool operator==(const ManifestCounts&, const ManifestCounts&) = default;

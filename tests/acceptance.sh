@@ -1,0 +1,290 @@
+#!/usr/bin/env bash
+# The long matrix on real data and large phantoms: what the tests check on small volumes, at size.
+# Usage: tests/acceptance.sh [STEP...]        (default: all; a table of results at the end)
+#   partition   the bunny CT: chunk, brick, shard, threads and copy, all to the same bytes
+#   kills       the bunny CT: a run killed 20 times and resumed, the same bytes, nothing left over
+#   tiles       the bunny CT: the merged mesh is the same for any output.tile_vertices
+#   phantoms    gyroid, part, porous and temple of 512^3: verify finds nothing
+#   memory      gyroid and part of 1024^3, noise of 512^3 under run.memory = 512MiB: peak below it
+#   figures     gyroid, part and noise of 512^3 at run.memory = 256MiB: seconds and peak
+# Environment: VOXWELD (the program, default build/voxweld), VOXWELD_SHARED_DATA (folder with
+# bunny_ct/), VOXWELD_SCRATCH (where about 10 GB may be written, default a new folder below TMPDIR
+# that is removed), VOXWELD_KILLS (default 20), VOXWELD_SEED (default 1).
+set -euo pipefail
+case ${1:-} in -h | --help)
+  sed -n '2,14s/^# //p' "$0"
+  exit 0
+  ;;
+esac
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+voxweld=${VOXWELD:-$root/build/voxweld}
+data=${VOXWELD_SHARED_DATA:-$root/../shared/data}
+kills=${VOXWELD_KILLS:-20}
+RANDOM=${VOXWELD_SEED:-1}
+known=(partition kills tiles phantoms memory figures)
+steps=("$@")
+[ $# -gt 0 ] || steps=("${known[@]}")
+for step in "${steps[@]}"; do
+  case " ${known[*]} " in
+    *" $step "*) ;;
+    *)
+      echo "unknown step: $step; known are: ${known[*]}" >&2
+      exit 2
+      ;;
+  esac
+done
+[ -x "$voxweld" ] || {
+  echo "no program at $voxweld: build it, or name it in VOXWELD" >&2
+  exit 2
+}
+
+scratch=${VOXWELD_SCRATCH:-}
+if [ -z "$scratch" ]; then
+  scratch=$(mktemp -d)
+  trap 'rm -rf "$scratch"' EXIT
+fi
+mkdir -p "$scratch"
+
+rows=()
+failures=0
+# report STEP CASE RESULT [DETAIL]
+report() {
+  rows+=("$(printf '%-10s %-44s %-8s %s' "$1" "$2" "$3" "${4:-}")")
+  echo "${rows[-1]}"
+  [ "$3" != FAILED ] || failures=$((failures + 1))
+}
+
+now() { date +%s.%N; }
+since() { awk -v a="$1" -v b="$(now)" 'BEGIN { printf "%.1f", b - a }'; }
+
+# All bytes of an output directory but the manifest, which has times in it.
+tree_hash() {
+  (cd "$1" && find . -type f ! -name manifest.json -print0 | sort -z | xargs -0 sha256sum) |
+    sha256sum | cut -d' ' -f1
+}
+temporaries() { find "$@" -name '*.tmp-*' | wc -l; }
+
+# arguments NAME [SETTING...]: of a run of the step's config into directories of that name.
+config=
+arguments() {
+  local name=$1 setting
+  shift
+  args=(run "$config" --log-level warning)
+  for setting in "work.directory=$scratch/$name.work" "output.directory=$scratch/$name.mesh" "$@"; do
+    args+=(--set "$setting")
+  done
+}
+run() {
+  arguments "$@"
+  "$voxweld" "${args[@]}" >"$scratch/$1.out" 2>"$scratch/$1.err"
+}
+forget() { rm -rf "$scratch/$1.work" "$scratch/$1.mesh"; }
+
+# Unpacks the bunny and makes its config; false, with the reason in `missing`, where it cannot.
+missing=
+bunny() {
+  local packed=$data/bunny_ct/bunny_512x512x361_i16be.raw.xz
+  if [ ! -r "$packed" ]; then
+    missing="needs $packed"
+    return 1
+  fi
+  if ! command -v xz >/dev/null; then
+    missing="needs xz"
+    return 1
+  fi
+  config=$scratch/bunny.toml
+  [ -f "$scratch/bunny.raw" ] || {
+    xz -dc "$packed" >"$scratch/bunny.raw.part"
+    mv "$scratch/bunny.raw.part" "$scratch/bunny.raw"
+  }
+  cat >"$config" <<TOML
+[input]
+path = "$scratch/bunny.raw"
+format = "raw"
+size = [512, 512, 361]
+type = "int16"
+endian = "big"
+spacing = [0.337891, 0.337891, 0.5]
+unit = "mm"
+[surface]
+isovalue = 1150
+TOML
+}
+
+reference=
+make_reference() {
+  [ -z "$reference" ] || return 0
+  run reference || {
+    cat "$scratch/reference.err" >&2
+    exit 1
+  }
+  reference=$(tree_hash "$scratch/reference.mesh")
+}
+
+# expect_reference STEP CASE [SETTING...]: a fresh run with these gives the reference's bytes.
+expect_reference() {
+  local step=$1 case=$2 begin
+  shift 2
+  begin=$(now)
+  if ! run variant "$@"; then
+    report "$step" "$case" FAILED "$(tail -n 1 "$scratch/variant.err")"
+  elif [ "$(tree_hash "$scratch/variant.mesh")" != "$reference" ]; then
+    report "$step" "$case" FAILED "other bytes"
+  else
+    report "$step" "$case" same "$(since "$begin") s"
+  fi
+  forget variant
+}
+
+step_partition() {
+  make_reference
+  local turn=0 copy brick shard chunk threads
+  for copy in false true; do
+    for brick in 16 32 64 128; do
+      for shard in 1 2 4; do
+        # Chunks take turns and divide shards; without a copy there are none.
+        chunk=$((16 << (turn % 3)))
+        [ $chunk -le $((brick * shard)) ] || chunk=$((brick * shard))
+        threads=$((1 + turn % 2))
+        turn=$((turn + 1))
+        expect_reference partition \
+          "brick $brick, shard $shard, chunk $chunk, threads $threads, copy $copy" \
+          work.brick=$brick work.shard=$shard work.chunk=$chunk run.threads=$threads work.copy=$copy
+      done
+    done
+  done
+}
+
+step_kills() {
+  make_reference
+  local begin whole after killed copy child i
+  for copy in false true; do
+    begin=$(now)
+    run timing work.copy=$copy
+    whole=$(since "$begin")
+    forget timing
+    killed=0
+    for ((i = 0; i < kills; ++i)); do
+      # Each run may go on for up to a quarter of a whole one, so that all stages are met.
+      after=$(awk -v w="$whole" -v r=$RANDOM 'BEGIN { printf "%.3f", w / 4 * r / 32768 }')
+      arguments killed work.copy=$copy
+      "$voxweld" "${args[@]}" >/dev/null 2>&1 &
+      child=$!
+      sleep "$after"
+      kill -KILL $child 2>/dev/null || true
+      if wait $child 2>/dev/null; then forget killed; else killed=$((killed + 1)); fi
+    done
+    if ! run killed work.copy=$copy; then
+      report kills "copy $copy" FAILED "$(tail -n 1 "$scratch/killed.err")"
+    elif [ "$(tree_hash "$scratch/killed.mesh")" != "$reference" ]; then
+      report kills "copy $copy" FAILED "other bytes after $killed kills"
+    elif [ "$(temporaries "$scratch/killed.work" "$scratch/killed.mesh")" -ne 0 ]; then
+      report kills "copy $copy" FAILED "temporaries left after $killed kills"
+    else
+      report kills "copy $copy" same "$killed of $kills runs killed; a whole one takes $whole s"
+    fi
+    forget killed
+  done
+}
+
+step_tiles() {
+  local vertices first='' hash
+  for vertices in 500000 100000 20000 1024; do
+    if ! run tiles output.tile_vertices=$vertices output.merged=true; then
+      report tiles "tile_vertices $vertices" FAILED "$(tail -n 1 "$scratch/tiles.err")"
+      continue
+    fi
+    hash=$(cat "$scratch"/tiles.mesh/mesh.* | sha256sum)
+    first=${first:-$hash}
+    if [ "$hash" = "$first" ]; then
+      report tiles "tile_vertices $vertices" same "$(wc -l <"$scratch/tiles.mesh/tiles.jsonl") tiles"
+    else
+      report tiles "tile_vertices $vertices" FAILED "the merged mesh differs"
+    fi
+  done
+  forget tiles
+}
+
+# phantom KIND SIZE: makes it, and its config.
+phantom() {
+  local file=$scratch/$1-$2.nrrd
+  config=$scratch/$1-$2.toml
+  [ -f "$file" ] || "$voxweld" phantom "$1" --size "$2" --type uint8 -o "$file" --log-level quiet \
+    >/dev/null
+  printf '[input]\npath = "%s"\n[surface]\nisovalue = 127.5\ninside = "below"\n' "$file" >"$config"
+}
+forget_phantom() { rm -f "$scratch/$1-$2.nrrd" "$scratch/$1-$2.toml"; }
+
+step_phantoms() {
+  local kind begin
+  for kind in gyroid part porous temple; do
+    phantom $kind 512
+    begin=$(now)
+    if ! run phantom; then
+      report phantoms "$kind 512^3" FAILED "$(tail -n 1 "$scratch/phantom.err")"
+    elif ! "$voxweld" verify "$scratch/phantom.mesh" >"$scratch/verify.out" 2>&1; then
+      report phantoms "$kind 512^3" FAILED "verify: $(tail -n 1 "$scratch/verify.out")"
+    else
+      report phantoms "$kind 512^3" clean "$(since "$begin") s; $(head -n 1 "$scratch/verify.out")"
+    fi
+    forget phantom
+    forget_phantom $kind 512
+  done
+}
+
+# measured STEP KIND SIZE MEBIBYTES: a run under that run.memory, its peak as the system has it.
+measured() {
+  local step=$1 kind=$2 size=$3 limit=$4 seconds peak case
+  case="$kind $size^3, run.memory ${limit}MiB"
+  if [ ! -x /usr/bin/time ]; then
+    report "$step" "$case" skipped "needs /usr/bin/time"
+    return
+  fi
+  phantom "$kind" "$size"
+  arguments measured "run.memory=${limit}MiB"
+  if ! /usr/bin/time -v -o "$scratch/time.txt" "$voxweld" "${args[@]}" \
+    >/dev/null 2>"$scratch/measured.err"; then
+    report "$step" "$case" FAILED "$(tail -n 1 "$scratch/measured.err")"
+  else
+    peak=$(($(awk '/Maximum resident/ { print $NF }' "$scratch/time.txt") / 1024))
+    seconds=$(awk '/Elapsed/ { print $NF }' "$scratch/time.txt")
+    if [ "$peak" -ge "$limit" ]; then
+      report "$step" "$case" FAILED "peak $peak MiB"
+    else
+      report "$step" "$case" below "peak $peak MiB, $seconds"
+    fi
+  fi
+  forget measured
+  forget_phantom "$kind" "$size"
+}
+
+step_memory() {
+  measured memory noise 512 512
+  measured memory gyroid 1024 512
+  measured memory part 1024 512
+}
+
+step_figures() {
+  local kind
+  for kind in gyroid part noise; do measured figures $kind 512 256; done
+}
+
+for step in "${steps[@]}"; do
+  case $step in
+    partition | kills | tiles)
+      if ! bunny; then
+        report "$step" "bunny CT" skipped "$missing"
+        continue
+      fi
+      ;;
+  esac
+  "step_$step"
+done
+
+printf '\n%-10s %-44s %-8s %s\n' step case result figures
+printf '%s\n' "${rows[@]}"
+[ "$failures" -eq 0 ] || {
+  echo "$failures failed" >&2
+  exit 1
+}
