@@ -8,6 +8,7 @@
 #include "pipeline/config/settings.h"
 #include "pipeline/run/histogram_artifact.h"
 #include "pipeline/run/open_input.h"
+#include "pipeline/run/recorded_input.h"
 #include "pipeline/run/volume_scan.h"
 #include "stages/ingest/statistics.h"
 #include "storage/artifact/container.h"
@@ -27,8 +28,8 @@ StoreLayout layout_of(const Config& config, const IngestJob& job) {
   StoreLayout layout;
   layout.array = job.folder / "volume.zarr";
   layout.records = job.folder / "records";
-  layout.type = job.input->info().type;
-  layout.geometry = job.input->info().geometry;
+  layout.type = job.info.type;
+  layout.geometry = job.info.geometry;
   layout.parameters.chunk = config.work.chunk;
   layout.parameters.shard = config.work.brick * config.work.shard;
   return layout;
@@ -66,8 +67,9 @@ bool histogram_is_current(const IngestJob& job) {
 
 // The input where boxes of it can be read, else its spool.
 std::shared_ptr<const SampleSource> by_boxes(RunContext& context, const IngestJob& job) {
-  const VolumeInfo& info = job.input->info();
-  if (info.access == Access::box) return job.input;
+  const VolumeInfo& info = job.info;
+  const auto input = job.input ? job.input : open_input(context.config.input);
+  if (input->info().access == Access::box) return input;
   const auto path = job.folder / "spool.raw";
   if (!spool_is_current(path, job.stamp)) {
     spdlog::info("{} is read slice by slice: spooling {} once", context.config.input.path.string(),
@@ -79,7 +81,7 @@ std::shared_ptr<const SampleSource> by_boxes(RunContext& context, const IngestJo
     options.progress = [&](const SpoolProgress&) {
       if (context.interrupt != nullptr) context.interrupt->check();
     };
-    spool_volume(*job.input, path, job.stamp, options);
+    spool_volume(*input, path, job.stamp, options);
   }
   return open_spool(path, job.stamp);
 }
@@ -132,6 +134,8 @@ void run_copy(RunContext& context, const IngestJob& job) {
   figures.cpu_s += spooling.cpu_s;
   figures.peak_resident = std::max(figures.peak_resident, spooling.peak_resident);
   remove_spool(job);
+  if (job.input && job.input->info().access != Access::box)
+    record_input(job.folder, parameter_hash(context.config, Stage::ingest), job.info);
 }
 
 }  // namespace
@@ -139,15 +143,22 @@ void run_copy(RunContext& context, const IngestJob& job) {
 IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder) {
   IngestJob job;
   job.folder = folder;
-  job.input = open_input(config.input);
-  const VolumeInfo& info = job.input->info();
-  for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
+  const Hash128 parameters = parameter_hash(config, Stage::ingest);
+  const auto known = recorded_input(folder, parameters);
+  if (known) {
+    job.info = *known;
+  } else {
+    job.input = open_input(config.input);
+    job.info = job.input->info();
+    for (const std::string& warning : job.info.warnings) spdlog::warn("{}", warning);
+  }
+  const VolumeInfo& info = job.info;
   KeyHasher stamp;
-  stamp.hash(parameter_hash(config, Stage::ingest));
+  stamp.hash(parameters);
   for (const InputFile& file : info.files)
     stamp.text(file.path).integer(static_cast<std::int64_t>(file.size)).integer(file.mtime_ns);
   job.stamp = stamp.finish();
-  const bool by_box = info.access == Access::box;
+  const bool by_box = !known && info.access == Access::box;
   if (config.work.copy == WorkConfig::Copy::never && !by_box)
     throw InputError(
         fmt::format("work.copy = false: {} ({}) can be read by {} only, so a brick store is "
@@ -172,7 +183,7 @@ StageMemory ingest_memory(const Config& config, const IngestJob& job) {
   StageMemory memory{"ingest", 0, 0, fmt::format("one shard (work.chunk = {})", config.work.chunk),
                      "raise run.memory or lower work.chunk"};
   if (!job.copy) return memory;
-  const VolumeInfo& info = job.input->info();
+  const VolumeInfo& info = job.info;
   if (info.access == Access::box) memory.base_bytes = info.largest_decode;
   memory.per_unit_bytes =
       shard_writer_bytes(layout_of(config, job), 1, band_bytes) + (std::uint64_t{16} << 20);
@@ -200,7 +211,7 @@ Volume ingested_volume(const Config& config, const IngestJob& job) {
 
 std::optional<Histogram> read_histogram(const Config& config, const IngestJob& job) {
   Histogram histogram;
-  histogram.type = job.input->info().type;
+  histogram.type = job.info.type;
   if (job.copy) {
     const StoreLayout layout = layout_of(config, job);
     for (const Index3& shard : shards_of(layout))
