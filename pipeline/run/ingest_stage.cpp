@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <mutex>
+#include <algorithm>
 
 #include "pipeline/config/settings.h"
 #include "pipeline/run/histogram_artifact.h"
@@ -73,8 +73,9 @@ std::shared_ptr<const SampleSource> by_boxes(RunContext& context, const IngestJo
     spdlog::info("{} is read slice by slice: spooling {} once", context.config.input.path.string(),
                  readable_bytes(static_cast<double>(spool_bytes(info))));
     SpoolOptions options;
+    // A budget smaller than the program leaves nothing, which spool_volume refuses with a figure.
     options.memory =
-        context.config.run.memory - std::min(context.config.run.memory / 2, 2 * program_bytes);
+        context.config.run.memory - std::min(context.config.run.memory, program_bytes());
     options.progress = [&](const SpoolProgress&) {
       if (context.interrupt != nullptr) context.interrupt->check();
     };
@@ -99,7 +100,9 @@ void run_copy(RunContext& context, const IngestJob& job) {
   stage.memory = ingest_memory(context.config, job);
   const int threads = stage_threads(context, stage.memory);
   std::shared_ptr<const SampleSource> source;
+  const StageMeter spool_meter;
   if (!missing.empty()) source = by_boxes(context, job);
+  const StageFigures spooling = spool_meter.read();
   if (!store_metadata_is_current(layout)) write_store_metadata(layout);
   struct Worker {
     ShardScratch scratch;
@@ -124,6 +127,10 @@ void run_copy(RunContext& context, const IngestJob& job) {
         static_cast<std::uint64_t>(layout.shard_samples(missing[unit.key]).count()) *
         sample_bytes(layout.type));
   });
+  StageFigures& figures = context.reports.back().figures;
+  figures.wall_s += spooling.wall_s;
+  figures.cpu_s += spooling.cpu_s;
+  figures.peak_resident = std::max(figures.peak_resident, spooling.peak_resident);
   remove_spool(job);
 }
 
