@@ -44,6 +44,16 @@ TEST_F(InfoOfDamage, UnknownFilesGetTheListOfKnownOnes) {
   expect_refused({"info", place.at("folder")}, {"folder", "unknown", "no images", "nifti"});
 }
 
+TEST_F(InfoOfDamage, StacksThatDoNotFitTogetherSayWhy) {
+  std::filesystem::create_directories(place.at("slices"));
+  write_bytes(place.at("slices/1.tif"), "");
+  write_bytes(place.at("slices/3.tif"), "");
+  const ProgramResult result = run_voxweld({"info", place.at("slices")});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("slices"));
+  EXPECT_THAT(result.err, ::testing::Not(HasSubstr("info knows")));
+}
+
 TEST_F(InfoOfDamage, TruncatedArtifactsAreNamed) {
   place.run_scene({"work.copy=true"});
   for (const char* ending : {".octree", "top.tree", ".tile", ".record", ".shard"}) {
