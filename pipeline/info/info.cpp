@@ -81,6 +81,15 @@ InfoDocument describe_array(const fs::path& array, const InfoOptions& options) {
   return store ? describe_store(array, of_array) : describe_volume(of_array);
 }
 
+bool holds_images(const fs::path& path) {
+  const auto readers = all_readers();
+  const auto stack = std::ranges::find(readers, "stack", &ReaderEntry::name);
+  for (const auto& entry : fs::directory_iterator(path))
+    if (entry.is_regular_file() && stack->sniff(probe_input(entry.path().string())) != Match::none)
+      return true;
+  return false;
+}
+
 InfoDocument describe_directory(const fs::path& path, const InfoOptions& options) {
   if (fs::exists(path / manifest_name)) return describe_output(path / manifest_name, options);
   if (fs::exists(path / "zarr.json")) return describe_array(path, options);
@@ -89,7 +98,8 @@ InfoDocument describe_directory(const fs::path& path, const InfoOptions& options
   try {
     return describe_volume(options);
   } catch (const InputError& error) {
-    // Any other folder might be meant as a stack of images: why it is none may be of interest.
+    if (holds_images(path))
+      throw;  // meant as a stack: what is wrong with it is all there is to say
     unknown(path.string(),
             fmt::format("a directory of an unknown kind (as an image stack: {})", error.what()));
   }
