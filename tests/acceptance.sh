@@ -144,7 +144,7 @@ step_partition() {
     for brick in 16 32 64 128; do
       for shard in 1 2 4; do
         # Chunks take turns and divide shards; without a copy there are none.
-        chunk=$((16 << (turn % 3)))
+        chunk=$((16 << ((turn + turn / 3) % 3)))
         [ $chunk -le $((brick * shard)) ] || chunk=$((brick * shard))
         threads=$((1 + turn % 2))
         turn=$((turn + 1))
@@ -167,7 +167,7 @@ step_kills() {
     killed=0
     for ((i = 0; i < kills; ++i)); do
       # Each run may go on for up to a quarter of a whole one, so that all stages are met.
-      after=$(awk -v w="$whole" -v r=$RANDOM 'BEGIN { printf "%.3f", w / 4 * r / 32768 }')
+      after=$(awk -v w="$whole" -v r="$RANDOM" 'BEGIN { printf "%.3f", w / 4 * r / 32768 }')
       arguments killed work.copy=$copy
       "$voxweld" "${args[@]}" >/dev/null 2>&1 &
       child=$!

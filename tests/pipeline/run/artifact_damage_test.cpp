@@ -41,6 +41,10 @@ struct Kind {
   void (*read_all)(const fs::path&);
 };
 
+void PrintTo(const Kind& kind, std::ostream* out) {
+  *out << kind.ending;
+}
+
 // "" when reading says that it is damaged.
 std::string fault(const Kind& kind, const fs::path& path) {
   try {

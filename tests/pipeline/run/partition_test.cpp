@@ -10,16 +10,13 @@ namespace {
 // Every brick with every shard, with and without a copy; chunk and threads take turns.
 std::vector<Settings> partitions() {
   std::vector<Settings> all;
-  int turn = 0;
-  for (const int brick : {16, 32, 64, 128})
-    for (const int shard : {1, 2, 4})
+  for (int brick = 16, row = 0; brick <= 128; brick *= 2, ++row)
+    for (int shard = 1, column = 0; shard <= 4; shard *= 2, ++column)
       for (const bool copy : {false, true}) {
-        const int chunk = 8 << (turn % 3);
+        const int chunk = 8 << ((row + column) % 3), threads = 1 + (row + column + copy) % 2;
         all.push_back({fmt::format("work.brick={}", brick), fmt::format("work.shard={}", shard),
                        fmt::format("work.chunk={}", std::min(chunk, brick * shard)),
-                       fmt::format("work.copy={}", copy),
-                       fmt::format("run.threads={}", 1 + turn % 2)});
-        ++turn;
+                       fmt::format("work.copy={}", copy), fmt::format("run.threads={}", threads)});
       }
   return all;
 }
