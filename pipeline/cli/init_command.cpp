@@ -7,6 +7,7 @@
 #include "pipeline/cli/volume_arguments.h"
 #include "pipeline/config/commented.h"
 #include "pipeline/run/open_input.h"
+#include "stages/ingest/histogram_bins.h"
 #include "stages/ingest/threshold.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
@@ -79,6 +80,19 @@ fs::path config_path(const InitArguments& arguments) {
   return path;
 }
 
+// Material seldom fills the border of a scan: the side most of its samples are on is taken for
+// outside.
+SurfaceConfig::Inside suggest_inside(const Histogram& border, double isovalue,
+                                     std::optional<double> padding) {
+  std::uint64_t above = 0, below = 0;
+  for (const HistogramBin& bin : border.bins) {
+    const double value = histogram_bin_value(border.type, bin.bin);
+    if (padding && value == *padding) continue;
+    (value >= isovalue ? above : below) += bin.count;
+  }
+  return above > below ? SurfaceConfig::Inside::below : SurfaceConfig::Inside::above;
+}
+
 InitSuggestion suggest(const InitArguments& arguments, const fs::path& config,
                        const VolumeInfo& info, const ScanResult& scan) {
   const auto isovalue = suggest_isovalue(scan.histogram);
@@ -96,6 +110,7 @@ InitSuggestion suggest(const InitArguments& arguments, const fs::path& config,
   InitSuggestion suggestion;
   suggestion.path = path_for_config(arguments.volume.path, config);
   suggestion.isovalue = isovalue->threshold.value;
+  suggestion.inside = suggest_inside(scan.border, suggestion.isovalue, isovalue->padding);
   suggestion.lowest = scan.range.lo;
   suggestion.highest = scan.range.hi;
   suggestion.endian =
@@ -121,8 +136,9 @@ int init(const InitArguments& arguments, Program& program) {
   const Index3 size = info.geometry.size;
   fmt::print("{}: {} x {} x {} {} ({}), samples {} to {}\n", arguments.volume.path, size.x, size.y,
              size.z, sample_type_name(info.type), info.format, scan.range.lo, scan.range.hi);
-  fmt::print("{}: surface.isovalue = {}, surface.inside = \"above\"\n", config.string(),
-             suggestion.isovalue);
+  fmt::print("{}: surface.isovalue = {}, surface.inside = \"{}\"\n", config.string(),
+             suggestion.isovalue,
+             suggestion.inside == SurfaceConfig::Inside::above ? "above" : "below");
   fmt::print("next: voxweld run {}\n", config.string());
   return 0;
 }

@@ -7,6 +7,7 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/mesh/export.h"
 #include "pipeline/mesh/load.h"
+#include "pipeline/mesh/manifest.h"
 #include "pipeline/mesh/render.h"
 #include "pipeline/mesh/verify.h"
 #include "storage/image/image_file.h"
@@ -64,6 +65,9 @@ void add_verify_command(CLI::App& app, Program& program) {
   command->callback([&program, arguments] {
     program.run = [arguments] {
       arguments->options.merged = !arguments->no_merged;
+      if (!std::filesystem::exists(std::filesystem::path(arguments->directory) / manifest_name))
+        throw InputError(arguments->directory + ": not an output directory: it has no " +
+                         manifest_name + "; name the output.directory of a finished run");
       const VerifyReport report = verify_output(arguments->directory, arguments->options);
       fmt::print("{}", arguments->json ? to_json_text(report) : to_text(report));
       return report.good() ? 0 : 1;

@@ -11,6 +11,15 @@
 namespace voxweld {
 namespace {
 
+// "1 shard", "2 shards", "1 mesh", "1 box": the noun is given in the plural.
+std::string counted(std::uint64_t count, std::string noun) {
+  if (count == 1 && noun.ends_with("shes"))
+    noun.resize(noun.size() - 2);
+  else if (count == 1 && noun.ends_with('s'))
+    noun.pop_back();
+  return fmt::format("{} {}", count, noun);
+}
+
 constexpr int bar_width = 24;
 
 double steady_seconds() {
@@ -45,8 +54,11 @@ StageProgress::StageProgress(std::shared_ptr<Console> console, ProgressSettings 
   if (console_->terminal()) {
     refresh();
   } else {
-    std::string line = fmt::format("{}: {} {}", start_.stage, start_.units, start_.noun);
-    if (start_.reused > 0) line += fmt::format(", {} more are done already", start_.reused);
+    std::string line = fmt::format("{}: {}", start_.stage, counted(start_.units, start_.noun));
+    if (start_.reused > 0 && start_.units == 0)
+      line = fmt::format("{}: {}, done already", start_.stage, counted(start_.reused, start_.noun));
+    else if (start_.reused > 0)
+      line += fmt::format(", {} more done already", start_.reused);
     console_->line(line);
     next_draw_s_ = begin_s_ + settings_.line_interval_s;
   }

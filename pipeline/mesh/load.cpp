@@ -12,7 +12,9 @@ DecodedMesh load_mesh(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) throw InputError(name + ": no such file");
   if (path.extension() == ".drc") return decode_draco(read_whole_file(path), name);
   if (path.extension() == ".glb") return decode_glb(read_whole_file(path), name);
-  throw InputError(name + ": not a mesh file; expected .drc or .glb, or an output directory");
+  if (std::filesystem::is_directory(path))
+    throw InputError(name + ": is a directory; name one .drc or .glb file");
+  throw InputError(name + ": not a mesh file; expected .drc or .glb");
 }
 
 void for_each_mesh(const std::filesystem::path& path,

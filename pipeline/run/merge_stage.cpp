@@ -97,7 +97,7 @@ bool merge_is_current(const MergeJob& job) {
 void run_merge(RunContext& context, const MergeJob& job) {
   StageRun stage;
   stage.stage = "merge";
-  stage.noun = "tree";
+  stage.noun = "trees";
   const bool current = merge_is_current(job);
   stage.reused = current ? 1 : 0;
   std::vector<Unit> units;

@@ -9,6 +9,7 @@ namespace voxweld {
 struct ScanResult {
   Histogram histogram;
   ValueRange range;
+  Histogram border;  // of the volume's outermost samples; scan_in_order only
 };
 
 // Reads everything once, in parallel bands of slices. Precondition: Access::box.
