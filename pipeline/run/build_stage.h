@@ -17,8 +17,8 @@ std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard);
 
 // The shards whose artifact is missing, damaged or made from other samples. Where the volume's
 // stamp is not the one the artifacts were last checked under, their samples are read again and
-// compared by content hash.
-std::vector<Index3> missing_shards(const BuildJob& job);
+// compared by content hash (shown as a stage "check").
+std::vector<Index3> missing_shards(RunContext& context, const BuildJob& job);
 
 // Builds what is missing.
 void run_build(RunContext& context, const BuildJob& job);

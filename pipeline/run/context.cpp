@@ -13,8 +13,13 @@
 
 namespace voxweld {
 
+std::uint64_t program_bytes() {
+  constexpr std::uint64_t least = std::uint64_t{40} << 20, slack = std::uint64_t{16} << 20;
+  return std::max(least, resident_bytes() + slack);
+}
+
 int stage_threads(const RunContext& context, StageMemory memory) {
-  memory.base_bytes += program_bytes;
+  memory.base_bytes += program_bytes();
   return threads_within(context.budget(), memory, context.threads);
 }
 
@@ -79,7 +84,7 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info) {
 
   KeyHasher build;
   build.text("build").integer(shard_version).hash(parameter_hash(config, Stage::build));
-  build.text(config.input.path.string()).text(sample_type_name(info.type));
+  build.text(sample_type_name(info.type));
   build.integer(g.size.x).integer(g.size.y).integer(g.size.z);
   vec(build, g.spacing);
   paths.build_key = build.finish();
@@ -98,7 +103,7 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info) {
   encode.hash(next(Stage::encode, encode_version, paths.stitch_key));
   vec(encode, g.origin);
   for (const Vec3& axis : g.direction) vec(encode, axis);
-  encode.text(g.unit).text(config.output.directory.string());
+  encode.text(g.unit);
   paths.encode_key = encode.finish();
   paths.encode = work / ("encode-" + short_hex(paths.encode_key));
   return paths;

@@ -37,8 +37,9 @@ struct RunContext {
   MemoryBudget budget() const { return {config.run.memory}; }
 };
 
-// What the program itself has resident before any unit runs, with room for the allocator's slack.
-inline constexpr std::uint64_t program_bytes = std::uint64_t{40} << 20;
+// What the program itself has resident before any unit runs, with room for the allocator's slack:
+// more once the image module is loaded, which takes 120 MiB.
+std::uint64_t program_bytes();
 
 // One stage's units on the executor, measured and shown; appends to context.reports.
 struct StageRun {

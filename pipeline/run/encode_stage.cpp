@@ -196,7 +196,7 @@ void write_listing(const EncodeJob& job, const std::vector<PlannedTile>& tiles, 
 MergedPlan plan_merged(const Config& config, std::uint64_t vertices, std::uint64_t triangles) {
   MergedPlan plan;
   if (config.output.merged == OutputConfig::Merged::never) return plan;
-  plan.bytes = program_bytes +
+  plan.bytes = program_bytes() +
                accumulator_memory_bytes(vertices, triangles, config.output.normals) +
                encode_memory_bytes(vertices, triangles, config.output.normals);
   plan.write = plan.bytes <= config.run.memory;

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <mutex>
+#include <algorithm>
 
 #include "pipeline/config/settings.h"
+#include "pipeline/run/histogram_artifact.h"
 #include "pipeline/run/open_input.h"
+#include "pipeline/run/recorded_input.h"
 #include "pipeline/run/volume_scan.h"
 #include "stages/ingest/statistics.h"
 #include "storage/artifact/container.h"
@@ -21,15 +23,13 @@ namespace voxweld {
 namespace {
 
 constexpr std::uint64_t band_bytes = std::uint64_t{8} << 20;  // read at once for a shard
-constexpr std::array<char, 4> histogram_kind = {'h', 'i', 's', 't'};
-constexpr std::uint32_t histogram_version = 1;
 
 StoreLayout layout_of(const Config& config, const IngestJob& job) {
   StoreLayout layout;
   layout.array = job.folder / "volume.zarr";
   layout.records = job.folder / "records";
-  layout.type = job.input->info().type;
-  layout.geometry = job.input->info().geometry;
+  layout.type = job.info.type;
+  layout.geometry = job.info.geometry;
   layout.parameters.chunk = config.work.chunk;
   layout.parameters.shard = config.work.brick * config.work.shard;
   return layout;
@@ -65,35 +65,23 @@ bool histogram_is_current(const IngestJob& job) {
   }
 }
 
-// Section 1: bins (u64), 2: counts (u64), 3: samples that are NaN (u64).
-void write_histogram(const IngestJob& job, const Histogram& histogram) {
-  ArtifactWriter out(histogram_path(job), {histogram_kind, histogram_version, job.stamp});
-  std::vector<std::uint64_t> bins, counts;
-  for (const HistogramBin& bin : histogram.bins) {
-    bins.push_back(bin.bin);
-    counts.push_back(bin.count);
-  }
-  out.section(1, std::as_bytes(std::span(bins)));
-  out.section(2, std::as_bytes(std::span(counts)));
-  out.section(3, std::as_bytes(std::span(&histogram.nans, 1)));
-  out.commit();
-}
-
 // The input where boxes of it can be read, else its spool.
 std::shared_ptr<const SampleSource> by_boxes(RunContext& context, const IngestJob& job) {
-  const VolumeInfo& info = job.input->info();
-  if (info.access == Access::box) return job.input;
+  const VolumeInfo& info = job.info;
+  const auto input = job.input ? job.input : open_input(context.config.input);
+  if (input->info().access == Access::box) return input;
   const auto path = job.folder / "spool.raw";
   if (!spool_is_current(path, job.stamp)) {
     spdlog::info("{} is read slice by slice: spooling {} once", context.config.input.path.string(),
                  readable_bytes(static_cast<double>(spool_bytes(info))));
     SpoolOptions options;
+    // A budget smaller than the program leaves nothing, which spool_volume refuses with a figure.
     options.memory =
-        context.config.run.memory - std::min(context.config.run.memory / 2, 2 * program_bytes);
+        context.config.run.memory - std::min(context.config.run.memory, program_bytes());
     options.progress = [&](const SpoolProgress&) {
       if (context.interrupt != nullptr) context.interrupt->check();
     };
-    spool_volume(*job.input, path, job.stamp, options);
+    spool_volume(*input, path, job.stamp, options);
   }
   return open_spool(path, job.stamp);
 }
@@ -114,7 +102,9 @@ void run_copy(RunContext& context, const IngestJob& job) {
   stage.memory = ingest_memory(context.config, job);
   const int threads = stage_threads(context, stage.memory);
   std::shared_ptr<const SampleSource> source;
+  const StageMeter spool_meter;
   if (!missing.empty()) source = by_boxes(context, job);
+  const StageFigures spooling = spool_meter.read();
   if (!store_metadata_is_current(layout)) write_store_metadata(layout);
   struct Worker {
     ShardScratch scratch;
@@ -139,7 +129,13 @@ void run_copy(RunContext& context, const IngestJob& job) {
         static_cast<std::uint64_t>(layout.shard_samples(missing[unit.key]).count()) *
         sample_bytes(layout.type));
   });
+  StageFigures& figures = context.reports.back().figures;
+  figures.wall_s += spooling.wall_s;
+  figures.cpu_s += spooling.cpu_s;
+  figures.peak_resident = std::max(figures.peak_resident, spooling.peak_resident);
   remove_spool(job);
+  if (job.input && job.input->info().access != Access::box)
+    record_input(job.folder, parameter_hash(context.config, Stage::ingest), job.info);
 }
 
 }  // namespace
@@ -147,15 +143,22 @@ void run_copy(RunContext& context, const IngestJob& job) {
 IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder) {
   IngestJob job;
   job.folder = folder;
-  job.input = open_input(config.input);
-  const VolumeInfo& info = job.input->info();
-  for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
+  const Hash128 parameters = parameter_hash(config, Stage::ingest);
+  const auto known = recorded_input(folder, parameters);
+  if (known) {
+    job.info = *known;
+  } else {
+    job.input = open_input(config.input);
+    job.info = job.input->info();
+    for (const std::string& warning : job.info.warnings) spdlog::warn("{}", warning);
+  }
+  const VolumeInfo& info = job.info;
   KeyHasher stamp;
-  stamp.hash(parameter_hash(config, Stage::ingest));
+  stamp.hash(parameters);
   for (const InputFile& file : info.files)
     stamp.text(file.path).integer(static_cast<std::int64_t>(file.size)).integer(file.mtime_ns);
   job.stamp = stamp.finish();
-  const bool by_box = info.access == Access::box;
+  const bool by_box = !known && info.access == Access::box;
   if (config.work.copy == WorkConfig::Copy::never && !by_box)
     throw InputError(
         fmt::format("work.copy = false: {} ({}) can be read by {} only, so a brick store is "
@@ -180,7 +183,7 @@ StageMemory ingest_memory(const Config& config, const IngestJob& job) {
   StageMemory memory{"ingest", 0, 0, fmt::format("one shard (work.chunk = {})", config.work.chunk),
                      "raise run.memory or lower work.chunk"};
   if (!job.copy) return memory;
-  const VolumeInfo& info = job.input->info();
+  const VolumeInfo& info = job.info;
   if (info.access == Access::box) memory.base_bytes = info.largest_decode;
   memory.per_unit_bytes =
       shard_writer_bytes(layout_of(config, job), 1, band_bytes) + (std::uint64_t{16} << 20);
@@ -191,7 +194,8 @@ void run_ingest(RunContext& context, const IngestJob& job) {
   if (job.copy) {
     run_copy(context, job);
   } else if (job.histogram && !histogram_is_current(job)) {
-    write_histogram(job, scan_volume(context, *job.input, "ingest").histogram);
+    write_histogram_artifact(histogram_path(job),
+                             {job.stamp, scan_volume(context, *job.input, "ingest").histogram});
   }
 }
 
@@ -207,7 +211,7 @@ Volume ingested_volume(const Config& config, const IngestJob& job) {
 
 std::optional<Histogram> read_histogram(const Config& config, const IngestJob& job) {
   Histogram histogram;
-  histogram.type = job.input->info().type;
+  histogram.type = job.info.type;
   if (job.copy) {
     const StoreLayout layout = layout_of(config, job);
     for (const Index3& shard : shards_of(layout))
@@ -215,15 +219,7 @@ std::optional<Histogram> read_histogram(const Config& config, const IngestJob& j
     return histogram;
   }
   if (!histogram_is_current(job)) return std::nullopt;
-  const ArtifactReader in(histogram_path(job), histogram_kind, histogram_version);
-  std::vector<std::uint64_t> bins, counts, nans;
-  in.read_array(1, bins);
-  in.read_array(2, counts);
-  in.read_array(3, nans);
-  for (std::size_t i = 0; i < bins.size(); ++i)
-    histogram.bins.push_back({static_cast<std::uint32_t>(bins[i]), counts.at(i)});
-  histogram.nans = nans.at(0);
-  return histogram;
+  return read_histogram_artifact(histogram_path(job)).histogram;
 }
 
 ValueRange whole_range(RunContext& context, const Volume& volume) {

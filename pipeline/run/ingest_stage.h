@@ -11,8 +11,10 @@
 namespace voxweld {
 
 struct IngestJob {
-  std::shared_ptr<SampleSource>
-      input;      // as opened: cropped, spacing and unit as the config has them
+  VolumeInfo info;  // of the input: cropped, spacing and unit as the config has them
+  // The input itself. Null where its brick store is known to be of the files as they are: then
+  // nothing opens it again, and the image module is not loaded for it.
+  std::shared_ptr<SampleSource> input;
   Hash128 stamp;  // of the input's files and how they are read
   std::filesystem::path folder;
   bool copy = false;       // make a brick store

@@ -54,12 +54,12 @@ void Jobs::open_volume(Config& config) {
   stitch_.parameters.normals = config.output.normals;
   stitch_.folder = paths.stitch;
   stitch_.key = paths.stitch_key;
-  encode_ = {&stitch_, ingest_.input->info().geometry, paths.encode, config.output.directory,
+  encode_ = {&stitch_, ingest_.info.geometry, paths.encode, config.output.directory,
              paths.encode_key};
 }
 
 void check_budget(const RunContext& context, const Jobs& jobs) {
-  const VolumeInfo& info = jobs.ingest().input->info();
+  const VolumeInfo& info = jobs.ingest().info;
   const Config& config = context.config;
   const auto vertices = static_cast<std::uint64_t>(config.output.tile_vertices) * 5 / 4;
   std::vector<StageMemory> needs = {
@@ -81,7 +81,7 @@ void check_budget(const RunContext& context, const Jobs& jobs) {
 
 Manifest make_manifest(const RunContext& context, const Jobs& jobs) {
   const MergeCounts counts = TopArtifact(jobs.merge().path()).counts();
-  const VolumeInfo& info = jobs.ingest().input->info();
+  const VolumeInfo& info = jobs.ingest().info;
   const ContourParameters& parameters = jobs.build().parameters;
   Manifest m;
   m.lattice = jobs.stitch().parameters.frame.lattice;

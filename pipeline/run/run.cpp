@@ -118,7 +118,7 @@ void run_one(RunContext& context, Stage stage) {
   need(Stage::ingest, ingest_status(context.config, jobs.ingest()).current());
   jobs.open_volume(context.config);
   if (stage == Stage::build) return run_build(context, jobs.build());
-  need(Stage::build, missing_shards(jobs.build()).empty());
+  need(Stage::build, missing_shards(context, jobs.build()).empty());
   if (stage == Stage::merge) return run_merge(context, jobs.merge());
   need(Stage::merge, merge_is_current(jobs.merge()));
   check_surface(context, jobs);
@@ -154,7 +154,7 @@ std::string dry_run(RunContext& context) {
   say(Stage::ingest,
       jobs.ingest().copy ? "up to date" : "nothing to do: the input is read in place");
   jobs.open_volume(context.config);
-  const auto shards = missing_shards(jobs.build());
+  const auto shards = missing_shards(context, jobs.build());
   const std::size_t all = jobs.build().grid.all_shards().size();
   if (!shards.empty()) {
     say(Stage::build, fmt::format("would run: {} of {} shards missing{}", shards.size(), all,

@@ -175,9 +175,9 @@ void TileStitcher::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t 
   mesh_.corner_clusters.push_back({cluster(a), cluster(b), cluster(c)});
 }
 
-// Polygons that turned out to have fewer than three leaves may have brought in vertices that nothing
-// uses, or brought them in early, as the bricks happened to be cut: the order that counts is that of
-// first use by a triangle.
+// Polygons that turned out to have fewer than three leaves may have brought in vertices that
+// nothing uses, or brought them in early, as the bricks happened to be cut: the order that counts
+// is that of first use by a triangle.
 TileMesh TileStitcher::finish() {
   std::vector<std::uint32_t> number(mesh_.positions.size(), unset), order;
   order.reserve(number.size());

@@ -3,11 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <system_error>
 #include <utility>
 
-#include "storage/spool/box_reader.h"
+#include "storage/readers/data_layout.h"
 #include "storage/spool/spool_record.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
@@ -84,20 +85,30 @@ Hash128 write_samples(const SampleSource& source, AtomicFile& file, const SpoolO
   return hasher.finish();
 }
 
+// What the spooled source said of itself, with the spool's samples.
 class SpoolSource final : public SampleSource {
  public:
-  SpoolSource(ReadFile file, VolumeInfo info) : file_(std::move(file)), info_(std::move(info)) {}
+  SpoolSource(std::unique_ptr<SampleSource> samples, VolumeInfo info)
+      : samples_(std::move(samples)), info_(std::move(info)) {}
 
   const VolumeInfo& info() const override { return info_; }
-  void read(const Box3& box, std::byte* out) const override {
-    read_raw_box(file_, {info_.geometry.size, sample_bytes(info_.type), 0}, box, out);
-  }
-  const ReadFile& file() const { return file_; }
+  void read(const Box3& box, std::byte* out) const override { samples_->read(box, out); }
 
  private:
-  ReadFile file_;
+  std::unique_ptr<SampleSource> samples_;
   VolumeInfo info_;
 };
+
+std::unique_ptr<SampleSource> open_samples(const fs::path& path, const VolumeInfo& info) {
+  VolumeInfo raw;
+  raw.format = "raw";
+  raw.type = info.type;
+  raw.geometry.size = info.geometry.size;
+  DataLayout layout;
+  layout.parts.push_back({path, 0, 0});
+  layout.byte_order = std::endian::native;
+  return open_layout(std::move(raw), std::move(layout));
+}
 
 struct OpenedSpool {
   ReadFile file;
@@ -170,7 +181,8 @@ bool spool_is_current(const fs::path& path, Hash128 key) {
 
 std::unique_ptr<SampleSource> open_spool(const fs::path& path, Hash128 key) {
   OpenedSpool opened = open_checked(path, key);
-  return std::make_unique<SpoolSource>(std::move(opened.file), std::move(opened.record.info));
+  auto samples = open_samples(path, opened.record.info);
+  return std::make_unique<SpoolSource>(std::move(samples), std::move(opened.record.info));
 }
 
 void verify_spool(const fs::path& path, Hash128 key) {

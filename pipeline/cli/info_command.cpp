@@ -1,0 +1,41 @@
+#include <fmt/format.h>
+
+#include "pipeline/cli/commands.h"
+#include "pipeline/cli/volume_arguments.h"
+#include "pipeline/info/info.h"
+
+namespace voxweld {
+
+void add_info_command(CLI::App& app, Program& program) {
+  struct Arguments {
+    VolumeArguments volume;
+    InfoOptions options;
+    bool json = false;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand(
+      "info", "Says what a file or directory is: a volume, a mesh, or anything a run leaves");
+  command->add_option("path", arguments->volume.path, "The file, directory or pattern of images")
+      ->required();
+  command->add_flag("--json", arguments->json, "The same as JSON");
+  command->add_flag("--check", arguments->options.check,
+                    "Reads all of it and compares it with its checksums; exit code 1 for damage");
+  command->add_flag("--histogram", arguments->options.histogram,
+                    "Looks at the samples of a volume however many there are");
+  command->add_flag("--verbose", arguments->options.verbose,
+                    "Also lists bricks, tiles, shards or files one by one");
+  add_volume_options(*command, arguments->volume);
+  command->callback([&program, arguments] {
+    program.run = [&program, arguments] {
+      InfoOptions& options = arguments->options;
+      options.input = input_spec(arguments->volume);
+      options.hooks = scan_hooks(program, "reading");
+      const InfoDocument document = describe(options);
+      program.console->clear_status();
+      fmt::print("{}", arguments->json ? to_json_text(document) : to_text(document));
+      return found_damage(document) ? 1 : 0;
+    };
+  });
+}
+
+}  // namespace voxweld

@@ -1,0 +1,147 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <filesystem>
+
+#include "pipeline/cli/commands.h"
+#include "pipeline/cli/volume_arguments.h"
+#include "pipeline/config/commented.h"
+#include "pipeline/run/open_input.h"
+#include "stages/ingest/threshold.h"
+#include "storage/support/error.h"
+#include "storage/support/file_io.h"
+
+namespace voxweld {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct InitArguments {
+  VolumeArguments volume;
+  std::string output;
+  bool force = false;
+};
+
+// "scan" for scan.nii.gz, a folder scan/ and a pattern scan/*.tif or scan_*.tif.
+std::string input_stem(const std::string& input) {
+  fs::path path = fs::path(input).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();
+  std::string name = path.filename().string();
+  const auto wildcard = name.find_first_of("*?[");
+  if (wildcard != std::string::npos) {
+    name.resize(wildcard);
+    while (!name.empty() && std::string("_-. ").find(name.back()) != std::string::npos)
+      name.pop_back();
+    if (name.empty()) name = fs::absolute(path).parent_path().filename().string();
+  } else if (!fs::is_directory(path)) {
+    fs::path stem = path.stem();
+    if (path.extension() == ".gz") stem = stem.stem();
+    name = stem.string();
+  } else {
+    if (name == "." || name == "..") name = fs::canonical(path).filename().string();
+    if (fs::path(name).extension() == ".zarr") name = fs::path(name).stem().string();
+  }
+  return name.empty() ? "volume" : name;
+}
+
+// Relative when the input lies below the config's folder, so that both can be moved together.
+std::string path_for_config(const std::string& input, const fs::path& config) {
+  const fs::path full = fs::absolute(input).lexically_normal();
+  const fs::path folder = fs::absolute(config).lexically_normal().parent_path();
+  const fs::path relative = full.lexically_relative(folder);
+  const bool below = !relative.empty() && *relative.begin() != ".." && relative != ".";
+  const std::string text = (below ? relative : full).string();
+  for (const char c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+      throw InputError(input + ": a config cannot hold a path with control characters; rename it");
+  return text;
+}
+
+// The same volume as the config will name it. The config has no key for it, so it is written into
+// the text where commented_config leaves the default.
+std::string with_unit(std::string text, const std::string& unit) {
+  const std::string line = "# unit = \"mm\"\n";
+  const auto at = text.find(line);
+  if (unit.empty() || at == std::string::npos) return text;
+  return text.replace(at, line.size(), fmt::format("unit = \"{}\"\n", unit));
+}
+
+fs::path config_path(const InitArguments& arguments) {
+  const fs::path path = arguments.output.empty()
+                            ? fs::path(input_stem(arguments.volume.path) + ".toml")
+                            : fs::path(arguments.output);
+  if (fs::is_directory(path))
+    throw InputError(path.string() + ": is a directory; name the config file to write");
+  if (fs::exists(path) && !arguments.force)
+    throw InputError(path.string() +
+                     ": exists already; use --force to write over it, or -o for "
+                     "another name");
+  return path;
+}
+
+InitSuggestion suggest(const InitArguments& arguments, const fs::path& config,
+                       const VolumeInfo& info, const ScanResult& scan) {
+  const auto isovalue = suggest_isovalue(scan.histogram);
+  if (!isovalue) {
+    const std::string found = scan.range.empty ? "no sample is a number"
+                                               : fmt::format("all samples are {}", scan.range.lo);
+    throw InputError(fmt::format(
+        "{}: {}, so there is no surface in it; check that it is read as it was written ({} x {} x "
+        "{} {})",
+        arguments.volume.path, found, info.geometry.size.x, info.geometry.size.y,
+        info.geometry.size.z, sample_type_name(info.type)));
+  }
+  if (isovalue->padding)
+    spdlog::info("samples of {} are taken for padding and left out", *isovalue->padding);
+  InitSuggestion suggestion;
+  suggestion.path = path_for_config(arguments.volume.path, config);
+  suggestion.isovalue = isovalue->threshold.value;
+  suggestion.lowest = scan.range.lo;
+  suggestion.highest = scan.range.hi;
+  suggestion.endian =
+      arguments.volume.endian == "big" ? InputConfig::Endian::big : InputConfig::Endian::little;
+  suggestion.header_bytes = arguments.volume.header_bytes;
+  if (!arguments.volume.spacing.empty()) suggestion.spacing = info.geometry.spacing;
+  return suggestion;
+}
+
+int init(const InitArguments& arguments, Program& program) {
+  const InputSpec spec = input_spec(arguments.volume);
+  const fs::path config = config_path(arguments);
+  const auto readers = all_readers();
+  const std::shared_ptr<SampleSource> source = open_volume(spec, readers);
+  const VolumeInfo& info = source->info();
+  for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
+  const ScanResult scan = scan_in_order(*source, scan_hooks(program, "histogram"));
+  program.console->clear_status();
+  const InitSuggestion suggestion = suggest(arguments, config, info, scan);
+  const std::string text = with_unit(commented_config(info, suggestion), arguments.volume.unit);
+  parse_config(text, fs::absolute(config));  // what is written loads
+  write_whole_file(config, as_bytes(text), Durability::fsync);
+  const Index3 size = info.geometry.size;
+  fmt::print("{}: {} x {} x {} {} ({}), samples {} to {}\n", arguments.volume.path, size.x, size.y,
+             size.z, sample_type_name(info.type), info.format, scan.range.lo, scan.range.hi);
+  fmt::print("{}: surface.isovalue = {}, surface.inside = \"above\"\n", config.string(),
+             suggestion.isovalue);
+  fmt::print("next: voxweld run {}\n", config.string());
+  return 0;
+}
+
+}  // namespace
+
+void add_init_command(CLI::App& app, Program& program) {
+  auto arguments = std::make_shared<InitArguments>();
+  CLI::App* command = app.add_subcommand(
+      "init", "Writes a commented config for a volume, with an isovalue from its histogram");
+  command->add_option("input", arguments->volume.path, "The file, directory or pattern of images")
+      ->required();
+  command->add_option("-o,--output", arguments->output,
+                      "The config to write (default: the input's name + .toml, here)");
+  command->add_flag("--force", arguments->force, "Writes over a config that is there");
+  add_volume_options(*command, arguments->volume);
+  command->callback([&program, arguments] {
+    program.run = [&program, arguments] { return init(*arguments, program); };
+  });
+}
+
+}  // namespace voxweld

@@ -1,0 +1,73 @@
+#include "pipeline/cli/volume_arguments.h"
+
+#include <fmt/format.h>
+
+#include "storage/support/error.h"
+
+namespace voxweld {
+
+void add_volume_options(CLI::App& command, VolumeArguments& arguments) {
+  const char* group = "Headerless (raw) files, and what a file does not say";
+  command.add_option("--size", arguments.size, "Raw: samples along x (fastest), y, z")
+      ->expected(3)
+      ->group(group);
+  command.add_option("--type", arguments.type, "Raw: type of a sample, such as uint16 or float32")
+      ->group(group);
+  command.add_option("--endian", arguments.endian, "Raw: byte order of a sample")
+      ->check(CLI::IsMember({"little", "big"}))
+      ->capture_default_str()
+      ->group(group);
+  command
+      .add_option("--header-bytes", arguments.header_bytes, "Raw: bytes before the first sample")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
+      ->group(group);
+  command
+      .add_option("--spacing", arguments.spacing,
+                  "Distance of neighbouring samples: one number, or along x, y, z")
+      ->expected(1, 3)
+      ->group(group);
+  command.add_option("--unit", arguments.unit, "Unit of the spacing")
+      ->check(CLI::IsMember({"m", "cm", "mm", "um", "nm", "angstrom"}))
+      ->group(group);
+}
+
+InputSpec input_spec(const VolumeArguments& arguments) {
+  InputSpec spec;
+  spec.path = arguments.path;
+  if (arguments.size.empty() != arguments.type.empty())
+    throw InputError(fmt::format("{}: --{} without --{}: raw samples need both", arguments.path,
+                                 arguments.size.empty() ? "type" : "size",
+                                 arguments.size.empty() ? "size" : "type"));
+  if (!arguments.size.empty()) {
+    spec.format = "raw";
+    spec.raw.size = {arguments.size[0], arguments.size[1], arguments.size[2]};
+    spec.raw.type = parse_sample_type(arguments.type);
+    if (!spec.raw.type)
+      throw InputError(fmt::format(
+          "--type {}: unknown; use uint8, int8, uint16, int16, uint32, int32, uint64, int64, "
+          "float32 or float64",
+          arguments.type));
+  }
+  spec.raw.byte_order = arguments.endian == "big" ? std::endian::big : std::endian::little;
+  spec.raw.header_bytes = arguments.header_bytes;
+  const std::vector<double>& s = arguments.spacing;
+  if (s.size() == 2)
+    throw InputError("--spacing: 2 numbers given; give one, or one for each of x, y, z");
+  if (s.size() == 1) spec.spacing = {s[0], s[0], s[0]};
+  if (s.size() == 3) spec.spacing = {s[0], s[1], s[2]};
+  spec.unit = arguments.unit;
+  return spec;
+}
+
+ScanHooks scan_hooks(Program& program, const std::string& what) {
+  ScanHooks hooks;
+  hooks.interrupt = &program.interrupt;
+  hooks.progress = [&program, what](double share) {
+    if (shows_progress(program.log_level))
+      program.console->status(fmt::format("{} {:.0f} %", what, 100 * share));
+  };
+  return hooks;
+}
+
+}  // namespace voxweld

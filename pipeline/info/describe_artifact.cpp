@@ -1,0 +1,179 @@
+// The artifacts of build, merge, stitch and encode, and ingest's histogram.
+#include "pipeline/info/kinds.h"
+#include "pipeline/run/asset_record.h"
+#include "pipeline/run/histogram_artifact.h"
+#include "storage/artifact/shard_artifact.h"
+#include "storage/artifact/tile_artifact.h"
+#include "storage/artifact/top_artifact.h"
+#include "storage/spool/spool_record.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+namespace fs = std::filesystem;
+
+InfoDocument artifact_document(const std::string& kind, const fs::path& path) {
+  InfoDocument document = new_document(kind, path);
+  document["bytes"] = fs::file_size(path);
+  return document;
+}
+
+template <class Artifact>
+void add_hashes(InfoDocument& document, const Artifact& artifact, std::uint32_t version) {
+  document["key"] = to_hex(artifact.key());
+  document["content_hash"] = to_hex(artifact.content_hash());
+  document["version"] = version;
+}
+
+InfoDocument node_facts(const std::vector<ShardNode>& nodes) {
+  std::array<std::uint64_t, 4> states{};
+  for (const ShardNode& node : nodes) ++states[static_cast<std::size_t>(node.record.state) & 3];
+  return {{"outside", states[0]}, {"inside", states[1]}, {"leaf", states[2]}, {"split", states[3]}};
+}
+
+// The bricks with a surface: those that have sections (shard_artifact.h).
+InfoDocument brick_list(const fs::path& path, const ShardArtifact& artifact) {
+  InfoDocument list = InfoDocument::array();
+  const ArtifactReader sections(path, shard_kind, shard_version);
+  BrickOctree octree;
+  for (const SectionRecord& section : sections.sections()) {
+    const std::uint64_t code = section.name >> 8;
+    constexpr std::uint64_t first_part = 1;
+    if ((section.name & 0xff) != first_part || !artifact.has_brick(code)) continue;
+    constexpr std::uint64_t summary_code = (std::uint64_t{1} << 56) - 1;
+    if (code == summary_code) continue;
+    artifact.read_brick(code, octree);
+    list.push_back({{"at", facts_of(morton_decode(code))},
+                    {"vertices", octree.vertices.size()},
+                    {"polygons", octree.polygons.size()},
+                    {"skin_cells", octree.skin.cells.size()},
+                    {"bytes", artifact.brick_bytes(code)}});
+  }
+  return list;
+}
+
+InfoDocument describe_octree(const fs::path& path, const InfoOptions& options) {
+  const ShardArtifact artifact(path);
+  const ShardSummary summary = artifact.summary();
+  InfoDocument document = artifact_document("octree", path);
+  add_hashes(document, artifact, shard_version);
+  document["input_hash"] = to_hex(summary.input);
+  document["bricks"] = summary.bricks;
+  document["active_bricks"] = summary.active_bricks;
+  document["active_cells"] = summary.counts.active_cells;
+  document["crossing_edges"] = summary.counts.crossing_edges;
+  document["vertices"] = summary.counts.vertices;
+  document["collapsed_above"] = summary.collapsed_above;
+  document["worst_residual"] = summary.counts.worst_residual;
+  document["leaves"] = level_facts(summary.counts.leaves);
+  document["nodes"] = node_facts(artifact.nodes());
+  if (options.verbose) document["brick_list"] = brick_list(path, artifact);
+  return document;
+}
+
+InfoDocument describe_top(const fs::path& path, const InfoOptions& options) {
+  const TopArtifact artifact(path);
+  const MergeCounts counts = artifact.counts();
+  const std::vector<PlannedTile> tiles = artifact.tiles();
+  InfoDocument document = artifact_document("top_tree", path);
+  add_hashes(document, artifact, top_version);
+  document["bricks"] = counts.bricks;
+  document["active_bricks"] = counts.active_bricks;
+  document["active_cells"] = counts.active_cells;
+  document["crossing_edges"] = counts.crossing_edges;
+  document["vertices"] = counts.vertices;
+  document["collapsed_above"] = counts.collapsed_above;
+  document["top_leaves"] = counts.top_leaves;
+  document["worst_residual"] = counts.worst_residual;
+  document["leaves"] = level_facts(counts.leaves);
+  document["tiles"] = tiles.size();
+  if (!options.verbose) return document;
+  document["tile_list"] = InfoDocument::array();
+  for (const PlannedTile& tile : tiles)
+    document["tile_list"].push_back({{"level", tile.level},
+                                     {"at", facts_of(tile.key().at)},
+                                     {"vertices", tile.vertices},
+                                     {"polygons", tile.polygons}});
+  return document;
+}
+
+InfoDocument describe_tile(const fs::path& path) {
+  const TileArtifact artifact(path);
+  const TileHeader header = artifact.header();
+  InfoDocument document = artifact_document("tile", path);
+  add_hashes(document, artifact, tile_version);
+  document["level"] = header.level;
+  document["at"] = facts_of(header.key().at);
+  document["vertices"] = header.vertices;
+  document["triangles"] = header.triangles;
+  document["quads"] = header.quads;
+  document["polygon_triangles"] = header.polygon_triangles;
+  document["collinear"] = header.collinear;
+  document["lattice"] = facts_of({header.step, static_cast<int>(header.bits), header.origin});
+  return document;
+}
+
+InfoDocument describe_asset(const fs::path& path) {
+  const auto record = read_asset_record(path);
+  if (!record) throw DamagedArtifact(path.string(), "its contents are not an asset record");
+  InfoDocument document = artifact_document("asset_record", path);
+  document["key"] = to_hex(record->key);
+  document["vertices"] = record->vertices;
+  document["triangles"] = record->triangles;
+  document["quads"] = record->quads;
+  document["polygon_triangles"] = record->polygon_triangles;
+  document["collinear"] = record->collinear;
+  document["files"] = InfoDocument::array();
+  for (const FileRecord& file : record->files)
+    document["files"].push_back({{"path", file.path},
+                                 {"format", file.format},
+                                 {"bytes", file.bytes},
+                                 {"xxh3_128", file.xxh3_128}});
+  return document;
+}
+
+InfoDocument describe_histogram(const fs::path& path) {
+  const HistogramArtifact artifact = read_histogram_artifact(path);
+  InfoDocument document = artifact_document("histogram", path);
+  document["key"] = to_hex(artifact.key);
+  document["type"] = sample_type_name(artifact.histogram.type);
+  document["values"] = value_facts(artifact.histogram, std::nullopt);
+  return document;
+}
+
+InfoDocument describe_kind(const fs::path& path, const ArtifactHead& head,
+                           const InfoOptions& options) {
+  const std::string kind = head.name();
+  if (kind == "octr") return describe_octree(path, options);
+  if (kind == "tops") return describe_top(path, options);
+  if (kind == "tile") return describe_tile(path);
+  if (kind == "hist") return describe_histogram(path);
+  if (kind == "shrd") return describe_shard_record(path, options);
+  if (kind == "spol") {
+    const std::string name = path.string(), ending = spool_record_path("").string();
+    if (!name.ends_with(ending))
+      throw FormatError(
+          name + ": the record of a spool under another name; expected it to end in " + ending);
+    return describe_spool(name.substr(0, name.size() - ending.size()), options);
+  }
+  if (kind == "asst") return describe_asset(path);
+  throw FormatError(
+      path.string() + ": an artifact of kind \"" + kind +
+      "\", which this version of voxweld does not know; use the version that wrote it");
+}
+
+}  // namespace
+
+InfoDocument describe_artifact(const fs::path& path, const ArtifactHead& head,
+                               const InfoOptions& options) {
+  // Opening checks header and index whatever the kind, so that the message names what is wrong.
+  const ArtifactReader opened(path, head.kind, head.version);
+  CheckResult check;
+  if (options.check) check.read(check_artifact(path, head));
+  InfoDocument document = describe_kind(path, head, options);
+  if (options.check && !document.contains("check")) document["check"] = check.facts();
+  return document;
+}
+
+}  // namespace voxweld

@@ -1,0 +1,142 @@
+// Mesh files, and the summaries that list them.
+#include <algorithm>
+
+#include "pipeline/info/kinds.h"
+#include "pipeline/mesh/load.h"
+#include "pipeline/mesh/manifest.h"
+#include "pipeline/mesh/render.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::uint64_t distinct(std::vector<std::array<float, 3>> positions) {
+  std::sort(positions.begin(), positions.end());
+  return static_cast<std::uint64_t>(
+      std::distance(positions.begin(), std::unique(positions.begin(), positions.end())));
+}
+
+InfoDocument file_facts(const FileRecord& file) {
+  return {{"path", file.path},
+          {"format", file.format},
+          {"role", file.role},
+          {"bytes", file.bytes},
+          {"xxh3_128", file.xxh3_128}};
+}
+
+InfoDocument frame_facts(const VolumeGeometry& frame) {
+  InfoDocument direction = InfoDocument::array();
+  for (const Vec3& axis : frame.direction) direction.push_back(facts_of(axis));
+  return {{"size", facts_of(frame.size)},
+          {"spacing", facts_of(frame.spacing)},
+          {"unit", frame.unit},
+          {"origin", facts_of(frame.origin)},
+          {"direction", std::move(direction)},
+          {"space", frame.space}};
+}
+
+InfoDocument count_facts(const ManifestCounts& counts) {
+  return {{"bricks", counts.bricks},
+          {"active_bricks", counts.active_bricks},
+          {"leaves", counts.leaves},
+          {"vertices", counts.vertices},
+          {"quads", counts.quads},
+          {"triangles", counts.triangles},
+          {"output_triangles", counts.output_triangles},
+          {"tiles", counts.tiles},
+          {"collinear", counts.collinear}};
+}
+
+// Sizes and hashes of the files; whether they weld is for `voxweld verify` to say.
+InfoDocument check_files(const fs::path& directory, const Manifest& manifest,
+                         const InfoOptions& options) {
+  CheckResult check;
+  for (const FileRecord& file : manifest.files) {
+    const fs::path path = directory / file.path;
+    if (!fs::exists(path)) {
+      check.damaged(path.string(), "missing");
+      continue;
+    }
+    check.read(fs::file_size(path));
+    if (fs::file_size(path) != file.bytes ||
+        to_hex(hash_file(path, options.hooks.interrupt)) != file.xxh3_128)
+      check.damaged(path.string(), "is not what the manifest says; run again");
+  }
+  return check.facts();
+}
+
+}  // namespace
+
+InfoDocument describe_mesh(const fs::path& path) {
+  const DecodedMesh mesh = load_mesh(path);
+  InfoDocument document = new_document("mesh", path);
+  document["bytes"] = fs::file_size(path);
+  document["format"] = path.extension() == ".glb" ? "glb" : "drc";
+  document["points"] = mesh.positions.size();
+  document["vertices"] = distinct(mesh.positions);
+  document["triangles"] = mesh.triangles.size();
+  document["normals"] = !mesh.normals.empty();
+  const MeshBounds bounds = bounds_of(std::span(&mesh, 1));
+  document["bounds"] = {{"lo", facts_of(bounds.lo)}, {"hi", facts_of(bounds.hi)}};
+  return document;
+}
+
+InfoDocument describe_output(const fs::path& manifest_path, const InfoOptions& options) {
+  const Manifest manifest = read_manifest(manifest_path);
+  const fs::path directory = manifest_path.parent_path();
+  InfoDocument document = new_document("output", options.input.path);
+  std::uint64_t bytes = 0;
+  for (const FileRecord& file : manifest.files) bytes += file.bytes;
+  document["bytes"] = bytes;
+  document["border"] = manifest.open_border ? "open" : "closed";
+  document["topology"] = manifest.free_topology ? "free" : "safe";
+  document["frame"] = frame_facts(manifest.frame);
+  document["lattice"] = facts_of(manifest.lattice);
+  document["counts"] = count_facts(manifest.counts);
+  document["files"] = {{"count", manifest.files.size()}, {"bytes", bytes}};
+  document["merged"] = nullptr;
+  if (manifest.merged) {
+    document["merged"] = InfoDocument::object();
+    if (!manifest.merged->drc.empty()) document["merged"]["drc"] = manifest.merged->drc;
+    if (!manifest.merged->glb.empty()) document["merged"]["glb"] = manifest.merged->glb;
+  }
+  if (manifest.error) document["error"] = *manifest.error;
+  if (manifest.input) document["input"] = *manifest.input;
+  if (options.verbose) {
+    document["file_list"] = InfoDocument::array();
+    for (const FileRecord& file : manifest.files) document["file_list"].push_back(file_facts(file));
+  }
+  if (options.check) document["check"] = check_files(directory, manifest, options);
+  return document;
+}
+
+InfoDocument describe_tile_list(const fs::path& path, const InfoOptions& options) {
+  InfoDocument document = new_document("tile_list", path);
+  document["bytes"] = fs::file_size(path);
+  std::uint64_t tiles = 0, vertices = 0, triangles = 0, files = 0, bytes = 0;
+  InfoDocument list = InfoDocument::array();
+  TileListReader reader(path);
+  while (const auto tile = reader.next()) {
+    ++tiles;
+    vertices += tile->vertices;
+    triangles += tile->triangles;
+    files += tile->files.size();
+    for (const FileRecord& file : tile->files) bytes += file.bytes;
+    if (options.verbose)
+      list.push_back({{"level", tile->tile.level},
+                      {"at", facts_of(tile->tile.at)},
+                      {"vertices", tile->vertices},
+                      {"triangles", tile->triangles}});
+  }
+  document["tiles"] = tiles;
+  document["vertices"] = vertices;
+  document["triangles"] = triangles;
+  document["files"] = files;
+  document["file_bytes"] = bytes;
+  if (options.verbose) document["tile_list"] = list;
+  return document;
+}
+
+}  // namespace voxweld

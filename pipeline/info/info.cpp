@@ -1,0 +1,171 @@
+#include "pipeline/info/info.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pipeline/info/kinds.h"
+#include "pipeline/mesh/manifest.h"
+#include "pipeline/run/open_input.h"
+#include "pipeline/run/stamp.h"
+#include "storage/spool/spool_record.h"
+#include "storage/support/error.h"
+#include "storage/support/file_io.h"
+
+namespace voxweld {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string known_kinds() {
+  std::string text = "info knows volumes (";
+  for (const ReaderEntry& reader : all_readers())
+    text += fmt::format("{}{}: {}", text.back() == '(' ? "" : "; ", reader.name, reader.files);
+  return text +
+         "), brick stores, .octree, top.tree, .tile, .record, .shard, histogram and spool files of "
+         "a work directory, .drc and .glb meshes, output directories, work directories, "
+         "manifest.json, tiles.jsonl and config files";
+}
+
+[[noreturn]] void unknown(const std::string& path, const std::string& why) {
+  throw FormatError(fmt::format("{}: {}; {}", path, why, known_kinds()));
+}
+
+// The array's folder when the file is a chunk of a Zarr array: somewhere above lies its zarr.json.
+fs::path array_above(const fs::path& path) {
+  constexpr int most_levels = 5;  // c/z/y/x
+  fs::path folder = fs::absolute(path).lexically_normal().parent_path();
+  for (int level = 0; level < most_levels && folder.has_filename(); ++level) {
+    if (fs::exists(folder / "zarr.json")) return folder;
+    folder = folder.parent_path();
+  }
+  return {};
+}
+
+bool is_zarr_chunk(const fs::path& path) {
+  const std::string name = path.filename().string();
+  return std::ranges::all_of(name, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
+}
+
+std::string temporary_of(const fs::path& path) {
+  const std::string name = path.filename().string();
+  const auto at = name.find(".tmp-");
+  return at == std::string::npos || at == 0 ? std::string() : name.substr(0, at);
+}
+
+// Names under which a run leaves artifacts: such a file without an artifact's header is damaged.
+bool named_as_artifact(const fs::path& path) {
+  for (const char* ending : {".octree", ".tile", ".record", ".shard"})
+    if (path.extension() == ending) return true;
+  return path.filename() == "top.tree" || path.filename() == "histogram";
+}
+
+InfoDocument small_document(const std::string& kind, const fs::path& path) {
+  InfoDocument document = new_document(kind, path);
+  document["bytes"] = fs::file_size(path);
+  return document;
+}
+
+InfoDocument describe_stamp(const fs::path& path) {
+  const auto stamp = read_stamp(path.parent_path());
+  if (!stamp) throw DamagedArtifact(path.string(), "is not a stamp's 32 digits and their checksum");
+  InfoDocument document = small_document("volume_stamp", path);
+  document["stamp"] = to_hex(*stamp);
+  return document;
+}
+
+InfoDocument describe_array(const fs::path& array, const InfoOptions& options) {
+  InfoOptions of_array = options;
+  of_array.input.path = array.string();
+  const bool store = !store_records(array).empty();
+  return store ? describe_store(array, of_array) : describe_volume(of_array);
+}
+
+bool holds_images(const fs::path& path) {
+  const auto readers = all_readers();
+  const auto stack = std::ranges::find(readers, "stack", &ReaderEntry::name);
+  for (const auto& entry : fs::directory_iterator(path))
+    if (entry.is_regular_file() && stack->sniff(probe_input(entry.path().string())) != Match::none)
+      return true;
+  return false;
+}
+
+InfoDocument describe_directory(const fs::path& path, const InfoOptions& options) {
+  if (fs::exists(path / manifest_name)) return describe_output(path / manifest_name, options);
+  if (fs::exists(path / "zarr.json")) return describe_array(path, options);
+  if (is_stage_directory(path)) return describe_stage_directory(path, options);
+  if (is_work_directory(path)) return describe_work_directory(path, options);
+  try {
+    return describe_volume(options);
+  } catch (const InputError& error) {
+    if (holds_images(path))
+      throw;  // meant as a stack: what is wrong with it is all there is to say
+    unknown(path.string(),
+            fmt::format("a directory of an unknown kind (as an image stack: {})", error.what()));
+  }
+}
+
+// Files that their name and place tell, but no contents.
+std::optional<InfoDocument> describe_by_name(const fs::path& path, const InfoOptions& options) {
+  const std::string name = path.filename().string(), extension = path.extension().string();
+  if (extension == ".drc" || extension == ".glb") return describe_mesh(path);
+  if (name == manifest_name) return describe_output(path, options);
+  if (name == tiles_name) return describe_tile_list(path, options);
+  if (extension == ".toml") return describe_config(path);
+  if (name == "volume.stamp") return describe_stamp(path);
+  if (fs::exists(spool_record_path(path))) return describe_spool(path, options);
+  if (name == "zarr.json") return describe_array(array_above(path), options);
+  if (is_zarr_chunk(path)) {
+    if (const fs::path array = array_above(path); !array.empty()) {
+      InfoDocument document = small_document("zarr_chunk", path);
+      document["array"] = array.string();
+      return document;
+    }
+  }
+  return std::nullopt;
+}
+
+bool some_reader_knows(const InputSpec& input) {
+  if (input.format != "auto" || (input.raw.size && input.raw.type)) return true;
+  const InputProbe probe = probe_input(input.path);
+  return std::ranges::any_of(
+      all_readers(), [&](const ReaderEntry& reader) { return reader.sniff(probe) != Match::none; });
+}
+
+InfoDocument describe_file(const fs::path& path, const InfoOptions& options) {
+  if (const std::string of = temporary_of(path); !of.empty()) {
+    InfoDocument document = small_document("temporary", path);
+    document["of"] = of;
+    return document;
+  }
+  if (const auto head = artifact_head(path)) return describe_artifact(path, *head, options);
+  if (named_as_artifact(path))
+    throw DamagedArtifact(path.string(),
+                          "has no artifact's header: truncated, or not written by voxweld");
+  if (const auto document = describe_by_name(path, options)) return *document;
+  if (some_reader_knows(options.input)) return describe_volume(options);
+  unknown(path.string(), "a file of an unknown kind");
+}
+
+}  // namespace
+
+InfoDocument describe(const InfoOptions& options) {
+  const std::string& path = options.input.path;
+  try {
+    if (fs::is_directory(path)) return describe_directory(path, options);
+    if (fs::exists(path)) return describe_file(path, options);
+    if (path.find_first_of("*?[") != std::string::npos) return describe_volume(options);
+  } catch (const DamagedArtifact& damage) {
+    throw FormatError(std::string(damage.what()) +
+                      "; remove the file and run again: what is missing is made anew");
+  } catch (const fs::filesystem_error& error) {
+    throw StorageError(fmt::format("{}: {}", path, error.code().message()), error.code().value());
+  }
+  throw InputError(path + ": no such file or directory; correct the path");
+}
+
+bool found_damage(const InfoDocument& document) {
+  return document.contains("check") && !document["check"]["damaged"].empty();
+}
+
+}  // namespace voxweld

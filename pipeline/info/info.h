@@ -1,0 +1,74 @@
+// What a file or a directory is, as a document: every kind of input volume, and everything a run
+// leaves behind.
+//
+// The document is one JSON object. Keys of every kind: "kind" and "path"; of files and directories
+// of ours "bytes". With `check`, "check": {files, bytes (read), damaged [{path, what}]}.
+// Sizes, indices and boxes are [x, y, z]; hashes are 32 hexadecimal digits.
+//
+//   kind             further keys
+//   volume           format, size, type, samples, sample_bytes (of all), spacing, unit, origin,
+//                    direction [3][3], space, access, largest_decode_bytes, files, file_bytes,
+//                    warnings, values; verbose: file_list [{path, bytes}]; of Zarr also
+//                    zarr {chunk, file, compression}
+//   brick_store      as volume, and records, chunk, shard, compression, shards {total, present};
+//                    verbose: shard_list [{at, bytes, range}]
+//   octree           key, content_hash, version, input_hash, bricks, active_bricks, active_cells,
+//                    crossing_edges, vertices, collapsed_above, worst_residual, leaves (by level),
+//                    nodes {outside, inside, leaf, split}; verbose: brick_list [{at, vertices,
+//                    polygons, skin_cells, bytes}]
+//   top_tree         key, content_hash, version, bricks, active_bricks, active_cells,
+//                    crossing_edges, vertices, collapsed_above, top_leaves, worst_residual, leaves
+//                    (by level), tiles; verbose: tile_list [{level, at, vertices, polygons}]
+//   tile             key, content_hash, version, level, at, vertices, triangles, quads,
+//                    polygon_triangles, collinear, lattice {step, bits, origin}
+//   asset_record     key, vertices, triangles, quads, polygon_triangles, collinear, files [{path,
+//                    format, bytes, xxh3_128}]
+//   histogram        key, type, values
+//   shard_record     key, array, at, shard_bytes, shard_hash, values
+//   spool_record     key, data_hash, and the volume's keys
+//   zarr_chunk       array
+//   mesh             format, points, vertices (distinct positions), triangles, normals, bounds {lo,
+//                    hi} (in the file's frame: spacing * index)
+//   output           border, topology, frame, lattice, counts, files {count, bytes}, merged, error,
+//                    input (as manifest.json has them); verbose: file_list
+//   tile_list        tiles, vertices, triangles, files, file_bytes; verbose: tile_list
+//   config           settings {table {key: value}}
+//   volume_stamp     stamp
+//   temporary        of: the file it would have become
+//   work_directory   files, stages [{stage, folder, files, bytes}]
+//   stage_directory  stage, files
+//
+// "values", where the samples were looked at: {samples, nan_samples, range [lo, hi], quantiles
+// {"1%" ... "99%"}, bins, suggested_isovalue {value, separability, padding} or null}.
+#pragma once
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "pipeline/info/value_scan.h"
+#include "storage/readers/open_volume.h"
+
+namespace voxweld {
+
+using InfoDocument = nlohmann::ordered_json;
+
+struct InfoOptions {
+  InputSpec input;         // the path, and how to read it where it is headerless
+  bool check = false;      // read everything and compare it with its checksums
+  bool histogram = false;  // look at the samples of a volume however many there are
+  bool verbose = false;    // lists of bricks, tiles, shards, files
+  ScanHooks hooks;
+};
+
+// InputError where there is nothing; FormatError where it is nothing that is known (the message
+// lists what is) or a single file is damaged.
+InfoDocument describe(const InfoOptions& options);
+
+// Whether `check` found damage.
+bool found_damage(const InfoDocument& document);
+
+std::string to_text(const InfoDocument& document);
+std::string to_json_text(const InfoDocument& document);
+
+}  // namespace voxweld

@@ -1,0 +1,35 @@
+// The describers, one for each kind of thing; info.cpp chooses.
+#pragma once
+
+#include <filesystem>
+
+#include "pipeline/info/facts.h"
+
+namespace voxweld {
+
+// Volumes and stores.
+InfoDocument describe_volume(const InfoOptions& options);
+// Where the records of a brick store lie; empty where the array is none of ours.
+std::filesystem::path store_records(const std::filesystem::path& array);
+InfoDocument describe_store(const std::filesystem::path& array, const InfoOptions& options);
+InfoDocument describe_shard_record(const std::filesystem::path& path, const InfoOptions& options);
+InfoDocument describe_spool(const std::filesystem::path& samples, const InfoOptions& options);
+
+// Artifacts of the stages.
+InfoDocument describe_artifact(const std::filesystem::path& path, const ArtifactHead& head,
+                               const InfoOptions& options);
+
+// Meshes and what lists them.
+InfoDocument describe_mesh(const std::filesystem::path& path);
+InfoDocument describe_output(const std::filesystem::path& manifest, const InfoOptions& options);
+InfoDocument describe_tile_list(const std::filesystem::path& path, const InfoOptions& options);
+
+// Work directories and the small files in them.
+bool is_work_directory(const std::filesystem::path& path);
+bool is_stage_directory(const std::filesystem::path& path);
+InfoDocument describe_work_directory(const std::filesystem::path& path, const InfoOptions& options);
+InfoDocument describe_stage_directory(const std::filesystem::path& path,
+                                      const InfoOptions& options);
+InfoDocument describe_config(const std::filesystem::path& path);
+
+}  // namespace voxweld

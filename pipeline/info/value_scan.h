@@ -1,0 +1,20 @@
+// One pass over any source, whatever access it allows: in rising z, a band at a time.
+#pragma once
+
+#include <functional>
+
+#include "pipeline/executor/interrupt.h"
+#include "pipeline/run/volume_scan.h"
+
+namespace voxweld {
+
+struct ScanHooks {
+  const InterruptFlag* interrupt = nullptr;
+  std::function<void(double share)> progress;  // may be empty
+};
+
+// Histogram and range of all samples. Memory: one band, at most 8 MiB or one slice of a stream,
+// and what the source holds. Throws what source.read throws; Interrupted.
+ScanResult scan_in_order(const SampleSource& source, const ScanHooks& hooks);
+
+}  // namespace voxweld

@@ -1,0 +1,45 @@
+#include "tests/pipeline/cli/workplace.h"
+
+namespace voxweld::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(CommandLine, EverySubcommandExplainsItself) {
+  const ProgramResult all = run_voxweld({"--help"});
+  EXPECT_EQ(all.exit_code, 0);
+  for (const char* name : {"run", "ingest", "build", "merge", "stitch", "encode", "init", "info",
+                           "verify", "render", "export", "phantom", "settings"}) {
+    EXPECT_THAT(all.out, HasSubstr(std::string("\n  ") + name + " "));
+    const ProgramResult help = run_voxweld({name, "--help"});
+    EXPECT_EQ(help.exit_code, 0) << name;
+    EXPECT_GT(help.out.size(), 40u) << name;
+    EXPECT_EQ(help.err, "") << name;
+  }
+}
+
+TEST(CommandLine, SaysItsVersion) {
+  const ProgramResult result = run_voxweld({"--version"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.out.rfind("voxweld ", 0), 0u) << result.out;
+}
+
+TEST(CommandLine, RefusesWhatItDoesNotKnow) {
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {}, {"polish"}, {"info"}, {"info", "x", "--no-such"}, {"init", "x", "--size", "1"}}) {
+    const ProgramResult result = run_voxweld(arguments);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.err, "");
+    EXPECT_EQ(result.out, "");
+  }
+}
+
+TEST(CommandLine, SettingsInAllThreeForms) {
+  EXPECT_THAT(run_voxweld({"settings"}).out, HasSubstr("isovalue"));
+  EXPECT_THAT(run_voxweld({"settings", "--example"}).out, HasSubstr("[surface]"));
+  EXPECT_TRUE(
+      nlohmann::json::parse(run_voxweld({"settings", "--json"}).out, nullptr, false).is_object());
+}
+
+}  // namespace
+}  // namespace voxweld::testing

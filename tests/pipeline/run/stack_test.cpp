@@ -1,0 +1,78 @@
+// An image stack through the pipeline: the image library is loaded where images are read, and by no
+// stage after that.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "pipeline/mesh/manifest.h"
+#include "pipeline/mesh/verify.h"
+#include "storage/image/image_file.h"
+#include "tests/pipeline/run/program.h"
+#include "tests/support/temp_directory.h"
+
+namespace voxweld::testing {
+namespace {
+
+constexpr int side = 24;
+
+void write_slice(const std::filesystem::path& folder, int z) {
+  std::vector<std::byte> pixels;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      const int dx = x - 12, dy = y - 11, dz = z - 10;
+      pixels.push_back(static_cast<std::byte>(dx * dx + dy * dy + dz * dz < 70 ? 220 : 20));
+    }
+  write_png(folder / ("slice_" + std::to_string(z) + ".png"), {side, side, 1}, pixels);
+}
+
+class Stack : public ::testing::Test {
+ protected:
+  Stack() {
+    std::filesystem::create_directories(directory_ / "slices");
+    for (int z = 0; z < side; ++z) write_slice(directory_ / "slices", z);
+    std::ofstream(directory_ / "stack.toml") << "[input]\npath = \"slices\"\nspacing = [1.0, 1.0, "
+                                                "1.5]\n[surface]\nisovalue = \"otsu\"\n";
+  }
+  // Runs one command with the dynamic linker telling which files it maps.
+  ProgramResult traced(const std::string& command) const {
+    setenv("LD_DEBUG", "files", 1);
+    const ProgramResult result = run_voxweld({command, (directory_ / "stack.toml").string()});
+    unsetenv("LD_DEBUG");
+    return result;
+  }
+  static bool loads_images(const ProgramResult& result) {
+    return result.err.find("libOpenImageIO") != std::string::npos;
+  }
+
+  TempDirectory directory_;
+};
+
+TEST_F(Stack, OnlyIngestLoadsTheImageLibrary) {
+  const ProgramResult ingest = traced("ingest");
+  ASSERT_EQ(ingest.exit_code, 0) << ingest.err;
+  EXPECT_TRUE(loads_images(ingest));
+  for (const char* stage : {"build", "merge", "stitch", "encode", "run"}) {
+    const ProgramResult result = traced(stage);
+    ASSERT_EQ(result.exit_code, 0) << stage;
+    EXPECT_FALSE(loads_images(result)) << stage;
+  }
+  const VerifyReport report = verify_output(directory_ / "stack.mesh");
+  EXPECT_TRUE(report.good()) << to_text(report);
+}
+
+TEST_F(Stack, AChangedOrAddedSliceIsNoticed) {
+  ASSERT_EQ(traced("run").exit_code, 0);
+  write_slice(directory_ / "slices", side);
+  const ProgramResult longer = traced("run");
+  EXPECT_TRUE(loads_images(longer));
+  EXPECT_EQ(read_manifest(directory_ / "stack.mesh" / manifest_name).frame.size,
+            (Index3{side, side, side + 1}));
+  std::filesystem::remove(directory_ / "slices" / "slice_7.png");
+  const ProgramResult gap = run_voxweld({"run", (directory_ / "stack.toml").string()});
+  EXPECT_EQ(gap.exit_code, 2);
+  EXPECT_NE(gap.err.find("7"), std::string::npos) << gap.err;
+}
+
+}  // namespace
+}  // namespace voxweld::testing
