@@ -53,7 +53,7 @@ say "verify"
 "$voxweld" verify "$mesh"
 
 say "render"
-"$voxweld" render "$mesh" -o "$output/mesh.png"
+"$voxweld" render "$mesh" -o "$output/mesh.png" --azimuth 205 --elevation 15
 
 say "meshes"
 find "$mesh" -type f \( -name '*.drc' -o -name '*.glb' \) -printf '%10s bytes  %p\n' | sort -k3
