@@ -12,12 +12,16 @@ namespace voxweld {
 namespace {
 
 // "1 shard", "2 shards", "1 mesh", "1 box": the noun is given in the plural.
-std::string counted(std::uint64_t count, std::string noun) {
-  if (count == 1 && noun.ends_with("shes"))
-    noun.resize(noun.size() - 2);
-  else if (count == 1 && noun.ends_with('s'))
-    noun.pop_back();
-  return fmt::format("{} {}", count, noun);
+std::string noun_for(std::uint64_t count, std::string plural) {
+  if (count == 1 && plural.ends_with("shes"))
+    plural.resize(plural.size() - 2);
+  else if (count == 1 && plural.ends_with('s'))
+    plural.pop_back();
+  return plural;
+}
+
+std::string counted(std::uint64_t count, const std::string& plural) {
+  return fmt::format("{} {}", count, noun_for(count, plural));
 }
 
 constexpr int bar_width = 24;
@@ -113,9 +117,9 @@ void StageProgress::finish(const StageFigures& figures) {
   next_draw_s_ = HUGE_VAL;
   if (!settings_.enabled) return;
   console_->clear_status();
-  std::string line =
-      fmt::format("{:<8} {:>7} {:<8} {:>10}  {:>12}", start_.stage, units_done_.load(), start_.noun,
-                  readable_seconds(figures.wall_s), rate(figures.wall_s));
+  std::string line = fmt::format("{:<8} {:>7} {:<8} {:>10}  {:>12}", start_.stage,
+                                 units_done_.load(), noun_for(units_done_.load(), start_.noun),
+                                 readable_seconds(figures.wall_s), rate(figures.wall_s));
   if (figures.peak_resident > 0)
     line += fmt::format("  peak {}", readable_bytes(static_cast<double>(figures.peak_resident)));
   if (start_.reused > 0) line += fmt::format("  ({} reused)", start_.reused);

@@ -193,7 +193,25 @@ void write_listing(const EncodeJob& job, const std::vector<PlannedTile>& tiles, 
 
 }  // namespace
 
-MergedPlan plan_merged(const Config& config, std::uint64_t vertices, std::uint64_t triangles) {
+StageMemory encode_memory(const Config& config, const std::vector<PlannedTile>& tiles) {
+  std::uint64_t need = 0;
+  for (const PlannedTile& tile : tiles) {
+    // A tile also refers to vertices beyond its border.
+    const std::uint64_t v = tile.vertices + tile.vertices / 4, t = 2 * tile.polygons;
+    need = std::max(need, stitch_bytes(v, tile.polygons) / 2 +
+                              encode_memory_bytes(v, t, config.output.normals));
+  }
+  return {"encode", 0, need,
+          fmt::format("one tile (output.tile_vertices = {})", config.output.tile_vertices),
+          "raise run.memory or lower output.tile_vertices; what is finished is kept"};
+}
+
+MergedPlan plan_merged(const Config& config, const std::vector<PlannedTile>& tiles) {
+  std::uint64_t vertices = 0, triangles = 0;
+  for (const PlannedTile& tile : tiles) {
+    vertices += tile.vertices;
+    triangles += 2 * tile.polygons;
+  }
   MergedPlan plan;
   if (config.output.merged == OutputConfig::Merged::never) return plan;
   plan.bytes = program_bytes() +
@@ -215,15 +233,12 @@ EncodeStatus encode_status(const RunContext& context, const EncodeJob& job,
                            const TopArtifact& top) {
   EncodeStatus status;
   const std::vector<PlannedTile> tiles = top.tiles();
-  std::uint64_t vertices = 0, triangles = 0;
   for (const PlannedTile& tile : tiles) {
     const Hash128 key = asset_key(job, content_of(job, tile.key()));
     if (!asset_is_current(tile_record_path(job, tile.key()), key, job.output))
       status.missing.push_back(tile);
-    vertices += tile.vertices;
-    triangles += 2 * tile.polygons;
   }
-  if (plan_merged(context.config, vertices, triangles).write)
+  if (plan_merged(context.config, tiles).write)
     status.merged_missing =
         !asset_is_current(merged_record_path(job), merged_key(job, tiles), job.output);
   return status;
@@ -233,15 +248,7 @@ void run_encode(RunContext& context, const EncodeJob& job, Manifest manifest) {
   const TopArtifact top(job.stitch->merge->path());
   const std::vector<PlannedTile> tiles = top.tiles();
   const EncodeStatus status = encode_status(context, job, top);
-  std::uint64_t vertices = 0, triangles = 0, need = 0;
-  for (const PlannedTile& tile : tiles) {
-    vertices += tile.vertices;
-    triangles += 2 * tile.polygons;
-    const std::uint64_t v = tile.vertices + tile.vertices / 4, t = 2 * tile.polygons;
-    need = std::max(need, stitch_bytes(v, tile.polygons) / 2 +
-                              encode_memory_bytes(v, t, context.config.output.normals));
-  }
-  const MergedPlan merged = plan_merged(context.config, vertices, triangles);
+  const MergedPlan merged = plan_merged(context.config, tiles);
   if (!merged.why_not.empty())
     spdlog::warn("no merged mesh: {}; the tiles are complete", merged.why_not);
 
@@ -257,10 +264,7 @@ void run_encode(RunContext& context, const EncodeJob& job, Manifest manifest) {
   stage.noun = "meshes";
   stage.reused =
       tiles.size() - status.missing.size() + (merged.write && !status.merged_missing ? 1 : 0);
-  stage.memory = {
-      "encode", 0, need,
-      fmt::format("one tile (output.tile_vertices = {})", context.config.output.tile_vertices),
-      "raise run.memory or lower output.tile_vertices"};
+  stage.memory = encode_memory(context.config, tiles);
   const int threads = stage_threads(context, stage.memory);
   std::vector<Unit> units;
   for (std::size_t i = 0; i < status.missing.size(); ++i)

@@ -29,7 +29,10 @@ struct MergedPlan {
   std::uint64_t bytes = 0;  // what it takes in memory
   std::string why_not;      // for the user, when auto leaves it out
 };
-MergedPlan plan_merged(const Config& config, std::uint64_t vertices, std::uint64_t triangles);
+MergedPlan plan_merged(const Config& config, const std::vector<PlannedTile>& tiles);
+
+// What encoding the largest of these tiles takes.
+StageMemory encode_memory(const Config& config, const std::vector<PlannedTile>& tiles);
 
 // Precondition: stitch is current.
 EncodeStatus encode_status(const RunContext& context, const EncodeJob& job, const TopArtifact& top);

@@ -61,22 +61,22 @@ void Jobs::open_volume(Config& config) {
 void check_budget(const RunContext& context, const Jobs& jobs) {
   const VolumeInfo& info = jobs.ingest().info;
   const Config& config = context.config;
-  const auto vertices = static_cast<std::uint64_t>(config.output.tile_vertices) * 5 / 4;
   std::vector<StageMemory> needs = {
       ingest_memory(config, jobs.ingest()),
       {"build", 0, ShardBuilder::memory_bytes(brick_grid(config, info.geometry), info.type),
        fmt::format("one brick (work.brick = {})", config.work.brick),
-       "raise run.memory or lower work.brick"},
-      {"encode", 0,
-       encode_memory_bytes(vertices, 2 * vertices, config.output.normals) +
-           stitch_bytes(vertices, vertices) / 2,
-       fmt::format("one tile (output.tile_vertices = {})", config.output.tile_vertices),
-       "raise run.memory or lower output.tile_vertices"}};
+       "raise run.memory or lower work.brick"}};
   // The largest first: the figure it is refused with does for all.
   const auto bytes = [](const StageMemory& need) { return need.base_bytes + need.per_unit_bytes; };
   std::sort(needs.begin(), needs.end(),
             [&](const StageMemory& a, const StageMemory& b) { return bytes(a) > bytes(b); });
   for (const StageMemory& need : needs) stage_threads(context, need);
+}
+
+void check_plan(const RunContext& context, const Jobs& jobs) {
+  const std::vector<PlannedTile> tiles = TopArtifact(jobs.merge().path()).tiles();
+  stage_threads(context, encode_memory(context.config, tiles));
+  plan_merged(context.config, tiles);
 }
 
 Manifest make_manifest(const RunContext& context, const Jobs& jobs) {

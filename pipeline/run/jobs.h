@@ -36,8 +36,11 @@ class Jobs {
   EncodeJob encode_;
 };
 
-// Refuses, before any work, a run.memory that is too small for one unit of some stage.
+// Refuses, before any work, a run.memory that is too small for one unit of ingest or build.
 void check_budget(const RunContext& context, const Jobs& jobs);
+// The same for the tiles and the merged mesh, once merge has planned them: how large they are is
+// the volume's to say, and output.tile_vertices only bounds it.
+void check_plan(const RunContext& context, const Jobs& jobs);
 
 // The manifest but for what encode adds. Precondition: merge is current.
 Manifest make_manifest(const RunContext& context, const Jobs& jobs);

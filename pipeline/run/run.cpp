@@ -55,6 +55,7 @@ void run_stages(RunContext& context) {
   run_build(context, jobs.build());
   run_merge(context, jobs.merge());
   check_surface(context, jobs);
+  check_plan(context, jobs);
   run_stitch(context, jobs.stitch());
   run_encode(context, jobs.encode(), make_manifest(context, jobs));
 }
@@ -122,6 +123,7 @@ void run_one(RunContext& context, Stage stage) {
   if (stage == Stage::merge) return run_merge(context, jobs.merge());
   need(Stage::merge, merge_is_current(jobs.merge()));
   check_surface(context, jobs);
+  check_plan(context, jobs);
   if (stage == Stage::stitch) return run_stitch(context, jobs.stitch());
   need(Stage::stitch, missing_tiles(jobs.stitch(), TopArtifact(jobs.merge().path())).empty());
   run_encode(context, jobs.encode(), make_manifest(context, jobs));
