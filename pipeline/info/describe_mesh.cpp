@@ -40,6 +40,7 @@ InfoDocument frame_facts(const VolumeGeometry& frame) {
 InfoDocument count_facts(const ManifestCounts& counts) {
   return {{"bricks", counts.bricks},
           {"active_bricks", counts.active_bricks},
+          {"collapsed_above_bricks", counts.collapsed_above},
           {"leaves", counts.leaves},
           {"vertices", counts.vertices},
           {"quads", counts.quads},

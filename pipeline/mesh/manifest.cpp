@@ -118,6 +118,7 @@ ordered_json to_json(const VolumeGeometry& frame) {
 ordered_json to_json(const ManifestCounts& c) {
   return {{"bricks", c.bricks},
           {"active_bricks", c.active_bricks},
+          {"collapsed_above_bricks", c.collapsed_above},
           {"leaves", c.leaves},
           {"vertices", c.vertices},
           {"quads", c.quads},
@@ -175,6 +176,7 @@ ManifestCounts counts_of(const Value& value) {
   ManifestCounts c;
   c.bricks = value.at("bricks").count();
   c.active_bricks = value.at("active_bricks").count();
+  c.collapsed_above = value.at("collapsed_above_bricks").count();
   for (const Value& level : value.at("leaves").items()) c.leaves.push_back(level.count());
   c.vertices = value.at("vertices").count();
   c.quads = value.at("quads").count();

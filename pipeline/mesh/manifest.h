@@ -7,7 +7,8 @@
 //                sample range a boundary edge of an open border may lie
 //   topology     "safe" or "free"
 //   frame        {size [x, y, z], spacing, unit, origin, direction [3][3], space}
-//   counts       {bricks, active_bricks, leaves [per level], vertices, quads, triangles
+//   counts       {bricks, active_bricks, collapsed_above_bricks, leaves [per level], vertices,
+//   quads, triangles
 //                (polygons), output_triangles = 2 quads + triangles, tiles, collinear};
 //                vertices: of the octree, which with a closed border and safe topology are those
 //                of the welded mesh; else some of them are in no polygon
@@ -57,6 +58,7 @@ struct TileRecord {
 
 struct ManifestCounts {
   std::uint64_t bricks = 0, active_bricks = 0;
+  std::uint64_t collapsed_above = 0;  // octree nodes above the bricks that took in their children
   std::vector<std::uint64_t> leaves;  // per level
   std::uint64_t vertices = 0;         // of the octree
   std::uint64_t quads = 0, triangles = 0, output_triangles = 0;

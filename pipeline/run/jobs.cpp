@@ -90,6 +90,7 @@ Manifest make_manifest(const RunContext& context, const Jobs& jobs) {
   m.frame = info.geometry;
   m.counts.bricks = counts.bricks;
   m.counts.active_bricks = counts.active_bricks;
+  m.counts.collapsed_above = counts.collapsed_above;
   m.counts.vertices = counts.vertices;
   std::size_t levels = counts.leaves.size();
   while (levels > 1 && counts.leaves[levels - 1] == 0) --levels;
@@ -106,6 +107,7 @@ Manifest make_manifest(const RunContext& context, const Jobs& jobs) {
       nlohmann::json{{"metric", parameters.simplify.metric == Metric::rms ? "rms" : "sum"},
                      {"tolerance", parameters.simplify.tolerance},
                      {"reached", counts.worst_residual},
+                     {"finest", counts.worst_finest},
                      {"unit", info.geometry.unit}});
   return m;
 }

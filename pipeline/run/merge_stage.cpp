@@ -46,6 +46,7 @@ void add(const ShardSummary& shard, MergeCounts& counts) {
   counts.vertices += shard.counts.vertices;
   counts.collapsed_above += shard.collapsed_above;
   counts.worst_residual = std::max(counts.worst_residual, shard.counts.worst_residual);
+  counts.worst_finest = std::max(counts.worst_finest, shard.counts.worst_finest);
   for (std::size_t l = 0; l < counts.leaves.size(); ++l) counts.leaves[l] += shard.counts.leaves[l];
 }
 

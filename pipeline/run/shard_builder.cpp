@@ -35,6 +35,7 @@ void add(const BrickCounts& from, BrickCounts& to, bool own_leaves) {
   to.vertices += from.vertices;
   for (std::size_t l = 0; l < from.leaves.size(); ++l) to.leaves[l] += from.leaves[l];
   to.worst_residual = std::max(to.worst_residual, from.worst_residual);
+  to.worst_finest = std::max(to.worst_finest, from.worst_finest);
 }
 
 }  // namespace

@@ -65,6 +65,7 @@ void BrickLeaves::add_cell(std::size_t cell) {
   for (int s = 0; s < cells_->sheets(cell).sheets; ++s) {
     const SheetVertex& sheet = nodes_->sheet(first_sheet + static_cast<std::size_t>(s));
     add_vertex(LeafCode::make(code, 0, s), sheet.solution, sheet.normals);
+    note_finest(sheet.solution);
   }
 }
 
@@ -73,6 +74,11 @@ void BrickLeaves::add_vertex(LeafCode leaf, const NodeSolution& solution,
   out_->vertices.push_back({leaf, solution.offset, normals});
   ++out_->blocks[leaf.code() >> (3 * block_level)].vertices;
   if (leaf.sheet() == 0) ++out_->counts.leaves[static_cast<std::size_t>(leaf.level())];
+}
+
+void BrickLeaves::note_finest(const NodeSolution& solution) {
+  double& worst = out_->counts.worst_finest;
+  worst = std::max(worst, static_cast<double>(solution.residual));
 }
 
 void BrickLeaves::solve_pending(const BrickFrame& frame, const ContourParameters& parameters) {
@@ -87,8 +93,11 @@ void BrickLeaves::solve_pending(const BrickFrame& frame, const ContourParameters
         solver.set_centre(i, node_centre(frame, 0, cells_->code(cell), parameters.spacing));
     }
     solver.solve(0, count);
-    for (std::size_t i = 0; i < count; ++i)
-      out_->vertices[pending_[begin + i].vertex].offset = solver.solution(i).offset;
+    for (std::size_t i = 0; i < count; ++i) {
+      const NodeSolution solution = solver.solution(i);
+      out_->vertices[pending_[begin + i].vertex].offset = solution.offset;
+      note_finest(solution);
+    }
   }
 }
 

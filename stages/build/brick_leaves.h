@@ -30,6 +30,7 @@ class BrickLeaves {
   void add_cell(std::size_t cell);
   void add_vertex(LeafCode leaf, const NodeSolution& solution,
                   const std::array<PackedNormal, max_clusters>& normals);
+  void note_finest(const NodeSolution& solution);
   void solve_pending(const BrickFrame& frame, const ContourParameters& parameters);
 
   const ActiveCells* cells_ = nullptr;

@@ -22,7 +22,7 @@ constexpr std::uint64_t section_name(std::uint64_t code, std::uint64_t part) {
 
 struct ShardSummaryRecord {
   std::uint64_t active_cells, crossing_edges, vertices, bricks, active_bricks, collapsed_above;
-  double worst_residual;
+  double worst_residual, worst_finest;
   Hash128 input;
   std::array<std::uint64_t, max_levels + 1> leaves;
 };
@@ -65,10 +65,16 @@ void ShardArtifactWriter::brick(std::uint64_t code, const BrickOctree& octree) {
 }
 
 Hash128 ShardArtifactWriter::finish(const ShardSummary& s, std::span<const ShardNode> nodes) {
-  const ShardSummaryRecord record{
-      s.counts.active_cells, s.counts.crossing_edges, s.counts.vertices,       s.bricks,
-      s.active_bricks,       s.collapsed_above,       s.counts.worst_residual, s.input,
-      s.counts.leaves};
+  const ShardSummaryRecord record{s.counts.active_cells,
+                                  s.counts.crossing_edges,
+                                  s.counts.vertices,
+                                  s.bricks,
+                                  s.active_bricks,
+                                  s.collapsed_above,
+                                  s.counts.worst_residual,
+                                  s.counts.worst_finest,
+                                  s.input,
+                                  s.counts.leaves};
   std::vector<ShardNodeRecord> node_records;
   std::vector<CubeCount> cubes;
   std::vector<TopLeaf> leaves;
@@ -98,6 +104,7 @@ ShardSummary ShardArtifact::summary() const {
   s.counts.crossing_edges = r.crossing_edges;
   s.counts.vertices = r.vertices;
   s.counts.worst_residual = r.worst_residual;
+  s.counts.worst_finest = r.worst_finest;
   s.counts.leaves = r.leaves;
   s.bricks = r.bricks;
   s.active_bricks = r.active_bricks;

@@ -122,7 +122,8 @@ struct BrickCounts {
   std::uint64_t crossing_edges = 0;  // owned by the brick
   std::array<std::uint64_t, max_levels + 1> leaves{};
   std::uint64_t vertices = 0;
-  double worst_residual = 0;  // of all leaves
+  double worst_residual = 0;  // of the collapsed leaves: what the tolerance bounds
+  double worst_finest = 0;    // of the finest leaves, which the samples alone bound
 };
 
 struct BrickOctree {

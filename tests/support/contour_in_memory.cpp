@@ -49,6 +49,7 @@ void add_counts(const BrickCounts& from, bool root_leaf, BrickCounts& to) {
   to.vertices += from.vertices;
   for (std::size_t l = 0; l < from.leaves.size(); ++l) to.leaves[l] += from.leaves[l];
   to.worst_residual = std::max(to.worst_residual, from.worst_residual);
+  to.worst_finest = std::max(to.worst_finest, from.worst_finest);
 }
 
 void reduce_all(const Bricks& bricks, const ContourParameters& parameters, int domain, int level,

@@ -26,7 +26,7 @@ Manifest sample_manifest() {
   m.frame.direction = {Vec3{0, 1, 0}, Vec3{1, 0, 0}, Vec3{0, 0, -1}};
   m.frame.unit = "mm";
   m.frame.space = "LPS";
-  m.counts = {8, 5, {100, 20, 3}, 9007199254740993, 50, 7, 107, 4, 1};
+  m.counts = {8, 5, 4, {100, 20, 3}, 9007199254740993, 50, 7, 107, 4, 1};
   m.merged = MergedFiles{"mesh.drc", ""};
   m.files = {{"mesh.drc", "drc", "merged", 12345678901, "00ff"}};
   m.config = std::make_unique<json>(json{{"contour", {{"tolerance", 0.5}}}});

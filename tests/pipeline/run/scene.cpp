@@ -21,7 +21,8 @@ std::string text_of_file(const fs::path& path) {
 // Bricks are the partition's, and so are their counts; the config has the directories in it, the
 // stages what was done when.
 std::string essence(nlohmann::json manifest) {
-  for (const char* key : {"bricks", "active_bricks"}) manifest["counts"].erase(key);
+  for (const char* key : {"bricks", "active_bricks", "collapsed_above_bricks"})
+    manifest["counts"].erase(key);
   for (const char* key : {"config", "stages", "input"}) manifest.erase(key);
   return manifest.dump();
 }
