@@ -49,7 +49,7 @@ struct StageRun {
   std::uint64_t reused = 0;
   UnitOrder order = UnitOrder::largest_first;
 };
-// workers_for: how many worker slots the work may see (scratch for each).
+// How many units fit run.memory at once: the worker slots the work may see, scratch for each.
 int stage_threads(const RunContext& context, StageMemory memory);
 void run_stage(RunContext& context, const StageRun& stage, const std::vector<Unit>& units,
                int threads, const UnitWork& work);

@@ -70,8 +70,7 @@ void stitch(const StitchJob& job, const TileWork& work, ShardFiles& files, Scrat
                       &scratch.brick.skin,
                       {}};
     for (std::size_t d = 1; d < 8; ++d) {
-      const Index3 at = key.at + Index3{static_cast<int>(d & 1), static_cast<int>(d >> 1 & 1),
-                                        static_cast<int>(d >> 2)};
+      const Index3 at = upper_neighbour(key.at, static_cast<int>(d));
       const auto neighbour = files.of_brick(at);
       if (neighbour == nullptr || !neighbour->has_brick(morton_encode(at))) continue;
       neighbour->read_skin(morton_encode(at), scratch.upper[d]);

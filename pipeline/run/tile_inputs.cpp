@@ -48,7 +48,7 @@ std::vector<TopLeaf> leaves_above(const BuildJob& job, const std::vector<CellKey
   std::vector<std::uint64_t> codes;
   for (const CellKey& brick : bricks)
     for (int d = 0; d < 8; ++d)
-      codes.push_back(CellKey{brick.level, brick.at + Index3{d & 1, d >> 1 & 1, d >> 2}}.code());
+      codes.push_back(CellKey{brick.level, upper_neighbour(brick.at, d)}.code());
   std::sort(codes.begin(), codes.end());
   codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
   // Neighbouring codes are asked for together.
@@ -71,7 +71,7 @@ Hash128 tile_key(const StitchJob& job, const PlannedTile& tile, const std::vecto
     key.integer(static_cast<std::int64_t>(brick.code()));
     files.of_brick(brick.at)->add_brick_hashes(morton_encode(brick.at), key);
     for (int d = 1; d < 8; ++d) {
-      const Index3 at = brick.at + Index3{d & 1, d >> 1 & 1, d >> 2};
+      const Index3 at = upper_neighbour(brick.at, d);
       if (const auto file = files.of_brick(at)) file->add_skin_hashes(morton_encode(at), key);
     }
   }

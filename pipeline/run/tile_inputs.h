@@ -27,6 +27,11 @@ class ShardFiles {
   std::list<std::uint64_t> order_;  // oldest first
 };
 
+// The brick one further on each axis whose bit is set in `direction` (1 .. 7).
+constexpr Index3 upper_neighbour(Index3 brick, int direction) {
+  return brick + Index3{direction & 1, direction >> 1 & 1, direction >> 2};
+}
+
 // The bricks with a surface that a tile's cube meets, in Morton order.
 std::vector<CellKey> tile_bricks(const BuildJob& job, CellKey tile, ShardFiles& files);
 

@@ -12,10 +12,6 @@ LocalCell decode_local(std::uint32_t code) {
           static_cast<int>(gather(code >> 2))};
 }
 
-std::uint32_t encode_local(int x, int y, int z) {
-  return static_cast<std::uint32_t>(morton_encode({x, y, z}));
-}
-
 namespace {
 
 // The cell with this Morton code inside a block of 4^3.

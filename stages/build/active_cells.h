@@ -17,7 +17,6 @@ struct LocalCell {
   int operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
 };
 LocalCell decode_local(std::uint32_t code);
-std::uint32_t encode_local(int x, int y, int z);
 
 // The code one cell further along `axis`, wrapping at 256.
 constexpr std::uint32_t next_along(std::uint32_t code, int axis) {

@@ -8,8 +8,7 @@ namespace voxweld {
 
 class BrickLeaves {
  public:
-  // Appends the vertices to `out` (vertices, block counts of vertices, leaf counts) and fills the
-  // root record's solution-independent parts.
+  // Appends to `out`: its vertices, their counts by block, its leaf counts and residuals.
   void collect(const BrickFrame& frame, const ActiveCells& cells, const BrickNodes& nodes,
                const ContourParameters& parameters, BrickOctree& out);
 

@@ -49,7 +49,6 @@ class BrickNodes {
   void simplify(const BrickFrame& frame, const SignGrid& signs, const ActiveCells& cells,
                 const HermiteEdges& edges, const ContourParameters& parameters);
 
-  int levels() const { return static_cast<int>(levels_.size()) - 1; }  // the brick's own level
   const NodeLevel& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }
   // Level 0 nodes that cannot collapse have their sheets' vertices from here on, one a sheet.
   std::uint32_t first_sheet(std::size_t cell) const { return first_sheet_[cell]; }
