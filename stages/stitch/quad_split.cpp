@@ -12,6 +12,48 @@ Vec3 difference(const LatticePoint& a, const LatticePoint& b) {
           static_cast<double>(b[2] - a[2])};
 }
 
+struct Corner {
+  LatticePoint point{};
+  std::array<Vec3, max_clusters> normals;
+  std::size_t count = 0;  // of normals
+};
+
+Corner unpack(const QuadCorner& packed) {
+  Corner corner;
+  corner.point = packed.point;
+  for (const PackedNormal n : packed.normals)
+    if (n != no_normal) corner.normals[corner.count++] = unpack_normal(n);
+  return corner;
+}
+
+// Against all its normals; a corner without any faces everything.
+bool faces_away(const Corner& corner, const Vec3& area) {
+  for (std::size_t k = 0; k < corner.count; ++k)
+    if (dot(corner.normals[k], area) >= 0) return false;
+  return corner.count > 0;
+}
+
+struct Triangle {
+  Vec3 area;
+  int fault = 0;  // 1 where it faces away from a corner's normals, 2 where it has no area
+};
+
+Triangle triangle(const Corner& a, const Corner& b, const Corner& c) {
+  Triangle t{area_vector(a.point, b.point, c.point)};
+  if (t.area == Vec3{})
+    t.fault = 2;
+  else if (faces_away(a, t.area) || faces_away(b, t.area) || faces_away(c, t.area))
+    t.fault = 1;
+  return t;
+}
+
+double height(const Corner& corner, const Vec3& along) {
+  double lowest = corner.count > 0 ? std::abs(dot(corner.normals[0], along)) : 0;
+  for (std::size_t k = 1; k < corner.count; ++k)
+    lowest = std::min(lowest, std::abs(dot(corner.normals[k], along)));
+  return lowest;
+}
+
 // Cosine between the two triangles' normals; below any cosine when one has no area.
 double flatness(const Vec3& u, const Vec3& v) {
   const double uu = dot(u, u), vv = dot(v, v);
@@ -19,9 +61,19 @@ double flatness(const Vec3& u, const Vec3& v) {
   return dot(u, v) / std::sqrt(uu * vv);
 }
 
-double length2(const QuadCorner& a, const QuadCorner& b) {
-  const Vec3 d = difference(a.point, b.point);
-  return dot(d, d);
+struct Cut {
+  int fault;
+  double height;  // in lattice steps
+  double flatness;
+  double length2;
+};
+
+// The cut of the quad a b c d from a to c.
+Cut cut(const Corner& a, const Corner& b, const Corner& c, const Corner& d) {
+  const Triangle t = triangle(a, b, c), u = triangle(a, c, d);
+  const Vec3 along = difference(a.point, c.point);
+  return {std::max(t.fault, u.fault), height(a, along) + height(c, along), flatness(t.area, u.area),
+          dot(along, along)};
 }
 
 }  // namespace
@@ -31,14 +83,12 @@ Vec3 area_vector(const LatticePoint& a, const LatticePoint& b, const LatticePoin
 }
 
 bool cut_from_one(const std::array<QuadCorner, 4>& q) {
-  const auto area = [&](std::size_t a, std::size_t b, std::size_t c) {
-    return area_vector(q[a].point, q[b].point, q[c].point);
-  };
-  const double zero = flatness(area(0, 1, 2), area(0, 2, 3));
-  const double one = flatness(area(1, 2, 3), area(1, 3, 0));
-  if (zero != one) return one > zero;
-  const double zero_length = length2(q[0], q[2]), one_length = length2(q[1], q[3]);
-  if (zero_length != one_length) return one_length < zero_length;
+  const std::array<Corner, 4> c{unpack(q[0]), unpack(q[1]), unpack(q[2]), unpack(q[3])};
+  const Cut zero = cut(c[0], c[1], c[2], c[3]), one = cut(c[1], c[2], c[3], c[0]);
+  if (zero.fault != one.fault) return one.fault < zero.fault;
+  if (std::abs(zero.height - one.height) > 1) return one.height < zero.height;
+  if (zero.flatness != one.flatness) return one.flatness > zero.flatness;
+  if (zero.length2 != one.length2) return one.length2 < zero.length2;
   return std::min(q[1].id, q[3].id) < std::min(q[0].id, q[2].id);
 }
 

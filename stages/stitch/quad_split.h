@@ -4,6 +4,7 @@
 #include <array>
 
 #include "stages/stitch/snap.h"
+#include "storage/types/brick_octree.h"
 #include "storage/types/morton.h"
 
 namespace voxweld {
@@ -11,11 +12,18 @@ namespace voxweld {
 struct QuadCorner {
   LatticePoint point{};
   VertexId id;
+  std::array<PackedNormal, max_clusters> normals{};  // clusters of its Hermite normals
 };
 
-// True to cut from corner 1 to corner 3, false from 0 to 2. A function of the snapped positions and
-// the ids alone: the flatter of the two cuts (never one with a triangle of no area if the other has
-// none), then the shorter diagonal, then the one with the lowest id.
+// True to cut from corner 1 to corner 3, false from 0 to 2. A function of the snapped positions,
+// the normals and the ids alone. In order:
+//   1. the cut with no triangle of no area, then with none that faces away from its corners'
+//      normals;
+//   2. the cut whose diagonal leaves the surface least: the height at which it passes each of its
+//      ends' tangent planes, the nearest of each end's, both together. Along a crease both ends
+//      have both planes and the height is none, while across it each end has its own: so a crease
+//      is not bevelled. Heights within one lattice step, the accuracy of positions, are equal;
+//   3. the flatter cut, the shorter diagonal, the diagonal with the lowest id.
 bool cut_from_one(const std::array<QuadCorner, 4>& quad);
 
 // Twice the triangle's area vector, in lattice steps; exact.

@@ -136,7 +136,7 @@ std::uint32_t TileStitcher::append(CellKey leaf, int sheet, const LatticePoint& 
   const auto index = static_cast<std::uint32_t>(mesh_.positions.size());
   mesh_.positions.push_back(point);
   mesh_.ids.push_back(VertexId::make(leaf, sheet));
-  if (parameters_.normals) mesh_.normals.push_back(normals);
+  mesh_.normals.push_back(normals);
   return index;
 }
 
@@ -154,7 +154,7 @@ void TileStitcher::add_polygon(std::array<std::uint32_t, 4> corners) {
   ++mesh_.quads;
   std::array<QuadCorner, 4> quad;
   for (std::size_t k = 0; k < 4; ++k)
-    quad[k] = {mesh_.positions[corners[k]], mesh_.ids[corners[k]]};
+    quad[k] = {mesh_.positions[corners[k]], mesh_.ids[corners[k]], mesh_.normals[corners[k]]};
   if (cut_from_one(quad)) {
     add_triangle(corners[1], corners[2], corners[3]);
     add_triangle(corners[1], corners[3], corners[0]);
@@ -191,7 +191,10 @@ TileMesh TileStitcher::finish() {
     }
   reorder(mesh_.positions, order);
   reorder(mesh_.ids, order);
-  if (parameters_.normals) reorder(mesh_.normals, order);
+  if (parameters_.normals)
+    reorder(mesh_.normals, order);
+  else
+    mesh_.normals = {};
   return std::move(mesh_);
 }
 
