@@ -73,6 +73,25 @@ void check_budget(const RunContext& context, const Jobs& jobs) {
   for (const StageMemory& need : needs) stage_threads(context, need);
 }
 
+void warn_of_large_tiles(const RunContext& context) {
+  const Config& config = context.config;
+  // As many polygons as vertices: what closed surfaces of quads have.
+  const auto bytes_of = [&](std::uint64_t vertices) {
+    PlannedTile tile;
+    tile.vertices = tile.polygons = vertices;
+    return program_bytes() + encode_memory(config, {tile}).per_unit_bytes;
+  };
+  const auto limit = static_cast<std::uint64_t>(config.output.tile_vertices);
+  const std::uint64_t memory = context.budget().total;
+  if (bytes_of(limit) <= memory) return;
+  std::uint64_t fits = limit;
+  while (fits > 1024 && bytes_of(fits) > memory) fits = fits / 8 * 7;
+  spdlog::warn(
+      "run.memory = {} is not enough for a tile of output.tile_vertices = {}, which takes up to {} "
+      "to encode: should there be one so large, the run ends after merge; up to {} vertices fit",
+      exact_bytes(memory), limit, readable_bytes(static_cast<double>(bytes_of(limit))), fits);
+}
+
 void check_plan(const RunContext& context, const Jobs& jobs) {
   const std::vector<PlannedTile> tiles = TopArtifact(jobs.merge().path()).tiles();
   stage_threads(context, encode_memory(context.config, tiles));

@@ -38,8 +38,10 @@ class Jobs {
 
 // Refuses, before any work, a run.memory that is too small for one unit of ingest or build.
 void check_budget(const RunContext& context, const Jobs& jobs);
-// The same for the tiles and the merged mesh, once merge has planned them: how large they are is
-// the volume's to say, and output.tile_vertices only bounds it.
+// Warns, before any work, where a tile of output.tile_vertices could be too large for run.memory.
+void warn_of_large_tiles(const RunContext& context);
+// The same as check_budget for the tiles and the merged mesh, once merge has planned them: how
+// large they are is the volume's to say, and output.tile_vertices only bounds it.
 void check_plan(const RunContext& context, const Jobs& jobs);
 
 // The manifest but for what encode adds. Precondition: merge is current.

@@ -50,6 +50,7 @@ void check_writable(const std::filesystem::path& directory, const std::string& k
 void run_stages(RunContext& context) {
   Jobs jobs(context.config);
   check_budget(context, jobs);
+  warn_of_large_tiles(context);
   run_ingest(context, jobs.ingest());
   jobs.open_volume(context.config);
   run_build(context, jobs.build());

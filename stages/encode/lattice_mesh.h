@@ -13,7 +13,6 @@
 
 namespace voxweld {
 
-using LatticePoint = std::array<std::int32_t, 3>;
 using Triangle = std::array<std::uint32_t, 3>;
 
 constexpr std::uint64_t hash_point(const LatticePoint& q) {

@@ -10,8 +10,6 @@
 
 namespace voxweld {
 
-using LatticePoint = std::array<std::int32_t, 3>;  // in [0, 2^bits)
-
 // Frame of the snap: lattice point u of the volume lies at (u - 1) * spacing.
 struct SnapFrame {
   OutputLattice lattice;

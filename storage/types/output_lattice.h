@@ -27,4 +27,6 @@ struct OutputLattice {
 };
 inline constexpr int max_lattice_bits = 22;
 
+using LatticePoint = std::array<std::int32_t, 3>;  // in [0, 2^bits)
+
 }  // namespace voxweld

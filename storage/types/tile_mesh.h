@@ -28,7 +28,7 @@ struct TileMesh {
 
   // For each vertex, all of them used. Order: first use by the triangles (Morton order of the owner
   // cells, axis), so that it depends on nothing but the mesh.
-  std::vector<std::array<std::int32_t, 3>> positions;  // lattice coordinates
+  std::vector<LatticePoint> positions;
   std::vector<VertexId> ids;
   std::vector<std::array<PackedNormal, max_clusters>> normals;
 
