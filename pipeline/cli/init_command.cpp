@@ -51,7 +51,7 @@ std::string path_for_config(const std::string& input, const fs::path& config) {
   const fs::path folder = fs::absolute(config).lexically_normal().parent_path();
   const fs::path relative = full.lexically_relative(folder);
   const bool below = !relative.empty() && *relative.begin() != ".." && relative != ".";
-  const std::string text = (below ? relative : full).string();
+  std::string text = (below ? relative : full).string();
   for (const char c : text)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
       throw InputError(input + ": a config cannot hold a path with control characters; rename it");
@@ -68,9 +68,8 @@ std::string with_unit(std::string text, const std::string& unit) {
 }
 
 fs::path config_path(const InitArguments& arguments) {
-  const fs::path path = arguments.output.empty()
-                            ? fs::path(input_stem(arguments.volume.path) + ".toml")
-                            : fs::path(arguments.output);
+  fs::path path = arguments.output.empty() ? fs::path(input_stem(arguments.volume.path) + ".toml")
+                                           : fs::path(arguments.output);
   if (fs::is_directory(path))
     throw InputError(path.string() + ": is a directory; name the config file to write");
   if (fs::exists(path) && !arguments.force)

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <cstdio>
 #include <new>
 
 #include "pipeline/cli/commands.h"
@@ -80,7 +81,10 @@ int run_main(int argc, char** argv) {
 }  // namespace
 }  // namespace voxweld
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   voxweld::tune_allocator(2);
   return voxweld::run_main(argc, argv);
+} catch (const std::exception& error) {  // before there is a log to say it in
+  std::fputs(error.what(), stderr);
+  return 1;
 }
