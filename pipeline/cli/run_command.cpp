@@ -7,7 +7,9 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/mesh/manifest.h"
 #include "pipeline/run/run.h"
+#include "pipeline/run/task_report.h"
 #include "storage/support/file_io.h"
+#include "storage/support/provenance.h"
 
 namespace voxweld {
 namespace {
@@ -17,6 +19,9 @@ struct RunArguments {
   std::vector<std::string> overrides;
   bool dry_run = false;
   bool json = false;
+  std::string units;   // of one stage: a list
+  std::string part;    // or a share, "K/N"
+  std::string report;  // where to leave a task's report
 };
 
 RunContext make_context(Program& program, const RunArguments& arguments, Executor& executor) {
@@ -29,6 +34,7 @@ RunContext make_context(Program& program, const RunArguments& arguments, Executo
   const int machine = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   context.threads =
       context.config.run.threads > 0 ? static_cast<int>(context.config.run.threads) : machine;
+  set_provenance_config(config_fingerprint(context.config));
   return context;
 }
 
@@ -60,6 +66,53 @@ void add_config_options(CLI::App& command, RunArguments& arguments) {
       .add_option("--set", arguments.overrides,
                   "Overrides a key: table.key=value; may be given again")
       ->take_all();
+}
+
+// The units a task is to do, and where it says how it went.
+void add_task_options(CLI::App& command, RunArguments& arguments, Stage stage) {
+  if (stage == Stage::merge) return;
+  const bool shards = stage == Stage::ingest || stage == Stage::build;
+  auto* list = command.add_option(
+      shards ? "--shards" : "--tiles", arguments.units,
+      std::string("Only these ") + (shards ? "shards" : "tiles") +
+          ", by number: 0-63,70. What they need must be there" +
+          (stage == Stage::encode ? "; the merged mesh is the one after the last tile" : ""));
+  command
+      .add_option("--part", arguments.part,
+                  "Only every N-th from the K-th on: K/N, K from 0. All N parts are the stage")
+      ->excludes(list);
+}
+
+UnitSelection selection_of(const RunArguments& arguments, Stage stage) {
+  if (!arguments.units.empty())
+    return UnitSelection::list(
+        arguments.units, stage == Stage::ingest || stage == Stage::build ? "--shards" : "--tiles");
+  return arguments.part.empty() ? UnitSelection() : UnitSelection::part(arguments.part);
+}
+
+int run_stage_command(Program& program, const RunArguments& arguments, Stage stage) {
+  LocalExecutor executor;
+  RunContext context = make_context(program, arguments, executor);
+  context.selection = selection_of(arguments, stage);
+  const auto report = [&](int exit_code, const std::string& error) {
+    if (arguments.report.empty()) return;
+    TaskReport task = task_report(context, std::string(stage_name(stage)));
+    task.exit_code = exit_code;
+    task.error = error;
+    write_task_report(arguments.report, task);
+  };
+  try {
+    run_one(context, stage);
+  } catch (const Error& error) {
+    report(error.exit_code(), error.what());
+    throw;
+  } catch (const std::exception& error) {
+    report(1, error.what());
+    throw;
+  }
+  report(0, {});
+  if (stage == Stage::encode && context.selection.all()) print_summary(context, false);
+  return 0;
 }
 
 }  // namespace
@@ -95,14 +148,11 @@ void add_run_commands(CLI::App& app, Program& program) {
     CLI::App* command =
         app.add_subcommand(std::string(stage_name(stage)), help[static_cast<std::size_t>(stage)]);
     add_config_options(*command, *one);
+    add_task_options(*command, *one, stage);
+    command->add_option("--report", one->report,
+                        "Writes how it went to this file, as JSON: time, memory, the error");
     command->callback([&program, one, stage] {
-      program.run = [&program, one, stage] {
-        LocalExecutor executor;
-        RunContext context = make_context(program, *one, executor);
-        run_one(context, stage);
-        if (stage == Stage::encode) print_summary(context, false);
-        return 0;
-      };
+      program.run = [&program, one, stage] { return run_stage_command(program, *one, stage); };
     });
   }
 }

@@ -13,6 +13,7 @@
 namespace voxweld {
 
 class StageProgress;
+struct StageFigures;
 
 using StageName = std::string_view;  // "ingest", "build" ...
 
@@ -21,6 +22,8 @@ struct Unit {
   std::uint64_t key = 0;  // unique in its stage; orders errors
   std::string name;       // "shard 3/0/1": how messages call it
   double weight = 1;      // expected cost, in any unit common to the stage; not negative
+  // Units of one number other than 0 share a costly read: better done by one process.
+  std::uint64_t together = 0;
 };
 
 enum class UnitOrder {
@@ -33,6 +36,11 @@ struct RunOptions {
   UnitOrder order = UnitOrder::largest_first;
   StageProgress* progress = nullptr;         // told of each finished unit
   const InterruptFlag* interrupt = nullptr;  // asked before each unit
+  // Whether the unit's result is there and whole, whoever made it: how an executor whose units run
+  // in other processes knows what is left. Not asked by one that runs them itself.
+  std::function<bool(const Unit&)> done;
+  // Where such an executor adds what its processes took: cpu_s, and the largest peak_resident.
+  StageFigures* elsewhere = nullptr;
 };
 
 // What a unit's work is given of the place it runs in.
@@ -60,6 +68,9 @@ using UnitWork = std::function<void(const Unit&, WorkerContext&)>;
 class Executor {
  public:
   virtual ~Executor() = default;
+
+  // False where units run in other processes, which find out for themselves what is to be done.
+  virtual bool in_process() const { return true; }
 
   // Runs `work` on every unit and returns when all are done. A unit that fails does not keep the
   // others from running, unless going on is of no use: a stop was asked for, or the disk is full;

@@ -24,6 +24,7 @@ void add_hashes(InfoDocument& document, const Artifact& artifact, std::uint32_t 
   document["key"] = to_hex(artifact.key());
   document["content_hash"] = to_hex(artifact.content_hash());
   document["version"] = version;
+  document["made_by"] = InfoDocument::parse(artifact.provenance(), nullptr, false);
 }
 
 InfoDocument node_facts(const std::vector<ShardNode>& nodes) {

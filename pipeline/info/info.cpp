@@ -7,7 +7,6 @@
 #include "pipeline/info/kinds.h"
 #include "pipeline/mesh/manifest.h"
 #include "pipeline/run/open_input.h"
-#include "pipeline/run/stamp.h"
 #include "storage/spool/spool_record.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
@@ -66,14 +65,6 @@ InfoDocument small_document(const std::string& kind, const fs::path& path) {
   return document;
 }
 
-InfoDocument describe_stamp(const fs::path& path) {
-  const auto stamp = read_stamp(path.parent_path());
-  if (!stamp) throw DamagedArtifact(path.string(), "is not a stamp's 32 digits and their checksum");
-  InfoDocument document = small_document("volume_stamp", path);
-  document["stamp"] = to_hex(*stamp);
-  return document;
-}
-
 InfoDocument describe_array(const fs::path& array, const InfoOptions& options) {
   InfoOptions of_array = options;
   of_array.input.path = array.string();
@@ -112,7 +103,6 @@ std::optional<InfoDocument> describe_by_name(const fs::path& path, const InfoOpt
   if (name == manifest_name) return describe_output(path, options);
   if (name == tiles_name) return describe_tile_list(path, options);
   if (extension == ".toml") return describe_config(path);
-  if (name == "volume.stamp") return describe_stamp(path);
   if (fs::exists(spool_record_path(path))) return describe_spool(path, options);
   if (name == "zarr.json") return describe_array(array_above(path), options);
   if (is_zarr_chunk(path)) {

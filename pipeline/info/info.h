@@ -12,14 +12,15 @@
 //                    zarr {chunk, file, compression}
 //   brick_store      as volume, and records, chunk, shard, compression, shards {total, present};
 //                    verbose: shard_list [{at, bytes, range}]
-//   octree           key, content_hash, version, input_hash, bricks, active_bricks, active_cells,
+//   octree           key, content_hash, version, made_by, input_hash, bricks, active_bricks,
+//   active_cells,
 //                    crossing_edges, vertices, collapsed_above, worst_residual, leaves (by level),
 //                    nodes {outside, inside, leaf, split}; verbose: brick_list [{at, vertices,
 //                    polygons, skin_cells, bytes}]
-//   top_tree         key, content_hash, version, bricks, active_bricks, active_cells,
+//   top_tree         key, content_hash, version, made_by, bricks, active_bricks, active_cells,
 //                    crossing_edges, vertices, collapsed_above, top_leaves, worst_residual, leaves
 //                    (by level), tiles; verbose: tile_list [{level, at, vertices, polygons}]
-//   tile             key, content_hash, version, level, at, vertices, triangles, quads,
+//   tile             key, content_hash, version, made_by, level, at, vertices, triangles, quads,
 //                    polygon_triangles, collinear, lattice {step, bits, origin}
 //   asset_record     key, vertices, triangles, quads, polygon_triangles, collinear, files [{path,
 //                    format, bytes, xxh3_128}]
@@ -33,7 +34,6 @@
 //                    input (as manifest.json has them); verbose: file_list
 //   tile_list        tiles, vertices, triangles, files, file_bytes; verbose: tile_list
 //   config           settings {table {key: value}}
-//   volume_stamp     stamp
 //   temporary        of: the file it would have become
 //   work_directory   files, stages [{stage, folder, files, bytes}]
 //   stage_directory  stage, files

@@ -234,7 +234,8 @@ void write_manifest(const Manifest& manifest, const std::filesystem::path& path,
   const std::pair<const char*, const json*> sections[] = {{"input", manifest.input.get()},
                                                           {"config", manifest.config.get()},
                                                           {"stages", manifest.stages.get()},
-                                                          {"error", manifest.error.get()}};
+                                                          {"error", manifest.error.get()},
+                                                          {"made_by", manifest.made_by.get()}};
   for (const auto& [key, value] : sections)
     if (value != nullptr) out[key] = *value;
   out["files"] = ordered_json::array();
@@ -265,6 +266,7 @@ Manifest read_manifest(const std::filesystem::path& path) {
   manifest.config = section(document, "config");
   manifest.stages = section(document, "stages");
   manifest.error = section(document, "error");
+  manifest.made_by = section(document, "made_by");
   return manifest;
 }
 

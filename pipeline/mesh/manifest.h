@@ -14,7 +14,7 @@
 //                of the welded mesh; else some of them are in no polygon
 //   merged       {drc, glb} paths, or null
 //   files        [{path, format, role "tile" or "merged", bytes, xxh3_128}]
-//   input, config, stages, error   free-form
+//   input, config, stages, error, made_by   free-form; made_by: program, host, time, Slurm ids
 // tiles.jsonl, one object a line:
 //   {tile {level, at [x, y, z]}, vertices, triangles, quads, polygon_triangles,
 //    files [{format, path, bytes, xxh3_128}]}
@@ -86,7 +86,7 @@ struct Manifest {
   std::optional<MergedFiles> merged;
   std::vector<FileRecord> files;
   // Free-form sections: null when absent.
-  std::unique_ptr<nlohmann::json> input, config, stages, error;
+  std::unique_ptr<nlohmann::json> input, config, stages, error, made_by;
 };
 
 inline constexpr const char* manifest_name = "manifest.json";

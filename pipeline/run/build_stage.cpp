@@ -3,26 +3,31 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <mutex>
 
 #include "pipeline/run/shard_builder.h"
-#include "pipeline/run/stamp.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
 namespace {
 
-// The artifact's recorded input hash, or nothing when it is missing, damaged or of another key.
-std::optional<Hash128> recorded_input(const BuildJob& job, Index3 shard) {
+Hash128 volume_stamp(const BuildJob& job, Index3 shard) {
+  return job.volume.stamp(ShardBuilder::shard_samples(job, shard));
+}
+
+enum class ArtifactState { missing, unproven, current };
+
+ArtifactState state_of(const BuildJob& job, Index3 shard) {
   const auto path = shard_artifact_path(job, shard);
-  if (!std::filesystem::exists(path)) return std::nullopt;
+  if (!std::filesystem::exists(path)) return ArtifactState::missing;
   try {
     const ShardArtifact artifact(path);
-    if (artifact.key() != job.key) return std::nullopt;
-    return artifact.summary().input;
-  } catch (const DamagedArtifact&) {
-    return std::nullopt;
+    if (artifact.key() != job.key) return ArtifactState::missing;
+    return artifact.input_stamp() == volume_stamp(job, shard) ? ArtifactState::current
+                                                              : ArtifactState::unproven;
+  } catch (const DamagedArtifact& damage) {
+    if (damage.path() != path.string()) throw;
+    return ArtifactState::missing;
   }
 }
 
@@ -32,9 +37,15 @@ StageMemory build_memory(const RunContext& context, const BuildJob& job) {
           "raise run.memory or lower work.brick"};
 }
 
-Unit unit_of(const BuildJob& job, Index3 shard) {
-  return {morton_encode(shard), fmt::format("shard {}/{}/{}", shard.x, shard.y, shard.z),
-          static_cast<double>(job.grid.shard_bricks(shard).count())};
+std::vector<Unit> units_of(const BuildJob& job, const std::vector<std::uint64_t>& numbers) {
+  const std::vector<Index3> shards = job.grid.all_shards();
+  std::vector<Unit> units;
+  for (const std::uint64_t number : numbers) {
+    const Index3 shard = shards[number];
+    units.push_back({number, fmt::format("shard {}/{}/{}", shard.x, shard.y, shard.z),
+                     static_cast<double>(job.grid.shard_bricks(shard).count())});
+  }
+  return units;
 }
 
 // One for each worker slot.
@@ -44,66 +55,79 @@ std::vector<std::unique_ptr<ShardBuilder>> make_builders(const BuildJob& job, in
   return builders;
 }
 
+// Whether the samples are those the artifact was made from; then it says so from now on.
+bool proven(const BuildJob& job, Index3 shard, ShardBuilder& builder) {
+  const auto path = shard_artifact_path(job, shard);
+  const Hash128 stamp = volume_stamp(job, shard);
+  if (builder.input_hash(shard) != ShardArtifact(path).summary().input) return false;
+  restamp_artifact(path, stamp);
+  return true;
+}
+
 }  // namespace
 
 std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard) {
   return fanned_out(job.folder, shard, fmt::format("{}-{}-{}.octree", shard.x, shard.y, shard.z));
 }
 
-std::vector<Index3> missing_shards(RunContext& context, const BuildJob& job) {
-  const bool trusted = read_stamp(job.folder) == job.volume.stamp;
-  std::vector<Index3> missing;
-  std::vector<Unit> to_check;
-  std::map<std::uint64_t, Hash128> recorded;
-  for (const Index3& shard : job.grid.all_shards()) {
-    const auto input = recorded_input(job, shard);
-    if (!input) {
-      missing.push_back(shard);
-    } else if (!trusted) {
-      recorded[morton_encode(shard)] = *input;
-      to_check.push_back(unit_of(job, shard));
-    }
+BuildStatus build_status(const RunContext& context, const BuildJob& job) {
+  BuildStatus status;
+  const std::vector<Index3> shards = job.grid.all_shards();
+  context.selection.check("build", "shards", shards.size());
+  for (std::size_t i = 0; i < shards.size(); ++i) {
+    if (!context.selection.contains(i)) continue;
+    const ArtifactState state = state_of(job, shards[i]);
+    if (state == ArtifactState::missing) status.missing.push_back(i);
+    if (state == ArtifactState::unproven) status.unproven.push_back(i);
   }
-  if (to_check.empty()) return missing;
+  return status;
+}
 
+void prove(RunContext& context, const BuildJob& job, BuildStatus& status) {
+  if (status.unproven.empty()) return;
   StageRun stage;
   stage.stage = "check";
   stage.noun = "shards";
   stage.memory = build_memory(context, job);
   const int threads = stage_threads(context, stage.memory);
   const auto builders = make_builders(job, threads);
+  const std::vector<Index3> shards = job.grid.all_shards();
   std::mutex mutex;
-  run_stage(context, stage, to_check, threads, [&](const Unit& unit, WorkerContext& worker) {
-    const Index3 shard = morton_decode(unit.key);
-    ShardBuilder& builder = *builders[static_cast<std::size_t>(worker.slot())];
-    if (builder.input_hash(shard) == recorded.at(unit.key)) return;
-    const std::scoped_lock lock(mutex);
-    missing.push_back(shard);
-  });
-  std::sort(missing.begin(), missing.end(),
-            [](Index3 x, Index3 y) { return morton_encode(x) < morton_encode(y); });
-  return missing;
+  run_stage(context, stage, units_of(job, status.unproven), threads,
+            [&](const Unit& unit, WorkerContext& worker) {
+              ShardBuilder& builder = *builders[static_cast<std::size_t>(worker.slot())];
+              if (proven(job, shards[unit.key], builder)) return;
+              const std::scoped_lock lock(mutex);
+              status.missing.push_back(unit.key);
+            });
+  std::sort(status.missing.begin(), status.missing.end());
+  status.unproven.clear();
 }
 
 void run_build(RunContext& context, const BuildJob& job) {
-  const std::vector<Index3> missing = missing_shards(context, job);
-  // Those not missing were just compared with the volume as it is now: from here on its stamp is
-  // enough. Stale ones go first, so that none is left to be trusted.
-  for (const Index3& shard : missing) std::filesystem::remove(shard_artifact_path(job, shard));
-  write_stamp(job.folder, job.volume.stamp);
+  BuildStatus status = build_status(context, job);
+  if (context.executor->in_process()) prove(context, job, status);
 
+  // Elsewhere the one that builds a shard first looks whether it has to.
+  std::vector<std::uint64_t> numbers = status.missing;
+  numbers.insert(numbers.end(), status.unproven.begin(), status.unproven.end());
+  std::sort(numbers.begin(), numbers.end());
   StageRun stage;
   stage.stage = "build";
   stage.noun = "shards";
-  stage.reused = job.grid.all_shards().size() - missing.size();
+  const std::vector<Index3> shards = job.grid.all_shards();
+  stage.reused = shards.size() - numbers.size();
   stage.memory = build_memory(context, job);
   const int threads = stage_threads(context, stage.memory);
-  std::vector<Unit> units;
-  for (const Index3& shard : missing) units.push_back(unit_of(job, shard));
   const auto builders = make_builders(job, threads);
-  run_stage(context, stage, units, threads, [&](const Unit& unit, WorkerContext& worker) {
-    builders[static_cast<std::size_t>(worker.slot())]->build(morton_decode(unit.key), worker);
-  });
+  stage.done = [&](const Unit& unit) {
+    return state_of(job, shards[unit.key]) == ArtifactState::current;
+  };
+  run_stage(context, stage, units_of(job, numbers), threads,
+            [&](const Unit& unit, WorkerContext& worker) {
+              ShardBuilder& builder = *builders[static_cast<std::size_t>(worker.slot())];
+              builder.build(shards[unit.key], worker);
+            });
 }
 
 }  // namespace voxweld

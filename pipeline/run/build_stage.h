@@ -15,10 +15,20 @@ struct BuildJob {
 
 std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard);
 
-// The shards whose artifact is missing, damaged or made from other samples. Where the volume's
-// stamp is not the one the artifacts were last checked under, their samples are read again and
-// compared by content hash (shown as a stage "check").
-std::vector<Index3> missing_shards(RunContext& context, const BuildJob& job);
+// Units are numbered as job.grid.all_shards().
+struct BuildStatus {
+  std::vector<std::uint64_t> missing;  // no artifact, a damaged one, or other parameters'
+  // There is one, but its input stamp is not the volume's: its samples are to be compared.
+  std::vector<std::uint64_t> unproven;
+  bool current() const { return missing.empty() && unproven.empty(); }
+};
+// Of the units context selects; reads no samples.
+BuildStatus build_status(const RunContext& context, const BuildJob& job);
+
+// Reads the samples of the unproven again and compares their content hash with what the artifacts
+// were made from (shown as a stage "check"): those that are the same get the volume's stamp, the
+// others become missing.
+void prove(RunContext& context, const BuildJob& job, BuildStatus& status);
 
 // Builds what is missing.
 void run_build(RunContext& context, const BuildJob& job);

@@ -30,9 +30,15 @@ void run_stage(RunContext& context, const StageRun& stage, const std::vector<Uni
   StageStart start{stage.stage, stage.noun, units.size(), 0, stage.reused};
   for (const Unit& unit : units) start.weight += unit.weight;
   StageProgress progress(context.console, context.progress, start);
-  RunOptions options{threads, stage.order, &progress, context.interrupt};
+  StageFigures elsewhere;
+  const RunOptions options{threads,           stage.order, &progress,
+                           context.interrupt, stage.done,  &elsewhere};
   context.executor->run_units(stage.stage, units, work, options);
-  const StageFigures figures = meter.read();
+  StageFigures figures = meter.read();
+  if (!context.executor->in_process()) {
+    figures.cpu_s = elsewhere.cpu_s;
+    figures.peak_resident = elsewhere.peak_resident;
+  }
   progress.finish(figures);
   context.reports.push_back({stage.stage, units.size() + stage.reused, units.size(), figures});
 }

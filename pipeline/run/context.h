@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "pipeline/executor/executor.h"
 #include "pipeline/executor/memory_budget.h"
 #include "pipeline/executor/progress.h"
+#include "pipeline/run/unit_selection.h"
 #include "stages/geometry/brick_grid.h"
 #include "stages/geometry/parameters.h"
 #include "storage/support/hash.h"
@@ -31,7 +33,8 @@ struct RunContext {
   std::shared_ptr<Console> console;
   ProgressSettings progress;
   const InterruptFlag* interrupt = nullptr;
-  int threads = 1;  // as the config has it, resolved
+  int threads = 1;          // as the config has it, resolved
+  UnitSelection selection;  // the units to do, where this is one task of several
   std::vector<StageReport> reports;
 
   MemoryBudget budget() const { return {config.run.memory}; }
@@ -48,6 +51,7 @@ struct StageRun {
   StageMemory memory;  // base_bytes is filled in
   std::uint64_t reused = 0;
   UnitOrder order = UnitOrder::largest_first;
+  std::function<bool(const Unit&)> done;  // as RunOptions has it
 };
 // How many units fit run.memory at once: the worker slots the work may see, scratch for each.
 int stage_threads(const RunContext& context, StageMemory memory);
@@ -58,7 +62,9 @@ void run_stage(RunContext& context, const StageRun& stage, const std::vector<Uni
 struct Volume {
   std::shared_ptr<const SampleSource> source;
   const RangedSource* ranges = nullptr;  // the same source when it knows ranges
-  Hash128 stamp;  // equal when nothing hints at a change (paths, sizes, times)
+  // Of what the samples of a box come from: equal when nothing hints at a change there (names,
+  // sizes and times of files, hashes of a store's shards).
+  std::function<Hash128(const Box3& samples)> stamp;
   const VolumeGeometry& geometry() const { return source->info().geometry; }
 };
 

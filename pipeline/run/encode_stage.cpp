@@ -31,6 +31,10 @@ std::string tile_stem(CellKey tile, bool many) {
   return (many ? fanned_out(root, tile.at, tile_name(tile)) : root / tile_name(tile)).string();
 }
 
+bool has_many(const std::vector<PlannedTile>& tiles) {
+  return tiles.size() > 200;
+}
+
 std::filesystem::path tile_record_path(const EncodeJob& job, CellKey tile) {
   return fanned_out(job.folder, tile.at, tile_name(tile) + ".record");
 }
@@ -109,14 +113,14 @@ void encode_merged(const RunContext& context, const EncodeJob& job,
                                                         write_formats(context, job, mesh, "mesh")));
 }
 
-// The names of what is about to be written.
-void add_planned(const RunContext& context, const EncodeStatus& status, bool many,
+// The names of all that the run may write: the same for each of its tasks.
+void add_planned(const RunContext& context, const std::vector<PlannedTile>& tiles, bool merged,
                  std::set<std::string>& names) {
   for (const OutputConfig::Format format : context.config.output.formats) {
     const char* ending = format == OutputConfig::Format::drc ? ".drc" : ".glb";
-    for (const PlannedTile& tile : status.missing)
-      names.insert(tile_stem(tile.key(), many) + ending);
-    if (status.merged_missing) names.insert(std::string("mesh") + ending);
+    for (const PlannedTile& tile : tiles)
+      names.insert(tile_stem(tile.key(), has_many(tiles)) + ending);
+    if (merged) names.insert(std::string("mesh") + ending);
   }
 }
 
@@ -191,6 +195,52 @@ void write_listing(const EncodeJob& job, const std::vector<PlannedTile>& tiles, 
   finish_output(job.output);
 }
 
+bool tile_is_current(const EncodeJob& job, const PlannedTile& tile) {
+  return asset_is_current(tile_record_path(job, tile.key()),
+                          asset_key(job, content_of(job, tile.key())), job.output);
+}
+
+bool merged_is_current(const EncodeJob& job, const std::vector<PlannedTile>& tiles) {
+  return asset_is_current(merged_record_path(job), merged_key(job, tiles), job.output);
+}
+
+// The merged mesh takes the memory of the whole process: in this one it is made alone, after the
+// tiles; elsewhere it is one more unit.
+void encode_missing(RunContext& context, const EncodeJob& job,
+                    const std::vector<PlannedTile>& tiles, const EncodeStatus& status,
+                    bool merged_planned) {
+  StageRun stage;
+  stage.stage = "encode";
+  stage.noun = "meshes";
+  stage.reused =
+      tiles.size() - status.missing.size() + (merged_planned && !status.merged_missing ? 1 : 0);
+  stage.memory = encode_memory(context.config, tiles);
+  stage.done = [&](const Unit& unit) {
+    return unit.key < tiles.size() ? tile_is_current(job, tiles[unit.key])
+                                   : merged_is_current(job, tiles);
+  };
+  const bool here = context.executor->in_process();
+  std::vector<Unit> units;
+  double polygons = 0;
+  for (const std::uint64_t number : status.missing) {
+    units.push_back({number, "tile " + tile_name(tiles[number].key()),
+                     static_cast<double>(tiles[number].polygons)});
+    polygons += units.back().weight;
+  }
+  if (status.merged_missing && !here) units.push_back({tiles.size(), "merged mesh", polygons});
+  const StageMeter meter;
+  run_stage(context, stage, units, stage_threads(context, stage.memory),
+            [&](const Unit& unit, WorkerContext&) {
+              encode_tile(context, job, tiles[unit.key], has_many(tiles));
+            });
+  if (!status.merged_missing || !here) return;
+  encode_merged(context, job, tiles);
+  StageReport& report = context.reports.back();
+  report.figures = meter.read();
+  ++report.ran;
+  ++report.units;
+}
+
 }  // namespace
 
 StageMemory encode_memory(const Config& config, const std::vector<PlannedTile>& tiles) {
@@ -233,54 +283,30 @@ EncodeStatus encode_status(const RunContext& context, const EncodeJob& job,
                            const TopArtifact& top) {
   EncodeStatus status;
   const std::vector<PlannedTile> tiles = top.tiles();
-  for (const PlannedTile& tile : tiles) {
-    const Hash128 key = asset_key(job, content_of(job, tile.key()));
-    if (!asset_is_current(tile_record_path(job, tile.key()), key, job.output))
-      status.missing.push_back(tile);
-  }
-  if (plan_merged(context.config, tiles).write)
-    status.merged_missing =
-        !asset_is_current(merged_record_path(job), merged_key(job, tiles), job.output);
+  for (std::size_t i = 0; i < tiles.size(); ++i)
+    if (context.selection.contains(i) && !tile_is_current(job, tiles[i]))
+      status.missing.push_back(i);
+  if (context.selection.contains(tiles.size()) && plan_merged(context.config, tiles).write)
+    status.merged_missing = !merged_is_current(job, tiles);
   return status;
 }
 
 void run_encode(RunContext& context, const EncodeJob& job, Manifest manifest) {
   const TopArtifact top(job.stitch->merge->path());
   const std::vector<PlannedTile> tiles = top.tiles();
+  context.selection.check("encode", "tiles", tiles.size() + 1);
   const EncodeStatus status = encode_status(context, job, top);
   const MergedPlan merged = plan_merged(context.config, tiles);
   if (!merged.why_not.empty())
     spdlog::warn("no merged mesh: {}; the tiles are complete", merged.why_not);
 
-  const bool many = tiles.size() > 200;
   std::set<std::string> before = files_of_earlier_runs(job.output);
-  if (!status.missing.empty() || status.merged_missing) {
-    add_planned(context, status, many, before);
+  if (!status.current()) {
+    add_planned(context, tiles, merged.write, before);
     begin_output(job.output, before);
   }
-
-  StageRun stage;
-  stage.stage = "encode";
-  stage.noun = "meshes";
-  stage.reused =
-      tiles.size() - status.missing.size() + (merged.write && !status.merged_missing ? 1 : 0);
-  stage.memory = encode_memory(context.config, tiles);
-  const int threads = stage_threads(context, stage.memory);
-  std::vector<Unit> units;
-  for (std::size_t i = 0; i < status.missing.size(); ++i)
-    units.push_back({i, "tile " + tile_name(status.missing[i].key()),
-                     static_cast<double>(status.missing[i].polygons)});
-  StageMeter meter;
-  run_stage(context, stage, units, threads, [&](const Unit& unit, WorkerContext&) {
-    encode_tile(context, job, status.missing[unit.key], many);
-  });
-  if (status.merged_missing) {
-    encode_merged(context, job, tiles);
-    StageReport& report = context.reports.back();
-    report.figures = meter.read();
-    ++report.ran;
-    ++report.units;
-  }
+  encode_missing(context, job, tiles, status, merged.write);
+  if (!context.selection.all()) return;
   manifest.stages = std::make_unique<nlohmann::json>(stages_json(context));
   write_listing(job, tiles, merged.write, before, manifest);
 }

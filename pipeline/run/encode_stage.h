@@ -17,9 +17,11 @@ struct EncodeJob {
   Hash128 key;
 };
 
+// Units are numbered as TopArtifact::tiles(); the merged mesh comes after them.
 struct EncodeStatus {
-  std::vector<PlannedTile> missing;  // tiles whose files are missing, changed or of other inputs
+  std::vector<std::uint64_t> missing;  // tiles whose files are missing, changed or of other inputs
   bool merged_missing = false;
+  bool current() const { return missing.empty() && !merged_missing; }
 };
 
 // Whether the merged mesh is to be written: "auto" leaves it out when it does not fit run.memory.
@@ -36,7 +38,8 @@ StageMemory encode_memory(const Config& config, const std::vector<PlannedTile>& 
 
 // Precondition: stitch is current.
 EncodeStatus encode_status(const RunContext& context, const EncodeJob& job, const TopArtifact& top);
-// Writes what is missing, tiles.jsonl and manifest.json.
+// Writes what is missing of the files context selects; where it selects all, also tiles.jsonl and
+// manifest.json.
 void run_encode(RunContext& context, const EncodeJob& job, Manifest manifest);
 
 }  // namespace voxweld

@@ -9,10 +9,10 @@
 #include "pipeline/run/histogram_artifact.h"
 #include "pipeline/run/open_input.h"
 #include "pipeline/run/recorded_input.h"
+#include "pipeline/run/spooled_input.h"
 #include "pipeline/run/volume_scan.h"
 #include "stages/ingest/statistics.h"
 #include "storage/artifact/container.h"
-#include "storage/spool/spool.h"
 #include "storage/store/shard_record.h"
 #include "storage/store/shard_writer.h"
 #include "storage/store/store_source.h"
@@ -44,11 +44,24 @@ std::vector<Index3> shards_of(const StoreLayout& layout) {
   return shards;
 }
 
-std::vector<Index3> missing_of(const StoreLayout& layout, Hash128 stamp) {
-  std::vector<Index3> missing;
+Histogram store_histogram(const StoreLayout& layout) {
+  Histogram histogram;
+  histogram.type = layout.type;
   for (const Index3& shard : shards_of(layout))
-    if (!shard_is_current(layout, shard, stamp)) missing.push_back(shard);
-  return missing;
+    add(histogram, read_shard_record(layout, shard).histogram);
+  return histogram;
+}
+
+// Of the store's shards that hold these samples.
+Hash128 store_stamp(const StoreLayout& layout, const Box3& samples) {
+  KeyHasher stamp;
+  const std::int64_t side = layout.parameters.shard;
+  const Index3 lo = samples.lo, hi = samples.hi;
+  for (std::int64_t z = lo.z / side; z * side < hi.z; ++z)
+    for (std::int64_t y = lo.y / side; y * side < hi.y; ++y)
+      for (std::int64_t x = lo.x / side; x * side < hi.x; ++x)
+        stamp.hash(read_shard_record(layout, {x, y, z}).file_hash);
+  return stamp.finish();
 }
 
 std::filesystem::path histogram_path(const IngestJob& job) {
@@ -65,47 +78,70 @@ bool histogram_is_current(const IngestJob& job) {
   }
 }
 
-// The input where boxes of it can be read, else its spool.
-std::shared_ptr<const SampleSource> by_boxes(RunContext& context, const IngestJob& job) {
-  const VolumeInfo& info = job.info;
-  const auto input = job.input ? job.input : open_input(context.config.input);
-  if (input->info().access == Access::box) return input;
-  const auto path = job.folder / "spool.raw";
-  if (!spool_is_current(path, job.stamp)) {
-    spdlog::info("{} is read slice by slice: spooling {} once", context.config.input.path.string(),
-                 readable_bytes(static_cast<double>(spool_bytes(info))));
-    SpoolOptions options;
-    // A budget smaller than the program leaves nothing, which spool_volume refuses with a figure.
-    options.memory =
-        context.config.run.memory - std::min(context.config.run.memory, program_bytes());
-    options.progress = [&](const SpoolProgress&) {
-      if (context.interrupt != nullptr) context.interrupt->check();
-    };
-    spool_volume(*input, path, job.stamp, options);
+// Units are numbered as shards_of; ascending.
+std::vector<std::uint64_t> missing_of(const RunContext& context, const StoreLayout& layout,
+                                      Hash128 stamp) {
+  const std::vector<Index3> shards = shards_of(layout);
+  std::vector<std::uint64_t> missing;
+  for (std::size_t i = 0; i < shards.size(); ++i)
+    if (context.selection.contains(i) && !shard_is_current(layout, shards[i], stamp))
+      missing.push_back(i);
+  return missing;
+}
+
+std::vector<Unit> units_of(const StoreLayout& layout, const std::vector<std::uint64_t>& numbers,
+                           Access access) {
+  const std::vector<Index3> shards = shards_of(layout);
+  std::vector<Unit> units;
+  for (const std::uint64_t number : numbers) {
+    const Index3& s = shards[number];
+    // Shards of one layer come from the same slices, all shards from the same stream.
+    const std::uint64_t together = access == Access::box      ? 0
+                                   : access == Access::stream ? 1
+                                                              : static_cast<std::uint64_t>(s.z) + 1;
+    units.push_back({number, fmt::format("store shard {}/{}/{}", s.x, s.y, s.z),
+                     static_cast<double>(layout.shard_samples(s).count()), together});
   }
-  return open_spool(path, job.stamp);
+  return units;
 }
 
-void remove_spool(const IngestJob& job) {
-  std::error_code ignored;
-  std::filesystem::remove(job.folder / "spool.raw.record", ignored);
-  std::filesystem::remove(job.folder / "spool.raw", ignored);
-}
-
-void run_copy(RunContext& context, const IngestJob& job) {
+// What the missing shards are cut from: the input where boxes of it can be read, else a spool of
+// their slices, which goes with it.
+SpooledInput by_boxes(RunContext& context, const IngestJob& job,
+                      const std::vector<std::uint64_t>& missing) {
+  const auto input = job.input ? job.input : open_input(context.config.input);
+  if (input->info().access == Access::box) return {input, {}};
   const StoreLayout layout = layout_of(context.config, job);
-  const std::vector<Index3> missing = missing_of(layout, job.stamp);
+  const std::vector<Index3> shards = shards_of(layout);  // z ascends with the number
+  const std::int64_t lo = layout.shard_samples(shards[missing.front()]).lo.z;
+  const std::int64_t hi = layout.shard_samples(shards[missing.back()]).hi.z;
+  SpoolOptions options;
+  // A budget smaller than the program leaves nothing, which spool_volume refuses with a figure.
+  options.memory = context.config.run.memory - std::min(context.config.run.memory, program_bytes());
+  options.progress = [&](const SpoolProgress&) {
+    if (context.interrupt != nullptr) context.interrupt->check();
+  };
+  return spool_slices({input, job.folder, job.stamp, lo, hi}, options);
+}
+
+void write_shards(RunContext& context, const IngestJob& job,
+                  const std::vector<std::uint64_t>& missing) {
+  const StoreLayout layout = layout_of(context.config, job);
+  const std::vector<Index3> shards = shards_of(layout);
+  const bool here = context.executor->in_process();
   StageRun stage;
   stage.stage = "ingest";
   stage.noun = "shards";
-  stage.reused = shards_of(layout).size() - missing.size();
+  stage.reused = shards.size() - missing.size();
   stage.memory = ingest_memory(context.config, job);
+  stage.done = [&](const Unit& unit) {
+    return shard_is_current(layout, shards[unit.key], job.stamp);
+  };
   const int threads = stage_threads(context, stage.memory);
-  std::shared_ptr<const SampleSource> source;
   const StageMeter spool_meter;
-  if (!missing.empty()) source = by_boxes(context, job);
+  SpooledInput source;
+  if (here && !missing.empty()) source = by_boxes(context, job, missing);
   const StageFigures spooling = spool_meter.read();
-  if (!store_metadata_is_current(layout)) write_store_metadata(layout);
   struct Worker {
     ShardScratch scratch;
     HistogramStatistics statistics;
@@ -116,26 +152,34 @@ void run_copy(RunContext& context, const IngestJob& job) {
     workers.push_back(std::make_unique<Worker>(layout.type));
     workers.back()->scratch.band_bytes = band_bytes;
   }
-  std::vector<Unit> units;
-  for (std::size_t i = 0; i < missing.size(); ++i) {
-    const Index3& s = missing[i];
-    units.push_back({i, fmt::format("store shard {}/{}/{}", s.x, s.y, s.z),
-                     static_cast<double>(layout.shard_samples(s).count())});
-  }
-  run_stage(context, stage, units, threads, [&](const Unit& unit, WorkerContext& worker_context) {
-    Worker& worker = *workers[static_cast<std::size_t>(worker_context.slot())];
-    write_shard(layout, missing[unit.key], job.stamp, *source, worker.statistics, worker.scratch);
-    worker_context.add_bytes(
-        static_cast<std::uint64_t>(layout.shard_samples(missing[unit.key]).count()) *
-        sample_bytes(layout.type));
-  });
+  run_stage(
+      context, stage, units_of(layout, missing, job.info.access), threads,
+      [&](const Unit& unit, WorkerContext& worker_context) {
+        Worker& worker = *workers[static_cast<std::size_t>(worker_context.slot())];
+        const Index3& shard = shards[unit.key];
+        write_shard(layout, shard, job.stamp, *source.samples, worker.statistics, worker.scratch);
+        worker_context.add_bytes(static_cast<std::uint64_t>(layout.shard_samples(shard).count()) *
+                                 sample_bytes(layout.type));
+      });
+  if (!here) return;
   StageFigures& figures = context.reports.back().figures;
   figures.wall_s += spooling.wall_s;
   figures.cpu_s += spooling.cpu_s;
   figures.peak_resident = std::max(figures.peak_resident, spooling.peak_resident);
-  remove_spool(job);
-  if (job.input && job.input->info().access != Access::box)
+}
+
+void run_copy(RunContext& context, const IngestJob& job) {
+  const StoreLayout layout = layout_of(context.config, job);
+  context.selection.check("ingest", "shards", shards_of(layout).size());
+  if (!store_metadata_is_current(layout)) write_store_metadata(layout);
+  // From here on no other process has to look at every slice to know what they are.
+  if (context.selection.all() && job.input && job.input->info().access != Access::box)
     record_input(job.folder, parameter_hash(context.config, Stage::ingest), job.info);
+  write_shards(context, job, missing_of(context, layout, job.stamp));
+  if (!context.selection.all()) return;
+  remove_spools(job.folder);
+  if (job.histogram && !histogram_is_current(job))
+    write_histogram_artifact(histogram_path(job), {job.stamp, store_histogram(layout)});
 }
 
 }  // namespace
@@ -169,14 +213,16 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder)
   return job;
 }
 
-IngestStatus ingest_status(const Config& config, const IngestJob& job) {
+IngestStatus ingest_status(const RunContext& context, const IngestJob& job) {
+  IngestStatus status;
   if (job.copy) {
-    const StoreLayout layout = layout_of(config, job);
-    return {shards_of(layout).size(), missing_of(layout, job.stamp).size(),
-            !store_metadata_is_current(layout)};
+    const StoreLayout layout = layout_of(context.config, job);
+    status.units = shards_of(layout).size();
+    status.missing = missing_of(context, layout, job.stamp).size();
+    status.metadata_missing = !store_metadata_is_current(layout);
   }
-  if (job.histogram) return {1, histogram_is_current(job) ? 0u : 1u, false};
-  return {};
+  status.histogram_missing = job.histogram && !histogram_is_current(job);
+  return status;
 }
 
 StageMemory ingest_memory(const Config& config, const IngestJob& job) {
@@ -200,24 +246,14 @@ void run_ingest(RunContext& context, const IngestJob& job) {
 }
 
 Volume ingested_volume(const Config& config, const IngestJob& job) {
-  if (!job.copy) return {job.input, nullptr, job.stamp};
+  if (!job.copy) return {job.input, nullptr, [stamp = job.stamp](const Box3&) { return stamp; }};
   const StoreLayout layout = layout_of(config, job);
   const auto store = std::make_shared<StoreSource>(layout);
-  KeyHasher stamp;
-  for (const Index3& shard : shards_of(layout))
-    stamp.hash(read_shard_record(layout, shard).file_hash);
-  return {store, store.get(), stamp.finish()};
+  return {store, store.get(),
+          [layout](const Box3& samples) { return store_stamp(layout, samples); }};
 }
 
-std::optional<Histogram> read_histogram(const Config& config, const IngestJob& job) {
-  Histogram histogram;
-  histogram.type = job.info.type;
-  if (job.copy) {
-    const StoreLayout layout = layout_of(config, job);
-    for (const Index3& shard : shards_of(layout))
-      add(histogram, read_shard_record(layout, shard).histogram);
-    return histogram;
-  }
+std::optional<Histogram> read_histogram(const IngestJob& job) {
   if (!histogram_is_current(job)) return std::nullopt;
   return read_histogram_artifact(histogram_path(job)).histogram;
 }

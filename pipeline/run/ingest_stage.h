@@ -25,11 +25,13 @@ struct IngestJob {
 IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder);
 
 struct IngestStatus {
-  std::uint64_t units = 0, missing = 0;  // shards of the store; or the one histogram
+  std::uint64_t units = 0, missing = 0;  // shards of the store; none where nothing is copied
   bool metadata_missing = false;         // the store's zarr.json
-  bool current() const { return missing == 0 && !metadata_missing; }
+  bool histogram_missing = false;        // where the isovalue is to be chosen from it
+  bool current() const { return missing == 0 && !metadata_missing && !histogram_missing; }
 };
-IngestStatus ingest_status(const Config& config, const IngestJob& job);
+// Of the units context selects, which are numbered x fastest.
+IngestStatus ingest_status(const RunContext& context, const IngestJob& job);
 
 // What one unit of it takes. No bytes where nothing is copied.
 StageMemory ingest_memory(const Config& config, const IngestJob& job);
@@ -37,7 +39,7 @@ void run_ingest(RunContext& context, const IngestJob& job);
 
 // What ingest leaves. Precondition: it is current.
 Volume ingested_volume(const Config& config, const IngestJob& job);
-std::optional<Histogram> read_histogram(const Config& config, const IngestJob& job);
+std::optional<Histogram> read_histogram(const IngestJob& job);
 
 // The range of all samples, for messages: from the store's records or by reading everything.
 ValueRange whole_range(RunContext& context, const Volume& volume);

@@ -11,12 +11,13 @@
 #include "stages/ingest/threshold.h"
 #include "stages/stitch/lattice_plan.h"
 #include "storage/support/error.h"
+#include "storage/support/provenance.h"
 
 namespace voxweld {
 namespace {
 
 double choose_isovalue(const Config& config, const IngestJob& job) {
-  const auto histogram = read_histogram(config, job);
+  const auto histogram = read_histogram(job);
   const auto suggestion = histogram ? suggest_isovalue(*histogram) : std::nullopt;
   if (!suggestion)
     throw InputError(
@@ -128,6 +129,7 @@ Manifest make_manifest(const RunContext& context, const Jobs& jobs) {
                      {"reached", counts.worst_residual},
                      {"finest", counts.worst_finest},
                      {"unit", info.geometry.unit}});
+  m.made_by = std::make_unique<nlohmann::json>(nlohmann::json::parse(provenance_json()));
   return m;
 }
 

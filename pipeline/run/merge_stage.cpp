@@ -10,12 +10,12 @@
 namespace voxweld {
 namespace {
 
-Hash128 full_key(const MergeJob& job) {
-  KeyHasher key;
-  key.hash(job.key);
-  for (const Index3& shard : job.build->grid.all_shards())
-    key.hash(ShardArtifact(shard_artifact_path(*job.build, shard)).content_hash());
-  return key.finish();
+// Content hashes of what build has left, in the order of its units.
+std::vector<Hash128> shard_hashes(const BuildJob& job) {
+  std::vector<Hash128> hashes;
+  for (const Index3& shard : job.grid.all_shards())
+    hashes.push_back(ShardArtifact(shard_artifact_path(job, shard)).content_hash());
+  return hashes;
 }
 
 struct Sink : ReductionSink {
@@ -50,15 +50,19 @@ void add(const ShardSummary& shard, MergeCounts& counts) {
   for (std::size_t l = 0; l < counts.leaves.size(); ++l) counts.leaves[l] += shard.counts.leaves[l];
 }
 
-void merge(const MergeJob& job, Hash128 key) {
+void merge(const MergeJob& job) {
   const BrickGrid& grid = job.build->grid;
   const ContourParameters& parameters = job.build->parameters;
-  TopArtifactWriter out(job.path(), key);
+  TopArtifactWriter out(job.path(), job.key);
   TilePlanner planner(std::max(grid.domain_level(), block_level), job.tile_vertices,
                       [&](const PlannedTile& tile) { out.tile(tile); });
   MergeCounts counts;
-  for (const Index3& shard : grid.all_shards())
-    add(ShardArtifact(shard_artifact_path(*job.build, shard)).summary(), counts);
+  std::vector<Hash128> shards;
+  for (const Index3& shard : grid.all_shards()) {
+    const ShardArtifact artifact(shard_artifact_path(*job.build, shard));
+    add(artifact.summary(), counts);
+    shards.push_back(artifact.content_hash());
+  }
 
   Sink sink;
   sink.out = &out;
@@ -79,16 +83,20 @@ void merge(const MergeJob& job, Hash128 key) {
   OctreeReduction::settle(reduction.finish(), sink);
   counts.collapsed_above += reduction.collapsed();
   planner.finish();
-  out.finish(counts);
+  out.finish(counts, shards);
 }
 
 }  // namespace
+
+bool merge_is_there(const MergeJob& job) {
+  return std::filesystem::exists(job.path()) && TopArtifact(job.path()).key() == job.key;
+}
 
 bool merge_is_current(const MergeJob& job) {
   if (!std::filesystem::exists(job.path())) return false;
   try {
     const TopArtifact artifact(job.path());
-    return artifact.key() == full_key(job);
+    return artifact.key() == job.key && artifact.shards() == shard_hashes(*job.build);
   } catch (const DamagedArtifact& damage) {
     if (damage.path() == job.path()) return false;
     throw;
@@ -103,8 +111,8 @@ void run_merge(RunContext& context, const MergeJob& job) {
   stage.reused = current ? 1 : 0;
   std::vector<Unit> units;
   if (!current) units.push_back({0, "top tree", 1});
-  run_stage(context, stage, units, 1,
-            [&](const Unit&, WorkerContext&) { merge(job, full_key(job)); });
+  stage.done = [&](const Unit&) { return merge_is_current(job); };
+  run_stage(context, stage, units, 1, [&](const Unit&, WorkerContext&) { merge(job); });
 }
 
 }  // namespace voxweld

@@ -41,6 +41,8 @@ std::set<std::string> files_of_earlier_runs(const std::filesystem::path& output)
         names.insert(file.path);
   } catch (const FormatError&) {
     names.clear();
+  } catch (const StorageError&) {  // another task has just taken it away, after noting its names
+    if (std::filesystem::exists(output / manifest_name)) throw;
   }
   add_noted(output, names);
   return names;

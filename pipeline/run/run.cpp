@@ -84,6 +84,12 @@ void mend(const std::exception& error, std::set<std::string>& mended) {
   }
 }
 
+bool build_is_current(RunContext& context, const BuildJob& job) {
+  BuildStatus status = build_status(context, job);
+  prove(context, job, status);
+  return status.current();
+}
+
 }  // namespace
 
 void run_all(RunContext& context) {
@@ -117,16 +123,19 @@ void run_one(RunContext& context, Stage stage) {
                       stage_name(stage), stage_name(before), stage_name(before)));
   };
   if (stage == Stage::ingest) return run_ingest(context, jobs.ingest());
-  need(Stage::ingest, ingest_status(context.config, jobs.ingest()).current());
+  if (context.selection.all()) need(Stage::ingest, ingest_status(context, jobs.ingest()).current());
   jobs.open_volume(context.config);
   if (stage == Stage::build) return run_build(context, jobs.build());
-  need(Stage::build, missing_shards(context, jobs.build()).empty());
+  // A task reads the few artifacts that its share needs, and those say whether they fit.
+  const bool share = !context.selection.all();
+  if (!share) need(Stage::build, build_is_current(context, jobs.build()));
   if (stage == Stage::merge) return run_merge(context, jobs.merge());
-  need(Stage::merge, merge_is_current(jobs.merge()));
+  need(Stage::merge, share ? merge_is_there(jobs.merge()) : merge_is_current(jobs.merge()));
   check_surface(context, jobs);
   check_plan(context, jobs);
   if (stage == Stage::stitch) return run_stitch(context, jobs.stitch());
-  need(Stage::stitch, missing_tiles(jobs.stitch(), TopArtifact(jobs.merge().path())).empty());
+  need(Stage::stitch,
+       missing_tiles(context, jobs.stitch(), TopArtifact(jobs.merge().path())).empty());
   run_encode(context, jobs.encode(), make_manifest(context, jobs));
 }
 
@@ -144,7 +153,7 @@ std::string dry_run(RunContext& context) {
     return why.empty() ? std::string() : " (" + why + ")";
   };
   Jobs jobs(context.config);
-  const IngestStatus ingest = ingest_status(context.config, jobs.ingest());
+  const IngestStatus ingest = ingest_status(context, jobs.ingest());
   if (!ingest.current()) {
     say(Stage::ingest,
         ingest.missing == 0
@@ -157,11 +166,12 @@ std::string dry_run(RunContext& context) {
   say(Stage::ingest,
       jobs.ingest().copy ? "up to date" : "nothing to do: the input is read in place");
   jobs.open_volume(context.config);
-  const auto shards = missing_shards(context, jobs.build());
+  BuildStatus shards = build_status(context, jobs.build());
+  prove(context, jobs.build(), shards);
   const std::size_t all = jobs.build().grid.all_shards().size();
-  if (!shards.empty()) {
-    say(Stage::build, fmt::format("would run: {} of {} shards missing{}", shards.size(), all,
-                                  because(Stage::build)));
+  if (!shards.missing.empty()) {
+    say(Stage::build, fmt::format("would run: {} of {} shards missing{}", shards.missing.size(),
+                                  all, because(Stage::build)));
     later(Stage::merge, "waits for build");
     return text;
   }
@@ -173,7 +183,7 @@ std::string dry_run(RunContext& context) {
   }
   say(Stage::merge, "up to date");
   const TopArtifact top(jobs.merge().path());
-  const auto tiles = missing_tiles(jobs.stitch(), top);
+  const auto tiles = missing_tiles(context, jobs.stitch(), top);
   if (!tiles.empty()) {
     say(Stage::stitch, fmt::format("would run: {} of {} tiles missing{}", tiles.size(),
                                    top.tiles().size(), because(Stage::stitch)));

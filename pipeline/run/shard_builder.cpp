@@ -28,6 +28,15 @@ struct NodeCollector : ReductionSink {
   void cube(const CubeCount& count) override { node->cubes.push_back(count); }
 };
 
+Box3 halo(const BuildJob& job, Index3 brick) {
+  const int level = job.grid.brick_level();
+  return halo_samples({brick * (std::int64_t{1} << level), level}, job.parameters.surface.gradient);
+}
+
+Box3 brick_samples(const BuildJob& job, Index3 brick) {
+  return intersect(halo(job, brick), Box3{{}, job.grid.size()});
+}
+
 void add(const BrickCounts& from, BrickCounts& to, bool own_leaves) {
   to.active_cells += from.active_cells;
   to.crossing_edges += from.crossing_edges;
@@ -48,10 +57,10 @@ std::uint64_t ShardBuilder::memory_bytes(const BrickGrid& grid, SampleType type)
          side16 * side16 * side16 * 2 * sizeof(CubeCount);
 }
 
-Box3 ShardBuilder::brick_samples(Index3 brick) const {
-  const BrickGrid& grid = job_.grid;
-  const BrickPlace place{brick * (std::int64_t{1} << grid.brick_level()), grid.brick_level()};
-  return intersect(halo_samples(place, job_.parameters.surface.gradient), Box3{{}, grid.size()});
+Box3 ShardBuilder::shard_samples(const BuildJob& job, Index3 shard) {
+  const Box3 bricks = job.grid.shard_bricks(shard);
+  const Box3 first = halo(job, bricks.lo), last = halo(job, bricks.hi - splat(1));
+  return intersect({first.lo, last.hi}, Box3{{}, job.grid.size()});
 }
 
 // Whether the known ranges say that no cell of the brick has a sign change: all samples its cells
@@ -82,7 +91,7 @@ std::vector<ShardBuilder::Run> ShardBuilder::runs_of(Index3 row, std::int64_t en
   std::vector<Run> runs;
   for (Index3 brick = row; brick.x < end; ++brick.x) {
     if (skip_state(brick) != NodeState::split) continue;
-    const Box3 samples = brick_samples(brick);
+    const Box3 samples = brick_samples(job_, brick);
     if (!runs.empty() && runs.back().first.x + runs.back().count == brick.x) {
       Box3 joined = runs.back().samples;
       joined.hi.x = samples.hi.x;
@@ -136,7 +145,8 @@ void ShardBuilder::build(Index3 shard, const WorkerContext& worker) {
   summary_ = ShardSummary{};
   StreamHasher hash;
   note_sides(shard, hash);
-  ShardArtifactWriter out(shard_artifact_path(job_, shard), job_.key);
+  ShardArtifactWriter out(shard_artifact_path(job_, shard), job_.key,
+                          job_.volume.stamp(shard_samples(job_, shard)));
   each_run(shard, [&](const Run& run) {
     read(run, hash);
     build_run(run, out, worker);

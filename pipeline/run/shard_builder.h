@@ -18,6 +18,9 @@ class ShardBuilder {
   // bricks it need not read are on.
   Hash128 input_hash(Index3 shard);
 
+  // The samples build reads, or would were no brick left out.
+  static Box3 shard_samples(const BuildJob& job, Index3 shard);
+
   // Bytes of one builder at work on one shard, whatever the samples.
   static std::uint64_t memory_bytes(const BrickGrid& grid, SampleType type);
 
@@ -35,7 +38,6 @@ class ShardBuilder {
   void each_run(Index3 shard, F&& f);
   std::vector<Run> runs_of(Index3 row, std::int64_t end) const;
   NodeState skip_state(Index3 brick) const;
-  Box3 brick_samples(Index3 brick) const;
   void note_sides(Index3 shard, StreamHasher& hash) const;
   void read(const Run& run, StreamHasher& hash);
   void build_run(const Run& run, ShardArtifactWriter& out, const WorkerContext& worker);

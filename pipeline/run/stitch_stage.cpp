@@ -89,25 +89,30 @@ std::filesystem::path tile_artifact_path(const StitchJob& job, CellKey tile) {
                     fmt::format("{}-{}-{}-{}.tile", tile.level, tile.at.x, tile.at.y, tile.at.z));
 }
 
-std::vector<PlannedTile> missing_tiles(const StitchJob& job, const TopArtifact& top) {
-  ShardFiles files(*job.build);
-  std::vector<PlannedTile> missing;
-  for (const PlannedTile& tile : top.tiles())
-    if (!is_current(job, prepare(job, tile, top, files))) missing.push_back(tile);
+std::vector<std::uint64_t> missing_tiles(const RunContext& context, const StitchJob& job,
+                                         const TopArtifact& top) {
+  ShardFiles files(*job.build, top);
+  const std::vector<PlannedTile> tiles = top.tiles();
+  std::vector<std::uint64_t> missing;
+  for (std::size_t i = 0; i < tiles.size(); ++i)
+    if (context.selection.contains(i) && !is_current(job, prepare(job, tiles[i], top, files)))
+      missing.push_back(i);
   return missing;
 }
 
 void run_stitch(RunContext& context, const StitchJob& job) {
   const TopArtifact top(job.merge->path());
   const std::vector<PlannedTile> tiles = top.tiles();
-  const std::vector<PlannedTile> missing = missing_tiles(job, top);
-  ShardFiles files(*job.build);
+  context.selection.check("stitch", "tiles", tiles.size());
+  const std::vector<std::uint64_t> missing = missing_tiles(context, job, top);
+  ShardFiles files(*job.build, top);
   std::uint64_t need = 0;
   std::vector<Unit> units;
-  for (std::size_t i = 0; i < missing.size(); ++i) {
-    const PlannedTile& tile = missing[i];
+  for (const std::uint64_t number : missing) {
+    const PlannedTile& tile = tiles[number];
     const CellKey key = tile.key();
-    units.push_back({i, fmt::format("tile {}-{}-{}-{}", key.level, key.at.x, key.at.y, key.at.z),
+    units.push_back({number,
+                     fmt::format("tile {}-{}-{}-{}", key.level, key.at.x, key.at.y, key.at.z),
                      static_cast<double>(tile.vertices + tile.polygons)});
     const auto bricks = tile_bricks(*job.build, key, files);
     need = std::max(need, stitch_bytes(tile.vertices + tile.vertices / 4, tile.polygons) +
@@ -122,9 +127,12 @@ void run_stitch(RunContext& context, const StitchJob& job) {
       fmt::format("one tile (output.tile_vertices = {})", context.config.output.tile_vertices),
       "raise run.memory or lower output.tile_vertices"};
   const int threads = stage_threads(context, stage.memory);
+  stage.done = [&](const Unit& unit) {
+    return is_current(job, prepare(job, tiles[unit.key], top, files));
+  };
   std::vector<Scratch> scratch(static_cast<std::size_t>(threads));
   run_stage(context, stage, units, threads, [&](const Unit& unit, WorkerContext& worker) {
-    const TileWork work = prepare(job, missing[unit.key], top, files);
+    const TileWork work = prepare(job, tiles[unit.key], top, files);
     stitch(job, work, files, scratch[static_cast<std::size_t>(worker.slot())], worker);
   });
 }

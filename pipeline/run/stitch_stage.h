@@ -16,8 +16,10 @@ struct StitchJob {
 
 std::filesystem::path tile_artifact_path(const StitchJob& job, CellKey tile);
 
-// Which tiles are missing or made from other inputs. Precondition: merge is current.
-std::vector<PlannedTile> missing_tiles(const StitchJob& job, const TopArtifact& top);
+// Which of the tiles context selects are missing or made from other inputs, by their numbers in
+// top.tiles(). Precondition: merge is current.
+std::vector<std::uint64_t> missing_tiles(const RunContext& context, const StitchJob& job,
+                                         const TopArtifact& top);
 void run_stitch(RunContext& context, const StitchJob& job);
 
 }  // namespace voxweld

@@ -2,7 +2,20 @@
 
 #include <algorithm>
 
+#include "storage/support/error.h"
+
 namespace voxweld {
+
+ShardFiles::ShardFiles(const BuildJob& job, const TopArtifact& top)
+    : job_(job), top_path_(top.path()), merged_(top.shards()) {
+  for (const Index3& shard : job.grid.all_shards()) codes_.push_back(morton_encode(shard));
+  if (merged_.size() != codes_.size()) throw DamagedArtifact(top_path_, "is of other shards");
+}
+
+Hash128 ShardFiles::merged_hash(Index3 shard) const {
+  const auto at = std::lower_bound(codes_.begin(), codes_.end(), morton_encode(shard));
+  return merged_[static_cast<std::size_t>(at - codes_.begin())];
+}
 
 std::shared_ptr<const ShardArtifact> ShardFiles::of_brick(Index3 brick) {
   if (!Box3{{}, job_.grid.bricks()}.contains(brick)) return nullptr;
@@ -15,6 +28,8 @@ std::shared_ptr<const ShardArtifact> ShardFiles::of_brick(Index3 brick) {
     order_.pop_front();
   }
   auto file = std::make_shared<const ShardArtifact>(shard_artifact_path(job_, shard));
+  if (file->content_hash() != merged_hash(shard))
+    throw DamagedArtifact(top_path_, "was merged from another " + file->path() + " than is there");
   open_.emplace(code, file);
   order_.push_back(code);
   return file;

@@ -15,13 +15,19 @@ namespace voxweld {
 // Opened octree artifacts, a bounded number of them. Thread-safe.
 class ShardFiles {
  public:
-  explicit ShardFiles(const BuildJob& job) : job_(job) {}
+  ShardFiles(const BuildJob& job, const TopArtifact& top);
   // The artifact of the shard that builds this brick; null when the brick is not in the grid.
+  // DamagedArtifact naming the top tree when that was merged from another than lies there now.
   std::shared_ptr<const ShardArtifact> of_brick(Index3 brick);
 
  private:
   static constexpr std::size_t most_open = 64;
+  Hash128 merged_hash(Index3 shard) const;
+
   const BuildJob& job_;
+  std::string top_path_;
+  std::vector<std::uint64_t> codes_;  // of the shards, ascending
+  std::vector<Hash128> merged_;       // beside them: the content hashes the top tree has
   std::mutex mutex_;
   std::map<std::uint64_t, std::shared_ptr<const ShardArtifact>> open_;
   std::list<std::uint64_t> order_;  // oldest first

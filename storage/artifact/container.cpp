@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstring>
 
 #include "storage/support/error.h"
+#include "storage/support/provenance.h"
 
 namespace voxweld {
 namespace {
@@ -31,6 +33,22 @@ static_assert(sizeof(SectionRecord) == 40);
 
 Hash128 header_hash(const Header& header) {
   return hash_bytes(std::as_bytes(std::span(&header, 1)).first(offsetof(Header, hash)));
+}
+
+struct Origin {
+  Hash128 input_stamp;
+  std::uint64_t text_size;
+};
+static_assert(sizeof(Origin) == 24 && std::is_trivially_copyable_v<Origin>);
+
+std::vector<std::byte> origin_bytes(Hash128 input_stamp, const std::string& text) {
+  const Origin origin{input_stamp, text.size()};
+  std::vector<std::byte> bytes(sizeof origin + text.size() + sizeof(Hash128));
+  std::memcpy(bytes.data(), &origin, sizeof origin);
+  std::memcpy(bytes.data() + sizeof origin, text.data(), text.size());
+  const Hash128 hash = hash_bytes(std::span(bytes).first(sizeof origin + text.size()));
+  std::memcpy(bytes.data() + sizeof origin + text.size(), &hash, sizeof hash);
+  return bytes;
 }
 
 std::string kind_text(std::array<char, 4> kind) {
@@ -78,6 +96,7 @@ Hash128 ArtifactWriter::commit(Durability durability) {
   header.hash = header_hash(header);
   file_.append(records);
   file_.append(std::as_bytes(std::span(&index_hash, 1)));
+  file_.append(origin_bytes(input_stamp_, provenance_json()));
   file_.write_at(0, std::as_bytes(std::span(&header, 1)));
   file_.commit(durability);
   return index_hash;
@@ -98,17 +117,35 @@ ArtifactReader::ArtifactReader(const std::filesystem::path& path, std::array<cha
     damaged(fmt::format("has version {}, expected {}", header.version, version));
   if (header.index_offset < sizeof header || header.index_offset > file_.size() ||
       header.index_size < sizeof(Hash128) ||
-      header.index_size != file_.size() - header.index_offset ||
+      header.index_size > file_.size() - header.index_offset ||
       (header.index_size - sizeof(Hash128)) % sizeof(SectionRecord) != 0)
-    damaged(fmt::format("has {} bytes, its header expects {}", file_.size(),
+    damaged(fmt::format("has {} bytes, its header expects more than {}", file_.size(),
                         header.index_offset + header.index_size));
   index_.resize((header.index_size - sizeof(Hash128)) / sizeof(SectionRecord));
   file_.read(header.index_offset, std::as_writable_bytes(std::span(index_)));
-  file_.read(file_.size() - sizeof content_hash_,
-             std::as_writable_bytes(std::span(&content_hash_, 1)));
+  const std::uint64_t origin = header.index_offset + header.index_size;
+  file_.read(origin - sizeof content_hash_, std::as_writable_bytes(std::span(&content_hash_, 1)));
   if (hash_bytes(std::as_bytes(std::span(index_))) != content_hash_)
     damaged("the index's checksum is wrong");
+  read_origin(origin);
   key_ = header.key;
+}
+
+void ArtifactReader::read_origin(std::uint64_t offset) {
+  const std::uint64_t there = file_.size() - offset;
+  constexpr std::uint64_t most = 1 << 20;
+  if (there < sizeof(Origin) + sizeof(Hash128)) damaged("truncated: who made it is missing");
+  if (there > most) damaged(fmt::format("has {} bytes after its index", there));
+  std::vector<std::byte> bytes(there - sizeof(Hash128));
+  Hash128 hash;
+  file_.read(offset, bytes);
+  file_.read(file_.size() - sizeof hash, std::as_writable_bytes(std::span(&hash, 1)));
+  if (hash_bytes(bytes) != hash) damaged("the checksum of who made it is wrong");
+  Origin origin;
+  std::memcpy(&origin, bytes.data(), sizeof origin);
+  input_stamp_ = origin.input_stamp;
+  provenance_.assign(reinterpret_cast<const char*>(bytes.data()) + sizeof origin,
+                     bytes.size() - sizeof origin);
 }
 
 const SectionRecord* ArtifactReader::find(std::uint64_t name) const {
@@ -138,6 +175,24 @@ void ArtifactReader::read_checked(const SectionRecord& record, std::span<std::by
 
 void ArtifactReader::damaged(const std::string& what) const {
   throw DamagedArtifact(file_.path(), what);
+}
+
+void restamp_artifact(const std::filesystem::path& path, Hash128 input_stamp) {
+  const ReadFile file(path);
+  Header header;
+  if (file.size() < sizeof header) throw DamagedArtifact(path.string(), "truncated");
+  file.read(0, std::as_writable_bytes(std::span(&header, 1)));
+  const ArtifactReader reader(path, header.kind, header.version);
+  AtomicFile out(path);
+  std::vector<std::byte> piece(std::size_t{1} << 20);
+  const std::uint64_t end = header.index_offset + header.index_size;
+  for (std::uint64_t at = 0; at < end; at += piece.size()) {
+    piece.resize(std::min<std::uint64_t>(piece.size(), end - at));
+    file.read(at, piece);
+    out.append(piece);
+  }
+  out.append(origin_bytes(input_stamp, reader.provenance()));
+  out.commit(Durability::rename_only);
 }
 
 }  // namespace voxweld

@@ -5,11 +5,14 @@
 //              key 16 bytes, index offset u64, index size u64, header hash (XXH3-128 of the
 //              48 bytes before it), written last
 //   offset 64  sections, back to back, no padding
-//   end        index: one 40-byte record a section (name u64, offset u64, size u64, XXH3-128),
+//   then       index: one 40-byte record a section (name u64, offset u64, size u64, XXH3-128),
 //              then XXH3-128 of those records
+//   end        origin: input stamp 16 bytes, text size u64, text (JSON: who made it, when, where;
+//              support/provenance.h), then XXH3-128 of all that
 //
-// The file ends with the index: any truncation is seen on opening, any flipped bit by the hash of
-// the header, of the index, or of the section it lies in.
+// Any truncation is seen on opening, any flipped bit by the hash of the header, of the index, of
+// the origin, or of the section it lies in. Contents are what the sections hold: the origin is in
+// no content hash, so the same work done elsewhere or later leaves the same contents.
 #pragma once
 
 #include <array>
@@ -54,13 +57,17 @@ class ArtifactWriter {
   void append(std::span<const std::byte> data);
   void end_section();
 
-  // Writes index and header and renames into place. Returns the hash of the index: the artifact's
-  // content hash, since it covers the hash of every section.
+  // The state of the inputs (paths, sizes, times) the contents were made from, or last compared
+  // with; zero where nobody asks.
+  void set_input_stamp(Hash128 stamp) { input_stamp_ = stamp; }
+  // Writes index, origin and header and renames into place. Returns the hash of the index: the
+  // artifact's content hash, since it covers the hash of every section.
   Hash128 commit(Durability durability = Durability::rename_only);
 
  private:
   AtomicFile file_;
   ArtifactStamp stamp_;
+  Hash128 input_stamp_;
   std::vector<SectionRecord> index_;
   std::unique_ptr<StreamHasher> open_hash_;
 };
@@ -75,6 +82,8 @@ class ArtifactReader {
   const std::string& path() const { return file_.path(); }
   const Hash128& key() const { return key_; }
   const Hash128& content_hash() const { return content_hash_; }
+  const Hash128& input_stamp() const { return input_stamp_; }
+  const std::string& provenance() const { return provenance_; }  // JSON
   std::span<const SectionRecord> sections() const { return index_; }
   const SectionRecord* find(std::uint64_t name) const;
 
@@ -88,11 +97,17 @@ class ArtifactReader {
  private:
   void read_checked(const SectionRecord& record, std::span<std::byte> out) const;
   const SectionRecord& required(std::uint64_t name) const;
+  void read_origin(std::uint64_t offset);
 
   ReadFile file_;
-  Hash128 key_, content_hash_;
+  Hash128 key_, content_hash_, input_stamp_;
+  std::string provenance_;
   std::vector<SectionRecord> index_;
 };
+
+// Writes the artifact again, the same but for its input stamp: what it was compared with since.
+// DamagedArtifact when its origin fails its checks.
+void restamp_artifact(const std::filesystem::path& path, Hash128 input_stamp);
 
 template <class T>
 void ArtifactReader::read_array(std::uint64_t name, std::vector<T>& out) const {

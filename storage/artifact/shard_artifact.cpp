@@ -51,8 +51,11 @@ std::span<const std::byte> bytes_of(const std::vector<T>& values) {
 
 }  // namespace
 
-ShardArtifactWriter::ShardArtifactWriter(const std::filesystem::path& path, Hash128 key)
-    : file_(path, {shard_kind, shard_version, key}) {}
+ShardArtifactWriter::ShardArtifactWriter(const std::filesystem::path& path, Hash128 key,
+                                         Hash128 input_stamp)
+    : file_(path, {shard_kind, shard_version, key}) {
+  file_.set_input_stamp(input_stamp);
+}
 
 void ShardArtifactWriter::brick(std::uint64_t code, const BrickOctree& octree) {
   file_.section(section_name(code, vertices), bytes_of(octree.vertices));

@@ -48,7 +48,8 @@ struct ShardSummary {
 
 class ShardArtifactWriter {
  public:
-  ShardArtifactWriter(const std::filesystem::path& path, Hash128 key);
+  // input_stamp: of what the samples come from (container.h).
+  ShardArtifactWriter(const std::filesystem::path& path, Hash128 key, Hash128 input_stamp);
   // Morton code of the brick's index. Any order.
   void brick(std::uint64_t code, const BrickOctree& octree);
   // Nodes in Morton order. Returns the artifact's content hash.
@@ -64,6 +65,8 @@ class ShardArtifact {
   explicit ShardArtifact(const std::filesystem::path& path);
   const Hash128& key() const { return file_.key(); }
   const Hash128& content_hash() const { return file_.content_hash(); }
+  const Hash128& input_stamp() const { return file_.input_stamp(); }
+  const std::string& provenance() const { return file_.provenance(); }
   const std::string& path() const { return file_.path(); }
 
   ShardSummary summary() const;

@@ -30,6 +30,7 @@ class TileArtifact {
   explicit TileArtifact(const std::filesystem::path& path);
   const Hash128& key() const { return file_.key(); }
   const Hash128& content_hash() const { return file_.content_hash(); }
+  const std::string& provenance() const { return file_.provenance(); }
   TileHeader header() const;
   TileMesh read() const;
 

@@ -5,7 +5,8 @@
 namespace voxweld {
 namespace {
 
-constexpr std::uint64_t counts_section = 1, tiles_section = 2, codes_section = 3;
+constexpr std::uint64_t counts_section = 1, tiles_section = 2, codes_section = 3,
+                        shards_section = 4;
 constexpr std::uint64_t first_leaf_section = 0x1000000;
 constexpr std::size_t leaves_per_section = 4096;
 
@@ -32,11 +33,12 @@ void TopArtifactWriter::tile(const PlannedTile& tile) {
   tiles_.push_back(tile);
 }
 
-Hash128 TopArtifactWriter::finish(const MergeCounts& counts) {
+Hash128 TopArtifactWriter::finish(const MergeCounts& counts, std::span<const Hash128> shards) {
   flush_leaves();
   file_.section(counts_section, std::as_bytes(std::span(&counts, 1)));
   file_.section(tiles_section, std::as_bytes(std::span(tiles_)));
   file_.section(codes_section, std::as_bytes(std::span(first_codes_)));
+  file_.section(shards_section, std::as_bytes(shards));
   return file_.commit();
 }
 
@@ -55,6 +57,12 @@ std::vector<PlannedTile> TopArtifact::tiles() const {
   std::vector<PlannedTile> tiles;
   file_.read_array(tiles_section, tiles);
   return tiles;
+}
+
+std::vector<Hash128> TopArtifact::shards() const {
+  std::vector<Hash128> shards;
+  file_.read_array(shards_section, shards);
+  return shards;
 }
 
 std::vector<TopLeaf> TopArtifact::leaves(std::uint64_t begin, std::uint64_t end) const {

@@ -3,6 +3,7 @@
 //   1              MergeCounts (one)
 //   2              TileRecord: PlannedTile, in Morton order
 //   3              code of the first leaf of each leaf section, u64
+//   4              content hashes of the octree artifacts merged, in the Morton order of the shards
 //   0x1000000 + i  TopLeaf, in Morton order, leaves_per_section in each but the last
 #pragma once
 
@@ -15,7 +16,7 @@
 namespace voxweld {
 
 inline constexpr std::array<char, 4> top_kind = {'t', 'o', 'p', 's'};
-inline constexpr std::uint32_t top_version = 2;
+inline constexpr std::uint32_t top_version = 3;
 
 // What is known of the whole after merge.
 struct MergeCounts {
@@ -34,7 +35,7 @@ class TopArtifactWriter {
   TopArtifactWriter(const std::filesystem::path& path, Hash128 key);
   void leaf(const TopLeaf& leaf);      // in Morton order
   void tile(const PlannedTile& tile);  // in Morton order
-  Hash128 finish(const MergeCounts& counts);
+  Hash128 finish(const MergeCounts& counts, std::span<const Hash128> shards);
 
  private:
   void flush_leaves();
@@ -49,9 +50,12 @@ class TopArtifact {
   explicit TopArtifact(const std::filesystem::path& path);
   const Hash128& key() const { return file_.key(); }
   const Hash128& content_hash() const { return file_.content_hash(); }
+  const std::string& provenance() const { return file_.provenance(); }
+  const std::string& path() const { return file_.path(); }
 
   MergeCounts counts() const;
   std::vector<PlannedTile> tiles() const;
+  std::vector<Hash128> shards() const;  // content hashes of what was merged
   // The leaves whose cubes meet the Morton range [begin, end), in order.
   std::vector<TopLeaf> leaves(std::uint64_t begin, std::uint64_t end) const;
 

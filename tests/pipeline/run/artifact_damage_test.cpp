@@ -29,6 +29,7 @@ void read_all_of_top(const fs::path& path) {
   const TopArtifact artifact(path);
   artifact.counts();
   artifact.tiles();
+  artifact.shards();
   artifact.leaves(0, ~std::uint64_t{0} >> 1);
 }
 

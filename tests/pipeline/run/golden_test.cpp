@@ -81,7 +81,7 @@ TEST_F(Goldens, Build) {
 }
 
 TEST_F(Goldens, Merge) {
-  expect_recorded({"merge", 2, "a3702149e0d906f82274956a29866d01"}, top_version,
+  expect_recorded({"merge", 3, "02fd36c78c943d714ed6135dbb05a701"}, top_version,
                   hash_of(work(".tree"), top_kind, top_version));
 }
 

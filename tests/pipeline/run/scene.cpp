@@ -23,7 +23,7 @@ std::string text_of_file(const fs::path& path) {
 std::string essence(nlohmann::json manifest) {
   for (const char* key : {"bricks", "active_bricks", "collapsed_above_bricks"})
     manifest["counts"].erase(key);
-  for (const char* key : {"config", "stages", "input"}) manifest.erase(key);
+  for (const char* key : {"config", "stages", "input", "made_by"}) manifest.erase(key);
   return manifest.dump();
 }
 

@@ -1,0 +1,53 @@
+#include "storage/support/provenance.h"
+
+#include <fmt/chrono.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+namespace voxweld {
+namespace {
+
+std::string& config_fingerprint() {
+  static std::string hex;
+  return hex;
+}
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+}
+
+nlohmann::json slurm_ids() {
+  constexpr std::array<std::array<const char*, 2>, 5> names = {
+      {{"job", "SLURM_JOB_ID"},
+       {"array_job", "SLURM_ARRAY_JOB_ID"},
+       {"array_task", "SLURM_ARRAY_TASK_ID"},
+       {"node", "SLURMD_NODENAME"},
+       {"restarts", "SLURM_RESTART_COUNT"}}};
+  nlohmann::json ids;
+  for (const auto& [name, variable] : names)
+    if (const char* value = std::getenv(variable)) ids[name] = value;
+  return ids;
+}
+
+}  // namespace
+
+void set_provenance_config(Hash128 fingerprint) {
+  config_fingerprint() = to_hex(fingerprint);
+}
+
+std::string provenance_json() {
+  nlohmann::json made = {{"program", "voxweld " VOXWELD_VERSION},
+                         {"host", host_name()},
+                         {"process", getpid()},
+                         {"time", fmt::format("{:%FT%TZ}", fmt::gmtime(std::time(nullptr)))}};
+  if (!config_fingerprint().empty()) made["config"] = config_fingerprint();
+  if (const nlohmann::json ids = slurm_ids(); !ids.empty()) made["slurm"] = ids;
+  return made.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace voxweld
