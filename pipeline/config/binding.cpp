@@ -89,15 +89,4 @@ Binding isovalue() {
           }};
 }
 
-Binding memory() {
-  return {MemoryRule{std::uint64_t{64} << 20},
-          [](Config& c, const ConfigValue& v) {
-            c.run.memory = v.text() != nullptr ? *parse_bytes(*v.text())
-                                               : static_cast<std::uint64_t>(*v.integer());
-          },
-          [](const Config& c) -> std::optional<ConfigValue> {
-            return ConfigValue{bytes_text(c.run.memory)};
-          }};
-}
-
 }  // namespace voxweld::binding

@@ -29,7 +29,6 @@ Binding unit();
 Binding raw_size();
 Binding raw_type();
 Binding isovalue();
-Binding memory();
 
 // Members of a common form, named by their group and member.
 template <class Group, class T>
@@ -119,6 +118,58 @@ Binding integer(Group Config::*group, std::int64_t Group::*member, Rule rule) {
   const Field<Group, std::int64_t> field{group, member};
   return {std::move(rule), [=](Config& c, const ConfigValue& v) { at(c, field) = *v.integer(); },
           [=](const Config& c) -> std::optional<ConfigValue> { return ConfigValue{at(c, field)}; }};
+}
+
+// The value 0 is "auto", whatever the range.
+template <class Group>
+Binding integer_or_auto(Group Config::*group, std::int64_t Group::*member, IntegerRule rule) {
+  const Field<Group, std::int64_t> field{group, member};
+  rule.automatic = true;
+  return {rule,
+          [=](Config& c, const ConfigValue& v) {
+            at(c, field) = v.integer() == nullptr ? 0 : *v.integer();
+          },
+          [=](const Config& c) -> std::optional<ConfigValue> {
+            if (at(c, field) == 0) return ConfigValue{std::string("auto")};
+            return ConfigValue{at(c, field)};
+          }};
+}
+
+// A size in bytes. Where the rule has "auto", 0 is that.
+template <class Group>
+Binding memory(Group Config::*group, std::uint64_t Group::*member, MemoryRule rule) {
+  const Field<Group, std::uint64_t> field{group, member};
+  return {rule,
+          [=](Config& c, const ConfigValue& v) {
+            at(c, field) = v.text() != nullptr ? parse_bytes(*v.text()).value_or(0)
+                                               : static_cast<std::uint64_t>(*v.integer());
+          },
+          [=](const Config& c) -> std::optional<ConfigValue> {
+            if (rule.automatic && at(c, field) == 0) return ConfigValue{std::string("auto")};
+            return ConfigValue{bytes_text(at(c, field))};
+          }};
+}
+
+template <class Group>
+Binding text(Group Config::*group, std::string Group::*member, Rule rule) {
+  const Field<Group, std::string> field{group, member};
+  return {std::move(rule), [=](Config& c, const ConfigValue& v) { at(c, field) = *v.text(); },
+          [=](const Config& c) -> std::optional<ConfigValue> { return ConfigValue{at(c, field)}; }};
+}
+
+template <class Group>
+Binding texts(Group Config::*group, std::vector<std::string> Group::*member, Rule rule) {
+  const Field<Group, std::vector<std::string>> field{group, member};
+  return {std::move(rule),
+          [=](Config& c, const ConfigValue& v) {
+            at(c, field).clear();
+            for (const ConfigValue& item : *v.list()) at(c, field).push_back(*item.text());
+          },
+          [=](const Config& c) -> std::optional<ConfigValue> {
+            ConfigValue::List list;
+            for (const std::string& item : at(c, field)) list.push_back({item});
+            return ConfigValue{std::move(list)};
+          }};
 }
 
 template <class Group>

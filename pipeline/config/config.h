@@ -93,13 +93,29 @@ struct OutputConfig {
 };
 
 struct RunConfig {
-  enum class Executor : std::uint8_t { local };
+  enum class Executor : std::uint8_t { local, slurm };
 
   Executor executor = Executor::local;
   std::int64_t threads = 0;                       // 0: as many as the machine has
   std::uint64_t memory = std::uint64_t{4} << 30;  // bytes a process, peak
 
   friend bool operator==(const RunConfig&, const RunConfig&) = default;
+};
+
+// How the tasks of run.executor = "slurm" are submitted.
+struct SlurmConfig {
+  std::string partition, account, qos;  // empty: the cluster's default
+  std::string time = "4:00:00";         // of one task, in one of the forms `sbatch --time` takes
+  std::int64_t cpus_per_task = 4;
+  std::uint64_t mem = 0;              // bytes a task; 0: "auto", run.memory and a margin
+  std::int64_t max_array = 1000;      // tasks of one job array
+  std::int64_t max_running = 0;       // tasks at once; 0: as many as the cluster starts
+  std::int64_t shards_per_task = 0;   // 0: "auto"
+  std::int64_t retries = 3;           // how often a lost or failed task is submitted again
+  std::vector<std::string> extra;     // options of sbatch, each as it stands after #SBATCH
+  std::vector<std::string> prologue;  // shell lines before the task's command
+
+  friend bool operator==(const SlurmConfig&, const SlurmConfig&) = default;
 };
 
 struct Config {
@@ -109,6 +125,7 @@ struct Config {
   SimplifyConfig simplify;
   OutputConfig output;
   RunConfig run;
+  SlurmConfig slurm;
 
   friend bool operator==(const Config&, const Config&) = default;
 };

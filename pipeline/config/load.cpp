@@ -142,9 +142,8 @@ void apply_override(const std::string& text, Config& config, Places& places) {
   if (!value)
     throw InputError(fmt::format("{}: {}: expected {}, found {}, which is not valid TOML", where,
                                  setting->name(), accepted_text(setting->rule), written));
-  // Paths that look like numbers or dates are paths all the same.
-  if (std::holds_alternative<PathRule>(setting->rule) && value->text() == nullptr)
-    value = ConfigValue{written};
+  // Paths and names that look like numbers or dates are paths and names all the same.
+  if (takes_any_text(setting->rule) && value->text() == nullptr) value = ConfigValue{written};
   assign(config, places, {setting, *value, where, fs::current_path()});
 }
 
@@ -199,6 +198,16 @@ class CrossChecks {
          "with output.merged = false there is nothing to write; set one of the two to true");
   }
 
+  void slurm() const {
+    const std::uint64_t mem = config_.slurm.mem;
+    if (config_.run.executor != RunConfig::Executor::slurm || mem == 0) return;
+    if (mem < config_.run.memory)
+      fail({"slurm.mem", "run.memory"},
+           fmt::format("expected at least run.memory = {}, which a task's process may use; raise "
+                       "it, or leave it \"auto\"",
+                       bytes_text(config_.run.memory)));
+  }
+
  private:
   static std::string missing_raw(const std::string& key) {
     const Setting& setting = *find_setting("input", key);
@@ -244,6 +253,7 @@ Config parse_config(const std::string& text, const fs::path& path,
   checks.raw();
   checks.work();
   checks.output();
+  checks.slurm();
   set_default_directories(path, config);
   return config;
 }

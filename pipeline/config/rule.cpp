@@ -82,6 +82,10 @@ Verdict check_integer(std::int64_t lo, std::int64_t hi, const ConfigValue& value
   return {*whole >= lo && *whole <= hi, {}};
 }
 
+bool is_auto(const ConfigValue& value) {
+  return value.text() != nullptr && *value.text() == "auto";
+}
+
 Verdict check_power(const PowerOfTwoRule& rule, const ConfigValue& value) {
   Verdict verdict = check_integer(rule.lo, rule.hi, value);
   if (!verdict.accepted) return verdict;
@@ -123,6 +127,7 @@ Verdict check_integers(const IntegerListRule& rule, const ConfigValue& value) {
 }
 
 Verdict check_memory(const MemoryRule& rule, const ConfigValue& value) {
+  if (rule.automatic && is_auto(value)) return {true, {}};
   if (const auto* whole = value.integer())
     return {*whole >= 0 && static_cast<std::uint64_t>(*whole) >= rule.least, {}};
   if (value.text() == nullptr) return refuse();
@@ -131,14 +136,79 @@ Verdict check_memory(const MemoryRule& rule, const ConfigValue& value) {
   return {*bytes >= rule.least, {}};
 }
 
+bool has_control(const std::string& text) {
+  return std::any_of(text.begin(), text.end(),
+                     [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
+}
+
 Verdict check_path(const ConfigValue& value) {
   const std::string* text = value.text();
   if (text == nullptr) return refuse("write paths in quotes");
-  const bool control = std::any_of(text->begin(), text->end(), [](char c) {
-    return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
-  });
-  if (control) return refuse("it holds a control character; write backslashes twice");
+  if (has_control(*text)) return refuse("it holds a control character; write backslashes twice");
   return {!text->empty(), {}};
+}
+
+Verdict check_name(const ConfigValue& value) {
+  const std::string* text = value.text();
+  if (text == nullptr) return refuse("write names in quotes");
+  return {!has_control(*text) && text->find_first_of(" \"'\\#") == std::string::npos, {}};
+}
+
+// Parts of digits: minutes, m:s or h:m:s; after "days-" hours, h:m or h:m:s.
+bool is_time_limit(const std::string& text) {
+  constexpr std::size_t longest_part = 9;
+  int dashes = 0;
+  int colons = 0;
+  std::size_t digits = 0;
+  for (const char c : text) {
+    if (c >= '0' && c <= '9') {
+      if (++digits > longest_part) return false;
+      continue;
+    }
+    const bool dash = c == '-' && dashes == 0 && colons == 0;
+    if (digits == 0 || !(dash || c == ':')) return false;
+    (dash ? dashes : colons) += 1;
+    digits = 0;
+  }
+  return digits > 0 && colons <= 2;
+}
+
+Verdict check_time_limit(const ConfigValue& value) {
+  const std::string* text = value.text();
+  if (text == nullptr) return refuse("write it in quotes");
+  return {is_time_limit(*text), {}};
+}
+
+// The name of the option: "--array" of "--array=1-3", "-a" of "-a1-3".
+std::string option_name(const std::string& option) {
+  if (option.starts_with("--")) return option.substr(0, option.find_first_of("= "));
+  return option.substr(0, 2);
+}
+
+Verdict check_options(const std::vector<std::string>& reserved, const ConfigValue& value) {
+  const auto* list = value.list();
+  if (list == nullptr) return refuse(value.text() == nullptr ? "" : "write it in brackets");
+  for (const ConfigValue& item : *list) {
+    const std::string* text = item.text();
+    if (text == nullptr || text->size() < 2 || text->front() != '-' || has_control(*text))
+      return refuse();
+    const std::string name = option_name(*text);
+    // sbatch takes any prefix of a long option that is one option's only.
+    for (const std::string& one : reserved)
+      if (one == name || (name.size() > 3 && name.starts_with("--") && one.starts_with(name)))
+        return refuse(one + " is set by voxweld itself");
+  }
+  return {true, {}};
+}
+
+Verdict check_lines(const ConfigValue& value) {
+  const auto* list = value.list();
+  if (list == nullptr) return refuse(value.text() == nullptr ? "" : "write it in brackets");
+  return {std::all_of(list->begin(), list->end(),
+                      [](const ConfigValue& item) {
+                        return item.text() != nullptr && !has_control(*item.text());
+                      }),
+          {}};
 }
 
 struct Unit {
@@ -157,20 +227,29 @@ constexpr std::array<Unit, 9> units = {{{"tib", std::uint64_t{1} << 40},
 
 }  // namespace
 
+bool takes_any_text(const Rule& rule) {
+  return std::holds_alternative<PathRule>(rule) || std::holds_alternative<NameRule>(rule) ||
+         std::holds_alternative<TimeLimitRule>(rule);
+}
+
 std::string type_text(const Rule& rule) {
-  return std::visit(Overloaded{[](const PathRule&) { return "string"; },
-                               [](const ChoiceRule&) { return "string"; },
-                               [](const ChoiceListRule&) { return "list of strings"; },
-                               [](const FlagRule&) { return "boolean"; },
-                               [](const SwitchRule&) { return "boolean or string"; },
-                               [](const IntegerRule&) { return "integer"; },
-                               [](const PowerOfTwoRule&) { return "integer"; },
-                               [](const PositiveNumberRule&) { return "number"; },
-                               [](const NumberOrWordRule&) { return "number or string"; },
-                               [](const SpacingRule&) { return "number or list of numbers"; },
-                               [](const IntegerListRule&) { return "list of integers"; },
-                               [](const MemoryRule&) { return "string or integer"; }},
-                    rule);
+  return std::visit(
+      Overloaded{
+          [](const PathRule&) { return "string"; }, [](const ChoiceRule&) { return "string"; },
+          [](const ChoiceListRule&) { return "list of strings"; },
+          [](const FlagRule&) { return "boolean"; },
+          [](const SwitchRule&) { return "boolean or string"; },
+          [](const IntegerRule& r) { return r.automatic ? "integer or string" : "integer"; },
+          [](const PowerOfTwoRule&) { return "integer"; },
+          [](const PositiveNumberRule&) { return "number"; },
+          [](const NumberOrWordRule&) { return "number or string"; },
+          [](const SpacingRule&) { return "number or list of numbers"; },
+          [](const IntegerListRule&) { return "list of integers"; },
+          [](const MemoryRule&) { return "string or integer"; },
+          [](const NameRule&) { return "string"; }, [](const TimeLimitRule&) { return "string"; },
+          [](const OptionListRule&) { return "list of strings"; },
+          [](const LineListRule&) { return "list of strings"; }},
+      rule);
 }
 
 std::string accepted_text(const Rule& rule) {
@@ -184,7 +263,10 @@ std::string accepted_text(const Rule& rule) {
           },
           [](const FlagRule&) { return std::string("true or false"); },
           [](const SwitchRule&) { return std::string("\"auto\", true or false"); },
-          [](const IntegerRule& r) { return "an integer " + range_text(r.lo, r.hi); },
+          [](const IntegerRule& r) {
+            return (r.automatic ? "\"auto\" or an integer " : "an integer ") +
+                   range_text(r.lo, r.hi);
+          },
           [](const PowerOfTwoRule& r) { return "a power of two " + range_text(r.lo, r.hi); },
           [](const PositiveNumberRule&) { return std::string("a finite number above 0"); },
           [](const NumberOrWordRule& r) { return "a finite number or " + toml_string(r.word); },
@@ -195,9 +277,21 @@ std::string accepted_text(const Rule& rule) {
             return format("a list of {} integers {}", r.count, range_text(r.lo, r.hi));
           },
           [](const MemoryRule& r) {
-            return format("text such as \"4GiB\" or a number of bytes, at least {}",
-                          bytes_text(r.least));
-          }},
+            return format("{}text such as \"4GiB\" or a number of bytes, at least {}",
+                          r.automatic ? "\"auto\", " : "", bytes_text(r.least));
+          },
+          [](const NameRule&) {
+            return std::string("a name in quotes, without spaces, quotes, \\ and #");
+          },
+          [](const TimeLimitRule&) {
+            return std::string(
+                "a time in quotes: \"minutes\", \"m:s\", \"h:m:s\", \"days-h\", \"days-h:m\" or "
+                "\"days-h:m:s\"");
+          },
+          [](const OptionListRule&) {
+            return std::string("a list of options, each text of one line beginning with -");
+          },
+          [](const LineListRule&) { return std::string("a list of texts of one line each"); }},
       rule);
 }
 
@@ -210,10 +304,12 @@ Verdict check(const Rule& rule, const ConfigValue& value) {
                    return Verdict{value.flag() != nullptr, quote_hint(value)};
                  },
                  [&](const SwitchRule&) {
-                   const bool word = value.text() != nullptr && *value.text() == "auto";
-                   return Verdict{word || value.flag() != nullptr, quote_hint(value)};
+                   return Verdict{is_auto(value) || value.flag() != nullptr, quote_hint(value)};
                  },
-                 [&](const IntegerRule& r) { return check_integer(r.lo, r.hi, value); },
+                 [&](const IntegerRule& r) {
+                   if (r.automatic && is_auto(value)) return Verdict{true, {}};
+                   return check_integer(r.lo, r.hi, value);
+                 },
                  [&](const PowerOfTwoRule& r) { return check_power(r, value); },
                  [&](const PositiveNumberRule&) { return check_positive(value); },
                  [&](const NumberOrWordRule& r) {
@@ -224,7 +320,11 @@ Verdict check(const Rule& rule, const ConfigValue& value) {
                  },
                  [&](const SpacingRule&) { return check_spacing(value); },
                  [&](const IntegerListRule& r) { return check_integers(r, value); },
-                 [&](const MemoryRule& r) { return check_memory(r, value); }},
+                 [&](const MemoryRule& r) { return check_memory(r, value); },
+                 [&](const NameRule&) { return check_name(value); },
+                 [&](const TimeLimitRule&) { return check_time_limit(value); },
+                 [&](const OptionListRule& r) { return check_options(r.reserved, value); },
+                 [&](const LineListRule&) { return check_lines(value); }},
       rule);
 }
 

@@ -22,6 +22,7 @@ struct FlagRule {};    // true or false
 struct SwitchRule {};  // "auto", true or false
 struct IntegerRule {   // lo .. hi
   std::int64_t lo = 0, hi = 0;
+  bool automatic = false;  // or "auto"
 };
 struct PowerOfTwoRule {  // lo .. hi
   std::int64_t lo = 1, hi = 1;
@@ -37,11 +38,23 @@ struct IntegerListRule {  // exactly `count`, each lo .. hi
 };
 struct MemoryRule {  // bytes, or text such as "4GiB"
   std::uint64_t least = 0;
+  bool automatic = false;  // or "auto"
 };
+struct NameRule {};                   // one word; empty for a default that is not ours
+struct TimeLimitRule {};              // as `sbatch --time` takes it: "90", "4:00:00", "1-12"
+struct OptionListRule {               // options of a program, each beginning with "-" on one line
+  std::vector<std::string> reserved;  // those the user may not give: "--array", "-a"
+};
+struct LineListRule {};  // texts of one line each
 
-using Rule = std::variant<PathRule, ChoiceRule, ChoiceListRule, FlagRule, SwitchRule, IntegerRule,
-                          PowerOfTwoRule, PositiveNumberRule, NumberOrWordRule, SpacingRule,
-                          IntegerListRule, MemoryRule>;
+using Rule =
+    std::variant<PathRule, ChoiceRule, ChoiceListRule, FlagRule, SwitchRule, IntegerRule,
+                 PowerOfTwoRule, PositiveNumberRule, NumberOrWordRule, SpacingRule, IntegerListRule,
+                 MemoryRule, NameRule, TimeLimitRule, OptionListRule, LineListRule>;
+
+// Whether the rule takes one text and nothing else, so that on a command line quotes say nothing.
+// Choices are left out: a number in the place of a name is worth a message.
+bool takes_any_text(const Rule& rule);
 
 // "integer", "string", "number or string" ...
 std::string type_text(const Rule& rule);

@@ -45,7 +45,10 @@ struct RuleSchema {
   Json operator()(const SwitchRule&) const {
     return {{"enum", Json::array({"auto", true, false})}};
   }
-  Json operator()(const IntegerRule& rule) const { return whole(rule.lo, rule.hi); }
+  Json operator()(const IntegerRule& rule) const {
+    if (rule.automatic) return either({{"const", "auto"}}, whole(rule.lo, rule.hi));
+    return whole(rule.lo, rule.hi);
+  }
   Json operator()(const PowerOfTwoRule& rule) const {
     Json values = Json::array();
     for (std::int64_t value = rule.lo; value <= rule.hi; value *= 2) values.push_back(value);
@@ -62,9 +65,23 @@ struct RuleSchema {
     return fixed_list(whole(rule.lo, rule.hi), rule.count);
   }
   Json operator()(const MemoryRule& rule) const {
+    const std::string size = "[0-9]+([.][0-9]+)? *([kKmMgGtT][iI]?)?[bB]";
     return either(
-        {{"type", "string"}, {"pattern", "^[0-9]+([.][0-9]+)? *([kKmMgGtT][iI]?)?[bB]$"}},
+        {{"type", "string"},
+         {"pattern", rule.automatic ? "^(auto|" + size + ")$" : "^" + size + "$"}},
         whole(static_cast<std::int64_t>(rule.least), std::numeric_limits<std::int64_t>::max()));
+  }
+  Json operator()(const NameRule&) const {
+    return {{"type", "string"}, {"pattern", "^[^\\s\"'\\\\#]*$"}};
+  }
+  Json operator()(const TimeLimitRule&) const {
+    return {{"type", "string"}, {"pattern", "^([0-9]+-)?[0-9]+(:[0-9]+){0,2}$"}};
+  }
+  Json operator()(const OptionListRule&) const {
+    return {{"type", "array"}, {"items", {{"type", "string"}, {"pattern", "^-."}}}};
+  }
+  Json operator()(const LineListRule&) const {
+    return {{"type", "array"}, {"items", {{"type", "string"}}}};
   }
 };
 

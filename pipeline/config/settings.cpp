@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::int64_t no_limit = std::numeric_limits<std::int64_t>::max();
 
+constexpr std::uint64_t least_memory = std::uint64_t{64} << 20;
+
 using Stages = std::initializer_list<Stage>;
 constexpr Stages none = {};
 constexpr Stages ingest = {Stage::ingest};
@@ -186,18 +188,77 @@ std::vector<Setting> run_settings() {
   using Run = RunConfig;
   constexpr auto run = &Config::run;
   return {
-      row({"run", "executor", "Where the work runs."},
-          binding::choice(run, &Run::executor, {"local"}), none),
+      row({"run", "executor",
+           "Where the work runs: \"local\" in this process, \"slurm\" as tasks of a cluster (see "
+           "[slurm])."},
+          binding::choice(run, &Run::executor, {"local", "slurm"}), none),
       row({"run", "threads", "Threads to use; 0: as many as the machine has."},
           binding::integer(run, &Run::threads, IntegerRule{0, 4096}), none),
-      row({"run", "memory", "The most memory a process may use."}, binding::memory(), none),
+      row({"run", "memory", "The most memory a process may use."},
+          binding::memory(run, &Run::memory, MemoryRule{least_memory}), none),
+  };
+}
+
+// What the pipeline relies on to find its tasks again, and what would make sbatch wait or do
+// something else than submit.
+const std::vector<std::string>& reserved_options() {
+  static const std::vector<std::string> names = {
+      "--array",   "-a", "--job-name", "-J", "--output",    "-o",           "--error",
+      "-e",        "-d", "--chdir",    "-D", "--open-mode", "--dependency", "--parsable",
+      "--wrap",    "-W", "--wait",     "-M", "--clusters",  "--cluster",    "--test-only",
+      "--version", "-V", "--help",     "-h", "--usage"};
+  return names;
+}
+
+std::vector<Setting> slurm_task_settings() {
+  using Slurm = SlurmConfig;
+  constexpr auto slurm = &Config::slurm;
+  return {
+      row({"slurm", "partition", "The partition to submit to; \"\": the cluster's default."},
+          binding::text(slurm, &Slurm::partition, NameRule{}), none),
+      row({"slurm", "account", "The account to charge; \"\": the user's default."},
+          binding::text(slurm, &Slurm::account, NameRule{}), none),
+      row({"slurm", "qos", "The quality of service to ask for; \"\": the cluster's default."},
+          binding::text(slurm, &Slurm::qos, NameRule{}), none),
+      row({"slurm", "time", "The time limit of one task, as sbatch takes it."},
+          binding::text(slurm, &Slurm::time, TimeLimitRule{}), none),
+      row({"slurm", "cpus_per_task", "Processors of one task, and the threads it runs."},
+          binding::integer(slurm, &Slurm::cpus_per_task, IntegerRule{1, 1024}), none),
+      row({"slurm", "mem",
+           "Memory to ask for a task. \"auto\" asks for run.memory and a margin, so that a task is "
+           "not killed for what the system counts besides."},
+          binding::memory(slurm, &Slurm::mem, MemoryRule{least_memory, true}), none),
+  };
+}
+
+std::vector<Setting> slurm_array_settings() {
+  using Slurm = SlurmConfig;
+  constexpr auto slurm = &Config::slurm;
+  return {
+      row({"slurm", "max_array",
+           "The most tasks of one job array. The cluster's own limit is MaxArraySize."},
+          binding::integer(slurm, &Slurm::max_array, IntegerRule{1, 1000000}), none),
+      row({"slurm", "max_running", "The most tasks to run at once; 0: no limit but the cluster's."},
+          binding::integer(slurm, &Slurm::max_running, IntegerRule{0, 1000000}), none),
+      row({"slurm", "shards_per_task",
+           "Shards one task works through. \"auto\" goes by how many there are."},
+          binding::integer_or_auto(slurm, &Slurm::shards_per_task, IntegerRule{1, no_limit}), none),
+      row({"slurm", "retries", "How often a task that failed or was lost is submitted again."},
+          binding::integer(slurm, &Slurm::retries, IntegerRule{0, 100}), none),
+      row({"slurm", "extra",
+           "Further options for sbatch, each as it would stand after #SBATCH: "
+           "[\"--constraint=avx2\", \"--exclusive\"]."},
+          binding::texts(slurm, &Slurm::extra, OptionListRule{reserved_options()}), none),
+      row({"slurm", "prologue",
+           "Shell lines to run before a task's command: [\"module load gcc/12\"]."},
+          binding::texts(slurm, &Slurm::prologue, LineListRule{}), none),
   };
 }
 
 std::vector<Setting> make_settings() {
   std::vector<Setting> all;
   for (auto make : {input_settings, work_settings, surface_settings, simplify_settings,
-                    output_settings, run_settings})
+                    output_settings, run_settings, slurm_task_settings, slurm_array_settings})
     for (Setting& setting : make()) all.push_back(std::move(setting));
   return all;
 }
@@ -251,7 +312,8 @@ std::string_view table_description(std::string_view table) {
   if (table == "surface") return "Which surface to extract.";
   if (table == "simplify") return "How far to simplify it.";
   if (table == "output") return "What to write.";
-  return "What the run may use. Never changes the result.";
+  if (table == "run") return "What the run may use. Never changes the result.";
+  return "How the tasks of run.executor = \"slurm\" are submitted. Never changes the result.";
 }
 
 }  // namespace voxweld

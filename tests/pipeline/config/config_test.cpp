@@ -69,9 +69,22 @@ tile_vertices = 2048
 precision = 0.5
 normals = false
 [run]
-executor = "local"
+executor = "slurm"
 threads = 3
 memory = "512MiB"
+[slurm]
+partition = "long,short"
+account = "imaging"
+qos = "normal"
+time = "1-12:30"
+cpus_per_task = 16
+mem = "2GiB"
+max_array = 200
+max_running = 50
+shards_per_task = 8
+retries = 0
+extra = ["--constraint=avx2", "-x node7", "--exclusive"]
+prologue = ["module load gcc/12", "", "export A='b c'"]
 )");
   Config expected;
   expected.input = {.path = "/data/volumes/a.raw",
@@ -105,7 +118,19 @@ memory = "512MiB"
                      .tile_vertices = 2048,
                      .precision = 0.5,
                      .normals = false};
-  expected.run = {.executor = RunConfig::Executor::local, .threads = 3, .memory = 512U << 20};
+  expected.run = {.executor = RunConfig::Executor::slurm, .threads = 3, .memory = 512U << 20};
+  expected.slurm = {.partition = "long,short",
+                    .account = "imaging",
+                    .qos = "normal",
+                    .time = "1-12:30",
+                    .cpus_per_task = 16,
+                    .mem = std::uint64_t{2} << 30,
+                    .max_array = 200,
+                    .max_running = 50,
+                    .shards_per_task = 8,
+                    .retries = 0,
+                    .extra = {"--constraint=avx2", "-x node7", "--exclusive"},
+                    .prologue = {"module load gcc/12", "", "export A='b c'"}};
   EXPECT_EQ(config, expected);
 }
 
@@ -153,6 +178,19 @@ TEST(Config, RefusesFilesThatAreNoConfig) {
             (directory / "volume.raw").string() +
                 ": expected a config file (TOML) of at most 1MiB, found 2097152 bytes; a volume is "
                 "named inside the config, as input.path");
+}
+
+TEST(Config, SlurmTimesAreSlurms) {
+  for (const char* time : {"0", "90", "4:30", "4:00:00", "1-0", "1-12:30", "07-23:59:59"})
+    EXPECT_EQ(parse(least_config(), {std::string("slurm.time=\"") + time + "\""}).slurm.time, time);
+}
+
+TEST(Config, SlurmMayChoose) {
+  const Config config = parse(
+      least_config("slurm.mem = \"auto\"\nslurm.shards_per_task = \"auto\"\nslurm.extra = []\n"));
+  EXPECT_EQ(config.slurm, SlurmConfig{});
+  EXPECT_EQ(config.slurm.mem, 0U);
+  EXPECT_EQ(config.slurm.shards_per_task, 0);
 }
 
 // Whatever the bytes, the answer is a config or one InputError.

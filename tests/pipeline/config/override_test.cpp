@@ -44,6 +44,17 @@ TEST(Override, PathsAreRelativeToTheCurrentDirectory) {
   EXPECT_EQ(config.output.directory, "/out/x");
 }
 
+TEST(Override, NamesAndTimesNeedNoQuotes) {
+  const Config config = parse(
+      least_config(), {"slurm.partition=42", "slurm.account=true", "slurm.time=04:00:00",
+                       "slurm.qos=2024-05-27", "slurm.mem=auto", "slurm.shards_per_task=auto"});
+  EXPECT_EQ(config.slurm.partition, "42");
+  EXPECT_EQ(config.slurm.account, "true");
+  EXPECT_EQ(config.slurm.time, "04:00:00");
+  EXPECT_EQ(config.slurm.qos, "2024-05-27");
+  EXPECT_EQ(config.slurm.mem, 0U);
+}
+
 TEST(Override, RefusesWhatIsNoAssignment) {
   const std::string advice = ": expected table.key=value, for example --set simplify.tolerance=0.2";
   EXPECT_EQ(error_of(least_config(), {"work.chunk"}), "--set work.chunk" + advice);
@@ -51,7 +62,7 @@ TEST(Override, RefusesWhatIsNoAssignment) {
   EXPECT_EQ(error_of(least_config(), {""}), "--set " + advice);
   EXPECT_EQ(error_of(least_config(), {"wrok.chunk=3"}),
             "--set wrok.chunk=3: unknown table [wrok]; did you mean [work]? The tables are input, "
-            "work, surface, simplify, output, run");
+            "work, surface, simplify, output, run, slurm");
   EXPECT_EQ(error_of(least_config(), {"run.thread=3"}),
             "--set run.thread=3: unknown key run.thread; did you mean run.threads? [run] takes "
             "executor, threads, memory");

@@ -94,6 +94,27 @@ OutputConfig any_output() {
   return output;
 }
 
+std::string any_name() {
+  return *rc::gen::element<std::string>("", "long", "a,b", "42", "x.y_z-1", "\xc3\xa9");
+}
+
+SlurmConfig any_slurm() {
+  SlurmConfig slurm;
+  slurm.partition = any_name();
+  slurm.account = any_name();
+  slurm.qos = any_name();
+  slurm.time = *rc::gen::element<std::string>("90", "4:30", "4:00:00", "1-12", "1-12:30:01");
+  slurm.cpus_per_task = *rc::gen::inRange<std::int64_t>(1, 1025);
+  if (chance()) slurm.mem = std::uint64_t{1} << 62;
+  slurm.max_array = *rc::gen::inRange<std::int64_t>(1, 1000001);
+  slurm.max_running = *rc::gen::inRange<std::int64_t>(0, 1000001);
+  slurm.shards_per_task = *rc::gen::inRange<std::int64_t>(0, 1000);
+  slurm.retries = *rc::gen::inRange<std::int64_t>(0, 101);
+  if (chance()) slurm.extra = {"--comment=\"a \\ b\"", "-C gpu"};
+  if (chance()) slurm.prologue = {"", "export A='b \"c\"'", "# $HOME"};
+  return slurm;
+}
+
 Config any_config() {
   Config config;
   config.input = any_input();
@@ -109,6 +130,8 @@ Config any_config() {
   config.simplify.topology = any_of<SimplifyConfig::Topology>(2);
   config.simplify.qef = any_of<SimplifyConfig::Qef>(2);
   config.output = any_output();
+  config.run.executor = any_of<RunConfig::Executor>(2);
+  config.slurm = any_slurm();
   config.run.threads = *rc::gen::inRange<std::int64_t>(0, 4097);
   config.run.memory = *rc::gen::inRange<std::uint64_t>(64U << 20, std::uint64_t{1} << 62);
   if (chance()) config.run.memory &= ~((std::uint64_t{1} << 20) - 1);

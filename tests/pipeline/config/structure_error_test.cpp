@@ -30,10 +30,10 @@ TEST(StructureError, Syntax) {
 TEST(StructureError, UnknownTable) {
   EXPECT_EQ(error_of(least_config("[surfce]\nisovalue = 3\n")),
             "/data/scan.toml:3:2: unknown table [surfce]; did you mean [surface]? The tables are "
-            "input, work, surface, simplify, output, run");
+            "input, work, surface, simplify, output, run, slurm");
   EXPECT_EQ(error_of(least_config("[camera]\n")),
             "/data/scan.toml:3:2: unknown table [camera]. The tables are input, work, surface, "
-            "simplify, output, run");
+            "simplify, output, run, slurm");
 }
 
 TEST(StructureError, UnknownKey) {
@@ -57,10 +57,10 @@ TEST(StructureError, TheFirstErrorInTheFileIsTold) {
 TEST(StructureError, OutsideTables) {
   EXPECT_EQ(error_of("chunk = 32\n"),
             "/data/scan.toml:1:1: key chunk stands outside any table; did you mean work.chunk? The "
-            "tables are input, work, surface, simplify, output, run");
+            "tables are input, work, surface, simplify, output, run, slurm");
   EXPECT_EQ(error_of("bogus = 32\n"),
             "/data/scan.toml:1:1: key bogus stands outside any table. The tables are input, work, "
-            "surface, simplify, output, run");
+            "surface, simplify, output, run, slurm");
   EXPECT_EQ(error_of("run = 3\n"),
             "/data/scan.toml:1:1: expected a table [run] with keys executor, threads, memory, "
             "found 3");
@@ -124,6 +124,16 @@ TEST(StructureError, SomethingMustBeWritten) {
             "nothing to write; set one of the two to true");
   testing::parse(least_config("output.tiles = false\n"));
   testing::parse(least_config("output.merged = false\n"));
+}
+
+TEST(StructureError, TasksHaveTheMemoryTheyMayUse) {
+  const std::string slurm = "run.executor = \"slurm\"\n";
+  EXPECT_EQ(
+      error_of(least_config(slurm + "slurm.mem = \"2GiB\"\n")),
+      "/data/scan.toml:4:13: slurm.mem = \"2GiB\": expected at least run.memory = 4GiB, which "
+      "a task's process may use; raise it, or leave it \"auto\"");
+  testing::parse(least_config(slurm + "slurm.mem = \"4GiB\"\n"));
+  testing::parse(least_config("slurm.mem = \"2GiB\"\n"));
 }
 
 }  // namespace

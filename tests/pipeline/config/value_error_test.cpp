@@ -166,8 +166,10 @@ const std::vector<WrongKey>& wrong_keys() {
       {"output.precision", positive + " (default: 0.01)", not_positive},
       {"output.normals", "true or false (default: true)", not_flag},
       {"run.executor",
-       "\"local\" (default: \"local\")",
-       {{"\"locl\"", "\"locl\" (a string); did you mean \"local\"?"}, {"1", "1"}}},
+       "\"local\" or \"slurm\" (default: \"local\")",
+       {{"\"locl\"", "\"locl\" (a string); did you mean \"local\"?"},
+        {"\"SLURM\"", "\"SLURM\" (a string); did you mean \"slurm\"?"},
+        {"1", "1"}}},
       {"run.threads",
        "an integer from 0 to 4096 (default: 0)",
        {{"-1", "-1"}, {"4097", "4097"}, {"\"all\"", "\"all\" (a string)"}}},
@@ -182,15 +184,81 @@ const std::vector<WrongKey>& wrong_keys() {
   return all;
 }
 
+const std::vector<WrongKey>& wrong_slurm_keys() {
+  static const std::string a_name =
+      "a name in quotes, without spaces, quotes, \\ and # (default: \"\")";
+  static const std::vector<WrongValue> not_name = {
+      {"3", "3; write names in quotes"},
+      {"[\"a\"]", "[\"a\"] (a list of 1); write names in quotes"},
+      {"\"a b\"", "\"a b\" (a string)"},
+      {"\"a#b\"", "\"a#b\" (a string)"},
+      {"\"a'\"", "\"a'\" (a string)"},
+      {"\"a\\nb\"", "\"a\\u000ab\" (a string)"}};
+  static const std::vector<WrongKey> all = {
+      {"slurm.partition", a_name, not_name},
+      {"slurm.account", a_name, not_name},
+      {"slurm.qos", a_name, not_name},
+      {"slurm.time",
+       "a time in quotes: \"minutes\", \"m:s\", \"h:m:s\", \"days-h\", \"days-h:m\" or "
+       "\"days-h:m:s\" (default: \"4:00:00\")",
+       {{"90", "90; write it in quotes"},
+        {"04:00:00", "a time; write it in quotes"},
+        {"\"\"", "\"\" (a string)"},
+        {"\"4h\"", "\"4h\" (a string)"},
+        {"\"1:2:3:4\"", "\"1:2:3:4\" (a string)"},
+        {"\"1-2-3\"", "\"1-2-3\" (a string)"},
+        {"\"1:2-3\"", "\"1:2-3\" (a string)"},
+        {"\"-3\"", "\"-3\" (a string)"},
+        {"\"1-\"", "\"1-\" (a string)"},
+        {"\"1234567890\"", "\"1234567890\" (a string)"}}},
+      {"slurm.cpus_per_task",
+       "an integer from 1 to 1024 (default: 4)",
+       {{"0", "0"}, {"1025", "1025"}, {"\"4\"", "\"4\" (a string); write numbers without quotes"}}},
+      {"slurm.mem",
+       "\"auto\", text such as \"4GiB\" or a number of bytes, at least 64MiB (default: \"auto\")",
+       {{"\"8G\"", "\"8G\" (a string); units are B, KiB, MiB, GiB, TiB, KB, MB, GB and TB"},
+        {"0", "0"},
+        {"\"63MiB\"", "\"63MiB\" (a string)"}}},
+      {"slurm.max_array", "an integer from 1 to 1000000 (default: 1000)", {{"0", "0"}}},
+      {"slurm.max_running", "an integer from 0 to 1000000 (default: 0)", {{"-1", "-1"}}},
+      {"slurm.shards_per_task",
+       "\"auto\" or an integer of at least 1 (default: \"auto\")",
+       {{"0", "0"}, {"\"all\"", "\"all\" (a string)"}, {"1.0", "1.0"}}},
+      {"slurm.retries", "an integer from 0 to 100 (default: 3)", {{"-1", "-1"}, {"101", "101"}}},
+      {"slurm.extra",
+       "a list of options, each text of one line beginning with - (default: [])",
+       {{"\"--exclusive\"", "\"--exclusive\" (a string); write it in brackets"},
+        {"[\"exclusive\"]", "[\"exclusive\"] (a list of 1)"},
+        {"[\"-\"]", "[\"-\"] (a list of 1)"},
+        {"[1]", "[1] (a list of 1)"},
+        {"[\"--array=1-3\"]", "[\"--array=1-3\"] (a list of 1); --array is set by voxweld itself"},
+        {"[\"-ofile\"]", "[\"-ofile\"] (a list of 1); -o is set by voxweld itself"},
+        {"[\"--depend=afterok:1\"]",
+         "[\"--depend=afterok:1\"] (a list of 1); --dependency is set by voxweld itself"}}},
+      {"slurm.prologue",
+       "a list of texts of one line each (default: [])",
+       {{"\"module load gcc\"", "\"module load gcc\" (a string); write it in brackets"},
+        {"[\"a\\nb\"]", "[\"a\\u000ab\"] (a list of 1)"},
+        {"[true]", "[true] (a list of 1)"}}},
+  };
+  return all;
+}
+
+std::vector<WrongKey> all_wrong_keys() {
+  std::vector<WrongKey> all = wrong_keys();
+  all.insert(all.end(), wrong_slurm_keys().begin(), wrong_slurm_keys().end());
+  return all;
+}
+
 TEST(ValueError, CoversEveryKey) {
   std::set<std::string> covered;
-  for (const WrongKey& key : wrong_keys()) covered.insert(key.name);
+  for (const WrongKey& key : all_wrong_keys()) covered.insert(key.name);
   for (const Setting& setting : settings()) EXPECT_TRUE(covered.contains(setting.name()));
   EXPECT_EQ(covered.size(), settings().size());
 }
 
 TEST(ValueError, NamesPlaceKeyExpectedAndFound) {
-  for (const WrongKey& key : wrong_keys()) {
+  for (const WrongKey& key : all_wrong_keys()) {
     for (const WrongValue& wrong : key.values) {
       const std::string text = fmt::format("# first line\n{} = {}\n", key.name, wrong.value);
       EXPECT_EQ(error_of(text),
@@ -201,11 +269,11 @@ TEST(ValueError, NamesPlaceKeyExpectedAndFound) {
 }
 
 TEST(ValueError, NamesTheOverride) {
-  for (const WrongKey& key : wrong_keys()) {
-    // On the command line any text is a path.
-    const bool path = key.expected.starts_with("a path");
+  for (const WrongKey& key : all_wrong_keys()) {
+    // On the command line any text is a path or a name.
+    const bool any_text = key.expected.find("in quotes") != std::string::npos;
     for (const WrongValue& wrong : key.values) {
-      if (path && wrong.value[0] != '"') continue;
+      if (any_text && wrong.value[0] != '"') continue;
       const std::string option = key.name + "=" + wrong.value;
       const std::string message = error_of(testing::least_config(), {option});
       EXPECT_TRUE(message.starts_with("--set " + key.name + "=")) << message;
