@@ -90,27 +90,29 @@ UnitSelection selection_of(const RunArguments& arguments, Stage stage) {
   return arguments.part.empty() ? UnitSelection() : UnitSelection::part(arguments.part);
 }
 
+// In a folder the tasks of a job array find names of their own.
+std::filesystem::path report_path(const std::filesystem::path& path) {
+  if (!std::filesystem::is_directory(path)) return path;
+  const char* task = std::getenv("SLURM_ARRAY_TASK_ID");
+  return path / fmt::format("{}.json", task != nullptr ? task : "task");
+}
+
 int run_stage_command(Program& program, const RunArguments& arguments, Stage stage) {
   LocalExecutor executor;
   RunContext context = make_context(program, arguments, executor);
   context.selection = selection_of(arguments, stage);
-  const auto report = [&](int exit_code, const std::string& error) {
-    if (arguments.report.empty()) return;
-    TaskReport task = task_report(context, std::string(stage_name(stage)));
-    task.exit_code = exit_code;
-    task.error = error;
-    write_task_report(arguments.report, task);
+  const auto report = [&](const std::exception* error) {
+    if (!arguments.report.empty())
+      write_task_report(report_path(arguments.report),
+                        task_report(context, std::string(stage_name(stage)), error));
   };
   try {
     run_one(context, stage);
-  } catch (const Error& error) {
-    report(error.exit_code(), error.what());
-    throw;
   } catch (const std::exception& error) {
-    report(1, error.what());
+    report(&error);
     throw;
   }
-  report(0, {});
+  report(nullptr);
   if (stage == Stage::encode && context.selection.all()) print_summary(context, false);
   return 0;
 }
@@ -149,8 +151,10 @@ void add_run_commands(CLI::App& app, Program& program) {
         app.add_subcommand(std::string(stage_name(stage)), help[static_cast<std::size_t>(stage)]);
     add_config_options(*command, *one);
     add_task_options(*command, *one, stage);
-    command->add_option("--report", one->report,
-                        "Writes how it went to this file, as JSON: time, memory, the error");
+    command->add_option(
+        "--report", one->report,
+        "Writes how it went to this file, as JSON: time, memory, errors; in a folder the "
+        "file is named after the task's number in its Slurm array");
     command->callback([&program, one, stage] {
       program.run = [&program, one, stage] { return run_stage_command(program, *one, stage); };
     });

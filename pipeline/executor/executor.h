@@ -39,6 +39,9 @@ struct RunOptions {
   // Whether the unit's result is there and whole, whoever made it: how an executor whose units run
   // in other processes knows what is left. Not asked by one that runs them itself.
   std::function<bool(const Unit&)> done;
+  // What names the stage's work for such an executor: the same for the same parameters, and no
+  // other. Empty: nothing of an earlier process is taken over.
+  std::string identity;
   // Where such an executor adds what its processes took: cpu_s, and the largest peak_resident.
   StageFigures* elsewhere = nullptr;
 };

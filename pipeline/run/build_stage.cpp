@@ -120,6 +120,7 @@ void run_build(RunContext& context, const BuildJob& job) {
   stage.memory = build_memory(context, job);
   const int threads = stage_threads(context, stage.memory);
   const auto builders = make_builders(job, threads);
+  stage.identity = job.folder.filename().string();
   stage.done = [&](const Unit& unit) {
     return state_of(job, shards[unit.key]) == ArtifactState::current;
   };

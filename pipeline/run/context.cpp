@@ -31,8 +31,8 @@ void run_stage(RunContext& context, const StageRun& stage, const std::vector<Uni
   for (const Unit& unit : units) start.weight += unit.weight;
   StageProgress progress(context.console, context.progress, start);
   StageFigures elsewhere;
-  const RunOptions options{threads,           stage.order, &progress,
-                           context.interrupt, stage.done,  &elsewhere};
+  const RunOptions options{threads,    stage.order,    &progress, context.interrupt,
+                           stage.done, stage.identity, &elsewhere};
   context.executor->run_units(stage.stage, units, work, options);
   StageFigures figures = meter.read();
   if (!context.executor->in_process()) {

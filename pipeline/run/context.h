@@ -51,7 +51,8 @@ struct StageRun {
   StageMemory memory;  // base_bytes is filled in
   std::uint64_t reused = 0;
   UnitOrder order = UnitOrder::largest_first;
-  std::function<bool(const Unit&)> done;  // as RunOptions has it
+  std::function<bool(const Unit&)> done;  // as RunOptions has them
+  std::string identity;
 };
 // How many units fit run.memory at once: the worker slots the work may see, scratch for each.
 int stage_threads(const RunContext& context, StageMemory memory);

@@ -215,6 +215,7 @@ void encode_missing(RunContext& context, const EncodeJob& job,
   stage.reused =
       tiles.size() - status.missing.size() + (merged_planned && !status.merged_missing ? 1 : 0);
   stage.memory = encode_memory(context.config, tiles);
+  stage.identity = job.folder.filename().string();
   stage.done = [&](const Unit& unit) {
     return unit.key < tiles.size() ? tile_is_current(job, tiles[unit.key])
                                    : merged_is_current(job, tiles);

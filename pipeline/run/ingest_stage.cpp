@@ -134,6 +134,7 @@ void write_shards(RunContext& context, const IngestJob& job,
   stage.noun = "shards";
   stage.reused = shards.size() - missing.size();
   stage.memory = ingest_memory(context.config, job);
+  stage.identity = job.folder.filename().string();
   stage.done = [&](const Unit& unit) {
     return shard_is_current(layout, shards[unit.key], job.stamp);
   };

@@ -111,6 +111,7 @@ void run_merge(RunContext& context, const MergeJob& job) {
   stage.reused = current ? 1 : 0;
   std::vector<Unit> units;
   if (!current) units.push_back({0, "top tree", 1});
+  stage.identity = job.folder.filename().string();
   stage.done = [&](const Unit&) { return merge_is_current(job); };
   run_stage(context, stage, units, 1, [&](const Unit&, WorkerContext&) { merge(job); });
 }

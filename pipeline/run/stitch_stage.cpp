@@ -127,6 +127,7 @@ void run_stitch(RunContext& context, const StitchJob& job) {
       fmt::format("one tile (output.tile_vertices = {})", context.config.output.tile_vertices),
       "raise run.memory or lower output.tile_vertices"};
   const int threads = stage_threads(context, stage.memory);
+  stage.identity = job.folder.filename().string();
   stage.done = [&](const Unit& unit) {
     return is_current(job, prepare(job, tiles[unit.key], top, files));
   };

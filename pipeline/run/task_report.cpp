@@ -3,14 +3,55 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/executor/error_set.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "storage/support/provenance.h"
 
 namespace voxweld {
 
-TaskReport task_report(const RunContext& context, const std::string& stage) {
+namespace {
+
+std::vector<TaskFailure> failures_of(const std::exception& error) {
+  std::vector<TaskFailure> failures;
+  if (const auto* set = dynamic_cast<const ErrorSet*>(&error)) {
+    for (const UnitError& e : set->errors())
+      failures.push_back({e.interrupted ? std::nullopt : std::optional(e.key), e.message,
+                          e.exit_code, e.damaged_path});
+    return failures;
+  }
+  const auto* own = dynamic_cast<const Error*>(&error);
+  const auto* damage = dynamic_cast<const DamagedArtifact*>(&error);
+  return {{std::nullopt, error.what(), own != nullptr ? own->exit_code() : 1,
+           damage != nullptr ? damage->path() : ""}};
+}
+
+nlohmann::json to_json(const TaskFailure& failure) {
+  nlohmann::json out = {{"message", failure.message}, {"exit_code", failure.exit_code}};
+  if (failure.unit) out["unit"] = *failure.unit;
+  if (!failure.damaged_path.empty()) out["damaged"] = failure.damaged_path;
+  return out;
+}
+
+TaskFailure failure_of(const nlohmann::json& document) {
+  TaskFailure failure;
+  failure.message = document.at("message");
+  failure.exit_code = document.at("exit_code");
+  if (document.contains("unit")) failure.unit = document.at("unit").get<std::uint64_t>();
+  failure.damaged_path = document.value("damaged", "");
+  return failure;
+}
+
+}  // namespace
+
+TaskReport task_report(const RunContext& context, const std::string& stage,
+                       const std::exception* error) {
   TaskReport task;
+  if (error != nullptr) {
+    const auto* own = dynamic_cast<const Error*>(error);
+    task.exit_code = own != nullptr ? own->exit_code() : 1;
+    task.failures = failures_of(*error);
+  }
   task.stage = stage;
   for (const StageReport& report : context.reports) {  // "check" and the stage itself
     task.units += report.ran;
@@ -23,6 +64,8 @@ TaskReport task_report(const RunContext& context, const std::string& stage) {
 }
 
 void write_task_report(const std::filesystem::path& path, const TaskReport& report) {
+  nlohmann::json failures = nlohmann::json::array();
+  for (const TaskFailure& failure : report.failures) failures.push_back(to_json(failure));
   const nlohmann::json document = {
       {"stage", report.stage},
       {"units", report.units},
@@ -30,7 +73,7 @@ void write_task_report(const std::filesystem::path& path, const TaskReport& repo
       {"cpu_seconds", report.figures.cpu_s},
       {"peak_resident_bytes", report.figures.peak_resident},
       {"exit_code", report.exit_code},
-      {"error", report.error},
+      {"failures", std::move(failures)},
       {"made_by", nlohmann::json::parse(report.provenance, nullptr, false)}};
   const std::string text =
       document.dump(1, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
@@ -50,7 +93,8 @@ std::optional<TaskReport> read_task_report(const std::filesystem::path& path) {
     report.figures.cpu_s = document.at("cpu_seconds");
     report.figures.peak_resident = document.at("peak_resident_bytes");
     report.exit_code = document.at("exit_code");
-    report.error = document.at("error");
+    for (const auto& failure : document.at("failures"))
+      report.failures.push_back(failure_of(failure));
     report.provenance = document.at("made_by").dump();
     return report;
   } catch (const Error&) {

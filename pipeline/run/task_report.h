@@ -11,16 +11,25 @@
 
 namespace voxweld {
 
+struct TaskFailure {
+  std::optional<std::uint64_t> unit;  // its number; nothing: not one unit's
+  std::string message;
+  int exit_code = 1;         // 2: the user's to mend, so that doing it again does not help
+  std::string damaged_path;  // an artifact that has to be made again; else empty
+};
+
 struct TaskReport {
   std::string stage;
   std::uint64_t units = 0;  // those it made
   StageFigures figures;
   int exit_code = 0;
-  std::string error;  // empty when it did all
+  std::vector<TaskFailure> failures;  // none when it did all
   std::string provenance;
 };
 
-TaskReport task_report(const RunContext& context, const std::string& stage);
+// error: what ended it, or null.
+TaskReport task_report(const RunContext& context, const std::string& stage,
+                       const std::exception* error);
 void write_task_report(const std::filesystem::path& path, const TaskReport& report);
 // Nothing when there is none, or not a whole one.
 std::optional<TaskReport> read_task_report(const std::filesystem::path& path);

@@ -135,7 +135,7 @@ TEST(Share, ReportsHowItWent) {
   EXPECT_EQ(share(scene, "build", pieces, {"--part", "1/2", "--report", path.string()}).exit_code,
             2);
   EXPECT_EQ(read_task_report(path)->exit_code, 2);
-  EXPECT_NE(read_task_report(path)->error.find("volume.nrrd"), std::string::npos);
+  EXPECT_NE(read_task_report(path)->failures.at(0).message.find("volume.nrrd"), std::string::npos);
 }
 
 // The top tree was merged from other octrees than lie there now: a tile's share says so.
