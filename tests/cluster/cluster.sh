@@ -13,7 +13,8 @@
 #   exec K COMMAND...   runs COMMAND on node K, in the same folder as here
 #   crash K, revive K   node K dies with all its processes, at once and silently; comes back
 #   cut K, heal K       node K loses its network and runs on; gets it back
-#   kill-controller     slurmctld is killed (-9) and forgets what it did not save, some 5 s
+#   kill-controller     slurmctld is killed (-9) and forgets the last seconds, which it did
+#                       not save: a task that began then begins again, with the same ids
 #   start-controller    slurmctld starts on the state that it saved
 #   restart-controller  both
 #
@@ -59,7 +60,7 @@ read_settings() {
 # What is left of an unsuccessful start is of interest only in its logs.
 give_up() {
   trap - EXIT
-  tail -n 5 "$logs"/* >&2 || true
+  tail -n 5 "$logs"/* >&2 2>/dev/null || true
   remove_machines
   rm -rf "$run"
   echo "cluster: did not start; logs: $logs" >&2
@@ -91,9 +92,7 @@ start() {
 }
 
 stop() {
-  if [ -e "/sys/class/net/$tag" ] && ! owns_link; then
-    fail "network interface $tag belongs to $(link_owner), not to $dir"
-  fi
+  may_remove_link || fail "network interface $tag belongs to $(link_owner), not to $dir"
   remove_machines
   rm -rf "$run"
 }

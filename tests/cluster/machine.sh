@@ -50,6 +50,8 @@ choose_folder() {
 
 link_owner() { ip -o link show "$tag" 2>/dev/null | sed -n 's/.*alias \([^ ]*\).*/\1/p'; }
 owns_link() { [ "$(link_owner)" = "$dir" ]; }
+# A start that was cut short may not have come to name the owner.
+may_remove_link() { [ -z "$(link_owner)" ] || owns_link; }
 
 refuse_if_taken() {
   ! owns_link || fail "a cluster runs in $dir already"
@@ -72,13 +74,18 @@ why_unsupported() {
   # shellcheck disable=SC2016 # the inner shell's own variable
   unshare --mount sh -c 'mount -t tmpfs none /dev/shm && mount --bind /dev/shm /tmp' 2>/dev/null ||
     fail "unsupported: no mounts in a mount namespace here"
-  local probe=vxwp$$
-  (
-    trap 'ip link del "$probe"; ip netns del "$probe"' EXIT
-    ip netns add "$probe" && ip link add "$probe" type veth peer name uplink netns "$probe" &&
-      ip -n "$probe" link add bridge type bridge && ip -n "$probe" link set uplink master bridge up &&
-      nsenter --net="/run/netns/$probe" true
-  ) >/dev/null 2>&1 || fail "unsupported: no network namespaces with veth and bridge here (ip)"
+  { ip link add "vxwp$$" type veth peer name "vxwq$$" && ip link del "vxwp$$"; } 2>/dev/null ||
+    fail "unsupported: no right to add network interfaces here"
+  # In namespaces of its own: nothing to remove, however this ends.
+  unshare --mount --net sh -ec '
+    mkdir -p /run/netns
+    mount -t tmpfs none /run/netns
+    ip netns add probe
+    ip link add probe type veth peer name uplink netns probe
+    ip -n probe link add bridge type bridge
+    ip -n probe link set uplink master bridge up
+    nsenter --net=/run/netns/probe true' >/dev/null 2>&1 ||
+    fail "unsupported: no network namespaces with veth and bridge here (ip)"
 }
 
 namespaces() {
@@ -94,8 +101,8 @@ is_machine() { [[ $1 =~ ^[0-9]+$ ]] && [ -e "/run/netns/$tag-$1" ]; }
 launch() {
   local name=$1
   shift
-  setsid nsenter --net="/run/netns/$tag-$name" env -i "PATH=$system_path" LANG=C.UTF-8 HOME=/root \
-    SHELL=/bin/bash "SLURM_CONF=$SLURM_CONF" "$@" </dev/null >>"$logs/$name.out" 2>&1 &
+  (setsid nsenter --net="/run/netns/$tag-$name" env -i "PATH=$system_path" LANG=C.UTF-8 HOME=/root \
+    SHELL=/bin/bash "SLURM_CONF=$SLURM_CONF" "$@" </dev/null >>"$logs/$name.out" 2>&1 &)
 }
 
 make_head() {
@@ -210,5 +217,5 @@ remove_machines() {
     wait_for 30 "the processes of $name to end" killed_all_of "$name"
     ip netns del "$name"
   done
-  ! owns_link || ip link del "$tag"
+  [ ! -e "/sys/class/net/$tag" ] || ip link del "$tag"
 }

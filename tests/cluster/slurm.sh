@@ -23,6 +23,8 @@ write_configuration() {
   # cred_expire: a requeued job waits for its credential to expire first, 121 s if nothing is said.
   # SlurmdTimeout, MessageTimeout: a dead node is missed after 15 s; a busy machine's is not.
   # DefMemPerCPU: a job that names no memory would have all of its node's.
+  # OverMemoryKill: measured once a second, by resident size with mapped files. The job ends as
+  # FAILED by signal 9, with the reason JobLaunchFailure, where cgroups would say OUT_OF_MEMORY.
   cat >"$SLURM_CONF" <<CONF
 ClusterName=voxweld
 SlurmctldHost=head($net.253)
