@@ -1,0 +1,33 @@
+// What Slurm's programs print, read: job ids, the states of tasks, and which error is whose.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pipeline/slurm/slurm_client.h"
+
+namespace voxweld::slurm_text {
+
+// The job id that `sbatch --parsable` printed: "123" or "123;cluster", after whatever a plugin of
+// the site says. Empty when there is none.
+std::optional<std::int64_t> submitted_job(const std::string& out);
+
+// For `squeue -o`: what parse_tasks reads.
+inline constexpr const char* task_format = "%F|%K|%T|%N|%r";
+// One task a line. Throws StorageError, quoting the line, when one is not in that format.
+std::vector<TaskState> parse_tasks(const std::string& out);
+
+// Whether the words say that the controller could not be asked, so that asking again may help.
+bool is_unanswered(std::string_view words);
+// Whether they say only that a job is over or forgotten.
+bool is_unknown_job(std::string_view words);
+// The config's keys that the words are likely about: "slurm.partition". Empty for other errors.
+std::string likely_setting(std::string_view words);
+
+// What a program said in one line: without its name on every line, cut where it is long.
+std::string said(const std::string& err);
+
+}  // namespace voxweld::slurm_text

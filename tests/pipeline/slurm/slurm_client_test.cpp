@@ -1,0 +1,178 @@
+// What is asked of a cluster that answers.
+#include "pipeline/slurm/slurm_client.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "storage/support/error.h"
+#include "tests/pipeline/slurm/fake_slurm.h"
+
+namespace voxweld {
+namespace {
+
+using testing::FakeSlurm;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using testing::NoWaiting;
+using Jobs = std::vector<std::int64_t>;
+using Words = std::vector<std::string>;
+
+TEST(SlurmClient, Submits) {
+  FakeSlurm slurm;
+  slurm.program("sbatch", "echo 77");
+  EXPECT_EQ(SlurmClient().submit("/work/a b/build.sbatch", Words{"--hold", "--nice=5"}), 77);
+  ASSERT_EQ(slurm.calls().size(), 1U);
+  EXPECT_THAT(slurm.calls()[0],
+              MatchesRegex("sbatch --parsable --job-name=build-[0-9a-f]{16} --hold --nice=5 "
+                           "/work/a b/build.sbatch"));
+}
+
+TEST(SlurmClient, NamesAreUniqueAndSafeToAskFor) {
+  FakeSlurm slurm;
+  slurm.program("sbatch", "echo 77");
+  SlurmClient client;
+  client.submit("/work/x.sbatch", Words{"--job-name=voxweld, head 'a'"});
+  client.submit("/work/x.sbatch", Words{"--job-name=voxweld, head 'a'"});
+  const Words calls = slurm.calls();
+  ASSERT_EQ(calls.size(), 2U);
+  EXPECT_THAT(calls[0], MatchesRegex("sbatch --parsable --job-name=voxweld__head__a_-[0-9a-f]{16} "
+                                     "/work/x.sbatch"));
+  EXPECT_NE(calls[0], calls[1]);
+}
+
+TEST(SlurmClient, ListsTasks) {
+  FakeSlurm slurm;
+  slurm.program("squeue", "echo '5|0|RUNNING|n1|None'; echo '6|N/A|PENDING||Resources'");
+  const auto tasks = SlurmClient().tasks(Jobs{5, 6});
+  ASSERT_EQ(tasks.size(), 2U);
+  EXPECT_EQ(tasks[0], (TaskState{5, 0, TaskState::running, "RUNNING", "None", "n1"}));
+  EXPECT_EQ(tasks[1], (TaskState{6, -1, TaskState::pending, "PENDING", "Resources", ""}));
+  EXPECT_EQ(slurm.calls(), Words{"squeue -h -r -t all -j 5,6 -o %F|%K|%T|%N|%r"});
+}
+
+TEST(SlurmClient, NoJobsNoQuestions) {
+  FakeSlurm slurm;
+  SlurmClient client;
+  EXPECT_TRUE(client.tasks({}).empty());
+  client.cancel({});
+  EXPECT_THAT(slurm.calls(), IsEmpty());
+}
+
+TEST(SlurmClient, ForgottenJobsAreAbsent) {
+  FakeSlurm slurm;
+  slurm.program("squeue", R"(case "$*" in
+  *'-j 6 '*) echo '6|2|RUNNING|n1|None' ;;
+  *) echo 'slurm_load_jobs error: Invalid job id specified' >&2; exit 1 ;;
+esac)");
+  SlurmClient client;
+  EXPECT_TRUE(client.tasks(Jobs{5}).empty());
+  const auto tasks = client.tasks(Jobs{5, 6});
+  ASSERT_EQ(tasks.size(), 1U);
+  EXPECT_EQ(tasks[0].job, 6);
+}
+
+TEST(SlurmClient, OtherErrorsOfSqueueAreErrors) {
+  FakeSlurm slurm;
+  slurm.program("squeue", "echo 'squeue: error: Something else' >&2; exit 1");
+  EXPECT_THROW(SlurmClient().tasks(Jobs{5}), StorageError);
+}
+
+TEST(SlurmClient, Cancels) {
+  FakeSlurm slurm;
+  SlurmClient client;
+  client.cancel(Jobs{5, 6});
+  EXPECT_EQ(slurm.calls(), Words{"scancel 5 6"});
+  slurm.program("scancel",
+                "echo 'scancel: error: Kill job error on job id 5: Invalid job id specified' >&2\n"
+                "exit 1");
+  client.cancel(Jobs{5});
+  slurm.program("scancel",
+                "echo 'scancel: error: Kill job error on job id 5: Access/permission denied' >&2\n"
+                "exit 1");
+  try {
+    client.cancel(Jobs{5});
+    FAIL();
+  } catch (const StorageError& error) {
+    EXPECT_STREQ(error.what(),
+                 "scancel failed: Kill job error on job id 5: Access/permission denied; cancel by "
+                 "hand: scancel 5");
+  }
+}
+
+// Filters and formats that a user has set for squeue would hide tasks.
+TEST(SlurmClient, TheUsersSettingsOfTheProgramsDoNotReachThem) {
+  FakeSlurm slurm;
+  setenv("SQUEUE_PARTITION", "other", 1);
+  setenv("SBATCH_ARRAY_INX", "1-3", 1);
+  setenv("SBATCH_ACCOUNT", "mine", 1);
+  slurm.program("squeue", "echo \"5|0|${SQUEUE_PARTITION-RUNNING}|n1|None\"");
+  slurm.program("sbatch",
+                "[ \"${SBATCH_ARRAY_INX-none} $SBATCH_ACCOUNT\" = 'none mine' ] && echo 3");
+  EXPECT_EQ(SlurmClient().tasks(Jobs{5}).at(0).slurm_state, "RUNNING");
+  EXPECT_EQ(SlurmClient().submit("/x.sbatch", {}), 3);
+  for (const char* name : {"SQUEUE_PARTITION", "SBATCH_ARRAY_INX", "SBATCH_ACCOUNT"})
+    unsetenv(name);
+}
+
+TEST(SlurmClient, SaysItsVersion) {
+  FakeSlurm slurm;
+  slurm.program("sbatch", "echo 'slurm-wlm 22.05.8'");
+  EXPECT_EQ(SlurmClient().version(), "slurm-wlm 22.05.8");
+  EXPECT_EQ(slurm.calls(), (Words{"sbatch --version", "squeue --version", "scancel --version"}));
+}
+
+std::string input_error(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.exit_code(), 2);
+    return error.what();
+  }
+  ADD_FAILURE() << "no InputError";
+  return {};
+}
+
+TEST(SlurmClient, MissingProgramsAreTheUsersToMend) {
+  const testing::TempDirectory nothing;
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", nothing.path().c_str(), 1);
+  const std::string message = input_error([] { SlurmClient().version(); });
+  const std::string later = input_error([] { SlurmClient().tasks(Jobs{1}); });
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_THAT(message, HasSubstr("cannot run sbatch: "));
+  EXPECT_THAT(message, HasSubstr("run.executor = \"local\""));
+  EXPECT_THAT(later, HasSubstr("cannot run squeue: "));
+}
+
+TEST(SlurmClient, SoIsAMachineThatKnowsNoCluster) {
+  FakeSlurm slurm;
+  slurm.program("sbatch",
+                "echo 'sbatch: error: fetch_config: DNS SRV lookup failed' >&2\n"
+                "echo 'sbatch: fatal: Could not establish a configuration source' >&2; exit 1");
+  const std::string message = input_error([] { SlurmClient().version(); });
+  EXPECT_THAT(message, HasSubstr("DNS SRV lookup failed; Could not establish a configuration"));
+  EXPECT_THAT(message, HasSubstr("where the cluster's jobs are submitted"));
+}
+
+TEST(SlurmClient, RefusedRequestsNameTheirKeys) {
+  FakeSlurm slurm;
+  NoWaiting now;
+  slurm.program("sbatch",
+                "echo 'sbatch: error: invalid partition specified: nowhere' >&2\n"
+                "echo 'sbatch: error: Batch job submission failed: Invalid partition name "
+                "specified' >&2; exit 1");
+  EXPECT_EQ(input_error([&] { SlurmClient(now.options()).submit("/x.sbatch", {}); }),
+            "sbatch: the cluster refuses the job: invalid partition specified: nowhere; Batch job "
+            "submission failed: Invalid partition name specified; this is likely about "
+            "slurm.partition");
+  EXPECT_EQ(now.waited.count(), 0);
+  EXPECT_EQ(slurm.calls().size(), 1U) << "nothing was submitted, so nothing is looked for";
+  slurm.program("sbatch", "echo 'sbatch: error: Unspecified error' >&2; exit 1");
+  EXPECT_THROW(SlurmClient(now.options()).submit("/x.sbatch", {}), StorageError);
+}
+
+}  // namespace
+}  // namespace voxweld
