@@ -8,6 +8,7 @@
 #include "pipeline/mesh/manifest.h"
 #include "pipeline/run/run.h"
 #include "pipeline/run/task_report.h"
+#include "pipeline/slurm/slurm_run.h"
 #include "storage/support/file_io.h"
 #include "storage/support/provenance.h"
 
@@ -27,6 +28,10 @@ struct RunArguments {
 RunContext make_context(Program& program, const RunArguments& arguments, Executor& executor) {
   RunContext context;
   context.config = load_config(arguments.config, arguments.overrides);
+  // On a cluster many tasks read what one has read: the brick store is made for that.
+  if (context.config.run.executor == RunConfig::Executor::slurm &&
+      context.config.work.copy == WorkConfig::Copy::automatic)
+    context.config.work.copy = WorkConfig::Copy::always;
   context.executor = &executor;
   context.console = program.console;
   context.progress.enabled = shows_progress(program.log_level);
@@ -128,11 +133,19 @@ void add_run_commands(CLI::App& app, Program& program) {
   run->add_flag("--json", arguments->json, "Prints the manifest on standard output at the end");
   run->callback([&program, arguments] {
     program.run = [&program, arguments] {
-      LocalExecutor executor;
-      RunContext context = make_context(program, *arguments, executor);
+      LocalExecutor here;
+      RunContext context = make_context(program, *arguments, here);
       if (arguments->dry_run) {
         fmt::print("{}", dry_run(context));
         return 0;
+      }
+      SlurmClientOptions patience;
+      patience.interrupt = &program.interrupt;
+      SlurmClient client(patience);
+      std::optional<SlurmExecutor> cluster;
+      if (context.config.run.executor == RunConfig::Executor::slurm) {
+        cluster.emplace(set_up_slurm(context.config, client), client);
+        context.executor = &*cluster;
       }
       run_all(context);
       print_summary(context, arguments->json);

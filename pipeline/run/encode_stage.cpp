@@ -272,7 +272,7 @@ MergedPlan plan_merged(const Config& config, const std::vector<PlannedTile>& til
   if (plan.write) return plan;
   const std::string figures =
       fmt::format("one mesh of {} triangles takes {} to encode, run.memory is {}", triangles,
-                  exact_bytes(plan.bytes), exact_bytes(config.run.memory));
+                  readable_bytes(static_cast<double>(plan.bytes)), exact_bytes(config.run.memory));
   if (config.output.merged == OutputConfig::Merged::always)
     throw InputError("output.merged = true: " + figures +
                      "; raise run.memory, or leave output.merged = \"auto\" and use the tiles");

@@ -18,7 +18,7 @@ struct SlurmSetup {
   std::filesystem::path program;      // voxweld, as the nodes find it
   std::filesystem::path folder;       // of the job arrays: scripts, logs, reports
   std::int64_t slots = 1;             // tasks the cluster runs at once, as far as is known
-  double poll_s = 2;                  // between two looks at the queue
+  double poll_s = 5;                  // between two looks at the queue, once a stage takes longer
   // How long a file that a task says it has written may stay unseen: network file systems keep what
   // they know of a folder for up to a minute.
   double visible_after_s = 60;

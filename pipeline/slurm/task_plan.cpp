@@ -52,7 +52,7 @@ std::vector<PlannedTask> plan_tasks(std::span<const Unit> units, const TaskPlanR
 }
 
 std::string task_arguments(StageName stage, const PlannedTask& task) {
-  if (stage == "merge") return "";
+  if (stage == "merge") return "--log-level info";  // all of it, and a line must not be empty
   const bool shards = stage == "ingest" || stage == "build";
   return std::string(shards ? "--shards " : "--tiles ") + unit_list(task.units);
 }

@@ -1,0 +1,224 @@
+#include "pipeline/slurm/slurm_executor.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+#include <thread>
+
+#include "pipeline/executor/progress.h"
+#include "pipeline/run/unit_selection.h"
+#include "pipeline/slurm/batch_script.h"
+#include "pipeline/slurm/task_cost.h"
+#include "pipeline/slurm/task_plan.h"
+#include "pipeline/slurm/unit_ledger.h"
+#include "storage/support/error.h"
+#include "storage/support/file_io.h"
+
+namespace voxweld {
+namespace {
+
+constexpr std::size_t looks_a_poll = 200;  // at results of tasks that are still running
+
+double steady_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// The keys among `units` that a line of tasks.txt names.
+std::vector<std::uint64_t> units_of_line(const std::string& line, std::span<const Unit> units) {
+  UnitSelection selection;
+  if (const std::size_t space = line.find(' ');
+      line.starts_with("--shards ") || line.starts_with("--tiles "))
+    selection = UnitSelection::list(line.substr(space + 1), "tasks.txt");
+  std::vector<std::uint64_t> keys;
+  for (const Unit& unit : units)
+    if (selection.contains(unit.key)) keys.push_back(unit.key);
+  std::sort(keys.begin(), keys.end());
+  return keys;
+}
+
+// One stage under way: arrays are submitted until nothing is left that is worth trying.
+class StageOnSlurm {
+ public:
+  StageOnSlurm(const SlurmSetup& setup, SlurmClient& client, StageName stage,
+               std::span<const Unit> units, const RunOptions& options)
+      : setup_(setup),
+        client_(client),
+        stage_(stage),
+        units_(units),
+        options_(options),
+        parent_(setup.folder / (options.identity.empty() ? std::string(stage) : options.identity)),
+        ledger_(units, options.done, setup.config.slurm.retries) {}
+
+  void run() {
+    adopt();
+    while (ledger_.open()) {
+      check_interrupt();
+      submit(ledger_.ready(steady_seconds()));
+      wait(pause_s_);
+      pause_s_ = std::min(pause_s_ * 1.5, setup_.poll_s);
+      look();
+    }
+    collect_reports();
+    const std::vector<UnitError> errors = ledger_.errors();
+    if (!errors.empty()) throw ErrorSet(std::string(stage_), errors);
+  }
+
+ private:
+  // Tasks that an earlier process submitted and that Slurm has not forgotten.
+  void adopt() {
+    if (options_.identity.empty()) return;
+    std::size_t taken = 0;
+    for (const ArrayFolder& folder : ArrayFolder::all(parent_)) {
+      const auto job = folder.job();
+      if (!job) continue;
+      std::set<std::int64_t> alive;
+      for (const TaskState& task : client_.tasks(std::array{*job}))
+        if (task.state != TaskState::gone) alive.insert(task.task);
+      if (alive.empty()) continue;
+      const std::vector<std::string> lines = folder.tasks();
+      arrays_.emplace_back(folder, lines.size());
+      for (std::size_t i = 0; i < lines.size(); ++i) {
+        const auto task = static_cast<std::int64_t>(i);
+        if (alive.count(task) != 0)
+          taken +=
+              ledger_.take_off({*job, task, folder, units_of_line(lines[i], units_), {}}) ? 1 : 0;
+      }
+    }
+    if (taken > 0) spdlog::info("{}: {} tasks are in Slurm already", stage_, taken);
+  }
+
+  void submit(const std::vector<Unit>& ready) {
+    if (ready.empty()) return;
+    TaskPlanRequest request;
+    request.seconds_per_weight = seconds_per_weight(setup_.folder, stage_, ready);
+    request.cpus_per_task = task_cpus(setup_.config);
+    request.slots = setup_.slots;
+    request.units_per_task = setup_.config.slurm.shards_per_task;
+    const std::vector<PlannedTask> tasks = plan_tasks(ready, request);
+    const auto most = static_cast<std::size_t>(setup_.config.slurm.max_array);
+    for (std::size_t at = 0; at < tasks.size(); at += most)
+      submit_array(std::span(tasks).subspan(at, std::min(most, tasks.size() - at)));
+  }
+
+  void submit_array(std::span<const PlannedTask> tasks) {
+    std::vector<std::string> lines;
+    for (const PlannedTask& task : tasks) lines.push_back(task_arguments(stage_, task));
+    const ArrayFolder folder = ArrayFolder::create(parent_, lines);
+    const std::string text = stage_script(setup_, stage_, folder, tasks.size());
+    write_whole_file(folder.script_path(), as_bytes(text), Durability::rename_only);
+    const std::int64_t job = client_.submit(
+        folder.script_path(), std::array{fmt::format("--job-name=voxweld-{}", stage_)});
+    folder.set_job(job);
+    arrays_.emplace_back(folder, tasks.size());
+    spdlog::info("{}: job {} of {} tasks; its script and logs: {}", stage_, job, tasks.size(),
+                 folder.path().string());
+    for (std::size_t i = 0; i < tasks.size(); ++i)
+      ledger_.take_off({job, static_cast<std::int64_t>(i), folder, tasks[i].units, {}});
+  }
+
+  void look() {
+    std::set<std::int64_t> jobs;
+    for (const Flight& flight : ledger_.flights()) jobs.insert(flight.job);
+    if (jobs.empty()) return;
+    std::map<std::pair<std::int64_t, std::int64_t>, TaskState> states;
+    for (TaskState& state : client_.tasks(std::vector(jobs.begin(), jobs.end())))
+      states.emplace(std::pair(state.job, state.task), std::move(state));
+    std::size_t looks = looks_a_poll;
+    for (Flight& flight : ledger_.flights()) {
+      const auto at = states.find({flight.job, flight.task});
+      const bool over = at == states.end() || at->second.state == TaskState::gone;
+      if (over) {
+        settle(flight, at == states.end() ? std::string() : at->second.slurm_state);
+      } else {
+        flight.over_since.reset();
+        note_done(ledger_.look(flight, looks, true));
+      }
+    }
+    ledger_.sweep();
+  }
+
+  void settle(Flight& flight, const std::string& slurm_state) {
+    std::size_t all = flight.units.size();
+    note_done(ledger_.look(flight, all, false));
+    FlightEnd end{read_task_report(flight.folder.report_path(flight.task)), slurm_state};
+    if (!flight.units.empty()) {
+      const double now = steady_seconds();
+      if (!flight.over_since) flight.over_since = now;
+      // What a task wrote may not be seen here at once.
+      const bool may_come = end.report ? end.report->exit_code == 0
+                                       : slurm_state.empty() || slurm_state == "COMPLETED";
+      if (may_come && now - *flight.over_since < setup_.visible_after_s) return;
+      if (!end.report || end.report->exit_code != 2)
+        spdlog::warn("{}: task {}_{} left {} of its units undone ({})", stage_, flight.job,
+                     flight.task, flight.units.size(), slurm_state.empty() ? "lost" : slurm_state);
+      ledger_.fail(flight, end, now);
+      flight.units.clear();
+    }
+  }
+
+  // For the figures; a task's report comes shortly after its last result.
+  void collect_reports() {
+    if (options_.elsewhere == nullptr) return;
+    const double until = steady_seconds() + 3;
+    for (const auto& [folder, tasks] : arrays_)
+      for (std::size_t task = 0; task < tasks; ++task) {
+        const auto path = folder.report_path(static_cast<std::int64_t>(task));
+        auto report = read_task_report(path);
+        while (!report && steady_seconds() < until) {
+          wait(0.05);
+          report = read_task_report(path);
+        }
+        if (!report) continue;
+        options_.elsewhere->cpu_s += report->figures.cpu_s;
+        options_.elsewhere->peak_resident =
+            std::max(options_.elsewhere->peak_resident, report->figures.peak_resident);
+      }
+  }
+
+  void note_done(const std::vector<double>& weights) {
+    for (const double weight : weights)
+      if (options_.progress != nullptr) options_.progress->unit_done(weight);
+  }
+
+  void check_interrupt() const {
+    if (options_.interrupt == nullptr || !options_.interrupt->requested()) return;
+    spdlog::info(
+        "the tasks submitted go on without this process; the same command goes on with them, "
+        "`voxweld cancel CONFIG` ends them");
+    throw Interrupted();
+  }
+
+  void wait(double seconds) const {
+    const double until = steady_seconds() + seconds;
+    while (steady_seconds() < until) {
+      if (options_.interrupt != nullptr && options_.interrupt->requested()) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+  }
+
+  const SlurmSetup& setup_;
+  SlurmClient& client_;
+  const StageName stage_;
+  const std::span<const Unit> units_;
+  const RunOptions& options_;
+  const std::filesystem::path parent_;
+  UnitLedger ledger_;
+  std::vector<std::pair<ArrayFolder, std::size_t>> arrays_;  // with their tasks
+  double pause_s_ = 0.25;  // small volumes shall not wait for large ones' manners
+};
+
+}  // namespace
+
+SlurmExecutor::SlurmExecutor(SlurmSetup setup, SlurmClient& client)
+    : setup_(std::move(setup)), client_(client) {}
+
+void SlurmExecutor::run_units(StageName stage, std::span<const Unit> units, const UnitWork&,
+                              const RunOptions& options) {
+  if (!options.done) throw std::logic_error(std::string(stage) + " cannot run elsewhere");
+  StageOnSlurm(setup_, client_, stage, units, options).run();
+}
+
+}  // namespace voxweld

@@ -1,0 +1,66 @@
+#include "pipeline/slurm/task_cost.h"
+
+#include <fmt/format.h>
+
+#include "pipeline/run/task_report.h"
+#include "pipeline/slurm/batch_script.h"
+
+namespace voxweld {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t enough_reports = 200;
+
+// Seconds of one processor for a weight of 1, on a desktop of 2022: a brick, a sample, a vertex or
+// polygon, a polygon (what the stages weigh their units by).
+double usual_seconds(StageName stage) {
+  if (stage == "ingest") return 1e-8;
+  if (stage == "build") return 0.015;
+  if (stage == "stitch") return 5e-7;
+  if (stage == "encode") return 2e-6;
+  return 0;
+}
+
+}  // namespace
+
+double seconds_per_weight(const fs::path& folder, StageName stage, std::span<const Unit> units) {
+  double cpu_s = 0, weight = 0;
+  std::uint64_t done = 0;
+  std::size_t read = 0;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (!entry.path().filename().string().starts_with(std::string(stage) + "-")) continue;
+    for (const ArrayFolder& array : ArrayFolder::all(entry.path()))
+      for (const auto& file : fs::directory_iterator(array.reports(), error)) {
+        if (read == enough_reports) break;
+        const auto report = read_task_report(file.path());
+        if (!report || report->units == 0) continue;
+        cpu_s += report->figures.cpu_s;
+        done += report->units;
+        ++read;
+      }
+  }
+  if (done == 0) return usual_seconds(stage);
+  for (const Unit& unit : units) weight += unit.weight;
+  if (weight <= 0) return 0;
+  return cpu_s / static_cast<double>(done) * static_cast<double>(units.size()) / weight;
+}
+
+std::string stage_script(const SlurmSetup& setup, StageName stage, const ArrayFolder& folder,
+                         std::size_t tasks) {
+  BatchScript script = batch_script(setup.config);
+  script.name = fmt::format("voxweld-{}", stage);
+  script.log = log_pattern(folder.logs(), true);
+  script.array =
+      BatchScript::Array{static_cast<std::int64_t>(tasks), setup.config.slurm.max_running};
+  script.prologue = setup.config.slurm.prologue;
+  script.body = array_body(
+      folder.tasks_path(),
+      std::array{setup.program.string(), std::string(stage), setup.config_file.string(),
+                 std::string("--set"), fmt::format("run.threads={}", task_cpus(setup.config)),
+                 std::string("--report"), folder.reports().string()});
+  return render(script);
+}
+
+}  // namespace voxweld

@@ -1,0 +1,22 @@
+// What units of a stage cost, from the reports of tasks that ran, and the scripts they run by.
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include "pipeline/executor/executor.h"
+#include "pipeline/slurm/array_folder.h"
+#include "pipeline/slurm/slurm_executor.h"
+
+namespace voxweld {
+
+// Of one processor: from the reports below `folder` where there are any of the stage, else a figure
+// measured elsewhere. Precondition: units is not empty.
+double seconds_per_weight(const std::filesystem::path& folder, StageName stage,
+                          std::span<const Unit> units);
+
+// The script of an array of that many tasks.
+std::string stage_script(const SlurmSetup& setup, StageName stage, const ArrayFolder& folder,
+                         std::size_t tasks);
+
+}  // namespace voxweld

@@ -1,0 +1,131 @@
+#include "pipeline/slurm/unit_ledger.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace voxweld {
+namespace {
+
+std::string hint_for(const std::string& state) {
+  if (state == "TIMEOUT" || state == "DEADLINE") return " (slurm.time is too short for it)";
+  if (state == "OUT_OF_MEMORY") return " (raise slurm.mem, or lower run.memory)";
+  return "";
+}
+
+// What the report says of the unit, or of the task where it names no unit; null when nothing.
+const TaskFailure* failure_of(const FlightEnd& end, std::uint64_t unit) {
+  if (!end.report) return nullptr;
+  const TaskFailure* whole = nullptr;
+  for (const TaskFailure& failure : end.report->failures) {
+    if (failure.unit == unit) return &failure;
+    if (!failure.unit) whole = &failure;
+  }
+  return whole;
+}
+
+std::string why(const FlightEnd& end, const TaskFailure* failure) {
+  if (failure != nullptr) return failure->message;
+  if (end.report && end.report->exit_code == 0)
+    return "its task says it is done, but the result cannot be seen from here: is work.directory "
+           "the same shared folder on every node?";
+  if (end.slurm_state.empty()) return "its task was lost: Slurm knows nothing of it any more";
+  return fmt::format("its task ended as {}{}", end.slurm_state, hint_for(end.slurm_state));
+}
+
+// Whether trying again would end the same: the user has to mend something, or wanted it to end.
+bool is_final(const FlightEnd& end, const TaskFailure* failure) {
+  if (failure != nullptr) return failure->exit_code == 2 || !failure->damaged_path.empty();
+  return end.slurm_state == "CANCELLED" && !end.report;
+}
+
+}  // namespace
+
+UnitLedger::UnitLedger(std::span<const Unit> units, std::function<bool(const Unit&)> done,
+                       std::int64_t retries)
+    : done_(std::move(done)), retries_(retries), open_(units.size()) {
+  for (const Unit& unit : units) entries_[unit.key].unit = unit;
+}
+
+std::vector<Unit> UnitLedger::ready(double now) const {
+  std::vector<Unit> units;
+  for (const auto& [key, entry] : entries_)
+    if (entry.state == State::waiting && entry.not_before <= now) units.push_back(entry.unit);
+  return units;
+}
+
+bool UnitLedger::take_off(Flight flight) {
+  std::vector<std::uint64_t> taken;
+  for (const std::uint64_t key : flight.units) {
+    const auto at = entries_.find(key);
+    if (at == entries_.end() || at->second.state != State::waiting) continue;
+    at->second.state = State::flying;
+    taken.push_back(key);
+  }
+  if (taken.empty()) return false;
+  flight.units = std::move(taken);
+  flights_.push_back(std::move(flight));
+  return true;
+}
+
+std::vector<double> UnitLedger::look(Flight& flight, std::size_t& most, bool in_order) {
+  std::vector<double> found;
+  std::vector<std::uint64_t> left;
+  bool stopped = false;
+  for (const std::uint64_t key : flight.units) {
+    Entry& entry = entries_.at(key);
+    stopped = stopped || most == 0;
+    if (!stopped) --most;
+    if (stopped || !done_(entry.unit)) {
+      stopped = stopped || in_order;
+      left.push_back(key);
+      continue;
+    }
+    entry.state = State::done;
+    --open_;
+    found.push_back(entry.unit.weight);
+  }
+  flight.units = std::move(left);
+  return found;
+}
+
+void UnitLedger::fail(const Flight& flight, const FlightEnd& end, double now) {
+  for (const std::uint64_t key : flight.units) {
+    Entry& entry = entries_.at(key);
+    const TaskFailure* failure = failure_of(end, key);
+    ++entry.failures;
+    if (!is_final(end, failure) && entry.failures <= retries_) {
+      // A full disk or a node that fails everything at once shall not use up all tries in a second.
+      const double pause = std::min(60.0, std::exp2(static_cast<double>(entry.failures)));
+      entry.state = State::waiting;
+      entry.not_before = now + pause;
+      continue;
+    }
+    entry.state = State::given_up;
+    --open_;
+    const std::string tried =
+        entry.failures > 1 ? fmt::format(" (tried {} times)", entry.failures) : "";
+    entry.error.key = key;
+    entry.error.unit = entry.unit.name;
+    entry.error.message = fmt::format("{}{}; log: {}", why(end, failure), tried,
+                                      flight.folder.log_path(flight.job, flight.task).string());
+    if (failure != nullptr) {
+      entry.error.exit_code = failure->exit_code;
+      entry.error.damaged_path = failure->damaged_path;
+    }
+  }
+}
+
+void UnitLedger::sweep() {
+  std::erase_if(flights_, [](const Flight& flight) { return flight.units.empty(); });
+}
+
+std::vector<UnitError> UnitLedger::errors() const {
+  std::vector<UnitError> errors;
+  for (const auto& [key, entry] : entries_)
+    if (entry.state == State::given_up) errors.push_back(entry.error);
+  return errors;
+}
+
+}  // namespace voxweld

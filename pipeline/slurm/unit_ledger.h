@@ -1,0 +1,76 @@
+// The bookkeeping of a stage whose units run as tasks elsewhere: which unit is in which task, which
+// is done, which has to be tried again, which is given up. Knows no Slurm and no clock of its own.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pipeline/executor/error_set.h"
+#include "pipeline/executor/executor.h"
+#include "pipeline/run/task_report.h"
+#include "pipeline/slurm/array_folder.h"
+
+namespace voxweld {
+
+// One task that was submitted and not yet settled.
+struct Flight {
+  std::int64_t job = 0, task = 0;
+  ArrayFolder folder;
+  std::vector<std::uint64_t> units;  // keys; those not known to be done
+  std::optional<double> over_since;  // when it was first seen to have ended
+};
+
+// How a task ended, as far as anybody knows.
+struct FlightEnd {
+  std::optional<TaskReport> report;
+  std::string slurm_state;  // empty: Slurm knows nothing of it any more
+};
+
+class UnitLedger {
+ public:
+  // done: asks whether a unit's result is there. retries: how often a unit is tried again.
+  UnitLedger(std::span<const Unit> units, std::function<bool(const Unit&)> done,
+             std::int64_t retries);
+
+  // Units of no task that may be tried at `now`, in key order.
+  std::vector<Unit> ready(double now) const;
+  bool open() const { return open_ > 0; }  // some unit is neither done nor given up
+
+  // A task took off with those of the keys that are open and in no other task. False when there are
+  // none: it is not watched then.
+  bool take_off(Flight flight);
+  std::vector<Flight>& flights() { return flights_; }
+
+  // Looks for results of the flight, at most `most` of them, up to the first that is missing when
+  // `in_order`; returns the weights of those that turned out done.
+  std::vector<double> look(Flight& flight, std::size_t& most, bool in_order);
+  // The task has ended without the units it still has: tried again at a later time, or given up.
+  void fail(const Flight& flight, const FlightEnd& end, double now);
+  // Forgets the flights that have no units left.
+  void sweep();
+
+  std::vector<UnitError> errors() const;  // of the units given up, in key order
+
+ private:
+  enum class State : std::uint8_t { waiting, flying, done, given_up };
+  struct Entry {
+    Unit unit;
+    State state = State::waiting;
+    std::int64_t failures = 0;
+    double not_before = 0;
+    UnitError error;
+  };
+
+  std::map<std::uint64_t, Entry> entries_;
+  std::vector<Flight> flights_;
+  std::function<bool(const Unit&)> done_;
+  std::int64_t retries_;
+  std::size_t open_;
+};
+
+}  // namespace voxweld
