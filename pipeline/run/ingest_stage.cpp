@@ -226,6 +226,12 @@ IngestStatus ingest_status(const RunContext& context, const IngestJob& job) {
   return status;
 }
 
+std::vector<Unit> missing_units(const RunContext& context, const IngestJob& job) {
+  if (!job.copy) return {};
+  const StoreLayout layout = layout_of(context.config, job);
+  return units_of(layout, missing_of(context, layout, job.stamp), job.info.access);
+}
+
 StageMemory ingest_memory(const Config& config, const IngestJob& job) {
   StageMemory memory{"ingest", 0, 0, fmt::format("one shard (work.chunk = {})", config.work.chunk),
                      "raise run.memory or lower work.chunk"};
