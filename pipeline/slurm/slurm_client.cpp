@@ -91,7 +91,43 @@ std::string id_list(std::span<const std::int64_t> jobs) {
   return fmt::format("{}", fmt::join(jobs, ","));
 }
 
+struct Standstill {
+  const char* reason;
+  const char* advice;
+};
+
+// Reasons that time alone does not take away. Other reasons are a matter of turn.
+constexpr const char* too_large =
+    "no node of the partition has what a task asks for: lower slurm.cpus_per_task or slurm.mem, or "
+    "change slurm.partition or slurm.extra";
+constexpr const char* too_long =
+    "lower slurm.time, which is above the limit, or change slurm.partition or slurm.qos";
+constexpr const char* held = "it is held: `scontrol release` lets it go";
+constexpr std::array<Standstill, 12> standstills = {{
+    {"PartitionTimeLimit", too_long},
+    {"QOSMaxWallDurationPerJobLimit", too_long},
+    {"AssocMaxWallDurationPerJobLimit", too_long},
+    {"PartitionConfig", too_large},
+    {"PartitionNodeLimit", too_large},
+    {"BadConstraints", too_large},
+    {"InvalidAccount", "change slurm.account"},
+    {"InvalidQOS", "change slurm.qos"},
+    {"JobHeldUser", held},
+    {"JobHeldAdmin", held},
+    {"held", held},  // "launch failed requeued held"
+    {"DependencyNeverSatisfied", "what it waits for has failed"},
+}};
+
 }  // namespace
+
+std::string standstill(const TaskState& task) {
+  if (task.state != TaskState::pending) return {};
+  for (const Standstill& one : standstills)
+    if (task.reason == one.reason || task.reason.ends_with(std::string(" ") + one.reason) ||
+        task.reason.ends_with(std::string("_") + one.reason))
+      return fmt::format("{}: {}", task.reason, one.advice);
+  return {};
+}
 
 // How long one call has waited for an answer, and whether the user knows.
 class SlurmClient::Patience {
@@ -115,6 +151,9 @@ class SlurmClient::Patience {
           fmt::format("Slurm has not answered for {}: {}; what is finished is kept, run the same "
                       "command again when the cluster answers",
                       shown(limit_), why));
+    rest();
+  }
+  void rest() {
     sleep();
     waited_ += pause_;
     check_interrupt();
@@ -193,6 +232,11 @@ std::int64_t SlurmClient::submit_named(std::span<const std::string> words,
     // An earlier try may have got through although its answer did not, and after this one too.
     if (!why.empty()) patience.wait(why);
     std::set<std::int64_t> there = jobs_named(name, patience);
+    if (there.empty() && !job) {
+      // A controller that is back answers questions before it has worked through its backlog.
+      patience.rest();
+      there = jobs_named(name, patience);
+    }
     if (job) there.insert(*job);
     if (there.empty()) continue;
     const std::int64_t first = *there.begin();

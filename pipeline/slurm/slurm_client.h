@@ -35,6 +35,10 @@ struct TaskState {
   friend bool operator==(const TaskState&, const TaskState&) = default;
 };
 
+// Why a pending task will not start however long one waits, with the keys of [slurm] to change;
+// empty for a task that only waits its turn, or is not pending.
+std::string standstill(const TaskState& task);
+
 struct SlurmClientOptions {
   std::chrono::milliseconds time_limit{120000};  // of one command; then it counts as no answer
   std::chrono::milliseconds patience{600000};    // how long to keep trying without an answer

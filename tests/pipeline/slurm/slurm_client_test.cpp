@@ -124,6 +124,27 @@ TEST(SlurmClient, SaysItsVersion) {
   EXPECT_EQ(slurm.calls(), (Words{"sbatch --version", "squeue --version", "scancel --version"}));
 }
 
+TEST(SlurmClient, TellsWaitingFromStandingStill) {
+  TaskState task;
+  for (const char* reason : {"Resources", "Priority", "None", "BeginTime", "Dependency",
+                             "JobArrayTaskLimit", "QOSMaxJobsPerUserLimit", "PartitionDown"}) {
+    task.reason = reason;
+    EXPECT_EQ(standstill(task), "") << reason;
+  }
+  task.reason = "PartitionTimeLimit";
+  EXPECT_EQ(standstill(task),
+            "PartitionTimeLimit: lower slurm.time, which is above the limit, or change "
+            "slurm.partition or slurm.qos");
+  for (const char* reason :
+       {"PartitionConfig", "JobHeldUser", "launch failed requeued held",
+        "launch_failed_requeued_held", "InvalidQOS", "DependencyNeverSatisfied"}) {
+    task.reason = reason;
+    EXPECT_NE(standstill(task), "") << reason;
+  }
+  task.state = TaskState::running;
+  EXPECT_EQ(standstill(task), "");
+}
+
 std::string input_error(const std::function<void()>& action) {
   try {
     action();
