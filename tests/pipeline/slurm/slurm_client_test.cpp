@@ -43,6 +43,15 @@ TEST(SlurmClient, NamesAreUniqueAndSafeToAskFor) {
   EXPECT_NE(calls[0], calls[1]);
 }
 
+TEST(SlurmClient, TheScriptMayNameTheJob) {
+  FakeSlurm slurm;
+  slurm.program("sbatch", "echo 77");
+  const auto script = slurm.path() / "x.sbatch";
+  std::ofstream(script) << "#!/bin/bash\n#SBATCH --job-name=\"build head\"\n";
+  SlurmClient().submit(script, {});
+  EXPECT_THAT(slurm.calls().at(0), HasSubstr(" --job-name=build_head-"));
+}
+
 TEST(SlurmClient, ListsTasks) {
   FakeSlurm slurm;
   slurm.program("squeue", "echo '5|0|RUNNING|n1|None'; echo '6|N/A|PENDING||Resources'");
@@ -115,6 +124,18 @@ TEST(SlurmClient, TheUsersSettingsOfTheProgramsDoNotReachThem) {
   EXPECT_EQ(SlurmClient().submit("/x.sbatch", {}), 3);
   for (const char* name : {"SQUEUE_PARTITION", "SBATCH_ARRAY_INX", "SBATCH_ACCOUNT"})
     unsetenv(name);
+}
+
+TEST(SlurmClient, TheScriptWinsOverTheEnvironment) {
+  FakeSlurm slurm;
+  setenv("SBATCH_PARTITION", "other", 1);
+  slurm.program("sbatch", "[ -z \"${SBATCH_PARTITION-}\" ] && echo 1 || echo 2");
+  const auto script = slurm.path() / "x.sbatch";
+  std::ofstream(script) << "#!/bin/bash\n#SBATCH --time=10\n";
+  EXPECT_EQ(SlurmClient().submit(script, {}), 2);
+  std::ofstream(script) << "#!/bin/bash\n#SBATCH --partition=long\n";
+  EXPECT_EQ(SlurmClient().submit(script, {}), 1);
+  unsetenv("SBATCH_PARTITION");
 }
 
 TEST(SlurmClient, SaysItsVersion) {
