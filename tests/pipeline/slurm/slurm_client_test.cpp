@@ -23,23 +23,23 @@ using Words = std::vector<std::string>;
 TEST(SlurmClient, Submits) {
   FakeSlurm slurm;
   slurm.program("sbatch", "echo 77");
-  EXPECT_EQ(SlurmClient().submit("/work/a b/build.sbatch", Words{"--hold", "--nice=5"}), 77);
+  EXPECT_EQ(SlurmClient().submit("/data/a b/build.sbatch", Words{"--hold", "--nice=5"}), 77);
   ASSERT_EQ(slurm.calls().size(), 1U);
   EXPECT_THAT(slurm.calls()[0],
               MatchesRegex("sbatch --parsable --job-name=build-[0-9a-f]{16} --hold --nice=5 "
-                           "/work/a b/build.sbatch"));
+                           "/data/a b/build.sbatch"));
 }
 
 TEST(SlurmClient, NamesAreUniqueAndSafeToAskFor) {
   FakeSlurm slurm;
   slurm.program("sbatch", "echo 77");
   SlurmClient client;
-  client.submit("/work/x.sbatch", Words{"--job-name=voxweld, head 'a'"});
-  client.submit("/work/x.sbatch", Words{"--job-name=voxweld, head 'a'"});
+  client.submit("/data/x.sbatch", Words{"--job-name=voxweld, head 'a'"});
+  client.submit("/data/x.sbatch", Words{"--job-name=voxweld, head 'a'"});
   const Words calls = slurm.calls();
   ASSERT_EQ(calls.size(), 2U);
   EXPECT_THAT(calls[0], MatchesRegex("sbatch --parsable --job-name=voxweld__head__a_-[0-9a-f]{16} "
-                                     "/work/x.sbatch"));
+                                     "/data/x.sbatch"));
   EXPECT_NE(calls[0], calls[1]);
 }
 
