@@ -78,8 +78,8 @@ class Chain {
   void submit(const std::string& name, const ArrayFolder& folder, std::size_t tasks,
               const std::string& text) {
     write_whole_file(folder.script_path(), as_bytes(text), Durability::rename_only);
-    const std::int64_t job =
-        client_.submit(folder.script_path(), std::array{fmt::format("--job-name=voxweld-{}", name)});
+    const std::int64_t job = client_.submit(folder.script_path(),
+                                            std::array{fmt::format("--job-name=voxweld-{}", name)});
     folder.set_job(job);
     steps_.push_back({name, job, tasks, folder.path()});
   }

@@ -70,6 +70,8 @@ void look_at_queue(const std::vector<KnownArray>& arrays, SlurmClient& client, R
       std::sort(entry.nodes.begin(), entry.nodes.end());
       status.queue.push_back(std::move(entry));
     }
+  std::sort(status.queue.begin(), status.queue.end(),
+            [](const QueuedArray& a, const QueuedArray& b) { return a.array.job < b.array.job; });
 }
 
 std::string log_text(const std::filesystem::path& path) {
