@@ -15,9 +15,19 @@ Hash128 volume_stamp(const BuildJob& job, Index3 shard) {
   return job.volume.stamp(ShardBuilder::shard_samples(job, shard));
 }
 
-enum class ArtifactState { missing, unproven, current };
+enum class ArtifactState { missing, unproven, current, out_of_reach };
+
+bool input_is_there(const BuildJob& job, Index3 shard) {
+  try {
+    volume_stamp(job, shard);
+    return true;
+  } catch (const DamagedArtifact&) {
+    return false;
+  }
+}
 
 ArtifactState state_of(const BuildJob& job, Index3 shard) {
+  if (job.partial_input && !input_is_there(job, shard)) return ArtifactState::out_of_reach;
   const auto path = shard_artifact_path(job, shard);
   if (!std::filesystem::exists(path)) return ArtifactState::missing;
   try {

@@ -11,6 +11,8 @@ struct BuildJob {
   ContourParameters parameters;
   std::filesystem::path folder;
   Hash128 key;
+  // Part of the brick store could not be made: shards that would read it are left out.
+  bool partial_input = false;
 };
 
 std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard);

@@ -35,6 +35,25 @@ StoreLayout layout_of(const Config& config, const IngestJob& job) {
   return layout;
 }
 
+// Of some of the input's files and how they are read.
+Hash128 files_stamp(const IngestJob& job, std::size_t begin, std::size_t end) {
+  KeyHasher stamp;
+  stamp.hash(job.parameters);
+  for (std::size_t i = begin; i < end; ++i) {
+    const InputFile& file = job.info.files[i];
+    stamp.text(file.path).integer(static_cast<std::int64_t>(file.size)).integer(file.mtime_ns);
+  }
+  return stamp.finish();
+}
+
+// What a store shard was made from.
+Hash128 shard_key(const IngestJob& job, const StoreLayout& layout, Index3 shard) {
+  if (!job.file_per_slice) return job.stamp;
+  const Box3 samples = layout.shard_samples(shard);
+  return files_stamp(job, static_cast<std::size_t>(samples.lo.z),
+                     static_cast<std::size_t>(samples.hi.z));
+}
+
 std::vector<Index3> shards_of(const StoreLayout& layout) {
   std::vector<Index3> shards;
   const Index3 grid = layout.shard_grid();
@@ -80,11 +99,12 @@ bool histogram_is_current(const IngestJob& job) {
 
 // Units are numbered as shards_of; ascending.
 std::vector<std::uint64_t> missing_of(const RunContext& context, const StoreLayout& layout,
-                                      Hash128 stamp) {
+                                      const IngestJob& job) {
   const std::vector<Index3> shards = shards_of(layout);
   std::vector<std::uint64_t> missing;
   for (std::size_t i = 0; i < shards.size(); ++i)
-    if (context.selection.contains(i) && !shard_is_current(layout, shards[i], stamp))
+    if (context.selection.contains(i) &&
+        !shard_is_current(layout, shards[i], shard_key(job, layout, shards[i])))
       missing.push_back(i);
   return missing;
 }
@@ -161,7 +181,7 @@ void write_shards(RunContext& context, const IngestJob& job,
   if (job.info.access != Access::box) stage.order = UnitOrder::as_given;  // slices rise
   stage.identity = job.folder.filename().string();
   stage.done = [&](const Unit& unit) {
-    return shard_is_current(layout, shards[unit.key], job.stamp);
+    return shard_is_current(layout, shards[unit.key], shard_key(job, layout, shards[unit.key]));
   };
   const int threads = stage_threads(context, stage.memory);
   std::optional<ShardSource> source;
@@ -182,7 +202,8 @@ void write_shards(RunContext& context, const IngestJob& job,
         Worker& worker = *workers[static_cast<std::size_t>(worker_context.slot())];
         const Index3& shard = shards[unit.key];
         source->with_samples(shard, [&](const SampleSource& samples) {
-          write_shard(layout, shard, job.stamp, samples, worker.statistics, worker.scratch);
+          write_shard(layout, shard, shard_key(job, layout, shard), samples, worker.statistics,
+                      worker.scratch);
         });
         worker_context.add_bytes(static_cast<std::uint64_t>(layout.shard_samples(shard).count()) *
                                  sample_bytes(layout.type));
@@ -196,7 +217,7 @@ void run_copy(RunContext& context, const IngestJob& job) {
   // From here on no other process has to look at every slice to know what they are.
   if (context.selection.all() && job.input && job.input->info().access != Access::box)
     record_input(job.folder, parameter_hash(context.config, Stage::ingest), job.info);
-  write_shards(context, job, missing_of(context, layout, job.stamp));
+  write_shards(context, job, missing_of(context, layout, job));
   if (!context.selection.all()) return;
   remove_spools(job.folder);
   if (job.histogram && !histogram_is_current(job))
@@ -218,11 +239,10 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder)
     for (const std::string& warning : job.info.warnings) spdlog::warn("{}", warning);
   }
   const VolumeInfo& info = job.info;
-  KeyHasher stamp;
-  stamp.hash(parameters);
-  for (const InputFile& file : info.files)
-    stamp.text(file.path).integer(static_cast<std::int64_t>(file.size)).integer(file.mtime_ns);
-  job.stamp = stamp.finish();
+  job.parameters = parameters;
+  job.stamp = files_stamp(job, 0, info.files.size());
+  job.file_per_slice = info.access == Access::slice && !config.input.crop &&
+                       static_cast<std::int64_t>(info.files.size()) == info.geometry.size.z;
   const bool by_box = !known && info.access == Access::box;
   if (config.work.copy == WorkConfig::Copy::never && !by_box)
     throw InputError(
@@ -239,7 +259,7 @@ IngestStatus ingest_status(const RunContext& context, const IngestJob& job) {
   if (job.copy) {
     const StoreLayout layout = layout_of(context.config, job);
     status.units = shards_of(layout).size();
-    status.missing = missing_of(context, layout, job.stamp).size();
+    status.missing = missing_of(context, layout, job).size();
     status.metadata_missing = !store_metadata_is_current(layout);
   }
   status.histogram_missing = job.histogram && !histogram_is_current(job);
@@ -249,7 +269,7 @@ IngestStatus ingest_status(const RunContext& context, const IngestJob& job) {
 std::vector<Unit> missing_units(const RunContext& context, const IngestJob& job) {
   if (!job.copy) return {};
   const StoreLayout layout = layout_of(context.config, job);
-  return units_of(layout, missing_of(context, layout, job.stamp), job.info.access);
+  return units_of(layout, missing_of(context, layout, job), job.info.access);
 }
 
 StageMemory ingest_memory(const Config& config, const IngestJob& job) {

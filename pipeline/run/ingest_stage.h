@@ -16,6 +16,8 @@ struct IngestJob {
   // nothing opens it again, and the image module is not loaded for it.
   std::shared_ptr<SampleSource> input;
   Hash128 stamp;  // of the input's files and how they are read
+  Hash128 parameters;
+  bool file_per_slice = false;  // info.files are the slices: a layer's shards depend on a few
   std::filesystem::path folder;
   bool copy = false;       // make a brick store
   bool histogram = false;  // needed: the isovalue is to be chosen

@@ -22,6 +22,9 @@ class Jobs {
   // lattice planned.
   void open_volume(Config& config);
 
+  // After open_volume: part of what ingest leaves is missing.
+  void build_what_is_there() { build_->partial_input = true; }
+
   const Volume& volume() const { return build_->volume; }
   const BuildJob& build() const { return *build_; }
   const MergeJob& merge() const { return merge_; }

@@ -46,12 +46,31 @@ void check_writable(const std::filesystem::path& directory, const std::string& k
                                       : fmt::format("{} is not a directory", there.string())));
 }
 
+// Something of the input cannot be read, and that is the user's to mend. What the rest of it is
+// enough for is built meanwhile: when it is mended only the remainder is left to do.
+void ingest_or_build_the_rest(RunContext& context, Jobs& jobs) {
+  try {
+    run_ingest(context, jobs.ingest());
+  } catch (const Error& error) {
+    const IngestStatus status = ingest_status(context, jobs.ingest());
+    if (error.exit_code() != 2 || status.missing == status.units ||
+        !context.config.surface.isovalue.has_value())
+      throw;
+    spdlog::warn("{} of {} shards of the input cannot be read; building what the others allow",
+                 status.missing, status.units);
+    jobs.open_volume(context.config);
+    jobs.build_what_is_there();
+    run_build(context, jobs.build());
+    throw;
+  }
+}
+
 // ingest -> build -> merge -> stitch -> encode
 void run_stages(RunContext& context) {
   Jobs jobs(context.config);
   check_budget(context, jobs);
   warn_of_large_tiles(context);
-  run_ingest(context, jobs.ingest());
+  ingest_or_build_the_rest(context, jobs);
   jobs.open_volume(context.config);
   run_build(context, jobs.build());
   run_merge(context, jobs.merge());

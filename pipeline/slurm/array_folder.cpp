@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <map>
+#include <string_view>
 
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
@@ -12,6 +14,17 @@ namespace voxweld {
 namespace {
 
 namespace fs = std::filesystem;
+
+// The number in a folder's name; nothing where it is no array's.
+std::optional<std::size_t> number_of(const fs::path& path) {
+  const std::string name = path.filename().string();
+  constexpr std::string_view prefix = "array-";
+  if (!name.starts_with(prefix)) return std::nullopt;
+  std::size_t number = 0;
+  const char* const end = name.data() + name.size();
+  const auto parsed = std::from_chars(name.data() + prefix.size(), end, number);
+  return parsed.ec == std::errc() && parsed.ptr == end ? std::optional(number) : std::nullopt;
+}
 
 std::string text_of(const fs::path& path) {
   const auto bytes = read_whole_file(path);
@@ -22,10 +35,16 @@ std::string text_of(const fs::path& path) {
 
 ArrayFolder ArrayFolder::create(const fs::path& parent, const std::vector<std::string>& tasks) {
   make_directories(parent);
-  for (std::size_t number = all(parent).size();; ++number) {
+  const std::vector<ArrayFolder> before = all(parent);
+  std::size_t number = before.empty() ? 0 : *number_of(before.back().path()) + 1;
+  for (;; ++number) {
     const ArrayFolder folder(parent / fmt::format("array-{:03}", number));
     // Made by one process only: another driver that is at it too takes the next.
-    if (!fs::create_directory(folder.path())) continue;
+    std::error_code error;
+    if (!fs::create_directory(folder.path(), error)) {
+      if (error) throw_errno("create", folder.path().string(), error.value());
+      continue;
+    }
     make_directories(folder.logs());
     make_directories(folder.reports());
     std::string text;
@@ -36,15 +55,13 @@ ArrayFolder ArrayFolder::create(const fs::path& parent, const std::vector<std::s
 }
 
 std::vector<ArrayFolder> ArrayFolder::all(const fs::path& parent) {
-  std::vector<fs::path> paths;
+  std::map<std::size_t, fs::path> paths;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(parent, error))
-    if (entry.path().filename().string().starts_with("array-")) paths.push_back(entry.path());
-  std::sort(paths.begin(), paths.end(), [](const fs::path& a, const fs::path& b) {
-    const auto name = a.string().size() <=> b.string().size();  // array-999 before array-1000
-    return name != 0 ? name < 0 : a < b;
-  });
-  return {paths.begin(), paths.end()};
+  for (fs::directory_iterator at(parent, error), end; !error && at != end; at.increment(error))
+    if (const auto number = number_of(at->path())) paths.emplace(*number, at->path());
+  std::vector<ArrayFolder> folders;
+  for (auto& [number, path] : paths) folders.emplace_back(std::move(path));
+  return folders;
 }
 
 fs::path ArrayFolder::report_path(std::int64_t task) const {
@@ -72,8 +89,10 @@ std::optional<std::int64_t> ArrayFolder::job() const {
   if (!fs::exists(path_ / "job")) return std::nullopt;
   const std::string text = text_of(path_ / "job");
   std::int64_t id = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), id);
-  return parsed.ec == std::errc() && id > 0 ? std::optional(id) : std::nullopt;
+  const char* const end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, id);
+  const bool whole = parsed.ec == std::errc() && std::string_view(parsed.ptr, end) == "\n";
+  return whole && id > 0 ? std::optional(id) : std::nullopt;
 }
 
 void ArrayFolder::set_job(std::int64_t job) const {

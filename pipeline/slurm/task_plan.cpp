@@ -1,7 +1,7 @@
 #include "pipeline/slurm/task_plan.h"
 
 #include <algorithm>
-#include <cmath>
+#include <unordered_map>
 
 #include "pipeline/run/unit_selection.h"
 
@@ -23,29 +23,48 @@ double target_weight(double total, const TaskPlanRequest& request) {
   return target;
 }
 
+// What goes into one task undivided: a unit, or all units that share a costly read.
+struct Block {
+  std::vector<std::uint64_t> units;
+  double weight = 0;
+};
+
+// In the order of their first keys.
+std::vector<Block> blocks_of(std::vector<Unit> units) {
+  std::sort(units.begin(), units.end(), [](const Unit& a, const Unit& b) { return a.key < b.key; });
+  std::vector<Block> blocks;
+  std::unordered_map<std::uint64_t, std::size_t> block_of;  // units that go together
+  for (const Unit& unit : units) {
+    std::size_t at = blocks.size();
+    if (unit.together != 0) at = block_of.emplace(unit.together, at).first->second;
+    if (at == blocks.size()) blocks.emplace_back();
+    blocks[at].units.push_back(unit.key);
+    blocks[at].weight += unit.weight;
+  }
+  return blocks;
+}
+
 }  // namespace
 
 std::vector<PlannedTask> plan_tasks(std::span<const Unit> units, const TaskPlanRequest& request) {
-  std::vector<Unit> sorted(units.begin(), units.end());
-  std::sort(sorted.begin(), sorted.end(),
-            [](const Unit& a, const Unit& b) { return a.key < b.key; });
+  const std::vector<Block> blocks = blocks_of({units.begin(), units.end()});
   double total = 0;
-  for (const Unit& unit : sorted) total += unit.weight;
+  for (const Block& block : blocks) total += block.weight;
   const double target = target_weight(total, request);
   const auto per_task = static_cast<std::size_t>(request.units_per_task);
 
   std::vector<PlannedTask> tasks;
-  std::uint64_t together = 0;
-  for (const Unit& unit : sorted) {
-    const bool tied = !tasks.empty() && unit.together != 0 && unit.together == together;
-    const bool full = tasks.empty() ||
-                      (request.units_per_task > 0 ? tasks.back().units.size() >= per_task
-                                                  : tasks.back().weight + unit.weight / 2 > target);
-    if (full && !tied) tasks.emplace_back();
-    tasks.back().units.push_back(unit.key);
-    tasks.back().weight += unit.weight;
-    together = unit.together;
+  for (const Block& block : blocks) {
+    const bool full =
+        tasks.empty() ||
+        (request.units_per_task > 0 ? tasks.back().units.size() + block.units.size() > per_task
+                                    : tasks.back().weight + block.weight / 2 > target);
+    if (full) tasks.emplace_back();
+    PlannedTask& task = tasks.back();
+    task.units.insert(task.units.end(), block.units.begin(), block.units.end());
+    task.weight += block.weight;
   }
+  for (PlannedTask& task : tasks) std::sort(task.units.begin(), task.units.end());
   std::stable_sort(tasks.begin(), tasks.end(),
                    [](const PlannedTask& a, const PlannedTask& b) { return a.weight > b.weight; });
   return tasks;

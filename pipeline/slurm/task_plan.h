@@ -14,7 +14,7 @@ struct TaskPlanRequest {
   double seconds_per_weight = 0;  // of one processor; 0: not known
   std::int64_t cpus_per_task = 1;
   std::int64_t slots = 1;           // tasks the cluster runs at once, as far as is known
-  std::int64_t units_per_task = 0;  // what the config asks for; 0: to be chosen
+  std::int64_t units_per_task = 0;  // the most, as the config asks for; 0: to be chosen
 };
 
 struct PlannedTask {
@@ -23,8 +23,9 @@ struct PlannedTask {
 };
 
 // A task should take minutes, so that starting it costs little, and there should be several for
-// each slot, so that none is left to run alone at the end. Units keep their order, neighbours stay
-// together, and units that share a costly read are never parted. The largest task comes first.
+// each slot, so that none is left to run alone at the end. Units keep their order and neighbours
+// stay together; units that share a costly read are never parted, be they more than units_per_task.
+// The largest task comes first.
 std::vector<PlannedTask> plan_tasks(std::span<const Unit> units, const TaskPlanRequest& request);
 
 // The options of voxweld's stage command that name a task's units: "--shards 0-63".

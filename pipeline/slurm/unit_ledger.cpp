@@ -14,6 +14,12 @@ std::string hint_for(const std::string& state) {
   return "";
 }
 
+// True when the task came to its end by itself. Otherwise it was sent a signal, and what it may
+// have said last, that it was asked to stop, is not the reason.
+bool ended_by_itself(const std::string& state) {
+  return state.empty() || state == "FAILED" || state == "COMPLETED";
+}
+
 // What the report says of the unit, or of the task where it names no unit; null when nothing.
 const TaskFailure* failure_of(const FlightEnd& end, std::uint64_t unit) {
   if (!end.report) return nullptr;
@@ -22,7 +28,7 @@ const TaskFailure* failure_of(const FlightEnd& end, std::uint64_t unit) {
     if (failure.unit == unit) return &failure;
     if (!failure.unit) whole = &failure;
   }
-  return whole;
+  return ended_by_itself(end.slurm_state) ? whole : nullptr;
 }
 
 std::string why(const FlightEnd& end, const TaskFailure* failure) {
@@ -37,9 +43,8 @@ std::string why(const FlightEnd& end, const TaskFailure* failure) {
 
 // Whether trying again would end the same: the user has to mend something, or wanted it to end.
 bool is_final(const FlightEnd& end, const TaskFailure* failure) {
-  if (!end.standstill.empty()) return true;
-  if (failure != nullptr) return failure->exit_code == 2 || !failure->damaged_path.empty();
-  return end.slurm_state == "CANCELLED" && !end.report;
+  if (!end.standstill.empty() || end.slurm_state == "CANCELLED") return true;
+  return failure != nullptr && (failure->exit_code == 2 || !failure->damaged_path.empty());
 }
 
 }  // namespace

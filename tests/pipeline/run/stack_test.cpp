@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "pipeline/mesh/manifest.h"
 #include "pipeline/mesh/verify.h"
@@ -72,6 +73,36 @@ TEST_F(Stack, AChangedOrAddedSliceIsNoticed) {
   const ProgramResult gap = run_voxweld({"run", (directory_ / "stack.toml").string()});
   EXPECT_EQ(gap.exit_code, 2);
   EXPECT_NE(gap.err.find("7"), std::string::npos) << gap.err;
+}
+
+std::uint64_t ran(const std::filesystem::path& output, const std::string& stage) {
+  const Manifest manifest = read_manifest(output / manifest_name);
+  for (const auto& entry : *manifest.stages)
+    if (entry.at("stage") == stage) return entry.at("ran");
+  return 0;
+}
+
+// Slice 20 lies in the upper of two layers of shards.
+TEST_F(Stack, ABadSliceStopsItsLayerAlone) {
+  const std::vector<std::string> run = {"run",   (directory_ / "stack.toml").string(),
+                                        "--set", "work.brick=16",
+                                        "--set", "work.shard=1",
+                                        "--set", "work.chunk=16",
+                                        "--set", "surface.isovalue=100"};
+  // Two layers of bricks and one of the ring: 2 x 2 x 2 shards, store and octrees alike.
+  const auto slice = directory_ / "slices" / "slice_20.png";
+  std::filesystem::resize_file(slice, std::filesystem::file_size(slice) - 30);
+  const ProgramResult failed = run_voxweld(run);
+  EXPECT_EQ(failed.exit_code, 2);
+  EXPECT_NE(failed.err.find("slice_20.png"), std::string::npos) << failed.err;
+  EXPECT_NE(failed.err.find("4 of 8 shards of the input cannot be read"), std::string::npos)
+      << failed.err;
+  write_slice(directory_ / "slices", 20);
+  const ProgramResult mended = run_voxweld(run);
+  ASSERT_EQ(mended.exit_code, 0) << mended.err;
+  EXPECT_EQ(ran(directory_ / "stack.mesh", "ingest"), 4u);
+  const VerifyReport report = verify_output(directory_ / "stack.mesh");
+  EXPECT_TRUE(report.good()) << to_text(report);
 }
 
 }  // namespace

@@ -1,0 +1,104 @@
+# voxweld as tasks of Snakemake: every stage cut into parts, each of them one plain command. Needs
+# Snakemake and the program, and on several machines a file system that they share.
+#
+#   snakemake -s configs/workflow.smk --cores 8 --config config=scan.toml parts=16
+#
+# --config takes
+#   config    the config file of the run
+#   parts     into how many parts ingest, build, stitch and encode are cut (4)
+#   voxweld   the program (the one on PATH)
+#   done      the folder of the done-marks, one file a command (CONFIG without .toml, and .done)
+#   threads   of a command (4)
+#   mem_mb    memory of a command: what the config says of run.memory, and a margin (4608)
+#   runtime   minutes a command may take, for clusters that want to know (240)
+#
+# Snakemake's own options say where commands run, such as --profile, --cluster and --jobs; threads
+# and resources have the names that profiles use. A command that is run again does what is missing
+# of its part and no more, so --retries and --rerun-incomplete are safe. Commands that left their
+# mark are not run again unless the config was edited; whoever removes the work or the output folder
+# removes the marks too. Results are those of `voxweld run`, which may as well go on where this was
+# stopped.
+import os
+import shlex
+
+if "config" not in config:
+    raise WorkflowError("which config file? --config config=FILE")
+
+CONFIG = os.path.abspath(str(config["config"]))
+PARTS = int(config.get("parts", 4))
+DONE = os.path.abspath(str(config.get("done", os.path.splitext(CONFIG)[0] + ".done")))
+THREADS = int(config.get("threads", 4))
+VOXWELD = shlex.quote(str(config.get("voxweld", "voxweld")))
+
+if PARTS < 1:
+    raise WorkflowError("parts is {}: at least 1 is needed".format(PARTS))
+
+
+def mark(name):
+    return os.path.join(DONE, name)
+
+
+def parts_of(stage):
+    return expand(mark("{stage}-{part}-of-{parts}"), stage=stage, part=range(PARTS), parts=PARTS)
+
+
+# What a stage works on: the mark of the one before.
+BEFORE = {
+    "ingest": CONFIG,
+    "build": mark("ingest"),
+    "stitch": mark("merge"),
+    "encode": parts_of("stitch"),
+}
+# What the closing command of a stage waits for.
+CLOSES = {
+    "ingest": parts_of("ingest"),
+    "merge": parts_of("build"),
+    "encode": parts_of("encode"),
+}
+
+
+rule all:
+    input:
+        mark("encode"),
+
+
+# K of N: every N-th unit of the stage from the K-th on.
+rule part:
+    input:
+        lambda wildcards: BEFORE[wildcards.stage],
+    output:
+        touch(mark("{stage}-{part}-of-{parts}")),
+    wildcard_constraints:
+        stage="ingest|build|stitch|encode",
+        part="[0-9]+",
+        parts=str(PARTS),
+    threads: THREADS
+    resources:
+        mem_mb=int(config.get("mem_mb", 4608)),
+        runtime=int(config.get("runtime", 240)),
+    params:
+        command=VOXWELD,
+        config=shlex.quote(CONFIG),
+    shell:
+        "{params.command} {wildcards.stage} {params.config}"
+        " --part {wildcards.part}/{wildcards.parts} --set run.threads={threads}"
+
+
+# What belongs to the whole of a stage: ingest closes the brick store, encode writes the manifest
+# and the merged mesh, merge is one piece anyway.
+rule whole:
+    input:
+        lambda wildcards: CLOSES[wildcards.stage],
+    output:
+        touch(mark("{stage}")),
+    wildcard_constraints:
+        stage="ingest|merge|encode",
+    threads: THREADS
+    resources:
+        mem_mb=int(config.get("mem_mb", 4608)),
+        runtime=int(config.get("runtime", 240)),
+    params:
+        command=VOXWELD,
+        config=shlex.quote(CONFIG),
+    shell:
+        "{params.command} {wildcards.stage} {params.config} --set run.threads={threads}"
