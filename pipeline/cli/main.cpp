@@ -60,6 +60,7 @@ int run_main(int argc, char** argv) {
       ->check(CLI::IsMember({"quiet", "warning", "info", "debug"}))
       ->capture_default_str();
   add_run_commands(app, program);
+  add_cluster_commands(app, program);
   add_init_command(app, program);
   add_info_command(app, program);
   add_verify_command(app, program);

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/run_context.h"
 #include "pipeline/mesh/manifest.h"
 #include "pipeline/run/run.h"
 #include "pipeline/run/task_report.h"
@@ -14,34 +15,6 @@
 
 namespace voxweld {
 namespace {
-
-struct RunArguments {
-  std::string config;
-  std::vector<std::string> overrides;
-  bool dry_run = false;
-  bool json = false;
-  std::string units;   // of one stage: a list
-  std::string part;    // or a share, "K/N"
-  std::string report;  // where to leave a task's report
-};
-
-RunContext make_context(Program& program, const RunArguments& arguments, Executor& executor) {
-  RunContext context;
-  context.config = load_config(arguments.config, arguments.overrides);
-  // On a cluster many tasks read what one has read: the brick store is made for that.
-  if (context.config.run.executor == RunConfig::Executor::slurm &&
-      context.config.work.copy == WorkConfig::Copy::automatic)
-    context.config.work.copy = WorkConfig::Copy::always;
-  context.executor = &executor;
-  context.console = program.console;
-  context.progress.enabled = shows_progress(program.log_level);
-  context.interrupt = &program.interrupt;
-  const int machine = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  context.threads =
-      context.config.run.threads > 0 ? static_cast<int>(context.config.run.threads) : machine;
-  set_provenance_config(config_fingerprint(context.config));
-  return context;
-}
 
 // The last lines of a run: what there is now and where.
 void print_summary(const RunContext& context, bool json) {
@@ -60,17 +33,6 @@ void print_summary(const RunContext& context, bool json) {
       output.string(), manifest.counts.vertices, manifest.counts.output_triangles,
       manifest.counts.quads, manifest.counts.triangles, manifest.counts.tiles,
       manifest.files.size(), readable_bytes(static_cast<double>(bytes)));
-}
-
-void add_config_options(CLI::App& command, RunArguments& arguments) {
-  command
-      .add_option("config", arguments.config,
-                  "The config file (TOML); `voxweld settings` lists its keys")
-      ->required();
-  command
-      .add_option("--set", arguments.overrides,
-                  "Overrides a key: table.key=value; may be given again")
-      ->take_all();
 }
 
 // The units a task is to do, and where it says how it went.

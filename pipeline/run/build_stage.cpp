@@ -37,17 +37,6 @@ StageMemory build_memory(const RunContext& context, const BuildJob& job) {
           "raise run.memory or lower work.brick"};
 }
 
-std::vector<Unit> units_of(const BuildJob& job, const std::vector<std::uint64_t>& numbers) {
-  const std::vector<Index3> shards = job.grid.all_shards();
-  std::vector<Unit> units;
-  for (const std::uint64_t number : numbers) {
-    const Index3 shard = shards[number];
-    units.push_back({number, fmt::format("shard {}/{}/{}", shard.x, shard.y, shard.z),
-                     static_cast<double>(job.grid.shard_bricks(shard).count())});
-  }
-  return units;
-}
-
 // One for each worker slot.
 std::vector<std::unique_ptr<ShardBuilder>> make_builders(const BuildJob& job, int threads) {
   std::vector<std::unique_ptr<ShardBuilder>> builders;
@@ -68,6 +57,17 @@ bool proven(const BuildJob& job, Index3 shard, ShardBuilder& builder) {
 
 std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard) {
   return fanned_out(job.folder, shard, fmt::format("{}-{}-{}.octree", shard.x, shard.y, shard.z));
+}
+
+std::vector<Unit> shard_units(const BrickGrid& grid, const std::vector<std::uint64_t>& numbers) {
+  const std::vector<Index3> shards = grid.all_shards();
+  std::vector<Unit> units;
+  for (const std::uint64_t number : numbers) {
+    const Index3 shard = shards[number];
+    units.push_back({number, fmt::format("shard {}/{}/{}", shard.x, shard.y, shard.z),
+                     static_cast<double>(grid.shard_bricks(shard).count())});
+  }
+  return units;
 }
 
 BuildStatus build_status(const RunContext& context, const BuildJob& job) {
@@ -93,7 +93,7 @@ void prove(RunContext& context, const BuildJob& job, BuildStatus& status) {
   const auto builders = make_builders(job, threads);
   const std::vector<Index3> shards = job.grid.all_shards();
   std::mutex mutex;
-  run_stage(context, stage, units_of(job, status.unproven), threads,
+  run_stage(context, stage, shard_units(job.grid, status.unproven), threads,
             [&](const Unit& unit, WorkerContext& worker) {
               ShardBuilder& builder = *builders[static_cast<std::size_t>(worker.slot())];
               if (proven(job, shards[unit.key], builder)) return;
@@ -124,7 +124,7 @@ void run_build(RunContext& context, const BuildJob& job) {
   stage.done = [&](const Unit& unit) {
     return state_of(job, shards[unit.key]) == ArtifactState::current;
   };
-  run_stage(context, stage, units_of(job, numbers), threads,
+  run_stage(context, stage, shard_units(job.grid, numbers), threads,
             [&](const Unit& unit, WorkerContext& worker) {
               ShardBuilder& builder = *builders[static_cast<std::size_t>(worker.slot())];
               builder.build(shards[unit.key], worker);

@@ -15,7 +15,9 @@ struct BuildJob {
 
 std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard);
 
-// Units are numbered as job.grid.all_shards().
+// Units are numbered as grid.all_shards().
+std::vector<Unit> shard_units(const BrickGrid& grid, const std::vector<std::uint64_t>& numbers);
+
 struct BuildStatus {
   std::vector<std::uint64_t> missing;  // no artifact, a damaged one, or other parameters'
   // There is one, but its input stamp is not the volume's: its samples are to be compared.

@@ -105,24 +105,48 @@ std::vector<Unit> units_of(const StoreLayout& layout, const std::vector<std::uin
   return units;
 }
 
-// What the missing shards are cut from: the input where boxes of it can be read, else a spool of
-// their slices, which goes with it.
-SpooledInput by_boxes(RunContext& context, const IngestJob& job,
-                      const std::vector<std::uint64_t>& missing) {
-  const auto input = job.input ? job.input : open_input(context.config.input);
-  if (input->info().access == Access::box) return {input, {}};
-  const StoreLayout layout = layout_of(context.config, job);
-  const std::vector<Index3> shards = shards_of(layout);  // z ascends with the number
-  const std::int64_t lo = layout.shard_samples(shards[missing.front()]).lo.z;
-  const std::int64_t hi = layout.shard_samples(shards[missing.back()]).hi.z;
-  SpoolOptions options;
-  // A budget smaller than the program leaves nothing, which spool_volume refuses with a figure.
-  options.memory = context.config.run.memory - std::min(context.config.run.memory, program_bytes());
-  options.progress = [&](const SpoolProgress&) {
-    if (context.interrupt != nullptr) context.interrupt->check();
-  };
-  return spool_slices({input, job.folder, job.stamp, lo, hi}, options);
+// What a spool may hold while it is written: enough for large reads, and what one slice takes.
+std::uint64_t spooling_bytes(const VolumeInfo& info) {
+  const Index3 size = info.geometry.size;
+  const std::uint64_t slice = static_cast<std::uint64_t>(size.x) *
+                              static_cast<std::uint64_t>(size.y) * sample_bytes(info.type);
+  return std::max(spool_memory_needed(info) + slice, std::uint64_t{48} << 20);
 }
+
+// Where shards are cut from: the input where boxes of it can be read, else spools of its slices.
+class ShardSource {
+ public:
+  ShardSource(RunContext& context, const IngestJob& job, const std::vector<std::uint64_t>& missing)
+      : input_(job.input ? job.input : open_input(context.config.input)) {
+    if (input_->info().access == Access::box) return;
+    const StoreLayout layout = layout_of(context.config, job);
+    const std::vector<Index3> shards = shards_of(layout);
+    LayerPlan plan{job.folder, job.stamp, layout.parameters.shard, {}};
+    for (const std::uint64_t number : missing) ++plan.uses[shards[number].z];
+    SpoolOptions options;
+    options.memory = spooling_bytes(input_->info());
+    options.progress = [interrupt = context.interrupt](const SpoolProgress&) {
+      if (interrupt != nullptr) interrupt->check();
+    };
+    spools_.emplace(input_, std::move(plan), std::move(options));
+  }
+
+  // Calls f with a source that has the shard's samples.
+  template <class F>
+  void with_samples(Index3 shard, F&& f) {
+    if (!spools_) return f(*input_);
+    struct Use {
+      LayerSpools& spools;
+      std::int64_t layer;
+      ~Use() { spools.release(layer); }
+    } use{*spools_, shard.z};
+    f(*spools_->acquire(shard.z));
+  }
+
+ private:
+  std::shared_ptr<SampleSource> input_;
+  std::optional<LayerSpools> spools_;
+};
 
 void write_shards(RunContext& context, const IngestJob& job,
                   const std::vector<std::uint64_t>& missing) {
@@ -134,15 +158,14 @@ void write_shards(RunContext& context, const IngestJob& job,
   stage.noun = "shards";
   stage.reused = shards.size() - missing.size();
   stage.memory = ingest_memory(context.config, job);
+  if (job.info.access != Access::box) stage.order = UnitOrder::as_given;  // slices rise
   stage.identity = job.folder.filename().string();
   stage.done = [&](const Unit& unit) {
     return shard_is_current(layout, shards[unit.key], job.stamp);
   };
   const int threads = stage_threads(context, stage.memory);
-  const StageMeter spool_meter;
-  SpooledInput source;
-  if (here && !missing.empty()) source = by_boxes(context, job, missing);
-  const StageFigures spooling = spool_meter.read();
+  std::optional<ShardSource> source;
+  if (here && !missing.empty()) source.emplace(context, job, missing);
   struct Worker {
     ShardScratch scratch;
     HistogramStatistics statistics;
@@ -158,15 +181,12 @@ void write_shards(RunContext& context, const IngestJob& job,
       [&](const Unit& unit, WorkerContext& worker_context) {
         Worker& worker = *workers[static_cast<std::size_t>(worker_context.slot())];
         const Index3& shard = shards[unit.key];
-        write_shard(layout, shard, job.stamp, *source.samples, worker.statistics, worker.scratch);
+        source->with_samples(shard, [&](const SampleSource& samples) {
+          write_shard(layout, shard, job.stamp, samples, worker.statistics, worker.scratch);
+        });
         worker_context.add_bytes(static_cast<std::uint64_t>(layout.shard_samples(shard).count()) *
                                  sample_bytes(layout.type));
       });
-  if (!here) return;
-  StageFigures& figures = context.reports.back().figures;
-  figures.wall_s += spooling.wall_s;
-  figures.cpu_s += spooling.cpu_s;
-  figures.peak_resident = std::max(figures.peak_resident, spooling.peak_resident);
 }
 
 void run_copy(RunContext& context, const IngestJob& job) {
@@ -226,12 +246,18 @@ IngestStatus ingest_status(const RunContext& context, const IngestJob& job) {
   return status;
 }
 
+std::vector<Unit> missing_units(const RunContext& context, const IngestJob& job) {
+  if (!job.copy) return {};
+  const StoreLayout layout = layout_of(context.config, job);
+  return units_of(layout, missing_of(context, layout, job.stamp), job.info.access);
+}
+
 StageMemory ingest_memory(const Config& config, const IngestJob& job) {
   StageMemory memory{"ingest", 0, 0, fmt::format("one shard (work.chunk = {})", config.work.chunk),
                      "raise run.memory or lower work.chunk"};
   if (!job.copy) return memory;
   const VolumeInfo& info = job.info;
-  if (info.access == Access::box) memory.base_bytes = info.largest_decode;
+  memory.base_bytes = info.access == Access::box ? info.largest_decode : spooling_bytes(info);
   memory.per_unit_bytes =
       shard_writer_bytes(layout_of(config, job), 1, band_bytes) + (std::uint64_t{16} << 20);
   return memory;

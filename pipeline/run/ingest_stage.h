@@ -33,6 +33,9 @@ struct IngestStatus {
 // Of the units context selects, which are numbered x fastest.
 IngestStatus ingest_status(const RunContext& context, const IngestJob& job);
 
+// The missing ones; none where nothing is copied.
+std::vector<Unit> missing_units(const RunContext& context, const IngestJob& job);
+
 // What one unit of it takes. No bytes where nothing is copied.
 StageMemory ingest_memory(const Config& config, const IngestJob& job);
 void run_ingest(RunContext& context, const IngestJob& job);

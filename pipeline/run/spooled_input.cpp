@@ -1,13 +1,13 @@
 #include "pipeline/run/spooled_input.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <random>
 
-#include "pipeline/executor/memory_budget.h"
 #include "storage/readers/filters.h"
+#include "storage/support/error.h"
 
 namespace voxweld {
 namespace {
@@ -34,10 +34,9 @@ class Slices final : public SampleSource {
   std::int64_t lo_;
 };
 
-std::filesystem::path private_name(const SpoolRequest& request) {
+std::filesystem::path private_name(const std::filesystem::path& folder, std::int64_t layer) {
   std::random_device device;
-  return request.folder /
-         fmt::format("{}{}-{}-{}-{:08x}.raw", prefix, request.lo, request.hi, getpid(), device());
+  return folder / fmt::format("{}{}-{}-{:08x}.raw", prefix, layer, getpid(), device());
 }
 
 void remove_spool(const std::filesystem::path& path) {
@@ -48,20 +47,53 @@ void remove_spool(const std::filesystem::path& path) {
 
 }  // namespace
 
-SpooledInput spool_slices(const SpoolRequest& request, const SpoolOptions& options) {
-  const VolumeInfo& info = request.input->info();
+LayerSpools::LayerSpools(std::shared_ptr<SampleSource> input, LayerPlan plan, SpoolOptions options)
+    : input_(std::move(input)), plan_(std::move(plan)), options_(std::move(options)) {
+  for (const auto& [number, uses] : plan_.uses) layers_[number].uses = uses;
+}
+
+LayerSpools::~LayerSpools() {
+  for (const auto& [number, layer] : layers_)
+    if (layer.samples != nullptr) remove_spool(layer.path);
+}
+
+std::shared_ptr<const SampleSource> LayerSpools::acquire(std::int64_t layer) {
+  const std::scoped_lock lock(mutex_);
+  // Those before it too, so that a stream is read forwards whoever comes first.
+  for (auto& [number, entry] : layers_)
+    if (number <= layer && !entry.tried && entry.uses > 0) spool(number, entry);
+  const Layer& wanted = layers_.at(layer);
+  if (wanted.error) std::rethrow_exception(wanted.error);
+  return wanted.samples;
+}
+
+void LayerSpools::spool(std::int64_t number, Layer& layer) {
+  layer.tried = true;
+  const VolumeInfo& info = input_->info();
   const Index3 size = info.geometry.size;
-  std::shared_ptr<SampleSource> window = request.input;
-  if (request.lo != 0 || request.hi != size.z)
-    window = crop_source(window, {{0, 0, request.lo}, {size.x, size.y, request.hi}});
-  const auto path = private_name(request);
-  spdlog::info("the input is read slice by slice: spooling {} once",
-               readable_bytes(static_cast<double>(spool_bytes(window->info()))));
-  // From here on it goes with the guard, also when spooling fails.
-  std::shared_ptr<void> guard(nullptr, [path](void*) { remove_spool(path); });
-  spool_volume(*window, path, request.stamp, options);
-  return {std::make_shared<Slices>(info, open_spool(path, request.stamp), request.lo),
-          std::move(guard)};
+  const std::int64_t lo = number * plan_.height, hi = std::min(lo + plan_.height, size.z);
+  layer.path = private_name(plan_.folder, number);
+  try {
+    std::shared_ptr<SampleSource> window = input_;
+    if (lo != 0 || hi != size.z) window = crop_source(input_, {{0, 0, lo}, {size.x, size.y, hi}});
+    spool_volume(*window, layer.path, plan_.stamp, options_);
+    layer.samples = std::make_shared<Slices>(info, open_spool(layer.path, plan_.stamp), lo);
+  } catch (const Interrupted&) {
+    layer.tried = false;
+    remove_spool(layer.path);
+    throw;
+  } catch (...) {
+    layer.error = std::current_exception();
+    remove_spool(layer.path);
+  }
+}
+
+void LayerSpools::release(std::int64_t layer) {
+  const std::scoped_lock lock(mutex_);
+  Layer& entry = layers_.at(layer);
+  if (entry.uses == 0 || --entry.uses > 0) return;
+  entry.samples.reset();
+  remove_spool(entry.path);
 }
 
 void remove_spools(const std::filesystem::path& folder) {

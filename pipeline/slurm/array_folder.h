@@ -15,6 +15,7 @@ namespace voxweld {
 
 class ArrayFolder {
  public:
+  ArrayFolder() = default;
   explicit ArrayFolder(std::filesystem::path path) : path_(std::move(path)) {}
   // The next free one below `parent`, with its folders and tasks.txt.
   static ArrayFolder create(const std::filesystem::path& parent,

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <fstream>
 #include <random>
 #include <thread>
 
@@ -32,6 +33,25 @@ const Words& hidden_variables() {
                               "SBATCH_OUTPUT",   "SBATCH_ERROR",     "SBATCH_OPEN_MODE",
                               "SBATCH_WAIT",     "SBATCH_REQUEUE",   "SBATCH_NO_REQUEUE",
                               "SBATCH_MEM_PER_", "SBATCH_TIMELIMIT", "SBATCH_DEPENDENCY"};
+  return names;
+}
+
+// What the script's own #SBATCH line says of an option such as "--qos="; empty where there is none.
+std::string said_by(const std::filesystem::path& script, const std::string& option) {
+  const std::string begin = "#SBATCH " + option;
+  std::ifstream file(script);  // one that cannot be read is sbatch's to complain of
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with(begin)) return line.substr(begin.size());
+  return {};
+}
+
+// With them, those that would win over what this script says.
+Words hidden_variables(const std::filesystem::path& script) {
+  Words names = hidden_variables();
+  for (const auto& [option, variable] :
+       {std::pair("--partition=", "SBATCH_PARTITION"), std::pair("--account=", "SBATCH_ACCOUNT"),
+        std::pair("--qos=", "SBATCH_QOS")})
+    if (!said_by(script, option).empty()) names.emplace_back(variable);
   return names;
 }
 
@@ -75,23 +95,62 @@ std::string unique_name(const std::string& base) {
   return fmt::format("{}-{:08x}{:08x}", name, random(), random());
 }
 
-// Takes the name out of the arguments, where there is one.
+// The name the job is to have: taken out of the arguments, else as the script says, else the
+// file's.
 std::string take_name(Words& arguments, const std::filesystem::path& script) {
   const std::string option = "--job-name=";
-  std::string base = script.stem().string();
+  std::string name = said_by(script, option);
+  std::erase(name, '"');
+  if (name.empty()) name = script.stem().string();
   std::erase_if(arguments, [&](const std::string& argument) {
     if (!argument.starts_with(option)) return false;
-    base = argument.substr(option.size());
+    name = argument.substr(option.size());
     return true;
   });
-  return base;
+  return name;
 }
 
 std::string id_list(std::span<const std::int64_t> jobs) {
   return fmt::format("{}", fmt::join(jobs, ","));
 }
 
+struct Standstill {
+  const char* reason;
+  const char* advice;
+};
+
+// Reasons that time alone does not take away. Other reasons are a matter of turn.
+constexpr const char* too_large =
+    "no node of the partition has what a task asks for: lower slurm.cpus_per_task or slurm.mem, or "
+    "change slurm.partition or slurm.extra";
+constexpr const char* too_long =
+    "lower slurm.time, which is above the limit, or change slurm.partition or slurm.qos";
+constexpr const char* held = "it is held: `scontrol release` lets it go";
+constexpr std::array<Standstill, 12> standstills = {{
+    {"PartitionTimeLimit", too_long},
+    {"QOSMaxWallDurationPerJobLimit", too_long},
+    {"AssocMaxWallDurationPerJobLimit", too_long},
+    {"PartitionConfig", too_large},
+    {"PartitionNodeLimit", too_large},
+    {"BadConstraints", too_large},
+    {"InvalidAccount", "change slurm.account"},
+    {"InvalidQOS", "change slurm.qos"},
+    {"JobHeldUser", held},
+    {"JobHeldAdmin", held},
+    {"held", held},  // "launch failed requeued held"
+    {"DependencyNeverSatisfied", "what it waits for has failed"},
+}};
+
 }  // namespace
+
+std::string standstill(const TaskState& task) {
+  if (task.state != TaskState::pending) return {};
+  for (const Standstill& one : standstills)
+    if (task.reason == one.reason || task.reason.ends_with(std::string(" ") + one.reason) ||
+        task.reason.ends_with(std::string("_") + one.reason))
+      return fmt::format("{}: {}", task.reason, one.advice);
+  return {};
+}
 
 // How long one call has waited for an answer, and whether the user knows.
 class SlurmClient::Patience {
@@ -115,6 +174,9 @@ class SlurmClient::Patience {
           fmt::format("Slurm has not answered for {}: {}; what is finished is kept, run the same "
                       "command again when the cluster answers",
                       shown(limit_), why));
+    rest();
+  }
+  void rest() {
     sleep();
     waited_ += pause_;
     check_interrupt();
@@ -142,9 +204,14 @@ class SlurmClient::Patience {
 SlurmClient::SlurmClient(SlurmClientOptions options) : options_(std::move(options)) {}
 
 CommandResult SlurmClient::run(std::span<const std::string> words) const {
+  return run(words, hidden_variables());
+}
+
+CommandResult SlurmClient::run(std::span<const std::string> words,
+                               const std::vector<std::string>& hidden) const {
   CommandOptions options;
   options.time_limit = options_.time_limit;
-  options.hidden_variables = hidden_variables();
+  options.hidden_variables = hidden;
   spdlog::debug("{}", fmt::join(words, " "));
   try {
     return run_command(words, options);
@@ -177,11 +244,13 @@ std::set<std::int64_t> SlurmClient::jobs_named(const std::string& name, Patience
   return jobs;
 }
 
+// Precondition: the script is the last word.
 std::int64_t SlurmClient::submit_named(std::span<const std::string> words,
                                        const std::string& name) const {
   Patience patience(options_);
+  const Words hidden = hidden_variables(words.back());
   for (;;) {
-    const CommandResult result = run(words);
+    const CommandResult result = run(words, hidden);
     const std::string why = silence(result, options_.time_limit);
     const auto job = slurm_text::submitted_job(result.out);
     if (why.empty() && result.exit_code != 0) throw_refused("sbatch", result);
@@ -193,6 +262,11 @@ std::int64_t SlurmClient::submit_named(std::span<const std::string> words,
     // An earlier try may have got through although its answer did not, and after this one too.
     if (!why.empty()) patience.wait(why);
     std::set<std::int64_t> there = jobs_named(name, patience);
+    if (there.empty() && !job) {
+      // A controller that is back answers questions before it has worked through its backlog.
+      patience.rest();
+      there = jobs_named(name, patience);
+    }
     if (job) there.insert(*job);
     if (there.empty()) continue;
     const std::int64_t first = *there.begin();

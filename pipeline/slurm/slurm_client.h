@@ -35,6 +35,10 @@ struct TaskState {
   friend bool operator==(const TaskState&, const TaskState&) = default;
 };
 
+// Why a pending task will not start however long one waits, with the keys of [slurm] to change;
+// empty for a task that only waits its turn, or is not pending.
+std::string standstill(const TaskState& task);
+
 struct SlurmClientOptions {
   std::chrono::milliseconds time_limit{120000};  // of one command; then it counts as no answer
   std::chrono::milliseconds patience{600000};    // how long to keep trying without an answer
@@ -52,9 +56,10 @@ class SlurmClient {
  public:
   explicit SlurmClient(SlurmClientOptions options = {});
 
-  // Submits the script with further arguments of sbatch, which win over its #SBATCH lines; returns
-  // the job's id. The job's name is that of `--job-name=...` in the arguments, else of the file,
-  // and a unique ending: when an answer is lost, the job is looked for by it, so that nothing is
+  // Submits the script with further arguments of sbatch and returns the job's id. Arguments win
+  // over #SBATCH lines, and those over SBATCH_PARTITION and the like in the environment. The job is
+  // named by `--job-name=`, in the arguments or else in the script, or else by the script's file,
+  // with a unique ending: when an answer is lost, the job is looked for by it, so that nothing is
   // submitted twice. A stop or giving up while that is open cancels the job.
   // Throws InputError, with Slurm's words and the keys of [slurm] they are likely about, when the
   // cluster refuses what is asked for.
@@ -76,6 +81,8 @@ class SlurmClient {
   class Patience;
 
   CommandResult run(std::span<const std::string> words) const;
+  CommandResult run(std::span<const std::string> words,
+                    const std::vector<std::string>& hidden) const;
   CommandResult ask(std::span<const std::string> words, Patience& patience) const;
   std::int64_t submit_named(std::span<const std::string> words, const std::string& name) const;
   std::set<std::int64_t> jobs_named(const std::string& name, Patience& patience) const;

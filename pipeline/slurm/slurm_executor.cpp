@@ -129,6 +129,10 @@ class StageOnSlurm {
     std::size_t looks = looks_a_poll;
     for (Flight& flight : ledger_.flights()) {
       const auto at = states.find({flight.job, flight.task});
+      if (at != states.end() && !standstill(at->second).empty()) {
+        give_up(flight, at->second);
+        continue;
+      }
       const bool over = at == states.end() || at->second.state == TaskState::gone;
       if (over) {
         settle(flight, at == states.end() ? std::string() : at->second.slurm_state);
@@ -140,10 +144,19 @@ class StageOnSlurm {
     ledger_.sweep();
   }
 
+  // A task that Slurm took and will never start.
+  void give_up(Flight& flight, const TaskState& state) {
+    std::size_t all = flight.units.size();
+    note_done(ledger_.look(flight, all, false));
+    ledger_.fail(flight, {{}, state.slurm_state, standstill(state)}, steady_seconds());
+    flight.units.clear();
+    client_.cancel(std::array{flight.job});
+  }
+
   void settle(Flight& flight, const std::string& slurm_state) {
     std::size_t all = flight.units.size();
     note_done(ledger_.look(flight, all, false));
-    FlightEnd end{read_task_report(flight.folder.report_path(flight.task)), slurm_state};
+    FlightEnd end{read_task_report(flight.folder.report_path(flight.task)), slurm_state, {}};
     if (!flight.units.empty()) {
       const double now = steady_seconds();
       if (!flight.over_since) flight.over_since = now;

@@ -48,12 +48,13 @@ double seconds_per_weight(const fs::path& folder, StageName stage, std::span<con
 }
 
 std::string stage_script(const SlurmSetup& setup, StageName stage, const ArrayFolder& folder,
-                         std::size_t tasks) {
+                         std::size_t tasks, const std::string& dependency) {
   BatchScript script = batch_script(setup.config);
   script.name = fmt::format("voxweld-{}", stage);
   script.log = log_pattern(folder.logs(), true);
   script.array =
       BatchScript::Array{static_cast<std::int64_t>(tasks), setup.config.slurm.max_running};
+  script.dependency = dependency;
   script.prologue = setup.config.slurm.prologue;
   script.body = array_body(
       folder.tasks_path(),

@@ -15,8 +15,8 @@ namespace voxweld {
 double seconds_per_weight(const std::filesystem::path& folder, StageName stage,
                           std::span<const Unit> units);
 
-// The script of an array of that many tasks.
+// The script of an array of that many tasks of the stage; dependency as BatchScript has it.
 std::string stage_script(const SlurmSetup& setup, StageName stage, const ArrayFolder& folder,
-                         std::size_t tasks);
+                         std::size_t tasks, const std::string& dependency = {});
 
 }  // namespace voxweld

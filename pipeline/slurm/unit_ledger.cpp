@@ -32,6 +32,7 @@ const TaskFailure* failure_of(const FlightEnd& end, std::uint64_t unit) {
 }
 
 std::string why(const FlightEnd& end, const TaskFailure* failure) {
+  if (!end.standstill.empty()) return "its task would wait for ever: " + end.standstill;
   if (failure != nullptr) return failure->message;
   if (end.report && end.report->exit_code == 0)
     return "its task says it is done, but the result cannot be seen from here: is work.directory "
@@ -42,7 +43,7 @@ std::string why(const FlightEnd& end, const TaskFailure* failure) {
 
 // Whether trying again would end the same: the user has to mend something, or wanted it to end.
 bool is_final(const FlightEnd& end, const TaskFailure* failure) {
-  if (end.slurm_state == "CANCELLED") return true;
+  if (!end.standstill.empty() || end.slurm_state == "CANCELLED") return true;
   return failure != nullptr && (failure->exit_code == 2 || !failure->damaged_path.empty());
 }
 
@@ -116,7 +117,8 @@ void UnitLedger::fail(const Flight& flight, const FlightEnd& end, double now) {
     entry.error.unit = entry.unit.name;
     entry.error.message = fmt::format("{}{}; log: {}", why(end, failure), tried,
                                       flight.folder.log_path(flight.job, flight.task).string());
-    if (failure != nullptr) {
+    if (!end.standstill.empty()) entry.error.exit_code = 2;
+    if (end.standstill.empty() && failure != nullptr) {
       entry.error.exit_code = failure->exit_code;
       entry.error.damaged_path = failure->damaged_path;
     }

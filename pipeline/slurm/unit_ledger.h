@@ -29,6 +29,7 @@ struct Flight {
 struct FlightEnd {
   std::optional<TaskReport> report;
   std::string slurm_state;  // empty: Slurm knows nothing of it any more
+  std::string standstill;   // why it would wait for ever; empty: it ended
 };
 
 class UnitLedger {

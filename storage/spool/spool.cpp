@@ -89,7 +89,10 @@ Hash128 write_samples(const SampleSource& source, AtomicFile& file, const SpoolO
 class SpoolSource final : public SampleSource {
  public:
   SpoolSource(std::unique_ptr<SampleSource> samples, VolumeInfo info)
-      : samples_(std::move(samples)), info_(std::move(info)) {}
+      : samples_(std::move(samples)), info_(std::move(info)) {
+    info_.access = samples_->info().access;
+    info_.largest_decode = samples_->info().largest_decode;
+  }
 
   const VolumeInfo& info() const override { return info_; }
   void read(const Box3& box, std::byte* out) const override { samples_->read(box, out); }

@@ -9,17 +9,17 @@ namespace voxweld {
 namespace {
 
 constexpr std::array<char, 4> kind = {'s', 'p', 'o', 'l'};
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
 enum Section : std::uint64_t { facts_section = 1, texts_section = 2, files_section = 3 };
 
 struct SpoolFacts {
   std::int64_t size[3];
   double spacing[3], origin[3], direction[3][3];
   Hash128 data_hash;
-  std::uint64_t type;
+  std::uint64_t type, access, largest_decode;
   std::uint64_t files, warnings;  // how many of each follow in the texts
 };
-static_assert(sizeof(SpoolFacts) == 18 * 8 + 16 + 3 * 8);
+static_assert(sizeof(SpoolFacts) == 18 * 8 + 16 + 5 * 8);
 static_assert(std::is_trivially_copyable_v<SpoolFacts>);
 
 struct FileFacts {
@@ -69,6 +69,8 @@ SpoolFacts facts_of(const SpoolRecord& record) {
   }
   facts.data_hash = record.data_hash;
   facts.type = static_cast<std::uint64_t>(record.info.type);
+  facts.access = static_cast<std::uint64_t>(record.info.access);
+  facts.largest_decode = record.info.largest_decode;
   facts.files = record.info.files.size();
   facts.warnings = record.info.warnings.size();
   return facts;
@@ -86,7 +88,8 @@ void apply_facts(const SpoolFacts& facts, SpoolRecord& record) {
   }
   record.data_hash = facts.data_hash;
   record.info.type = static_cast<SampleType>(facts.type);
-  record.info.access = Access::box;
+  record.info.access = static_cast<Access>(facts.access);
+  record.info.largest_decode = facts.largest_decode;
 }
 
 }  // namespace
@@ -123,7 +126,8 @@ SpoolRecord read_spool_record(const std::filesystem::path& path) {
   artifact.read_array(files_section, files);
   artifact.read(texts_section, texts);
   if (facts.size() != 1 || facts.front().files != files.size() ||
-      facts.front().type > static_cast<std::uint64_t>(SampleType::f64))
+      facts.front().type > static_cast<std::uint64_t>(SampleType::f64) ||
+      facts.front().access > static_cast<std::uint64_t>(Access::stream))
     artifact.damaged("its facts contradict each other");
   SpoolRecord record;
   record.key = artifact.key();

@@ -16,7 +16,7 @@ namespace voxweld {
 struct SpoolRecord {
   Hash128 key;        // of what was spooled
   Hash128 data_hash;  // XXH3-128 of the raw file
-  VolumeInfo info;    // as the spool presents it: Access::box
+  VolumeInfo info;    // of what was spooled
 };
 
 // <path>.record

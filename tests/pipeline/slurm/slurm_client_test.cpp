@@ -23,24 +23,33 @@ using Words = std::vector<std::string>;
 TEST(SlurmClient, Submits) {
   FakeSlurm slurm;
   slurm.program("sbatch", "echo 77");
-  EXPECT_EQ(SlurmClient().submit("/work/a b/build.sbatch", Words{"--hold", "--nice=5"}), 77);
+  EXPECT_EQ(SlurmClient().submit("/data/a b/build.sbatch", Words{"--hold", "--nice=5"}), 77);
   ASSERT_EQ(slurm.calls().size(), 1U);
   EXPECT_THAT(slurm.calls()[0],
               MatchesRegex("sbatch --parsable --job-name=build-[0-9a-f]{16} --hold --nice=5 "
-                           "/work/a b/build.sbatch"));
+                           "/data/a b/build.sbatch"));
 }
 
 TEST(SlurmClient, NamesAreUniqueAndSafeToAskFor) {
   FakeSlurm slurm;
   slurm.program("sbatch", "echo 77");
   SlurmClient client;
-  client.submit("/work/x.sbatch", Words{"--job-name=voxweld, head 'a'"});
-  client.submit("/work/x.sbatch", Words{"--job-name=voxweld, head 'a'"});
+  client.submit("/data/x.sbatch", Words{"--job-name=voxweld, head 'a'"});
+  client.submit("/data/x.sbatch", Words{"--job-name=voxweld, head 'a'"});
   const Words calls = slurm.calls();
   ASSERT_EQ(calls.size(), 2U);
   EXPECT_THAT(calls[0], MatchesRegex("sbatch --parsable --job-name=voxweld__head__a_-[0-9a-f]{16} "
-                                     "/work/x.sbatch"));
+                                     "/data/x.sbatch"));
   EXPECT_NE(calls[0], calls[1]);
+}
+
+TEST(SlurmClient, TheScriptMayNameTheJob) {
+  FakeSlurm slurm;
+  slurm.program("sbatch", "echo 77");
+  const auto script = slurm.path() / "x.sbatch";
+  std::ofstream(script) << "#!/bin/bash\n#SBATCH --job-name=\"build head\"\n";
+  SlurmClient().submit(script, {});
+  EXPECT_THAT(slurm.calls().at(0), HasSubstr(" --job-name=build_head-"));
 }
 
 TEST(SlurmClient, ListsTasks) {
@@ -117,11 +126,44 @@ TEST(SlurmClient, TheUsersSettingsOfTheProgramsDoNotReachThem) {
     unsetenv(name);
 }
 
+TEST(SlurmClient, TheScriptWinsOverTheEnvironment) {
+  FakeSlurm slurm;
+  setenv("SBATCH_PARTITION", "other", 1);
+  slurm.program("sbatch", "[ -z \"${SBATCH_PARTITION-}\" ] && echo 1 || echo 2");
+  const auto script = slurm.path() / "x.sbatch";
+  std::ofstream(script) << "#!/bin/bash\n#SBATCH --time=10\n";
+  EXPECT_EQ(SlurmClient().submit(script, {}), 2);
+  std::ofstream(script) << "#!/bin/bash\n#SBATCH --partition=long\n";
+  EXPECT_EQ(SlurmClient().submit(script, {}), 1);
+  unsetenv("SBATCH_PARTITION");
+}
+
 TEST(SlurmClient, SaysItsVersion) {
   FakeSlurm slurm;
   slurm.program("sbatch", "echo 'slurm-wlm 22.05.8'");
   EXPECT_EQ(SlurmClient().version(), "slurm-wlm 22.05.8");
   EXPECT_EQ(slurm.calls(), (Words{"sbatch --version", "squeue --version", "scancel --version"}));
+}
+
+TEST(SlurmClient, TellsWaitingFromStandingStill) {
+  TaskState task;
+  for (const char* reason : {"Resources", "Priority", "None", "BeginTime", "Dependency",
+                             "JobArrayTaskLimit", "QOSMaxJobsPerUserLimit", "PartitionDown"}) {
+    task.reason = reason;
+    EXPECT_EQ(standstill(task), "") << reason;
+  }
+  task.reason = "PartitionTimeLimit";
+  EXPECT_EQ(standstill(task),
+            "PartitionTimeLimit: lower slurm.time, which is above the limit, or change "
+            "slurm.partition or slurm.qos");
+  for (const char* reason :
+       {"PartitionConfig", "JobHeldUser", "launch failed requeued held",
+        "launch_failed_requeued_held", "InvalidQOS", "DependencyNeverSatisfied"}) {
+    task.reason = reason;
+    EXPECT_NE(standstill(task), "") << reason;
+  }
+  task.state = TaskState::running;
+  EXPECT_EQ(standstill(task), "");
 }
 
 std::string input_error(const std::function<void()>& action) {

@@ -89,7 +89,7 @@ TEST(SlurmTrouble, SubmitsWhenTheControllerIsBack) {
   slurm.program("sbatch", first_calls(2, failing(unreachable), "echo 9"));
   EXPECT_EQ(SlurmClient(now.options()).submit("/x.sbatch", {}), 9);
   EXPECT_EQ(slurm.calls_of("sbatch"), 3U);
-  EXPECT_EQ(slurm.calls_of("squeue"), 3U) << "looked for after each doubt";
+  EXPECT_EQ(slurm.calls_of("squeue"), 5U) << "looked for twice after each failure";
   EXPECT_EQ(slurm.calls_of("scancel"), 0U);
 }
 
@@ -130,6 +130,16 @@ TEST(SlurmTrouble, SoIsOneWhoseSbatchHung) {
   EXPECT_EQ(slurm.calls_of("squeue"), 3U);
 }
 
+TEST(SlurmTrouble, SoIsOneThatTurnsUpLate) {
+  FakeSlurm slurm;
+  NoWaiting now;
+  Warnings warnings;
+  slurm.program("sbatch", takes_the_job + failing("Socket timed out on send/recv operation"));
+  slurm.program("squeue", first_calls(1, "exit 0", looks_in_queue));
+  EXPECT_EQ(SlurmClient(now.options()).submit("/x.sbatch", {}), 41);
+  EXPECT_EQ(slurm.calls_of("sbatch"), 1U);
+}
+
 // The controller works through its backlog late: the first request turns up after the second.
 TEST(SlurmTrouble, ATwinIsCancelled) {
   FakeSlurm slurm;
@@ -137,7 +147,7 @@ TEST(SlurmTrouble, ATwinIsCancelled) {
   Warnings warnings;
   slurm.program("sbatch",
                 takes_the_job + first_calls(1, failing("Socket timed out"), "echo $((40 + n))"));
-  slurm.program("squeue", first_calls(1, "exit 0", looks_in_queue));
+  slurm.program("squeue", first_calls(2, "exit 0", looks_in_queue));
   EXPECT_EQ(SlurmClient(now.options()).submit("/x.sbatch", {}), 41);
   EXPECT_EQ(slurm.calls().back(), "scancel 42");
   EXPECT_THAT(warnings.text(), HasSubstr("Slurm took job 41 twice; 42 is cancelled"));

@@ -88,7 +88,7 @@ TEST(Spool, KeepsTheFactsAndDecodesEachRowOnce) {
   const auto spool = open_spool(directory / "s.raw", key);
   const VolumeInfo& info = spool->info();
   EXPECT_EQ(info.access, Access::box);
-  EXPECT_EQ(info.largest_decode, 0U);
+  EXPECT_LE(info.largest_decode, 1U << 20);
   EXPECT_EQ(info.format, "counting");
   EXPECT_EQ(info.geometry.size, source.info().geometry.size);
   EXPECT_EQ(info.geometry.spacing, source.info().geometry.spacing);

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
 #include <rapidcheck/gtest.h>
+#include <cstring>
 
 #include <cmath>
 #include <fstream>
@@ -101,6 +103,16 @@ TEST(Store, GeometrySurvivesExactly) {
   }
 }
 
+// Of a record without its end, which says who wrote it when (artifact/container.h).
+std::vector<std::byte> contents(const std::filesystem::path& file) {
+  std::vector<std::byte> bytes = read_whole_file(file);
+  if (file.extension() != ".shard") return bytes;
+  std::array<std::uint64_t, 2> index{};  // offset and size
+  std::memcpy(index.data(), bytes.data() + 32, sizeof index);
+  bytes.resize(index[0] + index[1]);
+  return bytes;
+}
+
 TEST(Store, BytesDependOnNeitherBandsNorNeighbours) {
   const TempDirectory directory;
   const auto source = random_source(SampleType::i16, {70, 40, 35}, 9);
@@ -122,7 +134,7 @@ TEST(Store, BytesDependOnNeitherBandsNorNeighbours) {
     EXPECT_EQ(files_under(other).size(), expected.size());
     for (const auto& file : expected) {
       const auto twin = other / std::filesystem::relative(file, reference.array);
-      EXPECT_EQ(read_whole_file(file), read_whole_file(twin)) << twin;
+      EXPECT_EQ(contents(file), contents(twin)) << twin;
     }
   }
 }

@@ -1,0 +1,148 @@
+// submit, status, cancel, logs: a config's work on a Slurm cluster.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
+
+#include "pipeline/cli/commands.h"
+#include "pipeline/cli/run_context.h"
+#include "pipeline/slurm/slurm_chain.h"
+#include "pipeline/slurm/slurm_status.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+struct ClusterArguments {
+  RunArguments run;
+  bool watch = false;
+  bool json = false;
+  std::optional<std::uint64_t> unit;
+};
+
+SlurmClient make_client(const Program& program) {
+  SlurmClientOptions options;
+  options.interrupt = &program.interrupt;
+  return SlurmClient(options);
+}
+
+// These are of work on a cluster, whatever run.executor says of `voxweld run`.
+RunContext cluster_context(Program& program, const RunArguments& arguments, Executor& executor) {
+  RunArguments all = arguments;
+  all.overrides.push_back("run.executor=slurm");
+  return make_context(program, all, executor);
+}
+
+int submit(Program& program, const ClusterArguments& arguments) {
+  LocalExecutor here;
+  RunContext context = cluster_context(program, arguments.run, here);
+  SlurmClient client = make_client(program);
+  const SlurmSetup setup = set_up_slurm(context.config, client);
+  const std::vector<SubmittedStep> steps = submit_chain(context, setup, client);
+  if (arguments.json) {
+    nlohmann::json out = nlohmann::json::array();
+    for (const SubmittedStep& step : steps)
+      out.push_back({{"step", step.name},
+                     {"job", step.job},
+                     {"tasks", step.tasks},
+                     {"folder", step.folder.string()}});
+    fmt::print("{}\n", out.dump(2));
+    return 0;
+  }
+  for (const SubmittedStep& step : steps)
+    fmt::print("job {:<8} {:<12} {:>6} {}  {}\n", step.job, step.name, step.tasks,
+               step.tasks == 1 ? "task " : "tasks", step.folder.string());
+  return 0;
+}
+
+int show_status(Program& program, const ClusterArguments& arguments) {
+  LocalExecutor here;
+  SlurmClient client = make_client(program);
+  for (;;) {
+    RunContext context = cluster_context(program, arguments.run, here);
+    const RunStatus status = run_status(context, client);
+    if (arguments.json)
+      fmt::print("{}\n", to_json(status).dump(2));
+    else
+      fmt::print("{}", to_text(status));
+    std::fflush(stdout);
+    if (!arguments.watch || status.finished || !status.queued()) return status.finished ? 0 : 1;
+    fmt::print("\n");
+    for (int i = 0; i < 100; ++i) {  // ten seconds
+      program.interrupt.check();
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  }
+}
+
+int cancel(Program& program, const ClusterArguments& arguments) {
+  LocalExecutor here;
+  const RunContext context = cluster_context(program, arguments.run, here);
+  std::vector<std::int64_t> jobs;
+  for (const KnownArray& array : known_arrays(context.config)) jobs.push_back(array.job);
+  SlurmClient client = make_client(program);
+  std::vector<std::int64_t> queued;
+  if (!jobs.empty())
+    for (const TaskState& task : client.tasks(jobs))
+      if (task.state != TaskState::gone &&
+          std::find(queued.begin(), queued.end(), task.job) == queued.end())
+        queued.push_back(task.job);
+  if (!queued.empty()) client.cancel(queued);
+  fmt::print("{} {} cancelled; what is finished is kept\n", queued.size(),
+             queued.size() == 1 ? "job" : "jobs");
+  return 0;
+}
+
+int show_logs(Program& program, const ClusterArguments& arguments) {
+  LocalExecutor here;
+  RunContext context = cluster_context(program, arguments.run, here);
+  RunStatus status;
+  if (!arguments.unit) status.failed = failed_tasks(context.config);
+  const std::string text = task_logs(context.config, status, arguments.unit);
+  if (text.empty())
+    throw InputError(arguments.unit
+                         ? fmt::format("no task has had number {} yet", *arguments.unit)
+                         : std::string("no task has failed; name a shard or tile by its number"));
+  fmt::print("{}", text);
+  return 0;
+}
+
+using Command = int (*)(Program&, const ClusterArguments&);
+
+CLI::App* add(CLI::App& app, Program& program, const char* name, const char* help,
+              std::shared_ptr<ClusterArguments> arguments, Command command) {
+  CLI::App* sub = app.add_subcommand(name, help);
+  add_config_options(*sub, arguments->run);
+  sub->callback([&program, arguments, command] {
+    program.run = [&program, arguments, command] { return command(program, *arguments); };
+  });
+  return sub;
+}
+
+}  // namespace
+
+void add_cluster_commands(CLI::App& app, Program& program) {
+  auto submitted = std::make_shared<ClusterArguments>();
+  add(app, program, "submit",
+      "Hands a config's whole work to Slurm, as jobs that wait for each other, and returns",
+      submitted, submit)
+      ->add_flag("--json", submitted->json, "Prints the jobs as JSON");
+  auto shown = std::make_shared<ClusterArguments>();
+  CLI::App* status = add(app, program, "status",
+                         "Says how far a config's work is and what Slurm has of it in its queue; "
+                         "exits with 1 until all is done",
+                         shown, show_status);
+  status->add_flag("--watch", shown->watch,
+                   "Again every ten seconds, until it is done or nothing is in the queue");
+  status->add_flag("--json", shown->json, "As JSON");
+  add(app, program, "cancel", "Takes a config's jobs from Slurm's queue; what is finished is kept",
+      std::make_shared<ClusterArguments>(), cancel);
+  auto logged = std::make_shared<ClusterArguments>();
+  add(app, program, "logs", "Prints the logs of a config's tasks that failed, or of one shard",
+      logged, show_logs)
+      ->add_option("number", logged->unit, "Of a shard or tile: the logs of all tasks that had it");
+}
+
+}  // namespace voxweld

@@ -1,0 +1,39 @@
+#include "pipeline/cli/run_context.h"
+
+#include <algorithm>
+#include <thread>
+
+#include "storage/support/provenance.h"
+
+namespace voxweld {
+
+void add_config_options(CLI::App& command, RunArguments& arguments) {
+  command
+      .add_option("config", arguments.config,
+                  "The config file (TOML); `voxweld settings` lists its keys")
+      ->required();
+  command
+      .add_option("--set", arguments.overrides,
+                  "Overrides a key: table.key=value; may be given again")
+      ->take_all();
+}
+
+RunContext make_context(Program& program, const RunArguments& arguments, Executor& executor) {
+  RunContext context;
+  context.config = load_config(arguments.config, arguments.overrides);
+  // On a cluster many tasks read what one has read: the brick store is made for that.
+  if (context.config.run.executor == RunConfig::Executor::slurm &&
+      context.config.work.copy == WorkConfig::Copy::automatic)
+    context.config.work.copy = WorkConfig::Copy::always;
+  context.executor = &executor;
+  context.console = program.console;
+  context.progress.enabled = shows_progress(program.log_level);
+  context.interrupt = &program.interrupt;
+  const int machine = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  context.threads =
+      context.config.run.threads > 0 ? static_cast<int>(context.config.run.threads) : machine;
+  set_provenance_config(config_fingerprint(context.config));
+  return context;
+}
+
+}  // namespace voxweld

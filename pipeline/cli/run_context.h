@@ -1,0 +1,24 @@
+// What the commands that work on a config have in common.
+#pragma once
+
+#include "pipeline/cli/commands.h"
+#include "pipeline/run/context.h"
+
+namespace voxweld {
+
+struct RunArguments {
+  std::string config;
+  std::vector<std::string> overrides;
+  bool dry_run = false;
+  bool json = false;
+  std::string units;   // of one stage: a list
+  std::string part;    // or a share, "K/N"
+  std::string report;  // where to leave a task's report
+};
+
+void add_config_options(CLI::App& command, RunArguments& arguments);
+
+// The config read and checked; program and executor live as long as the context.
+RunContext make_context(Program& program, const RunArguments& arguments, Executor& executor);
+
+}  // namespace voxweld

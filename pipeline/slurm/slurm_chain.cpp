@@ -1,0 +1,183 @@
+#include "pipeline/slurm/slurm_chain.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "pipeline/slurm/batch_script.h"
+#include "pipeline/slurm/task_cost.h"
+#include "pipeline/slurm/task_plan.h"
+#include "storage/support/error.h"
+#include "storage/support/file_io.h"
+
+namespace voxweld {
+namespace {
+
+constexpr const char* chain_prefix = "submitted-";
+
+// The steps of one chain as they are submitted, each told whom it waits for.
+class Chain {
+ public:
+  Chain(const SlurmSetup& setup, SlurmClient& client) : setup_(setup), client_(client) {}
+
+  // An array of `voxweld STAGE CONFIG LINE`. The step behind waits for it, however it ends.
+  void array(const std::string& stage, const std::vector<std::string>& lines) {
+    const ArrayFolder folder = folder_of(stage, lines);
+    submit(stage, folder, lines.size(),
+           stage_script(setup_, stage, folder, lines.size(), dependency()));
+    waits_for_ = fmt::format("afterany:{}", steps_.back().job);
+  }
+
+  // A job of these commands, each `voxweld WORDS...`, which is needed for all that follows.
+  void job(const std::string& name, const std::vector<std::vector<std::string>>& commands) {
+    const ArrayFolder folder = folder_of(name, {name});
+    BatchScript script = script_of(name, 1);
+    script.log = log_pattern(folder.logs(), true);
+    for (const auto& words : commands) {
+      std::string line = shell_quote(setup_.program.string());
+      for (const std::string& word : words) line.append(" ").append(shell_quote(word));
+      script.body.push_back(line);
+    }
+    submit(name, folder, 1, render(script));
+    needs_ = steps_.back().job;
+    waits_for_.clear();
+  }
+
+  std::vector<std::string> command(const std::string& name) const {
+    return {name, setup_.config_file.string(), "--set",
+            fmt::format("run.threads={}", task_cpus(setup_.config))};
+  }
+  std::vector<SubmittedStep> take() { return std::move(steps_); }
+  void withdraw() {
+    std::vector<std::int64_t> jobs;
+    for (const SubmittedStep& step : steps_) jobs.push_back(step.job);
+    if (!jobs.empty()) client_.cancel(jobs);
+  }
+
+ private:
+  ArrayFolder folder_of(const std::string& name, const std::vector<std::string>& lines) const {
+    return ArrayFolder::create(setup_.folder / (chain_prefix + name), lines);
+  }
+
+  BatchScript script_of(const std::string& name, std::size_t tasks) const {
+    BatchScript script = batch_script(setup_.config);
+    script.name = fmt::format("voxweld-{}", name);
+    script.array =
+        BatchScript::Array{static_cast<std::int64_t>(tasks), setup_.config.slurm.max_running};
+    script.prologue = setup_.config.slurm.prologue;
+    script.dependency = dependency();
+    return script;
+  }
+
+  std::string dependency() const {
+    if (needs_ == 0) return waits_for_;
+    return fmt::format("afterok:{}{}{}", needs_, waits_for_.empty() ? "" : ",", waits_for_);
+  }
+
+  void submit(const std::string& name, const ArrayFolder& folder, std::size_t tasks,
+              const std::string& text) {
+    write_whole_file(folder.script_path(), as_bytes(text), Durability::rename_only);
+    const std::int64_t job = client_.submit(folder.script_path(),
+                                            std::array{fmt::format("--job-name=voxweld-{}", name)});
+    folder.set_job(job);
+    steps_.push_back({name, job, tasks, folder.path()});
+  }
+
+  const SlurmSetup& setup_;
+  SlurmClient& client_;
+  std::vector<SubmittedStep> steps_;
+  std::string waits_for_;   // the array before, however it ends
+  std::int64_t needs_ = 0;  // the last job, which has to end well
+};
+
+std::vector<std::string> lines_of(const SlurmSetup& setup, StageName stage,
+                                  const std::vector<Unit>& units) {
+  TaskPlanRequest request;
+  request.seconds_per_weight = seconds_per_weight(setup.folder, stage, units);
+  request.cpus_per_task = task_cpus(setup.config);
+  request.slots = setup.slots;
+  request.units_per_task = setup.config.slurm.shards_per_task;
+  std::vector<PlannedTask> tasks = plan_tasks(units, request);
+  // One array a step: where there would be more tasks than it may have, they get larger.
+  const auto most = static_cast<std::size_t>(setup.config.slurm.max_array);
+  std::vector<std::string> lines;
+  const std::size_t count = std::min(tasks.size(), most);
+  for (std::size_t i = 0; i < count; ++i) {
+    PlannedTask task = std::move(tasks[i]);
+    for (std::size_t j = i + count; j < tasks.size(); j += count)
+      task.units.insert(task.units.end(), tasks[j].units.begin(), tasks[j].units.end());
+    std::sort(task.units.begin(), task.units.end());
+    lines.push_back(task_arguments(stage, task));
+  }
+  return lines;
+}
+
+// Before the tiles are known they are dealt out by turns.
+std::vector<std::string> parts(const SlurmSetup& setup, std::size_t build_tasks) {
+  const auto most = static_cast<std::size_t>(setup.config.slurm.max_array);
+  const std::size_t count = std::clamp<std::size_t>(
+      std::max(build_tasks, 2 * static_cast<std::size_t>(setup.slots)), 1, most);
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < count; ++i) lines.push_back(fmt::format("--part {}/{}", i, count));
+  return lines;
+}
+
+void refuse_if_submitted(const Config& config, SlurmClient& client) {
+  std::vector<std::int64_t> jobs;
+  for (const KnownArray& array : known_arrays(config)) jobs.push_back(array.job);
+  if (jobs.empty()) return;
+  for (const TaskState& task : client.tasks(jobs))
+    if (task.state != TaskState::gone)
+      throw InputError(
+          fmt::format("job {} of this config is in Slurm already; `voxweld status` shows it, "
+                      "`voxweld cancel` ends it",
+                      task.job));
+}
+
+}  // namespace
+
+std::vector<SubmittedStep> submit_chain(RunContext& context, const SlurmSetup& setup,
+                                        SlurmClient& client) {
+  refuse_if_submitted(context.config, client);
+  const Jobs jobs(context.config);
+  check_budget(context, jobs);
+  warn_of_large_tiles(context);
+  const std::vector<Unit> ingest = missing_units(context, jobs.ingest());
+  const BrickGrid grid = brick_grid(context.config, jobs.ingest().info.geometry);
+  std::vector<std::uint64_t> shards(grid.all_shards().size());
+  std::iota(shards.begin(), shards.end(), std::uint64_t{0});
+  const auto build = lines_of(setup, "build", shard_units(grid, shards));
+
+  Chain chain(setup, client);
+  try {
+    if (!ingest.empty()) chain.array("ingest", lines_of(setup, "ingest", ingest));
+    chain.job("ingest-rest", {chain.command("ingest")});
+    chain.array("build", build);
+    chain.job("merge", {chain.command("build"), chain.command("merge")});
+    chain.array("stitch", parts(setup, build.size()));
+    chain.array("encode", parts(setup, build.size()));
+    auto finish = chain.command("run");
+    finish.insert(finish.end(), {"--set", "run.executor=local"});
+    chain.job("finish", {finish});
+  } catch (const std::exception&) {
+    chain.withdraw();  // half a chain would end in nothing
+    throw;
+  }
+  return chain.take();
+}
+
+std::vector<KnownArray> known_arrays(const Config& config) {
+  std::vector<std::filesystem::path> steps;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(slurm_folder(config), error))
+    if (entry.is_directory(error)) steps.push_back(entry.path());
+  std::sort(steps.begin(), steps.end());
+  std::vector<KnownArray> arrays;
+  for (const auto& step : steps)
+    for (const ArrayFolder& folder : ArrayFolder::all(step))
+      if (const auto job = folder.job()) arrays.push_back({step.filename().string(), folder, *job});
+  return arrays;
+}
+
+}  // namespace voxweld
