@@ -36,6 +36,13 @@ TaskReport report_of(std::vector<TaskFailure> failures) {
   return report;
 }
 
+FlightEnd ended_as(const std::string& state, std::optional<TaskReport> report = {}) {
+  FlightEnd end;
+  end.slurm_state = state;
+  end.report = std::move(report);
+  return end;
+}
+
 // A ledger of the units 0, 10, 20 ... of weights 1, 2, 3 ..., and the results that are there.
 class UnitLedgerTest : public ::testing::Test {
  protected:
@@ -82,7 +89,7 @@ TEST_F(UnitLedgerTest, AllUnitsAreReadyAtFirst) {
 TEST_F(UnitLedgerTest, RetriesAreBounded) {
   for (const std::int64_t retries : {0, 1, 3}) {
     UnitLedger two = ledger(2, retries);
-    EXPECT_EQ(fly_until_settled(two, {{}, "NODE_FAIL"}), retries + 1);
+    EXPECT_EQ(fly_until_settled(two, ended_as("NODE_FAIL")), retries + 1);
     EXPECT_EQ(two.errors().size(), 2U);
     EXPECT_THAT(two.ready(1e9), IsEmpty());
   }
@@ -90,7 +97,8 @@ TEST_F(UnitLedgerTest, RetriesAreBounded) {
 
 TEST_F(UnitLedgerTest, WhatTheUserHasToMendIsNotTriedAgain) {
   UnitLedger two = ledger(2);
-  EXPECT_EQ(fly_until_settled(two, {report_of({{{}, "volume.nrrd: too short", 2, ""}}), "FAILED"}),
+  EXPECT_EQ(fly_until_settled(
+                two, ended_as("FAILED", report_of({{{}, "volume.nrrd: too short", 2, ""}}))),
             1);
   ASSERT_EQ(two.errors().size(), 2U);
   EXPECT_EQ(two.errors()[1].exit_code, 2);
@@ -101,7 +109,7 @@ TEST_F(UnitLedgerTest, WhatTheUserHasToMendIsNotTriedAgain) {
 TEST_F(UnitLedgerTest, ADamagedArtifactIsNotTriedAgain) {
   UnitLedger two = ledger(2);
   ASSERT_TRUE(two.take_off(flight({0, 10})));
-  land(two, {report_of({{10, "a.octree: bad checksum", 1, "a.octree"}}), "FAILED"}, 0);
+  land(two, ended_as("FAILED", report_of({{10, "a.octree: bad checksum", 1, "a.octree"}})), 0);
   ASSERT_EQ(two.errors().size(), 1U);
   EXPECT_EQ(two.errors()[0].key, 10U);
   EXPECT_EQ(two.errors()[0].damaged_path, "a.octree");
@@ -116,7 +124,7 @@ TEST_F(UnitLedgerTest, ACancelledTaskIsNotTriedAgain) {
   for (const auto& report : {std::optional<TaskReport>(), std::optional(report_of({asked})),
                              std::optional(report_of({own}))}) {
     UnitLedger one = ledger(1);
-    EXPECT_EQ(fly_until_settled(one, {report, "CANCELLED"}), 1);
+    EXPECT_EQ(fly_until_settled(one, ended_as("CANCELLED", report)), 1);
     ASSERT_EQ(one.errors().size(), 1U);
     EXPECT_THAT(one.errors()[0].message,
                 HasSubstr(report && report->failures[0].unit ? "cannot write x" : "CANCELLED"));
@@ -129,12 +137,21 @@ TEST_F(UnitLedgerTest, ATaskThatWasStoppedSaysByWhat) {
   for (const auto& [state, hint] : std::map<std::string, std::string>{
            {"TIMEOUT", "slurm.time"}, {"OUT_OF_MEMORY", "slurm.mem"}, {"PREEMPTED", ""}}) {
     UnitLedger one = ledger(1, 2);
-    EXPECT_EQ(fly_until_settled(one, {asked, state}), 3);
+    EXPECT_EQ(fly_until_settled(one, ended_as(state, asked)), 3);
     const std::string message = one.errors().at(0).message;
     EXPECT_THAT(message, HasSubstr("its task ended as " + state));
     EXPECT_THAT(message, HasSubstr(hint));
     EXPECT_THAT(message, Not(HasSubstr("on request")));
   }
+}
+
+TEST_F(UnitLedgerTest, ATaskThatWouldWaitForEverIsTheUsersToMend) {
+  UnitLedger one = ledger(1);
+  FlightEnd end = ended_as("PENDING");
+  end.standstill = "no such licence";
+  EXPECT_EQ(fly_until_settled(one, end), 1);
+  EXPECT_EQ(one.errors().at(0).exit_code, 2);
+  EXPECT_THAT(one.errors()[0].message, HasSubstr("wait for ever: no such licence"));
 }
 
 TEST_F(UnitLedgerTest, ResultsCountWhoeverMadeThem) {
@@ -178,7 +195,7 @@ TEST_F(UnitLedgerTest, PausesGrowUpToAMinute) {
   double now = 1000;
   for (const double pause : {2.0, 4.0, 8.0, 16.0, 32.0, 60.0, 60.0}) {
     ASSERT_TRUE(one.take_off(flight({0})));
-    land(one, {{}, "NODE_FAIL"}, now);
+    land(one, ended_as("NODE_FAIL"), now);
     EXPECT_THAT(one.ready(now + pause - 0.01), IsEmpty());
     EXPECT_THAT(keys_of(one.ready(now + pause)), ElementsAre(0));
     EXPECT_TRUE(one.open());
@@ -198,7 +215,7 @@ TEST_F(UnitLedgerTest, AUnitFliesInOneTaskOnly) {
   there = {0, 10};
   std::size_t most = 100;
   three.look(three.flights()[0], most, false);
-  three.fail(three.flights()[1], {{}, "CANCELLED"}, 0);
+  three.fail(three.flights()[1], ended_as("CANCELLED"), 0);
   three.flights()[1].units.clear();
   three.sweep();
   EXPECT_FALSE(three.take_off(flight({0, 10, 20}, 3)));
@@ -209,8 +226,9 @@ TEST_F(UnitLedgerTest, AFailureIsToldOfItsUnitAlone) {
   UnitLedger three = ledger(3, 0);
   ASSERT_TRUE(three.take_off(flight({0, 10, 20})));
   land(three,
-       {report_of({{20, "cannot write b", 1, ""}, {{}, "disk full", 1, ""}, {0, "bad a", 2, ""}}),
-        "FAILED"},
+       ended_as("FAILED", report_of({{20, "cannot write b", 1, ""},
+                                     {{}, "disk full", 1, ""},
+                                     {0, "bad a", 2, ""}})),
        0);
   const std::vector<UnitError> errors = three.errors();
   ASSERT_EQ(errors.size(), 3U);
@@ -227,7 +245,7 @@ TEST_F(UnitLedgerTest, ErrorsNameUnitReasonTriesAndLog) {
   UnitLedger two = ledger(2, 1);
   for (const double now : {0.0, later}) {
     ASSERT_TRUE(two.take_off(flight({10}, 5)));
-    land(two, {{}, "NODE_FAIL"}, now);
+    land(two, ended_as("NODE_FAIL"), now);
   }
   ASSERT_EQ(two.errors().size(), 1U);
   EXPECT_EQ(two.errors()[0].unit, "shard 1");
@@ -238,10 +256,10 @@ TEST_F(UnitLedgerTest, ErrorsNameUnitReasonTriesAndLog) {
 
 TEST_F(UnitLedgerTest, ATaskOfWhichNothingIsKnown) {
   UnitLedger lost = ledger(1, 0);
-  fly_until_settled(lost, {{}, ""});
+  fly_until_settled(lost, ended_as(""));
   EXPECT_THAT(lost.errors().at(0).message, HasSubstr("its task was lost"));
   UnitLedger unseen = ledger(1, 0);
-  fly_until_settled(unseen, {report_of({}), "COMPLETED"});
+  fly_until_settled(unseen, ended_as("COMPLETED", report_of({})));
   EXPECT_THAT(unseen.errors().at(0).message, HasSubstr("work.directory"));
 }
 
@@ -264,7 +282,7 @@ RC_GTEST_FIXTURE_PROP(UnitLedgerTest, EverythingIsSettledInTheEnd, ()) {
       std::size_t most = 1000;
       all.look(one, most, *rc::gen::arbitrary<bool>());
       const std::string state = *rc::gen::element<std::string>("FAILED", "", "NODE_FAIL");
-      all.fail(one, {{}, state}, now);
+      all.fail(one, ended_as(state), now);
       one.units.clear();
     }
     all.sweep();
