@@ -126,7 +126,7 @@ void run_build(RunContext& context, const BuildJob& job) {
   stage.stage = "build";
   stage.noun = "shards";
   const std::vector<Index3> shards = job.grid.all_shards();
-  stage.reused = shards.size() - numbers.size();
+  stage.reused = context.selection.count(shards.size()) - numbers.size();
   stage.memory = build_memory(context, job);
   const int threads = stage_threads(context, stage.memory);
   const auto builders = make_builders(job, threads);

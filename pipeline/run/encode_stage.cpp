@@ -212,8 +212,9 @@ void encode_missing(RunContext& context, const EncodeJob& job,
   StageRun stage;
   stage.stage = "encode";
   stage.noun = "meshes";
-  stage.reused =
-      tiles.size() - status.missing.size() + (merged_planned && !status.merged_missing ? 1 : 0);
+  const bool merged_done = merged_planned && !status.merged_missing;
+  stage.reused = context.selection.count(tiles.size()) - status.missing.size() +
+                 (merged_done && context.selection.contains(tiles.size()) ? 1 : 0);
   stage.memory = encode_memory(context.config, tiles);
   stage.identity = job.folder.filename().string();
   stage.done = [&](const Unit& unit) {

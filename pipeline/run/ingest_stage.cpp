@@ -176,7 +176,7 @@ void write_shards(RunContext& context, const IngestJob& job,
   StageRun stage;
   stage.stage = "ingest";
   stage.noun = "shards";
-  stage.reused = shards.size() - missing.size();
+  stage.reused = context.selection.count(shards.size()) - missing.size();
   stage.memory = ingest_memory(context.config, job);
   if (job.info.access != Access::box) stage.order = UnitOrder::as_given;  // slices rise
   stage.identity = job.folder.filename().string();

@@ -121,7 +121,7 @@ void run_stitch(RunContext& context, const StitchJob& job) {
   StageRun stage;
   stage.stage = "stitch";
   stage.noun = "tiles";
-  stage.reused = tiles.size() - missing.size();
+  stage.reused = context.selection.count(tiles.size()) - missing.size();
   stage.memory = {
       "stitch", 0, need,
       fmt::format("one tile (output.tile_vertices = {})", context.config.output.tile_vertices),

@@ -62,6 +62,13 @@ bool UnitSelection::contains(std::uint64_t unit) const {
   return after != ranges_.begin() && unit <= std::prev(after)->last;
 }
 
+std::uint64_t UnitSelection::count(std::uint64_t units) const {
+  if (all()) return units;
+  std::uint64_t found = 0;
+  for (std::uint64_t unit = 0; unit < units; ++unit) found += contains(unit) ? 1 : 0;
+  return found;
+}
+
 void UnitSelection::check(std::string_view stage, std::string_view noun,
                           std::uint64_t count) const {
   if (ranges_.empty() || ranges_.back().last < count) return;

@@ -20,6 +20,7 @@ class UnitSelection {
 
   bool all() const { return ranges_.empty() && parts_ == 1; }
   bool contains(std::uint64_t unit) const;
+  std::uint64_t count(std::uint64_t units) const;  // of the first `units` those it contains
   // InputError where the selection names units beyond the `count` that `stage` has.
   void check(std::string_view stage, std::string_view noun, std::uint64_t count) const;
 

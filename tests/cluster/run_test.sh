@@ -1,0 +1,160 @@
+#!/usr/bin/env bash
+# Runs of voxweld on the test cluster, whose nodes differ in processors: driven from here and handed
+# over, both end in the bytes of a local run; a cancelled one is taken up again; what cannot run is
+# refused; an image that cannot be read stops no more than its layer. Prints a line a step with its
+# seconds. Exits 77 (skipped) where a cluster cannot be made.
+# Usage: tests/cluster/run_test.sh [VOXWELD]        (default: build/voxweld)
+set -euo pipefail
+case ${1:-} in -h | --help)
+  sed -n '2,6s/^# //p' "$0"
+  exit 0
+  ;;
+esac
+
+here=$(realpath "$(dirname "${BASH_SOURCE[0]}")")
+cluster=$here/cluster.sh
+voxweld=$(realpath "${1:-$here/../../build/voxweld}")
+if ! missing=$("$cluster" supported 2>&1); then
+  echo "skipped: $missing"
+  exit 77
+fi
+for program in munged slurmctld slurmd sbatch squeue; do
+  if ! PATH=$PATH:/usr/sbin command -v "$program" >/dev/null; then
+    echo "skipped: $program is not installed; run tests/cluster/install_packages.sh"
+    exit 77
+  fi
+done
+
+folder=$(mktemp -d /var/tmp/vxwrun.XXXX)
+export VOXWELD_CLUSTER_DIR=$folder
+data=$folder/data # seen by every node
+ok=no
+cleanup() {
+  if [ "$ok" = no ]; then
+    "$cluster" nodes || true
+    timeout 10 squeue || true
+    tail -n 30 "$data"/*.log || true
+  fi >&2
+  "$cluster" stop
+  rm -rf "$folder"
+}
+trap cleanup EXIT
+
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
+
+began=${EPOCHREALTIME/./}
+step() { # step WHAT: says that it is done
+  local now=${EPOCHREALTIME/./}
+  printf '%5s s  %s\n' "$(((now - began) / 1000000)).$(((now - began) / 100000 % 10))" "$1"
+  began=$now
+}
+
+# All bytes of an output directory but the manifest, which has times and hosts in it.
+tree_hash() {
+  (cd "$1" && find . -type f ! -name manifest.json -print0 | sort -z | xargs -0 sha256sum) |
+    sha256sum | cut -d' ' -f1
+}
+
+# on NAME COMMAND [OPTION...]: of the config, into directories of that name.
+on() {
+  local name=$1 command=$2
+  shift 2
+  timeout 300 "$voxweld" "$command" "$data/scene.toml" --set "work.directory=$data/$name.work" \
+    --set "output.directory=$data/$name.mesh" "$@" >"$data/$name.$command.log" 2>&1
+}
+same() { # same NAME: as the local run
+  [ "$(tree_hash "$data/$1.mesh")" = "$expected" ] || fail "$1: other bytes than the local run"
+  "$voxweld" verify "$data/$1.mesh" >"$data/$1.verify.log" 2>&1 || fail "$1: verify finds faults"
+}
+wait_until_finished() { # wait_until_finished NAME
+  local deadline=$((SECONDS + 120))
+  until on "$1" status; do
+    [ "$SECONDS" -lt "$deadline" ] || fail "$1: not finished: $(cat "$data/$1.status.log")"
+    sleep 1
+  done
+}
+
+mkdir -p "$data"
+eval "$(CPUS=2,1,2 "$cluster" start)"
+step "a cluster of three nodes"
+
+"$voxweld" phantom porous --size 160 --type uint8 -o "$data/porous.nrrd" >/dev/null
+cat >"$data/scene.toml" <<'END'
+[input]
+path = "porous.nrrd"
+[work]
+brick = 32
+shard = 2
+[surface]
+isovalue = "otsu"
+inside = "below"
+[output]
+tile_vertices = 20000
+[run]
+memory = "1GiB"
+[slurm]
+cpus_per_task = 1
+shards_per_task = 4
+END
+on local run || fail "the local run"
+expected=$(tree_hash "$data/local.mesh")
+step "a local run"
+
+on driven run --set run.executor=slurm || fail "the driven run"
+same driven
+step "driven from here: the same bytes"
+
+on driven run --set run.executor=slurm || fail "the second driven run"
+! grep -q "job [0-9]* of" "$data/driven.run.log" || fail "a finished run submits tasks"
+step "once more: nothing is submitted"
+
+on handed submit || fail "submit"
+! on handed submit || fail "submitted twice"
+grep -q "in Slurm already" "$data/handed.submit.log" || fail "submitted twice: $(cat "$data/handed.submit.log")"
+wait_until_finished handed
+same handed
+step "handed to Slurm: the same bytes"
+
+on broken submit || fail "submit"
+sleep 2
+on broken cancel || fail "cancel"
+sleep 1
+[ -z "$(timeout 10 squeue -h)" ] || fail "cancelled jobs are in the queue"
+on broken run --set run.executor=slurm || fail "the run after the cancelled one"
+same broken
+"$voxweld" logs "$data/scene.toml" 0 --set "work.directory=$data/broken.work" >"$data/logs.log" 2>&1 ||
+  fail "logs"
+grep -q "task 0 on node" "$data/logs.log" || fail "logs does not show who had shard 0"
+step "cancelled and taken up again: the same bytes"
+
+! on greedy run --set run.executor=slurm --set slurm.cpus_per_task=64 || fail "64 processors"
+grep -q "slurm.cpus_per_task" "$data/greedy.run.log" || fail "$(cat "$data/greedy.run.log")"
+[ -z "$(timeout 10 squeue -h)" ] || fail "what never starts is in the queue"
+step "a task that no node has room for is refused"
+
+# The same volume as images, one of which is cut short.
+mkdir "$data/slices"
+tail -c $((160 * 160 * 160)) "$data/porous.nrrd" >"$data/body.raw"
+for z in $(seq 0 159); do
+  {
+    printf 'P5\n160 160\n255\n'
+    dd if="$data/body.raw" bs=25600 skip="$z" count=1 status=none
+  } >"$data/slices/slice_$z.pgm"
+done
+cp "$data/slices/slice_150.pgm" "$data/whole.pgm"
+truncate -s 20000 "$data/slices/slice_150.pgm"
+! on slices run --set "input.path=$data/slices" --set run.executor=slurm --set surface.isovalue=127 ||
+  fail "an image that cannot be read goes unnoticed"
+grep -q "slice_150.pgm" "$data/slices.run.log" || fail "the bad image is not named"
+grep -q "9 of 27 shards of the input cannot be read" "$data/slices.run.log" ||
+  fail "more than the image's layer is missing: $(cat "$data/slices.run.log")"
+cp "$data/whole.pgm" "$data/slices/slice_150.pgm"
+on slices run --set "input.path=$data/slices" --set run.executor=slurm --set surface.isovalue=127 ||
+  fail "the run with the image mended"
+grep -qE "^ingest +9 shards" "$data/slices.run.log" || fail "not only the layer was done again"
+"$voxweld" verify "$data/slices.mesh" >"$data/slices.verify.log" 2>&1 || fail "verify"
+step "an image that cannot be read: its layer is missing, and done when it is mended"
+ok=yes
