@@ -5,12 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/slurm/slurm_text.h"
+#include "pipeline/slurm/task_log.h"
+
 namespace voxweld {
 namespace {
 
-std::string hint_for(const std::string& state) {
+std::string hint_for(const FlightEnd& end) {
+  const std::string& state = end.slurm_state;
   if (state == "TIMEOUT" || state == "DEADLINE") return " (slurm.time is too short for it)";
-  if (state == "OUT_OF_MEMORY") return " (raise slurm.mem, or lower run.memory)";
+  if (state == "OUT_OF_MEMORY" || is_of_memory(end.last_words))
+    return " (raise slurm.mem, or lower run.memory)";
   return "";
 }
 
@@ -25,19 +30,30 @@ const TaskFailure* failure_of(const FlightEnd& end, std::uint64_t unit) {
   return whole;
 }
 
+// By whoever may: a task that was told to stop may have said so in a report.
+bool was_cancelled(const FlightEnd& end) {
+  return end.slurm_state == "CANCELLED" && !(end.report && end.report->exit_code == 0);
+}
+
 std::string why(const FlightEnd& end, const TaskFailure* failure) {
+  if (!end.stuck.empty())
+    return fmt::format("Slurm would not start its task ({}), which is cancelled now", end.stuck);
+  if (was_cancelled(end)) return "its task was cancelled";
   if (failure != nullptr) return failure->message;
   if (end.report && end.report->exit_code == 0)
     return "its task says it is done, but the result cannot be seen from here: is work.directory "
            "the same shared folder on every node?";
   if (end.slurm_state.empty()) return "its task was lost: Slurm knows nothing of it any more";
-  return fmt::format("its task ended as {}{}", end.slurm_state, hint_for(end.slurm_state));
+  const std::string words =
+      end.last_words.empty() ? "" : fmt::format("; last it said: {}", end.last_words);
+  return fmt::format("its task ended as {}{}{}", end.slurm_state, hint_for(end), words);
 }
 
 // Whether trying again would end the same: the user has to mend something, or wanted it to end.
 bool is_final(const FlightEnd& end, const TaskFailure* failure) {
-  if (failure != nullptr) return failure->exit_code == 2 || !failure->damaged_path.empty();
-  return end.slurm_state == "CANCELLED" && !end.report;
+  if (!end.stuck.empty()) return !slurm_text::is_failed_launch(end.stuck);
+  if (was_cancelled(end)) return true;
+  return failure != nullptr && (failure->exit_code == 2 || !failure->damaged_path.empty());
 }
 
 }  // namespace

@@ -21,14 +21,17 @@ namespace voxweld {
 struct Flight {
   std::int64_t job = 0, task = 0;
   ArrayFolder folder;
-  std::vector<std::uint64_t> units;  // keys; those not known to be done
-  std::optional<double> over_since;  // when it was first seen to have ended
+  std::vector<std::uint64_t> units;        // keys; those not known to be done
+  std::optional<double> over_since = {};   // when it was first seen to have ended
+  std::optional<double> stuck_since = {};  // when Slurm was first seen not to start it
 };
 
 // How a task ended, as far as anybody knows.
 struct FlightEnd {
   std::optional<TaskReport> report;
-  std::string slurm_state;  // empty: Slurm knows nothing of it any more
+  std::string slurm_state;      // empty: Slurm knows nothing of it any more
+  std::string stuck = {};       // why Slurm would not start it; then it was cancelled
+  std::string last_words = {};  // the end of its log, or what keeps it from writing one
 };
 
 class UnitLedger {
