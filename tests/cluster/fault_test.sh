@@ -4,14 +4,15 @@
 # command again where a run has failed with a message, and ends on a table: faults, runs, those that
 # survived at the first try, that needed another, that were lost (there shall be none).
 # Exits 77 (skipped) where a cluster cannot be made.
-# Usage: tests/cluster/fault_test.sh [KIND...]        (default: all but mixed)
+# Usage: tests/cluster/fault_test.sh [KIND...]        (default: all but hold and mixed)
 #   kill        a task's process is killed (-9)
 #   crash       a node dies and comes back some seconds later
 #   partition   a node loses its network and gets it back, sometimes after Slurm has given it up
 #   controller  slurmctld is killed and starts again on the state that it had saved
 #   driver      voxweld run itself is killed and started again
 #   disk        the disk of work and output directory is full for some seconds
-#   memory      a run with too little slurm.mem, then one with enough
+#   memory      a run with too little memory for its tasks, then one with enough
+#   hold        a task that waits is held in the queue, which the driver gives up after half a minute
 #   mixed       any of kill, crash, partition, controller, driver
 # Environment: VOXWELD (the program, default build/voxweld), VOXWELD_SEED (of what breaks when;
 # default: chosen and said), VOXWELD_FAULTS (how many in all, default 14), VOXWELD_FAULTS_A_RUN (at
@@ -19,7 +20,7 @@
 # (a folder: the logs of drivers go there).
 set -euo pipefail
 case ${1:-} in -h | --help)
-  sed -n '2,20s/^# \{0,1\}//p' "$0"
+  sed -n '2,21s/^# \{0,1\}//p' "$0"
   exit 0
   ;;
 esac
@@ -35,7 +36,7 @@ seed=${VOXWELD_SEED:-$RANDOM}
 nodes=3
 run_limit=600 # seconds; a run that takes longer hangs
 reruns=5
-known=(kill crash partition controller driver disk memory mixed)
+known=(kill crash partition controller driver disk memory hold mixed)
 kinds=("$@")
 [ $# -gt 0 ] || kinds=("${known[@]:0:7}")
 for kind in "${kinds[@]}"; do
@@ -143,6 +144,18 @@ start_driver() {
   driver=$!
 }
 
+# tend_nodes: what an administrator does. Slurm drains a node that runs a task with the id of a new
+# one, as it comes to be where slurmctld lost what it had not saved, or whose tasks do not end.
+tended=0
+tend_nodes() {
+  local node
+  [ "$SECONDS" -ge $((tended + 5)) ] || return 0
+  tended=$SECONDS
+  for node in $(timeout 10 sinfo -h -N -t drain,drained -o %N 2>/dev/null); do
+    timeout 10 scontrol update "nodename=$node" state=resume 2>/dev/null || true
+  done
+}
+
 # finish_driver: waits for it; sets status. 124 and killed where it hangs.
 finish_driver() {
   local deadline=$((SECONDS + run_limit))
@@ -154,6 +167,7 @@ finish_driver() {
       driver='' status=124
       return
     fi
+    tend_nodes
     sleep 0.1
   done
   status=0
@@ -168,6 +182,7 @@ calm_down() {
   left_tasks=$(timeout 20 squeue -h -r -t PD,R 2>/dev/null | wc -l || true)
   until all_idle && [ -z "$(timeout 10 squeue -h -t PD,R,CG 2>/dev/null)" ]; do
     timeout 20 scancel --user="$(id -un)" 2>/dev/null || true
+    tend_nodes
     if [ "$SECONDS" -ge "$deadline" ]; then
       "$cluster" nodes
       scontrol show nodes | grep Reason || true
@@ -188,10 +203,9 @@ one_run() {
   log=$folder/$name.log settings=()
   mkdir -p "$place"
   if [ "$kind" = memory ]; then
-    roll 64 150
-    settings=("slurm.mem=${rolled}MiB" slurm.retries=1)
+    starve
     struck=1
-    say "$name: slurm.mem of $rolled MiB"
+    say "$name: $what"
   fi
   start_driver
   while [ "$kind" != memory ] && [ "$struck" -lt "$most" ] && driver_lives; do
@@ -253,6 +267,7 @@ for ((i = 0; i < ${#kinds[@]}; i++)); do
   lost[$kind]=0 unclear[$kind]=0 left_files[$kind]=0
   share=$((faults / ${#kinds[@]} + (i < faults % ${#kinds[@]} ? 1 : 0)))
   while [ "${injected[$kind]}" -lt "$share" ]; do
+    [ "${runs[$kind]}" -lt $((share + 3)) ] || fail "$kind: runs end before anything strikes"
     open=$((share - injected[$kind]))
     one_run "$kind" $((open < faults_a_run ? open : faults_a_run))
   done

@@ -77,12 +77,42 @@ inject_disk() {
   what="$left bytes left for $dozed s"
 }
 
+# Some task that waits is held in the queue, as Slurm does itself where it cannot launch one.
+inject_hold() {
+  local tasks
+  mapfile -t tasks < <(timeout 10 squeue -h -r -t PD -o '%F_%K' 2>/dev/null)
+  [ ${#tasks[@]} -gt 0 ] || return 1
+  roll 0 $((${#tasks[@]} - 1))
+  timeout 10 scontrol hold "${tasks[rolled]}" || return 1
+  what="task ${tasks[rolled]}"
+}
+
 # One of those that strike a task, a node or a process.
 inject_mixed() {
   local kinds=(kill crash partition controller driver)
   roll 0 $((${#kinds[@]} - 1))
   local kind=${kinds[rolled]}
   "inject_$kind" && what="$kind: $what"
+}
+
+# starve: settings that leave the tasks of the run to come too little memory.
+starve() {
+  settings=(slurm.retries=1)
+  roll 0 3
+  case $rolled in
+    0) what="slurm.mem below run.memory" && settings+=(slurm.mem=200MiB) ;;
+    1) what="slurm.mem above any node's" && settings+=(slurm.mem=64GiB) ;;
+    2) # Slurm looks once a second: the merged mesh is held long enough to be seen.
+      what="encode has less than it needs"
+      # shellcheck disable=SC2016 # the task's shell expands it
+      settings+=('slurm.extra=["--mem=40M"]'
+        'slurm.prologue=["p=$$; (for i in {1..99}; do kill -STOP $p; sleep 0.3; kill -CONT $p; sleep 0.03; done) 2>/dev/null &"]')
+      ;;
+    3)
+      what="the prologue takes it"
+      settings+=("slurm.prologue=['perl -e \"\\\$x = q(a) x 900000000; sleep 3\"']")
+      ;;
+  esac
 }
 
 # What a driver says that gives up: the last error and what belongs to it.
@@ -94,6 +124,7 @@ is_clear() {
   text=$(failure_text)
   case $1 in
     disk) grep -qi 'no space left\|is full' <<<"$text" ;;
+    hold) grep -q 'held\|Held' <<<"$text" ;;
     memory) grep -q 'slurm\.mem\|run\.memory' <<<"$text" ;;
     *) grep -q 'error: ' <<<"$text" ;;
   esac
