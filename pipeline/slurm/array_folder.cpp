@@ -25,7 +25,10 @@ ArrayFolder ArrayFolder::create(const fs::path& parent, const std::vector<std::s
   for (std::size_t number = all(parent).size();; ++number) {
     const ArrayFolder folder(parent / fmt::format("array-{:03}", number));
     // Made by one process only: another driver that is at it too takes the next.
-    if (!fs::create_directory(folder.path())) continue;
+    std::error_code error;
+    const bool is_new = fs::create_directory(folder.path(), error);
+    if (error) throw_errno("create directory", folder.path().string(), error.value());
+    if (!is_new) continue;
     make_directories(folder.logs());
     make_directories(folder.reports());
     std::string text;

@@ -117,7 +117,12 @@ class StageOnSlurm {
     write_whole_file(folder.script_path(), as_bytes(text), Durability::rename_only);
     const std::int64_t job = client_.submit(
         folder.script_path(), std::array{fmt::format("--job-name=voxweld-{}", stage_)});
-    folder.set_job(job);
+    try {
+      folder.set_job(job);
+    } catch (const StorageError&) {
+      client_.cancel({&job, 1});  // no later run could find it
+      throw;
+    }
     arrays_.emplace_back(folder, tasks.size());
     spdlog::info("{}: job {} of {} tasks; its script and logs: {}", stage_, job, tasks.size(),
                  folder.path().string());
@@ -133,7 +138,7 @@ class StageOnSlurm {
     for (TaskState& state : client_.tasks(std::vector(jobs.begin(), jobs.end())))
       states.emplace(std::pair(state.job, state.task), std::move(state));
     std::size_t looks = looks_a_poll;
-    std::vector<std::pair<std::int64_t, std::int64_t>> stuck;
+    std::vector<std::pair<std::int64_t, std::int64_t>> needless;
     for (Flight& flight : ledger_.flights()) {
       const auto at = states.find({flight.job, flight.task});
       const bool over = at == states.end() || at->second.state == TaskState::gone;
@@ -142,11 +147,15 @@ class StageOnSlurm {
       } else {
         flight.over_since.reset();
         note_done(ledger_.look(flight, looks, true));
-        if (is_stuck(flight, at->second)) stuck.emplace_back(flight.job, flight.task);
+        // One that was requeued may wait, or be held for ever, with all its results in place.
+        const bool waits_for_nothing =
+            flight.units.empty() && at->second.state == TaskState::pending;
+        if (waits_for_nothing || is_stuck(flight, at->second))
+          needless.emplace_back(flight.job, flight.task);
       }
     }
     ledger_.sweep();
-    client_.cancel_tasks(stuck);
+    client_.cancel_tasks(needless);
   }
 
   // A task that Slurm will not start has failed: nobody shall wait for it for ever.
