@@ -30,6 +30,11 @@ const TaskFailure* failure_of(const FlightEnd& end, std::uint64_t unit) {
   return whole;
 }
 
+std::string without_digits(std::string text) {
+  std::erase_if(text, [](char c) { return c >= '0' && c <= '9'; });
+  return text;
+}
+
 // By whoever may: a task that was told to stop may have said so in a report.
 bool was_cancelled(const FlightEnd& end) {
   return end.slurm_state == "CANCELLED" && !(end.report && end.report->exit_code == 0);
@@ -124,8 +129,8 @@ void UnitLedger::fail(const Flight& flight, const FlightEnd& end, double now) {
         entry.failures > 1 ? fmt::format(" (tried {} times)", entry.failures) : "";
     entry.error.key = key;
     entry.error.unit = entry.unit.name;
-    entry.error.message = fmt::format("{}{}; log: {}", why(end, failure), tried,
-                                      flight.folder.log_path(flight.job, flight.task).string());
+    entry.error.message = why(end, failure) + tried;
+    entry.log = flight.folder.log_path(flight.job, flight.task).string();
     if (failure != nullptr) {
       entry.error.exit_code = failure->exit_code;
       entry.error.damaged_path = failure->damaged_path;
@@ -139,8 +144,14 @@ void UnitLedger::sweep() {
 
 std::vector<UnitError> UnitLedger::errors() const {
   std::vector<UnitError> errors;
-  for (const auto& [key, entry] : entries_)
-    if (entry.state == State::given_up) errors.push_back(entry.error);
+  std::map<std::string, std::string> messages;
+  for (const auto& [key, entry] : entries_) {
+    if (entry.state != State::given_up) continue;
+    errors.push_back(entry.error);
+    std::string& message = errors.back().message;
+    message =
+        messages.emplace(without_digits(message), message + "; log: " + entry.log).first->second;
+  }
   return errors;
 }
 

@@ -57,7 +57,10 @@ class UnitLedger {
   // Forgets the flights that have no units left.
   void sweep();
 
-  std::vector<UnitError> errors() const;  // of the units given up, in key order
+  // Of the units given up, in key order. Messages that differ in numbers only (a job, a node, a
+  // file) are one, the first unit's with its log, so that a thousand units that fail alike make few
+  // lines.
+  std::vector<UnitError> errors() const;
 
  private:
   enum class State : std::uint8_t { waiting, flying, done, given_up };
@@ -67,6 +70,7 @@ class UnitLedger {
     std::int64_t failures = 0;
     double not_before = 0;
     UnitError error;
+    std::string log;  // of the task that failed last
   };
 
   std::map<std::uint64_t, Entry> entries_;

@@ -60,5 +60,26 @@ TEST(UnitLedgerEnd, SaysWhatToDo) {
   EXPECT_THAT(error_after(end, 0), HasSubstr("FAILED; last it said: the disk of /work is full"));
 }
 
+TEST(UnitLedgerEnd, SaysTheSameOnce) {
+  const testing::TempDirectory directory;
+  std::vector<Unit> units(3);
+  for (std::size_t i = 0; i < units.size(); ++i) units[i].key = i;
+  UnitLedger ledger(
+      units, [](const Unit&) { return false; }, 0);
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    const auto task = static_cast<std::int64_t>(i);
+    ledger.take_off({7, task, ArrayFolder(directory / std::to_string(i)), {i}});
+    FlightEnd end = ended(i == 2 ? "TIMEOUT" : "FAILED");
+    end.last_words = "node" + std::to_string(i) + ": no";
+    ledger.fail(ledger.flights().back(), end, 0);
+  }
+  const auto errors = ledger.errors();
+  ASSERT_EQ(errors.size(), 3U);
+  EXPECT_EQ(errors[0].message, "its task ended as FAILED; last it said: node0: no; log: " +
+                                   (directory / "0/logs").string());
+  EXPECT_EQ(errors[1].message, errors[0].message);
+  EXPECT_THAT(errors[2].message, HasSubstr("TIMEOUT"));
+}
+
 }  // namespace
 }  // namespace voxweld
