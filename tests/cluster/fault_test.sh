@@ -208,6 +208,7 @@ one_run() {
     say "$name: $what"
   fi
   start_driver
+  [ "$kind" = memory ] || doze 0 12000 # any stage may be the first to be struck
   while [ "$kind" != memory ] && [ "$struck" -lt "$most" ] && driver_lives; do
     doze 300 4000
     driver_lives || break
