@@ -65,6 +65,15 @@ void ingest_or_build_the_rest(RunContext& context, Jobs& jobs) {
   }
 }
 
+// Of tasks that were killed on other hosts, and of those that do what another has done: the stages
+// are complete, so nobody needs them.
+void clear_temporaries_of_tasks(const Config& config, const Jobs& jobs) {
+  for (const std::filesystem::path& folder :
+       {jobs.ingest().folder, jobs.build().folder, jobs.merge().folder, jobs.stitch().folder,
+        jobs.encode().folder, config.output.directory / "tiles"})
+    remove_needless_temporaries(folder);
+}
+
 // ingest -> build -> merge -> stitch -> encode
 void run_stages(RunContext& context) {
   Jobs jobs(context.config);
@@ -78,6 +87,7 @@ void run_stages(RunContext& context) {
   check_plan(context, jobs);
   run_stitch(context, jobs.stitch());
   run_encode(context, jobs.encode(), make_manifest(context, jobs));
+  if (!context.executor->in_process()) clear_temporaries_of_tasks(context.config, jobs);
 }
 
 // Of runs that were killed. Only where we write: the directories may hold others' files too.

@@ -324,10 +324,21 @@ std::vector<TaskState> SlurmClient::tasks(std::span<const std::int64_t> jobs) {
 
 void SlurmClient::cancel(std::span<const std::int64_t> jobs) {
   if (jobs.empty()) return;
-  Patience patience(options_, std::min(options_.patience, cancel_patience),
-                    std::min(options_.pause, cancel_pause), nullptr);
   Words words = {"scancel"};
   for (const std::int64_t job : jobs) words.push_back(std::to_string(job));
+  cancel_words(words);
+}
+
+void SlurmClient::cancel_tasks(std::span<const std::pair<std::int64_t, std::int64_t>> tasks) {
+  if (tasks.empty()) return;
+  Words words = {"scancel"};
+  for (const auto& [job, task] : tasks) words.push_back(fmt::format("{}_{}", job, task));
+  cancel_words(words);
+}
+
+void SlurmClient::cancel_words(const std::vector<std::string>& words) const {
+  Patience patience(options_, std::min(options_.patience, cancel_patience),
+                    std::min(options_.pause, cancel_pause), nullptr);
   const CommandResult result = ask(words, patience);
   if (result.exit_code != 0 && !slurm_text::is_unknown_job(result.err))
     throw StorageError(fmt::format("scancel failed: {}; cancel by hand: {}",

@@ -9,6 +9,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pipeline/executor/interrupt.h"
@@ -73,6 +74,9 @@ class SlurmClient {
   // stop was asked for; tries for half a minute at most.
   void cancel(std::span<const std::int64_t> jobs);
 
+  // The same for single tasks of arrays: pairs of job and index.
+  void cancel_tasks(std::span<const std::pair<std::int64_t, std::int64_t>> tasks);
+
   // "slurm-wlm 22.05.8". To be called first: throws InputError, with what to do, when one of the
   // programs is missing.
   std::string version();
@@ -86,6 +90,7 @@ class SlurmClient {
   CommandResult ask(std::span<const std::string> words, Patience& patience) const;
   std::int64_t submit_named(std::span<const std::string> words, const std::string& name) const;
   std::set<std::int64_t> jobs_named(const std::string& name, Patience& patience) const;
+  void cancel_words(const std::vector<std::string>& words) const;
   void cancel_named(const std::string& name) const noexcept;
 
   SlurmClientOptions options_;

@@ -11,7 +11,9 @@
 #include "pipeline/executor/progress.h"
 #include "pipeline/run/unit_selection.h"
 #include "pipeline/slurm/batch_script.h"
+#include "pipeline/slurm/slurm_text.h"
 #include "pipeline/slurm/task_cost.h"
+#include "pipeline/slurm/task_log.h"
 #include "pipeline/slurm/task_plan.h"
 #include "pipeline/slurm/unit_ledger.h"
 #include "storage/support/error.h"
@@ -71,9 +73,13 @@ class StageOnSlurm {
   void adopt() {
     if (options_.identity.empty()) return;
     std::size_t taken = 0;
-    for (const ArrayFolder& folder : ArrayFolder::all(parent_)) {
+    std::vector<ArrayFolder> folders = ArrayFolder::all(parent_);
+    std::reverse(folders.begin(), folders.end());
+    std::set<std::int64_t> seen;
+    for (const ArrayFolder& folder : folders) {
       const auto job = folder.job();
-      if (!job) continue;
+      // A controller that lost its last seconds gives an id again: it is the newer folder's.
+      if (!job || !seen.insert(*job).second) continue;
       std::set<std::int64_t> alive;
       for (const TaskState& task : client_.tasks(std::array{*job}))
         if (task.state != TaskState::gone) alive.insert(task.task);
@@ -111,7 +117,12 @@ class StageOnSlurm {
     write_whole_file(folder.script_path(), as_bytes(text), Durability::rename_only);
     const std::int64_t job = client_.submit(
         folder.script_path(), std::array{fmt::format("--job-name=voxweld-{}", stage_)});
-    folder.set_job(job);
+    try {
+      folder.set_job(job);
+    } catch (const StorageError&) {
+      client_.cancel({&job, 1});  // no later run could find it
+      throw;
+    }
     arrays_.emplace_back(folder, tasks.size());
     spdlog::info("{}: job {} of {} tasks; its script and logs: {}", stage_, job, tasks.size(),
                  folder.path().string());
@@ -127,36 +138,53 @@ class StageOnSlurm {
     for (TaskState& state : client_.tasks(std::vector(jobs.begin(), jobs.end())))
       states.emplace(std::pair(state.job, state.task), std::move(state));
     std::size_t looks = looks_a_poll;
+    std::vector<std::pair<std::int64_t, std::int64_t>> needless;
     for (Flight& flight : ledger_.flights()) {
       const auto at = states.find({flight.job, flight.task});
-      if (at != states.end() && !standstill(at->second).empty()) {
-        give_up(flight, at->second);
-        continue;
-      }
       const bool over = at == states.end() || at->second.state == TaskState::gone;
       if (over) {
         settle(flight, at == states.end() ? std::string() : at->second.slurm_state);
       } else {
         flight.over_since.reset();
         note_done(ledger_.look(flight, looks, true));
+        // One that was requeued may wait, or be held for ever, with all its results in place.
+        const bool waits_for_nothing =
+            flight.units.empty() && at->second.state == TaskState::pending;
+        if (waits_for_nothing || is_stuck(flight, at->second))
+          needless.emplace_back(flight.job, flight.task);
       }
     }
     ledger_.sweep();
+    client_.cancel_tasks(needless);
   }
 
-  // A task that Slurm took and will never start.
-  void give_up(Flight& flight, const TaskState& state) {
-    std::size_t all = flight.units.size();
-    note_done(ledger_.look(flight, all, false));
-    ledger_.fail(flight, {{}, state.slurm_state, standstill(state)}, steady_seconds());
+  // A task that Slurm will not start has failed: nobody shall wait for it for ever.
+  bool is_stuck(Flight& flight, const TaskState& state) {
+    std::string reason = standstill(state);  // with what to change
+    if (reason.empty()) reason = slurm_text::stuck_reason(state);
+    const double now = steady_seconds();
+    if (reason.empty() || flight.units.empty()) {
+      flight.stuck_since.reset();
+      return false;
+    }
+    if (!flight.stuck_since) flight.stuck_since = now;
+    if (now - *flight.stuck_since < setup_.stuck_after_s) return false;
+    spdlog::warn("{}: task {}_{} is not started by Slurm ({}); it is cancelled", stage_, flight.job,
+                 flight.task, reason);
+    FlightEnd end;
+    end.slurm_state = state.slurm_state;
+    end.stuck = reason;
+    ledger_.fail(flight, end, now);
     flight.units.clear();
-    client_.cancel(std::array{flight.job});
+    return true;
   }
 
   void settle(Flight& flight, const std::string& slurm_state) {
     std::size_t all = flight.units.size();
     note_done(ledger_.look(flight, all, false));
-    FlightEnd end{read_task_report(flight.folder.report_path(flight.task)), slurm_state, {}};
+    FlightEnd end;
+    end.report = read_task_report(flight.folder.report_path(flight.task));
+    end.slurm_state = slurm_state;
     if (!flight.units.empty()) {
       const double now = steady_seconds();
       if (!flight.over_since) flight.over_since = now;
@@ -164,6 +192,7 @@ class StageOnSlurm {
       const bool may_come = end.report ? end.report->exit_code == 0
                                        : slurm_state.empty() || slurm_state == "COMPLETED";
       if (may_come && now - *flight.over_since < setup_.visible_after_s) return;
+      if (!end.report) end.last_words = last_words(flight.folder.log_path(flight.job, flight.task));
       if (!end.report || end.report->exit_code != 2)
         spdlog::warn("{}: task {}_{} left {} of its units undone ({})", stage_, flight.job,
                      flight.task, flight.units.size(), slurm_state.empty() ? "lost" : slurm_state);

@@ -22,6 +22,9 @@ struct SlurmSetup {
   // How long a file that a task says it has written may stay unseen: network file systems keep what
   // they know of a folder for up to a minute.
   double visible_after_s = 60;
+  // How long a task may be held in the queue, or have no prospect of a node, before it is taken for
+  // failed.
+  double stuck_after_s = 10;
 };
 
 class SlurmExecutor : public Executor {

@@ -132,6 +132,25 @@ std::vector<TaskState> parse_tasks(const std::string& out) {
   return tasks;
 }
 
+std::string stuck_reason(const TaskState& task) {
+  // Limits of a single job's size are "...PerJob" or "...PerJobLimit"; those of what an account has
+  // running pass. Partitions and nodes that are down come back.
+  constexpr std::array known = {"JobHeld",           "held",       "JobHoldMaxRequeue",
+                                "NeverSatisfied",    "PerJob",     "BadConstraints",
+                                "InvalidAccount",    "InvalidQOS", "PartitionTimeLimit",
+                                "PartitionNodeLimit"};
+  if (task.state != TaskState::pending) return {};
+  if (task.slurm_state == "REQUEUE_HOLD" || task.slurm_state == "SPECIAL_EXIT")
+    return task.reason.empty() ? task.slurm_state : task.reason;
+  const bool stuck = std::any_of(known.begin(), known.end(),
+                                 [&](const char* one) { return holds(task.reason, one); });
+  return stuck ? task.reason : std::string();
+}
+
+bool is_failed_launch(std::string_view reason) {
+  return holds(reason, "launch") || holds(reason, "JobHoldMaxRequeue");
+}
+
 bool is_unanswered(std::string_view words) {
   constexpr std::array known = {
       "unable to contact slurm controller", "connect failure", "communication connection failure",

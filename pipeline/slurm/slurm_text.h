@@ -20,6 +20,12 @@ inline constexpr const char* task_format = "%F|%K|%T|%N|%r";
 // One task a line. Throws StorageError, quoting the line, when one is not in that format.
 std::vector<TaskState> parse_tasks(const std::string& out);
 
+// Why Slurm will not start a pending task, however long one waits: held, its launch failed, no
+// place for it anywhere. Empty where it may come to start.
+std::string stuck_reason(const TaskState& task);
+// Whether such a reason tells of a failed launch: another node may do better.
+bool is_failed_launch(std::string_view reason);
+
 // Whether the words say that the controller could not be asked, so that asking again may help.
 bool is_unanswered(std::string_view words);
 // Whether they say only that a job is over or forgotten.

@@ -5,12 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/slurm/slurm_text.h"
+#include "pipeline/slurm/task_log.h"
+
 namespace voxweld {
 namespace {
 
-std::string hint_for(const std::string& state) {
+std::string hint_for(const FlightEnd& end) {
+  const std::string& state = end.slurm_state;
   if (state == "TIMEOUT" || state == "DEADLINE") return " (slurm.time is too short for it)";
-  if (state == "OUT_OF_MEMORY") return " (raise slurm.mem, or lower run.memory)";
+  if (state == "OUT_OF_MEMORY" || is_of_memory(end.last_words))
+    return " (raise slurm.mem, or lower run.memory)";
   return "";
 }
 
@@ -31,19 +36,35 @@ const TaskFailure* failure_of(const FlightEnd& end, std::uint64_t unit) {
   return ended_by_itself(end.slurm_state) ? whole : nullptr;
 }
 
+std::string without_digits(std::string text) {
+  std::erase_if(text, [](char c) { return c >= '0' && c <= '9'; });
+  return text;
+}
+
+// By whoever may: a task that was told to stop may have said so in a report.
+bool was_cancelled(const FlightEnd& end) {
+  return end.slurm_state == "CANCELLED" && !(end.report && end.report->exit_code == 0);
+}
+
 std::string why(const FlightEnd& end, const TaskFailure* failure) {
-  if (!end.standstill.empty()) return "its task would wait for ever: " + end.standstill;
+  if (!end.stuck.empty())
+    return fmt::format("Slurm would not start its task ({}), which is cancelled now", end.stuck);
+  if (failure != nullptr && failure->unit) return failure->message;
+  if (was_cancelled(end)) return "its task was cancelled";
   if (failure != nullptr) return failure->message;
   if (end.report && end.report->exit_code == 0)
     return "its task says it is done, but the result cannot be seen from here: is work.directory "
            "the same shared folder on every node?";
   if (end.slurm_state.empty()) return "its task was lost: Slurm knows nothing of it any more";
-  return fmt::format("its task ended as {}{}", end.slurm_state, hint_for(end.slurm_state));
+  const std::string words =
+      end.last_words.empty() ? "" : fmt::format("; last it said: {}", end.last_words);
+  return fmt::format("its task ended as {}{}{}", end.slurm_state, hint_for(end), words);
 }
 
 // Whether trying again would end the same: the user has to mend something, or wanted it to end.
 bool is_final(const FlightEnd& end, const TaskFailure* failure) {
-  if (!end.standstill.empty() || end.slurm_state == "CANCELLED") return true;
+  if (!end.stuck.empty()) return !slurm_text::is_failed_launch(end.stuck);
+  if (was_cancelled(end)) return true;
   return failure != nullptr && (failure->exit_code == 2 || !failure->damaged_path.empty());
 }
 
@@ -115,10 +136,11 @@ void UnitLedger::fail(const Flight& flight, const FlightEnd& end, double now) {
         entry.failures > 1 ? fmt::format(" (tried {} times)", entry.failures) : "";
     entry.error.key = key;
     entry.error.unit = entry.unit.name;
-    entry.error.message = fmt::format("{}{}; log: {}", why(end, failure), tried,
-                                      flight.folder.log_path(flight.job, flight.task).string());
-    if (!end.standstill.empty()) entry.error.exit_code = 2;
-    if (end.standstill.empty() && failure != nullptr) {
+    entry.error.message = why(end, failure) + tried;
+    entry.log = flight.folder.log_path(flight.job, flight.task).string();
+    if (!end.stuck.empty() && !slurm_text::is_failed_launch(end.stuck)) {
+      entry.error.exit_code = 2;
+    } else if (failure != nullptr) {
       entry.error.exit_code = failure->exit_code;
       entry.error.damaged_path = failure->damaged_path;
     }
@@ -131,8 +153,14 @@ void UnitLedger::sweep() {
 
 std::vector<UnitError> UnitLedger::errors() const {
   std::vector<UnitError> errors;
-  for (const auto& [key, entry] : entries_)
-    if (entry.state == State::given_up) errors.push_back(entry.error);
+  std::map<std::string, std::string> messages;
+  for (const auto& [key, entry] : entries_) {
+    if (entry.state != State::given_up) continue;
+    errors.push_back(entry.error);
+    std::string& message = errors.back().message;
+    message =
+        messages.emplace(without_digits(message), message + "; log: " + entry.log).first->second;
+  }
   return errors;
 }
 

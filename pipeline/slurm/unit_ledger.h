@@ -21,15 +21,17 @@ namespace voxweld {
 struct Flight {
   std::int64_t job = 0, task = 0;
   ArrayFolder folder;
-  std::vector<std::uint64_t> units;  // keys; those not known to be done
-  std::optional<double> over_since;  // when it was first seen to have ended
+  std::vector<std::uint64_t> units;        // keys; those not known to be done
+  std::optional<double> over_since = {};   // when it was first seen to have ended
+  std::optional<double> stuck_since = {};  // when Slurm was first seen not to start it
 };
 
 // How a task ended, as far as anybody knows.
 struct FlightEnd {
   std::optional<TaskReport> report;
-  std::string slurm_state;  // empty: Slurm knows nothing of it any more
-  std::string standstill;   // why it would wait for ever; empty: it ended
+  std::string slurm_state;      // empty: Slurm knows nothing of it any more
+  std::string stuck = {};       // why Slurm would not start it; then it was cancelled
+  std::string last_words = {};  // the end of its log, or what keeps it from writing one
 };
 
 class UnitLedger {
@@ -55,7 +57,10 @@ class UnitLedger {
   // Forgets the flights that have no units left.
   void sweep();
 
-  std::vector<UnitError> errors() const;  // of the units given up, in key order
+  // Of the units given up, in key order. Messages that differ in numbers only (a job, a node, a
+  // file) are one, the first unit's with its log, so that a thousand units that fail alike make few
+  // lines.
+  std::vector<UnitError> errors() const;
 
  private:
   enum class State : std::uint8_t { waiting, flying, done, given_up };
@@ -65,6 +70,7 @@ class UnitLedger {
     std::int64_t failures = 0;
     double not_before = 0;
     UnitError error;
+    std::string log;  // of the task that failed last
   };
 
   std::map<std::uint64_t, Entry> entries_;

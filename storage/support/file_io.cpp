@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <charconv>
 #include <csignal>
+#include <optional>
 #include <random>
 #include <system_error>
 #include <utility>
@@ -33,21 +34,34 @@ std::string temporary_name(const std::filesystem::path& path) {
   return fmt::format("{}.tmp-{}-{}-{:016x}", path.string(), host_name(), getpid(), random);
 }
 
+// What such a name says.
+struct Temporary {
+  std::string file, host;
+  pid_t process = 0;
+};
+
+std::optional<Temporary> read_temporary_name(const std::string& name) {
+  constexpr std::size_t random_digits = 16;
+  const std::string mark = ".tmp-";
+  const std::size_t at = name.rfind(mark);
+  const std::size_t random = name.rfind('-');
+  if (at == std::string::npos || name.size() != random + 1 + random_digits ||
+      name.find_first_not_of("0123456789abcdef", random + 1) != std::string::npos)
+    return std::nullopt;
+  const std::size_t host = at + mark.size();
+  const std::size_t dash = name.rfind('-', random - 1);  // a host's name may have some too
+  if (dash < host || dash == std::string::npos) return std::nullopt;
+  Temporary temporary{name.substr(0, at), name.substr(host, dash - host)};
+  const char* const end = name.data() + random;
+  const auto parsed = std::from_chars(name.data() + dash + 1, end, temporary.process);
+  if (parsed.ec != std::errc() || parsed.ptr != end || temporary.process <= 0) return std::nullopt;
+  return temporary;
+}
+
 // Whether `name` is such a name, of a process of this host that is no more.
 bool is_stale_temporary(const std::string& name, const std::string& host) {
-  constexpr std::size_t random_digits = 16;
-  const std::string mark = ".tmp-" + host + "-";
-  const std::size_t at = name.rfind(mark);
-  if (at == std::string::npos) return false;
-  const std::string rest = name.substr(at + mark.size());
-  const std::size_t dash = rest.find('-');
-  if (dash == 0 || dash == std::string::npos || rest.size() != dash + 1 + random_digits ||
-      rest.find_first_not_of("0123456789") != dash ||
-      rest.find_first_not_of("0123456789abcdef", dash + 1) != std::string::npos)
-    return false;
-  pid_t process = 0;
-  const auto parsed = std::from_chars(rest.data(), rest.data() + dash, process);
-  return parsed.ec == std::errc() && process > 0 && kill(process, 0) != 0 && errno == ESRCH;
+  const auto temporary = read_temporary_name(name);
+  return temporary && temporary->host == host && kill(temporary->process, 0) != 0 && errno == ESRCH;
 }
 
 template <class Iterator>
@@ -185,6 +199,18 @@ void remove_stale_temporaries(const std::filesystem::path& folder, bool recursiv
     remove_stale_of<std::filesystem::recursive_directory_iterator>(folder);
   else
     remove_stale_of<std::filesystem::directory_iterator>(folder);
+}
+
+void remove_needless_temporaries(const std::filesystem::path& folder) {
+  std::error_code error;
+  for (std::filesystem::recursive_directory_iterator entry(folder, error), end;
+       !error && entry != end; entry.increment(error)) {
+    const auto temporary = read_temporary_name(entry->path().filename().string());
+    std::error_code ignored;
+    if (temporary &&
+        std::filesystem::exists(entry->path().parent_path() / temporary->file, ignored))
+      std::filesystem::remove(entry->path(), ignored);
+  }
 }
 
 std::vector<std::byte> read_whole_file(const std::filesystem::path& path) {

@@ -139,7 +139,7 @@ readonly init='
   mount --bind "$RUN/hosts" /etc/hosts
   case $DIR in /tmp/*)
     mkdir -p "$RUN/node$NODE$DIR"
-    mount --bind "$DIR" "$RUN/node$NODE$DIR" ;;
+    mount --rbind "$DIR" "$RUN/node$NODE$DIR" ;;
   esac
   mount --rbind "$RUN/node$NODE/tmp" /tmp
   mount -t tmpfs -o mode=1777 shm /dev/shm

@@ -94,6 +94,9 @@ TEST(SlurmClient, Cancels) {
   SlurmClient client;
   client.cancel(Jobs{5, 6});
   EXPECT_EQ(slurm.calls(), Words{"scancel 5 6"});
+  client.cancel_tasks({});
+  client.cancel_tasks(std::vector<std::pair<std::int64_t, std::int64_t>>{{5, 0}, {6, 13}});
+  EXPECT_EQ(slurm.calls(), (Words{"scancel 5 6", "scancel 5_0 6_13"}));
   slurm.program("scancel",
                 "echo 'scancel: error: Kill job error on job id 5: Invalid job id specified' >&2\n"
                 "exit 1");

@@ -99,6 +99,32 @@ TEST(SlurmText, KnowsForgottenJobs) {
   EXPECT_FALSE(is_unknown_job(""));
 }
 
+TEST(SlurmText, KnowsTasksThatNeverStart) {
+  TaskState task;
+  task.slurm_state = "PENDING";
+  for (const char* reason :
+       {"JobHeldUser", "JobHeldAdmin", "JobHoldMaxRequeue", "launch failed requeued held",
+        "launch_failed_requeued_held", "DependencyNeverSatisfied", "QOSMaxMemoryPerJob",
+        "AssocMaxCpuPerJobLimit", "BadConstraints", "PartitionTimeLimit", "InvalidAccount"}) {
+    task.reason = reason;
+    EXPECT_EQ(stuck_reason(task), reason);
+  }
+  for (const char* reason : {"None", "Resources", "Priority", "Dependency", "JobArrayTaskLimit",
+                             "BeginTime", "ReqNodeNotAvail, UnavailableNodes:n1", "PartitionDown",
+                             "QOSMaxCpuPerUserLimit", "AssocGrpCpuLimit", "Licenses"}) {
+    task.reason = reason;
+    EXPECT_EQ(stuck_reason(task), "") << reason;
+  }
+  task.slurm_state = "REQUEUE_HOLD";
+  task.reason = "";
+  EXPECT_EQ(stuck_reason(task), "REQUEUE_HOLD");
+  task.state = TaskState::running;
+  EXPECT_EQ(stuck_reason(task), "");
+  EXPECT_TRUE(is_failed_launch("launch failed requeued held"));
+  EXPECT_TRUE(is_failed_launch("JobHoldMaxRequeue"));
+  EXPECT_FALSE(is_failed_launch("JobHeldUser"));
+}
+
 TEST(SlurmText, SaysErrorsInOneLine) {
   EXPECT_EQ(said("sbatch: error: QOSMaxSubmitJobPerUserLimit\nsbatch: error: failed: x\n"),
             "QOSMaxSubmitJobPerUserLimit; failed: x");
