@@ -71,7 +71,8 @@ void clear_temporaries_of_tasks(const Config& config, const Jobs& jobs) {
   for (const std::filesystem::path& folder :
        {jobs.ingest().folder, jobs.build().folder, jobs.merge().folder, jobs.stitch().folder,
         jobs.encode().folder, config.output.directory / "tiles"})
-    remove_needless_temporaries(folder);
+    remove_needless_temporaries(folder, true);
+  remove_needless_temporaries(config.output.directory, false);
 }
 
 // ingest -> build -> merge -> stitch -> encode

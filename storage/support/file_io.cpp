@@ -64,16 +64,24 @@ bool is_stale_temporary(const std::string& name, const std::string& host) {
   return temporary && temporary->host == host && kill(temporary->process, 0) != 0 && errno == ESRCH;
 }
 
-template <class Iterator>
-void remove_stale_of(const std::filesystem::path& folder) {
-  const std::string host = host_name();
+// Those that `unwanted` holds of.
+template <class Iterator, class Test>
+void remove_of(const std::filesystem::path& folder, const Test& unwanted) {
   // Another process may clear the same folder: what is gone already is no failure.
   std::error_code error;
   for (Iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    if (!is_stale_temporary(entry->path().filename().string(), host)) continue;
+    if (!unwanted(entry->path())) continue;
     std::error_code ignored;
     std::filesystem::remove(entry->path(), ignored);
   }
+}
+
+template <class Test>
+void remove_files(const std::filesystem::path& folder, bool recursive, const Test& unwanted) {
+  if (recursive)
+    remove_of<std::filesystem::recursive_directory_iterator>(folder, unwanted);
+  else
+    remove_of<std::filesystem::directory_iterator>(folder, unwanted);
 }
 
 }  // namespace
@@ -195,22 +203,17 @@ void AtomicFile::commit(Durability durability) {
 }
 
 void remove_stale_temporaries(const std::filesystem::path& folder, bool recursive) {
-  if (recursive)
-    remove_stale_of<std::filesystem::recursive_directory_iterator>(folder);
-  else
-    remove_stale_of<std::filesystem::directory_iterator>(folder);
+  remove_files(folder, recursive, [host = host_name()](const std::filesystem::path& path) {
+    return is_stale_temporary(path.filename().string(), host);
+  });
 }
 
-void remove_needless_temporaries(const std::filesystem::path& folder) {
-  std::error_code error;
-  for (std::filesystem::recursive_directory_iterator entry(folder, error), end;
-       !error && entry != end; entry.increment(error)) {
-    const auto temporary = read_temporary_name(entry->path().filename().string());
+void remove_needless_temporaries(const std::filesystem::path& folder, bool recursive) {
+  remove_files(folder, recursive, [](const std::filesystem::path& path) {
+    const auto temporary = read_temporary_name(path.filename().string());
     std::error_code ignored;
-    if (temporary &&
-        std::filesystem::exists(entry->path().parent_path() / temporary->file, ignored))
-      std::filesystem::remove(entry->path(), ignored);
-  }
+    return temporary && std::filesystem::exists(path.parent_path() / temporary->file, ignored);
+  });
 }
 
 std::vector<std::byte> read_whole_file(const std::filesystem::path& path) {

@@ -65,9 +65,9 @@ class AtomicFile {
 // Removes the temporaries in `folder` (and below it, where `recursive`) that processes of this host
 // left behind when they were killed: those whose process is no more. Others' stay.
 void remove_stale_temporaries(const std::filesystem::path& folder, bool recursive);
-// Removes, in `folder` and below it, all temporaries of files that are in place: whoever is still
-// at it, on whatever host, does what is done. To be called when a folder's files are complete.
-void remove_needless_temporaries(const std::filesystem::path& folder);
+// The same of all temporaries whose files are in place: whoever is still at it, on whatever host,
+// does what is done. To be called when a folder's files are complete.
+void remove_needless_temporaries(const std::filesystem::path& folder, bool recursive);
 
 std::vector<std::byte> read_whole_file(const std::filesystem::path& path);
 void write_whole_file(const std::filesystem::path& path, std::span<const std::byte> data,

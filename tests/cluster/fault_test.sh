@@ -120,7 +120,7 @@ memory = "700MiB"
 [slurm]
 cpus_per_task = 1
 shards_per_task = 2
-prologue = ["p=$$; (for i in {1..15}; do kill -STOP $p; sleep 0.1; kill -CONT $p; sleep 0.01; done) 2>/dev/null &"]
+prologue = ["p=$$; (for i in {1..9}; do kill -STOP $p; sleep 0.1; kill -CONT $p; sleep 0.01; done) 2>/dev/null &"]
 CONFIG
 "$voxweld" run "$folder/porous.toml" --log-level warning \
   --set "work.directory=$folder/local.work" --set "output.directory=$folder/local.mesh" >/dev/null
@@ -208,7 +208,7 @@ one_run() {
     say "$name: $what"
   fi
   start_driver
-  [ "$kind" = memory ] || doze 0 12000 # any stage may be the first to be struck
+  [ "$kind" = memory ] || doze 0 9000 # any stage may be the first to be struck
   while [ "$kind" != memory ] && [ "$struck" -lt "$most" ] && driver_lives; do
     doze 300 4000
     driver_lives || break
@@ -233,6 +233,7 @@ one_run() {
   done
   local files
   files=$(find "$place" -name '*.tmp-*' | wc -l)
+  find "$place" -name '*.tmp-*' -printf '          | left: %P\n' | head -n 5
   left_files[$kind]=$((left_files[$kind] + files))
   if [ "$status" -eq 0 ]; then
     if [ "$(tree_hash "$place/mesh")" != "$reference" ]; then

@@ -18,13 +18,15 @@ TEST(FileIo, RemovesTemporariesOfFilesThatAreInPlace) {
   for (const char* name : {"sub/a.octree", needless, "sub/b.octree.tmp-node-7-123-0123456789abcdef",
                            "sub/a.octree.tmp-node-7-x-0123456789abcdef", "sub/a.octree.tmp-old"})
     make(name);
-  remove_needless_temporaries(directory.path());
+  remove_needless_temporaries(directory.path(), false);
+  EXPECT_TRUE(std::filesystem::exists(directory / needless));
+  remove_needless_temporaries(directory.path(), true);
   EXPECT_FALSE(std::filesystem::exists(directory / needless));
   EXPECT_TRUE(std::filesystem::exists(directory / "sub/a.octree"));
   EXPECT_TRUE(std::filesystem::exists(directory / "sub/b.octree.tmp-node-7-123-0123456789abcdef"));
   EXPECT_TRUE(std::filesystem::exists(directory / "sub/a.octree.tmp-node-7-x-0123456789abcdef"));
   EXPECT_TRUE(std::filesystem::exists(directory / "sub/a.octree.tmp-old"));
-  remove_needless_temporaries(directory / "none");
+  remove_needless_temporaries(directory / "none", true);
 }
 
 }  // namespace
