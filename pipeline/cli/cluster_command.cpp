@@ -1,4 +1,4 @@
-// submit, status, cancel, logs: a config's work on a Slurm cluster.
+// plan, submit, status, cancel, logs: a config's work on a Slurm cluster.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -10,6 +10,7 @@
 #include "pipeline/cli/run_context.h"
 #include "pipeline/slurm/slurm_chain.h"
 #include "pipeline/slurm/slurm_status.h"
+#include "pipeline/slurm/work_plan.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -95,6 +96,20 @@ int cancel(Program& program, const ClusterArguments& arguments) {
   return 0;
 }
 
+int show_plan(Program& program, const ClusterArguments& arguments) {
+  LocalExecutor here;
+  const RunContext context = cluster_context(program, arguments.run, here);
+  const Jobs jobs(context.config);
+  std::int64_t slots = 1;
+  try {
+    slots = cluster_cpus(context.config.slurm.partition) / context.config.slurm.cpus_per_task;
+  } catch (const Error&) {  // a plan can be made where there is no cluster
+  }
+  const WorkPlan plan = plan_work(context, jobs, std::max<std::int64_t>(slots, 1));
+  fmt::print("{}", arguments.json ? to_json(plan).dump(2) + "\n" : to_text(plan));
+  return 0;
+}
+
 int show_logs(Program& program, const ClusterArguments& arguments) {
   LocalExecutor here;
   RunContext context = cluster_context(program, arguments.run, here);
@@ -129,6 +144,13 @@ void add_cluster_commands(CLI::App& app, Program& program) {
       "Hands a config's whole work to Slurm, as jobs that wait for each other, and returns",
       submitted, submit)
       ->add_flag("--json", submitted->json, "Prints the jobs as JSON");
+  auto planned = std::make_shared<ClusterArguments>();
+  add(app, program, "plan",
+      "Estimates what a config's work will take on a cluster: tasks, files, disk, core-hours; "
+      "beside "
+      "it what its tasks have used so far",
+      planned, show_plan)
+      ->add_flag("--json", planned->json, "As JSON");
   auto shown = std::make_shared<ClusterArguments>();
   CLI::App* status = add(app, program, "status",
                          "Says how far a config's work is and what Slurm has of it in its queue; "

@@ -12,17 +12,16 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t enough_reports = 200;
 
-// Seconds of one processor for a weight of 1, on a desktop of 2022: a brick, a sample, a vertex or
-// polygon, a polygon (what the stages weigh their units by).
-double usual_seconds(StageName stage) {
+}  // namespace
+
+// A sample, a brick, a vertex or polygon, a polygon.
+double usual_seconds_per_weight(StageName stage) {
   if (stage == "ingest") return 1e-8;
   if (stage == "build") return 0.015;
   if (stage == "stitch") return 5e-7;
   if (stage == "encode") return 2e-6;
   return 0;
 }
-
-}  // namespace
 
 double seconds_per_weight(const fs::path& folder, StageName stage, std::span<const Unit> units) {
   double cpu_s = 0, weight = 0;
@@ -41,7 +40,7 @@ double seconds_per_weight(const fs::path& folder, StageName stage, std::span<con
         ++read;
       }
   }
-  if (done == 0) return usual_seconds(stage);
+  if (done == 0) return usual_seconds_per_weight(stage);
   for (const Unit& unit : units) weight += unit.weight;
   if (weight <= 0) return 0;
   return cpu_s / static_cast<double>(done) * static_cast<double>(units.size()) / weight;

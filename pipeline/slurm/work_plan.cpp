@@ -1,0 +1,189 @@
+#include "pipeline/slurm/work_plan.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/run/task_report.h"
+#include "pipeline/slurm/batch_script.h"
+#include "pipeline/slurm/slurm_chain.h"
+#include "pipeline/slurm/task_cost.h"
+#include "pipeline/slurm/task_plan.h"
+#include "storage/spool/spool.h"
+
+namespace voxweld {
+namespace {
+
+constexpr std::int64_t bricks_to_look_at = 125;
+
+// Of ordinary scans at the default settings, a brick of 64^3 cells: what a look at the volume's own
+// bricks replaces.
+constexpr BrickSample usual{1, 1, 2500, 2800, 150'000, 0.008, 0};
+
+// Bytes a vertex: a tile artifact, and one asset with its normals.
+constexpr double tile_bytes = 62, asset_bytes = 6;
+// The tiles of a plan are cubes of the octree, so most hold much less than they may.
+constexpr double tile_filling = 0.35;
+
+double usual_cost(const char* stage, double weight) {
+  return usual_seconds_per_weight(stage) * weight;
+}
+
+std::uint64_t product(Index3 v) {
+  return static_cast<std::uint64_t>(v.x) * static_cast<std::uint64_t>(v.y) *
+         static_cast<std::uint64_t>(v.z);
+}
+
+std::uint64_t count_tasks(std::uint64_t units, double cpu_s, const Config& config,
+                          std::int64_t slots) {
+  if (units == 0) return 0;
+  std::vector<Unit> all(units);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i].key = i;
+    all[i].weight = cpu_s / static_cast<double>(units);
+  }
+  TaskPlanRequest request;
+  request.seconds_per_weight = 1;
+  request.cpus_per_task = task_cpus(config);
+  request.slots = slots;
+  request.units_per_task = config.slurm.shards_per_task;
+  return plan_tasks(all, request).size();
+}
+
+void add_used(const Config& config, WorkPlan& plan) {
+  for (const KnownArray& array : known_arrays(config)) {
+    const std::size_t tasks = array.folder.tasks().size();
+    for (std::size_t t = 0; t < tasks; ++t) {
+      const auto report = read_task_report(array.folder.report_path(static_cast<std::int64_t>(t)));
+      if (!report) continue;
+      ++plan.tasks_reported;
+      for (PlannedStage& stage : plan.stages)
+        if (report->stage == stage_name(stage.stage)) {
+          stage.used_cpu_s += report->figures.cpu_s;
+          stage.used_peak_bytes = std::max(stage.used_peak_bytes, report->figures.peak_resident);
+        }
+    }
+  }
+}
+
+double rounded_up(double value) {
+  return std::max(1.0, std::ceil(value));
+}
+
+}  // namespace
+
+WorkPlan plan_work(const RunContext& context, const Jobs& jobs, std::int64_t slots) {
+  const Config& config = context.config;
+  const VolumeInfo& info = jobs.ingest().info;
+  const BrickGrid grid = brick_grid(config, info.geometry);
+  WorkPlan plan;
+  plan.bricks = product(sampled_bricks(grid));
+  plan.sample = sample_bricks(context, jobs, bricks_to_look_at);
+  plan.task_bytes = task_memory(config);
+  plan.task_cpus = task_cpus(config);
+  const BrickSample look = plan.sample.value_or(usual);
+  const double side = static_cast<double>(config.work.brick);
+  // Cells that the usual figures' bricks would be.
+  const double scale = static_cast<double>(plan.bricks) / static_cast<double>(look.bricks) *
+                       (plan.sample ? 1.0 : side * side * side / (64.0 * 64 * 64));
+  const auto whole = [&](auto value) { return static_cast<double>(value) * scale; };
+  plan.vertices = whole(look.vertices);
+  const double polygons = whole(look.polygons);
+  const std::uint64_t shards = grid.all_shards().size();
+  const auto samples = static_cast<double>(product(info.geometry.size));
+  const auto bytes = [](double value) { return static_cast<std::uint64_t>(value); };
+
+  const auto add = [&](Stage stage, double units, double files, double disk, double cpu_s) {
+    PlannedStage entry{stage, bytes(units), 0, bytes(files), bytes(disk), cpu_s, 0, 0};
+    entry.tasks = count_tasks(entry.units, cpu_s, config, slots);
+    plan.stages.push_back(entry);
+  };
+  const auto n = static_cast<double>(shards);
+  if (jobs.ingest().copy) {
+    const double size = samples * static_cast<double>(sample_bytes(info.type));
+    add(Stage::ingest, n, 2 * n + 1, size, usual_cost("ingest", samples));
+    if (info.access != Access::box)
+      plan.spool_bytes = bytes(size / static_cast<double>(info.geometry.size.z) * side *
+                               static_cast<double>(config.work.shard));
+  }
+  add(Stage::build, n, n, whole(look.octree_bytes), whole(look.cpu_s) * 1.3);  // and reading
+  add(Stage::merge, 1, 1, 16 * n, 1e-4 * n);
+  const double tiles =
+      rounded_up(plan.vertices / (static_cast<double>(config.output.tile_vertices) * tile_filling));
+  add(Stage::stitch, tiles, tiles, tile_bytes * plan.vertices,
+      usual_cost("stitch", plan.vertices + polygons));
+  const auto formats = static_cast<double>(config.output.formats.size());
+  add(Stage::encode, tiles, tiles * (formats + 1) + 2, asset_bytes * formats * plan.vertices,
+      usual_cost("encode", polygons));
+  add_used(config, plan);
+  return plan;
+}
+
+std::string to_text(const WorkPlan& plan) {
+  std::string text;
+  if (plan.sample)
+    text += fmt::format(
+        "Estimated from {} of {} bricks (isovalue {}, {:.0f} % with a surface) and rates measured "
+        "elsewhere:\n",
+        plan.sample->bricks, plan.bricks, plan.sample->isovalue,
+        100.0 * static_cast<double>(plan.sample->active) /
+            static_cast<double>(plan.sample->bricks));
+  else
+    text += fmt::format(
+        "Estimated from the size alone ({} bricks) and rates of ordinary scans: the input is not "
+        "read by boxes, so none of it was looked at:\n",
+        plan.bricks);
+  text += fmt::format("{:<7} {:>9} {:>7} {:>9} {:>11} {:>11} {:>11} {:>11}\n", "stage", "units",
+                      "tasks", "files", "disk", "core-hours", "used", "peak");
+  PlannedStage total;
+  const auto row = [&](const std::string& name, const PlannedStage& stage) {
+    text += fmt::format(
+        "{:<7} {:>9} {:>7} {:>9} {:>11} {:>11.2g} {:>11} {:>11}\n", name, stage.units, stage.tasks,
+        stage.files, readable_bytes(static_cast<double>(stage.disk_bytes)), stage.cpu_s / 3600,
+        stage.used_cpu_s > 0 ? fmt::format("{:.2g}", stage.used_cpu_s / 3600) : "-",
+        stage.used_peak_bytes > 0 ? readable_bytes(static_cast<double>(stage.used_peak_bytes))
+                                  : "-");
+  };
+  for (const PlannedStage& stage : plan.stages) {
+    row(std::string(stage_name(stage.stage)), stage);
+    total.units += stage.units;
+    total.tasks += stage.tasks;
+    total.files += stage.files;
+    total.disk_bytes += stage.disk_bytes;
+    total.cpu_s += stage.cpu_s;
+    total.used_cpu_s += stage.used_cpu_s;
+    total.used_peak_bytes = std::max(total.used_peak_bytes, stage.used_peak_bytes);
+  }
+  row("all", total);
+  if (plan.spool_bytes > 0)
+    text += fmt::format("while ingest runs also {} for the slices of each layer being read\n",
+                        readable_bytes(static_cast<double>(plan.spool_bytes)));
+  text += fmt::format("a task: {} processors, {} of memory; about {:.3g} vertices in all\n",
+                      plan.task_cpus, readable_bytes(static_cast<double>(plan.task_bytes)),
+                      plan.vertices);
+  return text;
+}
+
+nlohmann::json to_json(const WorkPlan& plan) {
+  nlohmann::json out = {{"bricks", plan.bricks},
+                        {"vertices", plan.vertices},
+                        {"spool_bytes", plan.spool_bytes},
+                        {"task_bytes", plan.task_bytes},
+                        {"task_cpus", plan.task_cpus},
+                        {"tasks_reported", plan.tasks_reported},
+                        {"stages", nlohmann::json::array()}};
+  out["bricks_looked_at"] = plan.sample ? plan.sample->bricks : 0;
+  for (const PlannedStage& stage : plan.stages)
+    out["stages"].push_back({{"stage", stage_name(stage.stage)},
+                             {"units", stage.units},
+                             {"tasks", stage.tasks},
+                             {"files", stage.files},
+                             {"disk_bytes", stage.disk_bytes},
+                             {"cpu_seconds", stage.cpu_s},
+                             {"used_cpu_seconds", stage.used_cpu_s},
+                             {"used_peak_bytes", stage.used_peak_bytes}});
+  return out;
+}
+
+}  // namespace voxweld
