@@ -77,7 +77,11 @@ wait_until_finished() { # wait_until_finished NAME
   done
 }
 
-mkdir -p "$data"
+mkdir -p "$data/bin"
+# Where it was built may be below /tmp, of which every node has its own.
+cp "$voxweld" "$(dirname "$voxweld")/libvoxweld_image.so" "$data/bin"
+voxweld=$data/bin/voxweld
+cd "$data"
 eval "$(CPUS=2,1,2 "$cluster" start)"
 step "a cluster of three nodes"
 
