@@ -52,16 +52,9 @@ done
   echo "no program at $voxweld: build it, or name it in VOXWELD" >&2
   exit 2
 }
-if ! missing=$("$cluster" supported 2>&1); then
-  echo "skipped: $missing"
-  exit 77
-fi
-for program in munged slurmctld slurmd sbatch squeue; do
-  if ! PATH=$PATH:/usr/sbin command -v "$program" >/dev/null; then
-    echo "skipped: $program is not installed; run tests/cluster/install_packages.sh"
-    exit 77
-  fi
-done
+# shellcheck source=tests/cluster/support.sh
+source "$(dirname "$cluster")/support.sh"
+require_cluster "$cluster"
 
 own_folder=no
 if [ -z "${VOXWELD_CLUSTER_DIR:-}" ]; then

@@ -14,16 +14,9 @@ esac
 here=$(realpath "$(dirname "${BASH_SOURCE[0]}")")
 cluster=$here/cluster.sh
 voxweld=$(realpath "${1:-$here/../../build/voxweld}")
-if ! missing=$("$cluster" supported 2>&1); then
-  echo "skipped: $missing"
-  exit 77
-fi
-for program in munged slurmctld slurmd sbatch squeue; do
-  if ! PATH=$PATH:/usr/sbin command -v "$program" >/dev/null; then
-    echo "skipped: $program is not installed; run tests/cluster/install_packages.sh"
-    exit 77
-  fi
-done
+# shellcheck source=tests/cluster/support.sh
+source "$(dirname "$cluster")/support.sh"
+require_cluster "$cluster"
 
 folder=$(mktemp -d /var/tmp/vxwrun.XXXX)
 export VOXWELD_CLUSTER_DIR=$folder
@@ -39,18 +32,6 @@ cleanup() {
   rm -rf "$folder"
 }
 trap cleanup EXIT
-
-fail() {
-  echo "FAILED: $*" >&2
-  exit 1
-}
-
-began=${EPOCHREALTIME/./}
-step() { # step WHAT: says that it is done
-  local now=${EPOCHREALTIME/./}
-  printf '%5s s  %s\n' "$(((now - began) / 1000000)).$(((now - began) / 100000 % 10))" "$1"
-  began=$now
-}
 
 # All bytes of an output directory but the manifest, which has times and hosts in it.
 tree_hash() {

@@ -12,16 +12,9 @@ case ${1:-} in -h | --help)
 esac
 
 cluster=$(realpath "$(dirname "${BASH_SOURCE[0]}")/cluster.sh")
-if ! missing=$("$cluster" supported 2>&1); then
-  echo "skipped: $missing"
-  exit 77
-fi
-for program in munged slurmctld slurmd sbatch squeue; do
-  if ! PATH=$PATH:/usr/sbin command -v "$program" >/dev/null; then
-    echo "skipped: $program is not installed; run tests/cluster/install_packages.sh"
-    exit 77
-  fi
-done
+# shellcheck source=tests/cluster/support.sh
+source "$(dirname "$cluster")/support.sh"
+require_cluster "$cluster"
 
 folder=$(mktemp -d "${TMPDIR:-/tmp}/vxwsmoke.XXXX")
 export VOXWELD_CLUSTER_DIR=$folder
@@ -36,18 +29,6 @@ cleanup() {
   rm -rf "$folder"
 }
 trap cleanup EXIT
-
-fail() {
-  echo "FAILED: $*" >&2
-  exit 1
-}
-
-began=${EPOCHREALTIME/./}
-step() { # step WHAT: says that it is done
-  local now=${EPOCHREALTIME/./}
-  printf '%5s s  %s\n' "$(((now - began) / 1000000)).$(((now - began) / 100000 % 10))" "$1"
-  began=$now
-}
 
 wait_for() { # wait_for SECONDS WHAT TEST...
   local deadline=$((SECONDS + $1)) what=$2
