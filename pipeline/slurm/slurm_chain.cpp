@@ -65,7 +65,6 @@ class Chain {
     script.name = fmt::format("voxweld-{}", name);
     script.array =
         BatchScript::Array{static_cast<std::int64_t>(tasks), setup_.config.slurm.max_running};
-    script.prologue = setup_.config.slurm.prologue;
     script.dependency = dependency();
     return script;
   }

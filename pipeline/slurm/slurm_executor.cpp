@@ -30,10 +30,7 @@ double steady_seconds() {
 
 // The keys among `units` that a line of tasks.txt names.
 std::vector<std::uint64_t> units_of_line(const std::string& line, std::span<const Unit> units) {
-  UnitSelection selection;
-  if (const std::size_t space = line.find(' ');
-      line.starts_with("--shards ") || line.starts_with("--tiles "))
-    selection = UnitSelection::list(line.substr(space + 1), "tasks.txt");
+  const UnitSelection selection = task_selection(line);
   std::vector<std::uint64_t> keys;
   for (const Unit& unit : units)
     if (selection.contains(unit.key)) keys.push_back(unit.key);

@@ -10,7 +10,7 @@
 #include "pipeline/run/jobs.h"
 #include "pipeline/run/output_files.h"
 #include "pipeline/run/task_report.h"
-#include "pipeline/run/unit_selection.h"
+#include "pipeline/slurm/task_plan.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -80,15 +80,6 @@ std::string log_text(const std::filesystem::path& path) {
   std::string text(size, '\0');
   file.read(file.size() - size, std::as_writable_bytes(std::span(text.data(), text.size())));
   return fmt::format("==> {}{}\n{}\n", path.string(), size < file.size() ? " (its end)" : "", text);
-}
-
-bool names_unit(const std::string& line, std::uint64_t unit) {
-  const std::size_t space = line.find(' ');
-  if (line.starts_with("--shards ") || line.starts_with("--tiles "))
-    return UnitSelection::list(line.substr(space + 1), "tasks.txt").contains(unit);
-  if (line.starts_with("--part "))
-    return UnitSelection::part(line.substr(space + 1)).contains(unit);
-  return true;
 }
 
 }  // namespace
@@ -195,7 +186,7 @@ std::string task_logs(const Config& config, const RunStatus& status,
     const std::vector<std::string> lines = array.folder.tasks();
     for (std::size_t i = 0; i < lines.size(); ++i) {
       const auto log = array.folder.log_path(array.job, static_cast<std::int64_t>(i));
-      if (names_unit(lines[i], *unit) && std::filesystem::is_regular_file(log))
+      if (task_selection(lines[i]).contains(*unit) && std::filesystem::is_regular_file(log))
         text += log_text(log);
     }
   }

@@ -54,7 +54,6 @@ std::string stage_script(const SlurmSetup& setup, StageName stage, const ArrayFo
   script.array =
       BatchScript::Array{static_cast<std::int64_t>(tasks), setup.config.slurm.max_running};
   script.dependency = dependency;
-  script.prologue = setup.config.slurm.prologue;
   script.body = array_body(
       folder.tasks_path(),
       std::array{setup.program.string(), std::string(stage), setup.config_file.string(),

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "pipeline/run/unit_selection.h"
-
 namespace voxweld {
 namespace {
 
@@ -68,6 +66,14 @@ std::vector<PlannedTask> plan_tasks(std::span<const Unit> units, const TaskPlanR
   std::stable_sort(tasks.begin(), tasks.end(),
                    [](const PlannedTask& a, const PlannedTask& b) { return a.weight > b.weight; });
   return tasks;
+}
+
+UnitSelection task_selection(const std::string& line) {
+  const std::string values = line.substr(line.find(' ') + 1);
+  if (line.starts_with("--shards ") || line.starts_with("--tiles "))
+    return UnitSelection::list(values, "tasks.txt");
+  if (line.starts_with("--part ")) return UnitSelection::part(values);
+  return {};
 }
 
 std::string task_arguments(StageName stage, const PlannedTask& task) {

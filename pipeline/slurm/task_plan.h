@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/executor/executor.h"
+#include "pipeline/run/unit_selection.h"
 
 namespace voxweld {
 
@@ -27,6 +28,10 @@ struct PlannedTask {
 // stay together; units that share a costly read are never parted, be they more than units_per_task.
 // The largest task comes first.
 std::vector<PlannedTask> plan_tasks(std::span<const Unit> units, const TaskPlanRequest& request);
+
+// The units that a line of task arguments names: a list, a part, or all of them. InputError when
+// the line is none that voxweld wrote.
+UnitSelection task_selection(const std::string& line);
 
 // The options of voxweld's stage command that name a task's units: "--shards 0-63".
 std::string task_arguments(StageName stage, const PlannedTask& task);
