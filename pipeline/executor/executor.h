@@ -37,7 +37,8 @@ struct RunOptions {
   StageProgress* progress = nullptr;         // told of each finished unit
   const InterruptFlag* interrupt = nullptr;  // asked before each unit
   // Whether the unit's result is there and whole, whoever made it: how an executor whose units run
-  // in other processes knows what is left. Not asked by one that runs them itself.
+  // in other processes knows what is left. Asked from several threads, and not at all by one that
+  // runs them itself.
   std::function<bool(const Unit&)> done;
   // What names the stage's work for such an executor: the same for the same parameters, and no
   // other. Empty: nothing of an earlier process is taken over.

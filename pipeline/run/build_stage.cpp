@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <mutex>
 
+#include "pipeline/executor/probe.h"
 #include "pipeline/run/shard_builder.h"
 #include "storage/support/error.h"
 
@@ -84,11 +85,13 @@ BuildStatus build_status(const RunContext& context, const BuildJob& job) {
   BuildStatus status;
   const std::vector<Index3> shards = job.grid.all_shards();
   context.selection.check("build", "shards", shards.size());
+  std::vector<ArtifactState> states(shards.size(), ArtifactState::current);
+  probe_all(shards.size(), [&](std::size_t i) {
+    if (context.selection.contains(i)) states[i] = state_of(job, shards[i]);
+  });
   for (std::size_t i = 0; i < shards.size(); ++i) {
-    if (!context.selection.contains(i)) continue;
-    const ArtifactState state = state_of(job, shards[i]);
-    if (state == ArtifactState::missing) status.missing.push_back(i);
-    if (state == ArtifactState::unproven) status.unproven.push_back(i);
+    if (states[i] == ArtifactState::missing) status.missing.push_back(i);
+    if (states[i] == ArtifactState::unproven) status.unproven.push_back(i);
   }
   return status;
 }

@@ -4,8 +4,11 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <map>
+#include <mutex>
 
 #include "pipeline/config/settings.h"
+#include "pipeline/executor/probe.h"
 #include "pipeline/run/histogram_artifact.h"
 #include "pipeline/run/open_input.h"
 #include "pipeline/run/recorded_input.h"
@@ -23,6 +26,7 @@ namespace voxweld {
 namespace {
 
 constexpr std::uint64_t band_bytes = std::uint64_t{8} << 20;  // read at once for a shard
+constexpr std::size_t records_ahead = 64;  // a record of 16-bit samples may take half a megabyte
 
 StoreLayout layout_of(const Config& config, const IngestJob& job) {
   StoreLayout layout;
@@ -66,22 +70,46 @@ std::vector<Index3> shards_of(const StoreLayout& layout) {
 Histogram store_histogram(const StoreLayout& layout) {
   Histogram histogram;
   histogram.type = layout.type;
-  for (const Index3& shard : shards_of(layout))
-    add(histogram, read_shard_record(layout, shard).histogram);
+  const std::vector<Index3> shards = shards_of(layout);
+  probe_in_order<Histogram>(
+      shards.size(), records_ahead,
+      [&](std::size_t i) { return read_shard_record(layout, shards[i]).histogram; },
+      [&](std::size_t, Histogram&& one) { add(histogram, one); });
   return histogram;
 }
 
-// Of the store's shards that hold these samples.
-Hash128 store_stamp(const StoreLayout& layout, const Box3& samples) {
-  KeyHasher stamp;
-  const std::int64_t side = layout.parameters.shard;
-  const Index3 lo = samples.lo, hi = samples.hi;
-  for (std::int64_t z = lo.z / side; z * side < hi.z; ++z)
-    for (std::int64_t y = lo.y / side; y * side < hi.y; ++y)
-      for (std::int64_t x = lo.x / side; x * side < hi.x; ++x)
-        stamp.hash(read_shard_record(layout, {x, y, z}).file_hash);
-  return stamp.finish();
-}
+// Stamps of boxes of the store: of its shards that hold the samples. A shard lies under up to 27
+// boxes of build, so its record is read once. Thread-safe.
+class StoreStamps {
+ public:
+  explicit StoreStamps(StoreLayout layout) : layout_(std::move(layout)) {}
+
+  Hash128 of(const Box3& samples) {
+    KeyHasher stamp;
+    const std::int64_t side = layout_.parameters.shard;
+    const Index3 lo = samples.lo, hi = samples.hi;
+    for (std::int64_t z = lo.z / side; z * side < hi.z; ++z)
+      for (std::int64_t y = lo.y / side; y * side < hi.y; ++y)
+        for (std::int64_t x = lo.x / side; x * side < hi.x; ++x) stamp.hash(of_shard({x, y, z}));
+    return stamp.finish();
+  }
+
+ private:
+  Hash128 of_shard(Index3 shard) {
+    const std::uint64_t code = morton_encode(shard);
+    {
+      const std::scoped_lock lock(mutex_);
+      if (const auto known = known_.find(code); known != known_.end()) return known->second;
+    }
+    const Hash128 hash = read_shard_record(layout_, shard).file_hash;
+    const std::scoped_lock lock(mutex_);
+    return known_.emplace(code, hash).first->second;
+  }
+
+  const StoreLayout layout_;
+  std::mutex mutex_;
+  std::map<std::uint64_t, Hash128> known_;
+};
 
 std::filesystem::path histogram_path(const IngestJob& job) {
   return job.folder / "histogram";
@@ -101,12 +129,11 @@ bool histogram_is_current(const IngestJob& job) {
 std::vector<std::uint64_t> missing_of(const RunContext& context, const StoreLayout& layout,
                                       const IngestJob& job) {
   const std::vector<Index3> shards = shards_of(layout);
-  std::vector<std::uint64_t> missing;
-  for (std::size_t i = 0; i < shards.size(); ++i)
-    if (context.selection.contains(i) &&
-        !shard_is_current(layout, shards[i], shard_key(job, layout, shards[i])))
-      missing.push_back(i);
-  return missing;
+  const auto missing = probe_which(shards.size(), [&](std::size_t i) {
+    return context.selection.contains(i) &&
+           !shard_is_current(layout, shards[i], shard_key(job, layout, shards[i]));
+  });
+  return {missing.begin(), missing.end()};
 }
 
 std::vector<Unit> units_of(const StoreLayout& layout, const std::vector<std::uint64_t>& numbers,
@@ -297,7 +324,9 @@ Volume ingested_volume(const Config& config, const IngestJob& job) {
   const StoreLayout layout = layout_of(config, job);
   const auto store = std::make_shared<StoreSource>(layout);
   return {store, store.get(),
-          [layout](const Box3& samples) { return store_stamp(layout, samples); }};
+          [stamps = std::make_shared<StoreStamps>(layout)](const Box3& samples) {
+            return stamps->of(samples);
+          }};
 }
 
 std::optional<Histogram> read_histogram(const IngestJob& job) {

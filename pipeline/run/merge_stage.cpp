@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "pipeline/executor/probe.h"
 #include "stages/merge/octree_reduction.h"
 #include "stages/merge/tile_planner.h"
 #include "storage/artifact/shard_artifact.h"
@@ -12,9 +13,11 @@ namespace {
 
 // Content hashes of what build has left, in the order of its units.
 std::vector<Hash128> shard_hashes(const BuildJob& job) {
-  std::vector<Hash128> hashes;
-  for (const Index3& shard : job.grid.all_shards())
-    hashes.push_back(ShardArtifact(shard_artifact_path(job, shard)).content_hash());
+  const std::vector<Index3> shards = job.grid.all_shards();
+  std::vector<Hash128> hashes(shards.size());
+  probe_all(shards.size(), [&](std::size_t i) {
+    hashes[i] = ShardArtifact(shard_artifact_path(job, shards[i])).content_hash();
+  });
   return hashes;
 }
 
@@ -38,7 +41,7 @@ struct Sink : ReductionSink {
   }
 };
 
-void add(const ShardSummary& shard, MergeCounts& counts) {
+void add_summary(const ShardSummary& shard, MergeCounts& counts) {
   counts.bricks += shard.bricks;
   counts.active_bricks += shard.active_bricks;
   counts.active_cells += shard.counts.active_cells;
@@ -50,6 +53,47 @@ void add(const ShardSummary& shard, MergeCounts& counts) {
   for (std::size_t l = 0; l < counts.leaves.size(); ++l) counts.leaves[l] += shard.counts.leaves[l];
 }
 
+constexpr std::size_t cubes_ahead = 128;  // up to 100 KiB each
+
+// What merge reads of one octree artifact: one cube's part of it.
+struct CubeRoots {
+  Hash128 content;
+  ShardSummary summary;
+  std::vector<ShardNode> nodes;
+};
+
+CubeRoots read_roots(const BuildJob& job, const BrickGrid::Cube& cube) {
+  const ShardArtifact artifact(shard_artifact_path(job, cube.shard));
+  CubeRoots roots{artifact.content_hash(), artifact.summary(), artifact.nodes()};
+  std::erase_if(roots.nodes, [&](const ShardNode& node) { return !(node.key == cube.key); });
+  return roots;
+}
+
+// Puts the shards' summaries and hashes in the order of build's units: a shard may have several
+// cubes, which come in the order of the octree.
+class ShardTotals {
+ public:
+  explicit ShardTotals(const BrickGrid& grid) {
+    for (const Index3& shard : grid.all_shards()) codes_.push_back(morton_encode(shard));
+    hashes_.resize(codes_.size());
+    seen_.resize(codes_.size());
+  }
+  void add(Index3 shard, const CubeRoots& roots, MergeCounts& counts) {
+    const auto found = std::lower_bound(codes_.begin(), codes_.end(), morton_encode(shard));
+    const auto at = static_cast<std::size_t>(found - codes_.begin());
+    if (seen_[at]) return;
+    seen_[at] = true;
+    hashes_[at] = roots.content;
+    add_summary(roots.summary, counts);
+  }
+  const std::vector<Hash128>& hashes() const { return hashes_; }
+
+ private:
+  std::vector<std::uint64_t> codes_;  // ascending
+  std::vector<Hash128> hashes_;       // beside them
+  std::vector<bool> seen_;
+};
+
 void merge(const MergeJob& job) {
   const BrickGrid& grid = job.build->grid;
   const ContourParameters& parameters = job.build->parameters;
@@ -57,12 +101,7 @@ void merge(const MergeJob& job) {
   TilePlanner planner(std::max(grid.domain_level(), block_level), job.tile_vertices,
                       [&](const PlannedTile& tile) { out.tile(tile); });
   MergeCounts counts;
-  std::vector<Hash128> shards;
-  for (const Index3& shard : grid.all_shards()) {
-    const ShardArtifact artifact(shard_artifact_path(*job.build, shard));
-    add(artifact.summary(), counts);
-    shards.push_back(artifact.content_hash());
-  }
+  ShardTotals shards(grid);
 
   Sink sink;
   sink.out = &out;
@@ -71,19 +110,21 @@ void merge(const MergeJob& job) {
   sink.brick_level = grid.brick_level();
   const CellKey root{std::max(grid.domain_level(), grid.shard_level()), {}};
   OctreeReduction reduction(root, grid.domain_level(), parameters, sink);
-  for (const BrickGrid::Cube& cube : grid.all_cubes()) {
-    const ShardArtifact artifact(shard_artifact_path(*job.build, cube.shard));
-    for (const ShardNode& node : artifact.nodes()) {
-      if (!(node.key == cube.key)) continue;
-      reduction.push({node.key, node.record, node.polygons});
-      for (const TopLeaf& leaf : node.leaves) sink.top(leaf);
-      for (const CubeCount& count : node.cubes) planner.push(count);
-    }
-  }
+  const std::vector<BrickGrid::Cube> cubes = grid.all_cubes();
+  probe_in_order<CubeRoots>(
+      cubes.size(), cubes_ahead, [&](std::size_t i) { return read_roots(*job.build, cubes[i]); },
+      [&](std::size_t i, CubeRoots&& roots) {
+        shards.add(cubes[i].shard, roots, counts);
+        for (const ShardNode& node : roots.nodes) {
+          reduction.push({node.key, node.record, node.polygons});
+          for (const TopLeaf& leaf : node.leaves) sink.top(leaf);
+          for (const CubeCount& count : node.cubes) planner.push(count);
+        }
+      });
   OctreeReduction::settle(reduction.finish(), sink);
   counts.collapsed_above += reduction.collapsed();
   planner.finish();
-  out.finish(counts, shards);
+  out.finish(counts, shards.hashes());
 }
 
 }  // namespace

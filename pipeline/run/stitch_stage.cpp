@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "pipeline/executor/probe.h"
 #include "pipeline/run/tile_inputs.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/support/error.h"
@@ -34,14 +35,29 @@ TileWork prepare(const StitchJob& job, const PlannedTile& tile, const TopArtifac
   return work;
 }
 
-bool is_current(const StitchJob& job, const TileWork& work) {
-  const auto path = tile_artifact_path(job, work.tile.key());
+// What it would be made from is looked up only where there is something to compare it with.
+bool is_current(const StitchJob& job, const PlannedTile& tile, const TopArtifact& top,
+                ShardFiles& files) {
+  const auto path = tile_artifact_path(job, tile.key());
   if (!std::filesystem::exists(path)) return false;
   try {
-    return TileArtifact(path).key() == work.key;
-  } catch (const DamagedArtifact&) {
+    return TileArtifact(path).key() == prepare(job, tile, top, files).key;
+  } catch (const DamagedArtifact& damage) {
+    if (damage.path() != path.string()) throw;
     return false;
   }
+}
+
+// The most bytes that stitching one of these tiles takes.
+std::uint64_t largest_tile_bytes(const StitchJob& job, const std::vector<PlannedTile>& tiles,
+                                 const std::vector<std::uint64_t>& numbers, ShardFiles& files) {
+  std::vector<std::uint64_t> need(numbers.size());
+  probe_all(numbers.size(), [&](std::size_t i) {
+    const PlannedTile& tile = tiles[numbers[i]];
+    need[i] = stitch_bytes(tile.vertices + tile.vertices / 4, tile.polygons) +
+              largest_brick_bytes(tile_bricks(*job.build, tile.key(), files), files);
+  });
+  return need.empty() ? 0 : *std::max_element(need.begin(), need.end());
 }
 
 // The polygons of the brick whose owner cells lie in the tile: all, or those of some 16^3 blocks.
@@ -93,11 +109,10 @@ std::vector<std::uint64_t> missing_tiles(const RunContext& context, const Stitch
                                          const TopArtifact& top) {
   ShardFiles files(*job.build, top);
   const std::vector<PlannedTile> tiles = top.tiles();
-  std::vector<std::uint64_t> missing;
-  for (std::size_t i = 0; i < tiles.size(); ++i)
-    if (context.selection.contains(i) && !is_current(job, prepare(job, tiles[i], top, files)))
-      missing.push_back(i);
-  return missing;
+  const auto missing = probe_which(tiles.size(), [&](std::size_t i) {
+    return context.selection.contains(i) && !is_current(job, tiles[i], top, files);
+  });
+  return {missing.begin(), missing.end()};
 }
 
 void run_stitch(RunContext& context, const StitchJob& job) {
@@ -106,7 +121,6 @@ void run_stitch(RunContext& context, const StitchJob& job) {
   context.selection.check("stitch", "tiles", tiles.size());
   const std::vector<std::uint64_t> missing = missing_tiles(context, job, top);
   ShardFiles files(*job.build, top);
-  std::uint64_t need = 0;
   std::vector<Unit> units;
   for (const std::uint64_t number : missing) {
     const PlannedTile& tile = tiles[number];
@@ -114,10 +128,10 @@ void run_stitch(RunContext& context, const StitchJob& job) {
     units.push_back({number,
                      fmt::format("tile {}-{}-{}-{}", key.level, key.at.x, key.at.y, key.at.z),
                      static_cast<double>(tile.vertices + tile.polygons)});
-    const auto bricks = tile_bricks(*job.build, key, files);
-    need = std::max(need, stitch_bytes(tile.vertices + tile.vertices / 4, tile.polygons) +
-                              largest_brick_bytes(bricks, files));
   }
+  // Elsewhere each process looks at its own tiles.
+  const std::uint64_t need =
+      context.executor->in_process() ? largest_tile_bytes(job, tiles, missing, files) : 0;
   StageRun stage;
   stage.stage = "stitch";
   stage.noun = "tiles";
@@ -128,9 +142,7 @@ void run_stitch(RunContext& context, const StitchJob& job) {
       "raise run.memory or lower output.tile_vertices"};
   const int threads = stage_threads(context, stage.memory);
   stage.identity = job.folder.filename().string();
-  stage.done = [&](const Unit& unit) {
-    return is_current(job, prepare(job, tiles[unit.key], top, files));
-  };
+  stage.done = [&](const Unit& unit) { return is_current(job, tiles[unit.key], top, files); };
   std::vector<Scratch> scratch(static_cast<std::size_t>(threads));
   run_stage(context, stage, units, threads, [&](const Unit& unit, WorkerContext& worker) {
     const TileWork work = prepare(job, tiles[unit.key], top, files);

@@ -21,17 +21,22 @@ std::shared_ptr<const ShardArtifact> ShardFiles::of_brick(Index3 brick) {
   if (!Box3{{}, job_.grid.bricks()}.contains(brick)) return nullptr;
   const Index3 shard = job_.grid.shard_of(brick);
   const std::uint64_t code = morton_encode(shard);
-  const std::scoped_lock lock(mutex_);
-  if (const auto found = open_.find(code); found != open_.end()) return found->second;
-  if (open_.size() >= most_open) {
-    open_.erase(order_.front());
-    order_.pop_front();
+  {
+    const std::scoped_lock lock(mutex_);
+    if (const auto found = open_.find(code); found != open_.end()) return found->second;
   }
+  // Outside the lock: others shall not wait for this file. Two may open it; one is kept.
   auto file = std::make_shared<const ShardArtifact>(shard_artifact_path(job_, shard));
   if (file->content_hash() != merged_hash(shard))
     throw DamagedArtifact(top_path_, "was merged from another " + file->path() + " than is there");
-  open_.emplace(code, file);
+  const std::scoped_lock lock(mutex_);
+  const auto [kept, is_new] = open_.emplace(code, file);
+  if (!is_new) return kept->second;
   order_.push_back(code);
+  if (order_.size() > most_open) {
+    open_.erase(order_.front());
+    order_.pop_front();
+  }
   return file;
 }
 

@@ -21,7 +21,7 @@ class ShardFiles {
   std::shared_ptr<const ShardArtifact> of_brick(Index3 brick);
 
  private:
-  static constexpr std::size_t most_open = 64;
+  static constexpr std::size_t most_open = 128;
   Hash128 merged_hash(Index3 shard) const;
 
   const BuildJob& job_;

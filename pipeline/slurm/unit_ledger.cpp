@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/executor/probe.h"
 #include "pipeline/slurm/slurm_text.h"
 #include "pipeline/slurm/task_log.h"
 
@@ -98,23 +99,25 @@ bool UnitLedger::take_off(Flight flight) {
 }
 
 std::vector<double> UnitLedger::look(Flight& flight, std::size_t& most, bool in_order) {
+  const std::size_t count = std::min(most, flight.units.size());
+  const auto is_done = [&](std::size_t i) { return done_(entries_.at(flight.units[i]).unit); };
+  std::vector<std::size_t> which;
+  if (in_order) {
+    while (which.size() < count && is_done(which.size())) which.push_back(which.size());
+    most -= std::min(count, which.size() + 1);
+  } else {
+    which = probe_which(count, is_done);
+    most -= count;
+  }
   std::vector<double> found;
-  std::vector<std::uint64_t> left;
-  bool stopped = false;
-  for (const std::uint64_t key : flight.units) {
-    Entry& entry = entries_.at(key);
-    stopped = stopped || most == 0;
-    if (!stopped) --most;
-    if (stopped || !done_(entry.unit)) {
-      stopped = stopped || in_order;
-      left.push_back(key);
-      continue;
-    }
+  for (const std::size_t i : which) {
+    Entry& entry = entries_.at(flight.units[i]);
     entry.state = State::done;
     --open_;
     found.push_back(entry.unit.weight);
   }
-  flight.units = std::move(left);
+  for (auto i = which.rbegin(); i != which.rend(); ++i)
+    flight.units.erase(flight.units.begin() + static_cast<std::ptrdiff_t>(*i));
   return found;
 }
 

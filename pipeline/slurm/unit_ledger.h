@@ -36,7 +36,8 @@ struct FlightEnd {
 
 class UnitLedger {
  public:
-  // done: asks whether a unit's result is there. retries: how often a unit is tried again.
+  // done: asks whether a unit's result is there; from several threads. retries: how often a unit is
+  // tried again.
   UnitLedger(std::span<const Unit> units, std::function<bool(const Unit&)> done,
              std::int64_t retries);
 
@@ -50,7 +51,7 @@ class UnitLedger {
   std::vector<Flight>& flights() { return flights_; }
 
   // Looks for results of the flight, at most `most` of them, up to the first that is missing when
-  // `in_order`; returns the weights of those that turned out done.
+  // `in_order`, else several at once; returns the weights of those that turned out done.
   std::vector<double> look(Flight& flight, std::size_t& most, bool in_order);
   // The task has ended without the units it still has: tried again at a later time, or given up.
   void fail(const Flight& flight, const FlightEnd& end, double now);
