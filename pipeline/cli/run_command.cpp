@@ -25,14 +25,12 @@ void print_summary(const RunContext& context, bool json) {
     return;
   }
   const Manifest manifest = read_manifest(output / manifest_name);
-  std::uint64_t bytes = 0;
-  for (const FileRecord& file : manifest.files) bytes += file.bytes;
   fmt::print(
       "{}: {} vertices, {} triangles ({} quads and {} triangles before cutting), {} tiles, {} "
       "files, {}\n",
       output.string(), manifest.counts.vertices, manifest.counts.output_triangles,
       manifest.counts.quads, manifest.counts.triangles, manifest.counts.tiles,
-      manifest.files.size(), readable_bytes(static_cast<double>(bytes)));
+      manifest.counts.files, readable_bytes(static_cast<double>(manifest.counts.bytes)));
 }
 
 // The units a task is to do, and where it says how it went.

@@ -50,21 +50,28 @@ InfoDocument count_facts(const ManifestCounts& counts) {
           {"collinear", counts.collinear}};
 }
 
+// f of every file the directory lists: those of the manifest, then each tile's.
+template <class F>
+void for_each_file(const fs::path& directory, const Manifest& manifest, F&& f) {
+  for (const FileRecord& file : manifest.files) f(file);
+  if (!fs::exists(directory / tiles_name)) return;  // said of the list itself
+  TileListReader tiles(directory / tiles_name);
+  while (const auto tile = tiles.next())
+    for (const FileRecord& file : tile->files) f(file);
+}
+
 // Sizes and hashes of the files; whether they weld is for `voxweld verify` to say.
 InfoDocument check_files(const fs::path& directory, const Manifest& manifest,
                          const InfoOptions& options) {
   CheckResult check;
-  for (const FileRecord& file : manifest.files) {
+  for_each_file(directory, manifest, [&](const FileRecord& file) {
     const fs::path path = directory / file.path;
-    if (!fs::exists(path)) {
-      check.damaged(path.string(), "missing");
-      continue;
-    }
+    if (!fs::exists(path)) return check.damaged(path.string(), "missing");
     check.read(fs::file_size(path));
     if (fs::file_size(path) != file.bytes ||
         to_hex(hash_file(path, options.hooks.interrupt)) != file.xxh3_128)
       check.damaged(path.string(), "is not what the manifest says; run again");
-  }
+  });
   return check.facts();
 }
 
@@ -88,15 +95,13 @@ InfoDocument describe_output(const fs::path& manifest_path, const InfoOptions& o
   const Manifest manifest = read_manifest(manifest_path);
   const fs::path directory = manifest_path.parent_path();
   InfoDocument document = new_document("output", options.input.path);
-  std::uint64_t bytes = 0;
-  for (const FileRecord& file : manifest.files) bytes += file.bytes;
-  document["bytes"] = bytes;
+  document["bytes"] = manifest.counts.bytes;
   document["border"] = manifest.open_border ? "open" : "closed";
   document["topology"] = manifest.free_topology ? "free" : "safe";
   document["frame"] = frame_facts(manifest.frame);
   document["lattice"] = facts_of(manifest.lattice);
   document["counts"] = count_facts(manifest.counts);
-  document["files"] = {{"count", manifest.files.size()}, {"bytes", bytes}};
+  document["files"] = {{"count", manifest.counts.files}, {"bytes", manifest.counts.bytes}};
   document["merged"] = nullptr;
   if (manifest.merged) {
     document["merged"] = InfoDocument::object();
@@ -107,7 +112,9 @@ InfoDocument describe_output(const fs::path& manifest_path, const InfoOptions& o
   if (manifest.input) document["input"] = *manifest.input;
   if (options.verbose) {
     document["file_list"] = InfoDocument::array();
-    for (const FileRecord& file : manifest.files) document["file_list"].push_back(file_facts(file));
+    for_each_file(directory, manifest, [&](const FileRecord& file) {
+      document["file_list"].push_back(file_facts(file));
+    });
   }
   if (options.check) document["check"] = check_files(directory, manifest, options);
   return document;

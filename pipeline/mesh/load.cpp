@@ -32,8 +32,8 @@ void for_each_mesh(const std::filesystem::path& path,
   }
   if (any) return;
   const Manifest manifest = read_manifest(path / manifest_name);
-  if (manifest.files.empty()) throw InputError(path.string() + ": the manifest lists no mesh");
-  f(load_mesh(path / manifest.files.front().path));
+  if (!manifest.merged) throw InputError(path.string() + ": the manifest lists no mesh");
+  f(load_mesh(path / (manifest.merged->drc.empty() ? manifest.merged->glb : manifest.merged->drc)));
 }
 
 }  // namespace voxweld

@@ -15,7 +15,7 @@ using nlohmann::json;
 using nlohmann::ordered_json;
 
 constexpr const char* format_name = "voxweld-manifest";
-constexpr int format_version = 1;
+constexpr int format_version = 2;
 
 // A JSON value and where it stands, so that whatever is wrong with it is named.
 class Value {
@@ -125,7 +125,9 @@ ordered_json to_json(const ManifestCounts& c) {
           {"triangles", c.triangles},
           {"output_triangles", c.output_triangles},
           {"tiles", c.tiles},
-          {"collinear", c.collinear}};
+          {"collinear", c.collinear},
+          {"files", c.files},
+          {"bytes", c.bytes}};
 }
 
 // Relative and inside the directory: a manifest must not send its reader elsewhere.
@@ -184,6 +186,8 @@ ManifestCounts counts_of(const Value& value) {
   c.output_triangles = value.at("output_triangles").count();
   c.tiles = value.at("tiles").count();
   c.collinear = value.at("collinear").count();
+  c.files = value.at("files").count();
+  c.bytes = value.at("bytes").count();
   return c;
 }
 

@@ -1,7 +1,7 @@
 // The summary of an output directory (manifest.json) and its list of tiles (tiles.jsonl).
 //
 // manifest.json, one object:
-//   format "voxweld-manifest", version 1
+//   format "voxweld-manifest", version 2
 //   lattice      {step, bits, origin [x, y, z]}
 //   border       "closed" or "open"; border_slack (output units, optional, 0): how far inside the
 //                sample range a boundary edge of an open border may lie
@@ -9,11 +9,13 @@
 //   frame        {size [x, y, z], spacing, unit, origin, direction [3][3], space}
 //   counts       {bricks, active_bricks, collapsed_above_bricks, leaves [per level], vertices,
 //   quads, triangles
-//                (polygons), output_triangles = 2 quads + triangles, tiles, collinear};
+//                (polygons), output_triangles = 2 quads + triangles, tiles, collinear,
+//                files, bytes (mesh files, those of the tiles included)};
 //                vertices: of the octree, which with a closed border and safe topology are those
 //                of the welded mesh; else some of them are in no polygon
 //   merged       {drc, glb} paths, or null
-//   files        [{path, format, role "tile" or "merged", bytes, xxh3_128}]
+//   files        [{path, format, role "list" or "merged", bytes, xxh3_128}]: the list of tiles and
+//                the merged mesh; a tile's files are in its line of the list
 //   input, config, stages, error, made_by   free-form; made_by: program, host, time, Slurm ids
 // tiles.jsonl, one object a line:
 //   {tile {level, at [x, y, z]}, vertices, triangles, quads, polygon_triangles,
@@ -40,7 +42,7 @@ namespace voxweld {
 struct FileRecord {
   std::string path;    // relative to the output directory
   std::string format;  // "drc", "glb" ...
-  std::string role;    // "tile", "merged"; empty in tiles.jsonl
+  std::string role;    // "list", "merged"; empty in tiles.jsonl
   std::uint64_t bytes = 0;
   std::string xxh3_128;  // to_hex of the file's hash
   friend bool operator==(const FileRecord&, const FileRecord&) = default;
@@ -63,6 +65,7 @@ struct ManifestCounts {
   std::uint64_t vertices = 0;         // of the octree
   std::uint64_t quads = 0, triangles = 0, output_triangles = 0;
   std::uint64_t tiles = 0, collinear = 0;
+  std::uint64_t files = 0, bytes = 0;  // of meshes
   friend bool operator==(const ManifestCounts&, const ManifestCounts&) = default;
 };
 

@@ -266,13 +266,13 @@ class Verifier {
     expect("triangles", polygon_triangles_, counts.triangles);
   }
 
-  // Files that are no tile's: those of the merged mesh, and whatever else is listed.
+  // Files that are no tile's: those of the merged mesh, the list of tiles.
   void check_merged() {
     Problems problems;
     MeshFiles merged;
     for (const FileRecord& file : manifest_.files) {
-      if (file.role == "tile") continue;  // checked with its tile
       auto bytes = checked_file(directory_, file, problems);
+      if (file.role != "merged") continue;
       ++report_.files;
       report_.bytes += bytes.size();
       if (!manifest_.merged || !options_.merged) continue;

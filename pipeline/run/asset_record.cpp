@@ -8,13 +8,41 @@
 namespace voxweld {
 namespace {
 
-// A container of kind "asst", version 1, whose key is the asset's; section 1: the rest as JSON.
+// A container of kind "asst", version 1, whose key is the asset's; section 1: the rest as JSON. Its
+// input stamp is of the files' sizes and times.
 constexpr std::array<char, 4> asset_kind = {'a', 's', 's', 't'};
 constexpr std::uint32_t asset_version = 1;
 
+// Sizes and times of the files: as long as they are the same nobody has to read the files, which
+// together are as large as the result. Nothing where one is missing or of another size.
+std::optional<Hash128> files_stamp(const std::vector<FileRecord>& files,
+                                   const std::filesystem::path& output) {
+  KeyHasher stamp;
+  for (const FileRecord& file : files) {
+    if (!std::filesystem::exists(output / file.path)) return std::nullopt;
+    const ReadFile opened(output / file.path);
+    if (opened.size() != file.bytes) return std::nullopt;
+    stamp.integer(static_cast<std::int64_t>(opened.size())).integer(opened.mtime_ns());
+  }
+  return stamp.finish();
+}
+
+bool has_hash(const std::filesystem::path& path, const FileRecord& file) {
+  const ReadFile opened(path);
+  StreamHasher hash;
+  std::vector<std::byte> piece(std::min<std::uint64_t>(file.bytes, std::uint64_t{1} << 20));
+  for (std::uint64_t at = 0; at < file.bytes; at += piece.size()) {
+    piece.resize(std::min<std::uint64_t>(piece.size(), file.bytes - at));
+    opened.read(at, piece);
+    hash.update(piece);
+  }
+  return to_hex(hash.finish()) == file.xxh3_128;
+}
+
 }  // namespace
 
-void write_asset_record(const std::filesystem::path& path, const AssetRecord& record) {
+void write_asset_record(const std::filesystem::path& path, const AssetRecord& record,
+                        const std::filesystem::path& output) {
   nlohmann::json files = nlohmann::json::array();
   for (const FileRecord& file : record.files)
     files.push_back({{"path", file.path},
@@ -28,6 +56,7 @@ void write_asset_record(const std::filesystem::path& path, const AssetRecord& re
   const std::string text = body.dump();
   ArtifactWriter writer(path, {asset_kind, asset_version, record.key});
   writer.section(1, as_bytes(text));
+  writer.set_input_stamp(files_stamp(record.files, output).value_or(Hash128{}));
   writer.commit();
 }
 
@@ -40,6 +69,7 @@ std::optional<AssetRecord> read_asset_record(const std::filesystem::path& path) 
     const nlohmann::json body = nlohmann::json::parse(text.begin(), text.end());
     AssetRecord record;
     record.key = reader.key();
+    record.files_stamp = reader.input_stamp();
     record.vertices = body.at("vertices");
     record.triangles = body.at("triangles");
     record.quads = body.at("quads");
@@ -60,20 +90,12 @@ bool asset_is_current(const std::filesystem::path& record_path, Hash128 key,
                       const std::filesystem::path& output) {
   const auto record = read_asset_record(record_path);
   if (!record || record->key != key) return false;
-  for (const FileRecord& file : record->files) {
-    const auto path = output / file.path;
-    std::error_code error;
-    if (std::filesystem::file_size(path, error) != file.bytes || error) return false;
-    const ReadFile opened(path);
-    StreamHasher hash;
-    std::vector<std::byte> piece(std::min<std::uint64_t>(file.bytes, std::uint64_t{1} << 20));
-    for (std::uint64_t at = 0; at < file.bytes; at += piece.size()) {
-      piece.resize(std::min<std::uint64_t>(piece.size(), file.bytes - at));
-      opened.read(at, piece);
-      hash.update(piece);
-    }
-    if (to_hex(hash.finish()) != file.xxh3_128) return false;
-  }
+  const auto stamp = files_stamp(record->files, output);
+  if (!stamp) return false;
+  if (*stamp == record->files_stamp) return true;
+  for (const FileRecord& file : record->files)
+    if (!has_hash(output / file.path, file)) return false;
+  restamp_artifact(record_path, *stamp);
   return true;
 }
 

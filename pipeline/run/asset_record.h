@@ -14,12 +14,16 @@ struct AssetRecord {
   Hash128 key;
   std::uint64_t vertices = 0, triangles = 0, quads = 0, polygon_triangles = 0, collinear = 0;
   std::vector<FileRecord> files;  // paths relative to the output directory
+  Hash128 files_stamp;            // as read: of their sizes and times when they were last compared
 };
 
-void write_asset_record(const std::filesystem::path& path, const AssetRecord& record);
+// Precondition: the files it names are in place.
+void write_asset_record(const std::filesystem::path& path, const AssetRecord& record,
+                        const std::filesystem::path& output);
 // Nothing when it is missing or fails its checks.
 std::optional<AssetRecord> read_asset_record(const std::filesystem::path& path);
-// Its key is this one and every file is there, byte for byte.
+// Its key is this one and its files are there, byte for byte: as far as their sizes and times tell,
+// else by their hashes, and then the record says so from now on.
 bool asset_is_current(const std::filesystem::path& record, Hash128 key,
                       const std::filesystem::path& output);
 

@@ -7,7 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "pipeline/executor/probe.h"
 #include "pipeline/run/asset_record.h"
+#include "pipeline/run/listing.h"
 #include "pipeline/run/output_files.h"
 #include "stages/encode/adjacency.h"
 #include "stages/encode/draco_codec.h"
@@ -53,8 +55,10 @@ Hash128 asset_key(const EncodeJob& job, Hash128 content) {
 
 Hash128 merged_key(const EncodeJob& job, const std::vector<PlannedTile>& tiles) {
   KeyHasher key;
+  std::vector<Hash128> contents(tiles.size());
+  probe_all(tiles.size(), [&](std::size_t i) { contents[i] = content_of(job, tiles[i].key()); });
   key.text("merged").hash(job.key);
-  for (const PlannedTile& tile : tiles) key.hash(content_of(job, tile.key()));
+  for (const Hash128& content : contents) key.hash(content);
   return key.finish();
 }
 
@@ -84,7 +88,8 @@ AssetRecord record_of(Hash128 key, const TileMesh& mesh, std::vector<FileRecord>
           mesh.quads,
           mesh.polygon_triangles,
           mesh.collinear,
-          std::move(files)};
+          std::move(files),
+          {}};
 }
 
 void encode_tile(const RunContext& context, const EncodeJob& job, const PlannedTile& tile,
@@ -96,7 +101,8 @@ void encode_tile(const RunContext& context, const EncodeJob& job, const PlannedT
   if (!mesh.triangles.empty() && context.config.output.tiles)
     files = write_formats(context, job, mesh, tile_stem(tile.key(), many));
   write_asset_record(tile_record_path(job, tile.key()),
-                     record_of(asset_key(job, artifact.content_hash()), mesh, std::move(files)));
+                     record_of(asset_key(job, artifact.content_hash()), mesh, std::move(files)),
+                     job.output);
 }
 
 void encode_merged(const RunContext& context, const EncodeJob& job,
@@ -109,8 +115,10 @@ void encode_merged(const RunContext& context, const EncodeJob& job,
   }
   TileMesh mesh = accumulator.take();
   if (context.config.surface.border == SurfaceConfig::Border::open) split_fans(mesh);
-  write_asset_record(merged_record_path(job), record_of(merged_key(job, tiles), mesh,
-                                                        write_formats(context, job, mesh, "mesh")));
+  write_asset_record(
+      merged_record_path(job),
+      record_of(merged_key(job, tiles), mesh, write_formats(context, job, mesh, "mesh")),
+      job.output);
 }
 
 // The names of all that the run may write: the same for each of its tasks.
@@ -124,14 +132,6 @@ void add_planned(const RunContext& context, const std::vector<PlannedTile>& tile
   }
 }
 
-// Files of ours in the output directory that the new listing does not have: from a run with other
-// formats or other tiles.
-void remove_leftovers(const std::filesystem::path& output, const std::set<std::string>& before,
-                      const std::set<std::string>& now) {
-  for (const std::string& name : before)
-    if (now.count(name) == 0) std::filesystem::remove(output / name);
-}
-
 nlohmann::json stages_json(const RunContext& context) {
   nlohmann::json stages = nlohmann::json::array();
   for (const StageReport& report : context.reports)
@@ -143,59 +143,18 @@ nlohmann::json stages_json(const RunContext& context) {
   return stages;
 }
 
-struct Listing {
-  std::string tiles_jsonl;
-  std::set<std::string> names;
-};
-
-// tiles.jsonl and the manifest's counts and files, from the records.
-Listing list_tiles(const EncodeJob& job, const std::vector<PlannedTile>& tiles,
-                   Manifest& manifest) {
-  Listing listing;
-  for (const PlannedTile& tile : tiles) {
-    const auto record = read_asset_record(tile_record_path(job, tile.key()));
-    if (!record)
-      throw DamagedArtifact(tile_record_path(job, tile.key()).string(), "is not a whole record");
-    if (record->triangles == 0) continue;
-    ManifestCounts& counts = manifest.counts;
-    counts.quads += record->quads;
-    counts.triangles += record->polygon_triangles;
-    counts.output_triangles += record->triangles;
-    counts.collinear += record->collinear;
-    if (record->files.empty()) continue;
-    ++counts.tiles;
-    listing.tiles_jsonl += to_json_line({tile.key(), record->vertices, record->triangles,
-                                         record->quads, record->polygon_triangles, record->files});
-    for (FileRecord file : record->files) {
-      file.role = "tile";
-      listing.names.insert(file.path);
-      manifest.files.push_back(file);
-    }
-  }
-  return listing;
-}
-
 void write_listing(const EncodeJob& job, const std::vector<PlannedTile>& tiles, bool merged,
-                   const std::set<std::string>& before, Manifest& manifest) {
-  Listing listing = list_tiles(job, tiles, manifest);
-  if (merged) {
-    const auto record = read_asset_record(merged_record_path(job));
-    if (!record) throw DamagedArtifact(merged_record_path(job).string(), "is not a whole record");
-    manifest.merged.emplace();
-    for (FileRecord file : record->files) {
-      file.role = "merged";
-      (file.format == "drc" ? manifest.merged->drc : manifest.merged->glb) = file.path;
-      listing.names.insert(file.path);
-      manifest.files.push_back(file);
-    }
-  }
-  remove_leftovers(job.output, before, listing.names);
-  write_whole_file(job.output / tiles_name, as_bytes(listing.tiles_jsonl), Durability::fsync);
-  write_manifest(manifest, job.output / manifest_name);
-  finish_output(job.output);
+                   std::set<std::string> before, Manifest manifest) {
+  Listing listing;
+  for (const PlannedTile& tile : tiles)
+    listing.tiles.push_back({tile.key(), tile_record_path(job, tile.key())});
+  if (merged) listing.merged = merged_record_path(job);
+  listing.output = job.output;
+  write_listing(listing, std::move(before), std::move(manifest));
 }
 
 bool tile_is_current(const EncodeJob& job, const PlannedTile& tile) {
+  if (!std::filesystem::exists(tile_record_path(job, tile.key()))) return false;
   return asset_is_current(tile_record_path(job, tile.key()),
                           asset_key(job, content_of(job, tile.key())), job.output);
 }
@@ -285,9 +244,10 @@ EncodeStatus encode_status(const RunContext& context, const EncodeJob& job,
                            const TopArtifact& top) {
   EncodeStatus status;
   const std::vector<PlannedTile> tiles = top.tiles();
-  for (std::size_t i = 0; i < tiles.size(); ++i)
-    if (context.selection.contains(i) && !tile_is_current(job, tiles[i]))
-      status.missing.push_back(i);
+  const auto missing = probe_which(tiles.size(), [&](std::size_t i) {
+    return context.selection.contains(i) && !tile_is_current(job, tiles[i]);
+  });
+  status.missing.assign(missing.begin(), missing.end());
   if (context.selection.contains(tiles.size()) && plan_merged(context.config, tiles).write)
     status.merged_missing = !merged_is_current(job, tiles);
   return status;
@@ -310,7 +270,7 @@ void run_encode(RunContext& context, const EncodeJob& job, Manifest manifest) {
   encode_missing(context, job, tiles, status, merged.write);
   if (!context.selection.all()) return;
   manifest.stages = std::make_unique<nlohmann::json>(stages_json(context));
-  write_listing(job, tiles, merged.write, before, manifest);
+  write_listing(job, tiles, merged.write, std::move(before), std::move(manifest));
 }
 
 }  // namespace voxweld

@@ -11,6 +11,15 @@ constexpr std::array<char, 4> note_kind = {'u', 'n', 'f', 'i'};
 constexpr std::uint32_t note_version = 1;
 constexpr std::uint64_t names_section = 1;
 
+void add_listed(const std::filesystem::path& output, std::set<std::string>& names) {
+  for (const FileRecord& file : read_manifest(output / manifest_name).files)
+    names.insert(file.path);
+  if (!std::filesystem::exists(output / tiles_name)) return;
+  TileListReader tiles(output / tiles_name);
+  while (const auto tile = tiles.next())
+    for (const FileRecord& file : tile->files) names.insert(file.path);
+}
+
 std::filesystem::path note_path(const std::filesystem::path& output) {
   return output / "unfinished.files";
 }
@@ -36,11 +45,8 @@ void add_noted(const std::filesystem::path& output, std::set<std::string>& names
 std::set<std::string> files_of_earlier_runs(const std::filesystem::path& output) {
   std::set<std::string> names;
   try {
-    if (std::filesystem::exists(output / manifest_name))
-      for (const FileRecord& file : read_manifest(output / manifest_name).files)
-        names.insert(file.path);
-  } catch (const FormatError&) {
-    names.clear();
+    if (std::filesystem::exists(output / manifest_name)) add_listed(output, names);
+  } catch (const FormatError&) {   // what it names beyond that stays
   } catch (const StorageError&) {  // another task has just taken it away, after noting its names
     if (std::filesystem::exists(output / manifest_name)) throw;
   }

@@ -1,15 +1,21 @@
-// Merge at the size of a volume nobody has at hand: writes octree artifacts as build would leave
-// them, with made-up counts, merges them, and prints seconds and peak memory.
-// usage: merge_scale FOLDER SHARDS_A_SIDE [PERCENT_OF_BLOCKS_WITH_A_SURFACE]
-// 64 shards a side, of 4 bricks of 64 cells, are 16384 samples a side.
+// What one process has to do of a volume nobody has at hand: writes octree artifacts as build would
+// leave them, with made-up counts, looks whether they are current, merges them, and lists as many
+// made-up assets as there are tiles. Prints seconds and the process's peak memory after each.
+// usage: assembly_scale FOLDER SHARDS_A_SIDE [PERCENT_OF_BLOCKS_WITH_A_SURFACE]
+// 64 shards a side, of 4 bricks of 64 cells, are 16384 samples a side. What is in FOLDER already is
+// used again. Run with slow_files.so preloaded the files are as far away as on a network.
 #include <fmt/format.h>
 
 #include <cstdio>
 #include <cstdlib>
 
 #include "pipeline/executor/console.h"
+#include "pipeline/executor/probe.h"
 #include "pipeline/executor/resources.h"
+#include "pipeline/run/asset_record.h"
+#include "pipeline/run/listing.h"
 #include "pipeline/run/merge_stage.h"
+#include "pipeline/run/output_files.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/support/error.h"
 
@@ -47,25 +53,66 @@ void write_shard(const BuildJob& job, Index3 shard, std::uint64_t percent) {
   out.finish(summary, nodes);
 }
 
+// Wall time of f and the peak of the process so far.
+template <class F>
+void timed(const char* what, F&& f) {
+  const StageMeter meter;
+  f();
+  const StageFigures figures = meter.read();
+  fmt::print("{:<36} {:8.1f} s, {:6.1f} s of processor, peak {:6.1f} MiB\n", what, figures.wall_s,
+             figures.cpu_s, static_cast<double>(figures.peak_resident) / 1048576);
+  std::fflush(stdout);
+}
+
+void write_assets(const Listing& listing) {
+  probe_all(listing.tiles.size(), [&](std::size_t i) {
+    AssetRecord record;
+    record.vertices = 500000 - mixed(i) % 300000;
+    record.quads = record.vertices;
+    record.triangles = 2 * record.quads;
+    for (const char* format : {"drc", "glb"})
+      record.files.push_back({fmt::format("tiles/{:03}/{}.{}", i / 200, i, format), format, "",
+                              4 * record.vertices, to_hex({mixed(i), mixed(i + 1)})});
+    write_asset_record(listing.tiles[i].record, record, listing.output);
+  });
+}
+
 int run(const std::string& folder, std::int64_t side, std::uint64_t percent) {
   const std::int64_t samples = side * 256;
-  BuildJob build{{}, BrickGrid({samples, samples, samples}, 6, 4), {}, folder + "/build", {1, 2}};
-  const auto shards = build.grid.all_shards();
-  const StageMeter writing;
-  for (const Index3& shard : shards) write_shard(build, shard, percent);
-  fmt::print("{} shards written in {:.1f} s\n", shards.size(), writing.read().wall_s);
-
+  Volume volume;
+  volume.stamp = [](const Box3&) { return Hash128{}; };
+  BuildJob build{
+      volume, BrickGrid({samples, samples, samples}, 6, 4), {}, folder + "/build", {1, 2}};
   LocalExecutor executor;
   RunContext context;
   context.executor = &executor;
   context.console = Console::standard_error();
   context.progress.enabled = false;
+
+  const auto shards = build.grid.all_shards();
+  fmt::print("{} shards\n", shards.size());
+  timed("build: write what is missing", [&] {
+    for (const std::uint64_t i : build_status(context, build).missing)
+      write_shard(build, shards[i], percent);
+  });
+  timed("build: look at what is there", [&] {
+    if (!build_status(context, build).current()) throw InputError("shards are missing");
+  });
   MergeJob merge{&build, folder + "/merge", {3, 4}, 500000};
-  run_merge(context, merge);
-  const StageFigures figures = context.reports.back().figures;
-  const TopArtifact top(merge.path());
-  fmt::print("merged in {:.1f} s, peak {:.1f} MiB: {} tiles\n", figures.wall_s,
-             static_cast<double>(figures.peak_resident) / 1048576, top.tiles().size());
+  std::filesystem::remove(merge.path());
+  timed("merge", [&] { run_merge(context, merge); });
+
+  Listing listing;
+  listing.output = folder + "/mesh";
+  for (const PlannedTile& tile : TopArtifact(merge.path()).tiles())
+    listing.tiles.push_back({tile.key(), fanned_out(folder + "/encode", tile.key().at,
+                                                    fmt::format("{}-{}", tile.level, tile.code))});
+  fmt::print("{} tiles\n", listing.tiles.size());
+  timed("encode: write the tiles' records", [&] { write_assets(listing); });
+  timed("encode: list the tiles",
+        [&] { write_listing(listing, files_of_earlier_runs(listing.output), {}); });
+  timed("encode: list them again",
+        [&] { write_listing(listing, files_of_earlier_runs(listing.output), {}); });
   return 0;
 }
 
@@ -74,7 +121,7 @@ int run(const std::string& folder, std::int64_t side, std::uint64_t percent) {
 
 int main(int argc, char** argv) try {
   if (argc < 3) {
-    fmt::print(stderr, "usage: merge_scale FOLDER SHARDS_A_SIDE [PERCENT]\n");
+    fmt::print(stderr, "usage: assembly_scale FOLDER SHARDS_A_SIDE [PERCENT]\n");
     return 2;
   }
   return voxweld::run(argv[1], std::atoll(argv[2]),

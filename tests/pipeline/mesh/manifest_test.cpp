@@ -26,7 +26,7 @@ Manifest sample_manifest() {
   m.frame.direction = {Vec3{0, 1, 0}, Vec3{1, 0, 0}, Vec3{0, 0, -1}};
   m.frame.unit = "mm";
   m.frame.space = "LPS";
-  m.counts = {8, 5, 4, {100, 20, 3}, 9007199254740993, 50, 7, 107, 4, 1};
+  m.counts = {8, 5, 4, {100, 20, 3}, 9007199254740993, 50, 7, 107, 4, 1, 9, 12345};
   m.merged = MergedFiles{"mesh.drc", ""};
   m.files = {{"mesh.drc", "drc", "merged", 12345678901, "00ff"}};
   m.config = std::make_unique<json>(json{{"contour", {{"tolerance", 0.5}}}});
@@ -81,7 +81,7 @@ TEST(Manifest, NamesPathKeyAndValueOfWhatIsWrong) {
     return AllOf(HasSubstr("manifest.json"), HasSubstr("\"" + key + "\""), HasSubstr(more));
   };
   EXPECT_THAT(error_after([](json& j) { j["format"] = "other"; }), says("format", "other"));
-  EXPECT_THAT(error_after([](json& j) { j["version"] = 2; }), says("version", "expected 1"));
+  EXPECT_THAT(error_after([](json& j) { j["version"] = 3; }), says("version", "expected 2"));
   EXPECT_THAT(error_after([](json& j) { j.erase("lattice"); }), says("lattice", "missing"));
   EXPECT_THAT(error_after([](json& j) { j["lattice"]["bits"] = 23; }), says("lattice.bits", "22"));
   EXPECT_THAT(error_after([](json& j) { j["lattice"]["step"] = 0; }), says("lattice.step", "0"));

@@ -1,6 +1,8 @@
 // Contouring options, end to end: what each promises of the mesh that comes out.
 #include <cmath>
+#include <filesystem>
 #include <map>
+#include <set>
 
 #include "pipeline/mesh/load.h"
 #include "pipeline/mesh/verify.h"
@@ -87,6 +89,26 @@ TEST(Options, WithoutSimplificationEachCrossingEdgeIsAQuad) {
     VOXWELD_EXPECT_DONE(scene.run(settings + Settings{"surface.border=open"}));
     EXPECT_EQ(manifest_of(scene.output()).at("counts").at("quads"), expected.open);
   }
+}
+
+// However many tiles there are: the manifest says how many files, their list says which.
+TEST(Options, TheManifestIsASummaryOfTheFiles) {
+  const Scene scene(waves({64, 50, 40}));
+  VOXWELD_EXPECT_DONE(scene.run(tiled));
+  const auto manifest = manifest_of(scene.output());
+  std::uint64_t files = 0, bytes = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(scene.output())) {
+    if (entry.path().extension() != ".drc" && entry.path().extension() != ".glb") continue;
+    ++files;
+    bytes += entry.file_size();
+  }
+  EXPECT_GT(manifest.at("counts").at("tiles"), 4);
+  EXPECT_EQ(manifest.at("counts").at("files"), files);
+  EXPECT_EQ(manifest.at("counts").at("bytes"), bytes);
+  std::set<std::string> roles;
+  for (const auto& file : manifest.at("files")) roles.insert(file.at("role"));
+  EXPECT_EQ(manifest.at("files").size(), 3u);
+  EXPECT_EQ(roles, (std::set<std::string>{"list", "merged"}));
 }
 
 TEST(Options, TheDefaultsGiveAClosedManifold) {

@@ -1,0 +1,30 @@
+// The end of encode: tiles.jsonl and manifest.json from the records of the assets, a tile at a
+// time, so that no more than the names of the files is ever held for all of them.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "pipeline/mesh/manifest.h"
+
+namespace voxweld {
+
+struct ListedTile {
+  CellKey tile;
+  std::filesystem::path record;  // pipeline/run/asset_record.h
+};
+
+struct Listing {
+  std::vector<ListedTile> tiles;
+  std::optional<std::filesystem::path> merged;  // the merged mesh's record, where there is one
+  std::filesystem::path output;
+};
+
+// Writes the list of tiles and then the manifest, with counts and files filled in; removes those of
+// the `earlier` files that are not in it. DamagedArtifact where a record is not whole.
+void write_listing(const Listing& listing, std::set<std::string> earlier, Manifest manifest);
+
+}  // namespace voxweld
