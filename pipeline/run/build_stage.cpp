@@ -48,6 +48,34 @@ StageMemory build_memory(const RunContext& context, const BuildJob& job) {
           "raise run.memory or lower work.brick"};
 }
 
+// Of a brick that is skipped, against one with a surface.
+constexpr double cost_of_empty_brick = 0.01;
+
+// As shard_units; bricks count in full where the volume's ranges leave room for a surface. The
+// ranges of one brick's own samples do for that: one record is read for a shard.
+std::vector<Unit> weighed_units(const BuildJob& job, const std::vector<std::uint64_t>& numbers) {
+  std::vector<Unit> units = shard_units(job.grid, numbers);
+  if (job.volume.ranges == nullptr) return units;
+  const std::vector<Index3> shards = job.grid.all_shards();
+  const std::int64_t side = std::int64_t{1} << job.grid.brick_level();
+  const double isovalue = job.parameters.surface.isovalue;
+  probe_all(units.size(), [&](std::size_t i) {
+    const Box3 bricks = job.grid.shard_bricks(shards[units[i].key]);
+    double& weight = units[i].weight;
+    weight *= cost_of_empty_brick;
+    for (std::int64_t z = bricks.lo.z; z < bricks.hi.z; ++z)
+      for (std::int64_t y = bricks.lo.y; y < bricks.hi.y; ++y)
+        for (std::int64_t x = bricks.lo.x; x < bricks.hi.x; ++x) {
+          const Index3 lo = Index3{x, y, z} * side;
+          const Box3 samples = intersect({lo, lo + splat(side)}, Box3{{}, job.grid.size()});
+          if (samples.empty()) continue;
+          const ValueRange range = job.volume.ranges->range(samples);
+          if (!range.empty && range.lo <= isovalue && range.hi >= isovalue) weight += 1;
+        }
+  });
+  return units;
+}
+
 // One for each worker slot.
 std::vector<std::unique_ptr<ShardBuilder>> make_builders(const BuildJob& job, int threads) {
   std::vector<std::unique_ptr<ShardBuilder>> builders;
@@ -137,7 +165,7 @@ void run_build(RunContext& context, const BuildJob& job) {
   stage.done = [&](const Unit& unit) {
     return state_of(job, shards[unit.key]) == ArtifactState::current;
   };
-  run_stage(context, stage, shard_units(job.grid, numbers), threads,
+  run_stage(context, stage, weighed_units(job, numbers), threads,
             [&](const Unit& unit, WorkerContext& worker) {
               ShardBuilder& builder = *builders[static_cast<std::size_t>(worker.slot())];
               builder.build(shards[unit.key], worker);

@@ -14,7 +14,7 @@ constexpr std::size_t enough_reports = 200;
 
 }  // namespace
 
-// A sample, a brick, a vertex or polygon, a polygon.
+// A sample, a brick with a surface, a vertex or polygon, a polygon.
 double usual_seconds_per_weight(StageName stage) {
   if (stage == "ingest") return 1e-8;
   if (stage == "build") return 0.015;
