@@ -1,11 +1,31 @@
 #include "pipeline/cli/run_context.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstdlib>
 #include <thread>
 
+#include "stages/geometry/qef.h"
+#include "storage/support/error.h"
 #include "storage/support/provenance.h"
 
 namespace voxweld {
+namespace {
+
+// VOXWELD_KERNELS: the instructions of a lesser processor, to try what a mixed cluster does.
+void choose_kernels() {
+  const char* name = std::getenv("VOXWELD_KERNELS");
+  if (name != nullptr && *name != '\0' && !choose_qef_kernels(name))
+    throw InputError(
+        fmt::format("VOXWELD_KERNELS = \"{}\" in the environment: expected \"base\", \"avx2\" or "
+                    "\"avx512\", and "
+                    "a processor that has it; unset it to take the widest there is",
+                    name));
+  set_provenance_kernels(qef_kernels().name);
+}
+
+}  // namespace
 
 void add_config_options(CLI::App& command, RunArguments& arguments) {
   command
@@ -32,6 +52,7 @@ RunContext make_context(Program& program, const RunArguments& arguments, Executo
   const int machine = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   context.threads =
       context.config.run.threads > 0 ? static_cast<int>(context.config.run.threads) : machine;
+  choose_kernels();
   set_provenance_config(config_fingerprint(context.config));
   return context;
 }

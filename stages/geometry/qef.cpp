@@ -1,6 +1,7 @@
 #include "stages/geometry/qef.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace voxweld {
@@ -98,13 +99,34 @@ struct Best {
 
 }  // namespace
 
-const QefKernels& qef_kernels() {
-  static const QefKernels& best = [&]() -> const QefKernels& {
-    if (const QefKernels* k = qef_kernels_avx512()) return *k;
-    if (const QefKernels* k = qef_kernels_avx2()) return *k;
-    return qef_kernels_base();
+namespace {
+
+std::array<const QefKernels*, 3> widest_first() {
+  return {qef_kernels_avx512(), qef_kernels_avx2(), &qef_kernels_base()};
+}
+
+const QefKernels*& chosen_kernels() {
+  static const QefKernels* chosen = [] {
+    for (const QefKernels* kernels : widest_first())
+      if (kernels != nullptr) return kernels;
+    return &qef_kernels_base();
   }();
-  return best;
+  return chosen;
+}
+
+}  // namespace
+
+const QefKernels& qef_kernels() {
+  return *chosen_kernels();
+}
+
+bool choose_qef_kernels(std::string_view name) {
+  for (const QefKernels* kernels : widest_first()) {
+    if (kernels == nullptr || kernels->name != name) continue;
+    chosen_kernels() = kernels;
+    return true;
+  }
+  return false;
 }
 
 Qef store_lane(const FactorBatch& factor, std::size_t lane) {

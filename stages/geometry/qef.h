@@ -15,6 +15,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 
 #include "storage/types/box.h"
 #include "storage/types/brick_octree.h"
@@ -60,8 +61,11 @@ struct QefKernels {
   const char* name;
 };
 
-// The kernels for this machine; all of them, for the tests.
+// The widest this processor has, unless others were chosen. All of them give the same bits.
 const QefKernels& qef_kernels();
+// Chooses by name ("base", "avx2", "avx512") for the whole process, before any are used; false where
+// this processor has none of that name. To see on one machine what machines of other kinds do.
+bool choose_qef_kernels(std::string_view name);
 const QefKernels& qef_kernels_base();
 const QefKernels* qef_kernels_avx2();  // null where the CPU lacks it
 const QefKernels* qef_kernels_avx512();

@@ -16,6 +16,11 @@ std::string& config_fingerprint() {
   return hex;
 }
 
+std::string& kernels() {
+  static std::string name;
+  return name;
+}
+
 std::string host_name() {
   std::array<char, 256> name{};
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
@@ -40,11 +45,16 @@ void set_provenance_config(Hash128 fingerprint) {
   config_fingerprint() = to_hex(fingerprint);
 }
 
+void set_provenance_kernels(std::string_view name) {
+  kernels() = name;
+}
+
 std::string provenance_json() {
   nlohmann::json made = {{"program", "voxweld " VOXWELD_VERSION},
                          {"host", host_name()},
                          {"process", getpid()},
                          {"time", fmt::format("{:%FT%TZ}", fmt::gmtime(std::time(nullptr)))}};
+  if (!kernels().empty()) made["kernels"] = kernels();
   if (!config_fingerprint().empty()) made["config"] = config_fingerprint();
   if (const nlohmann::json ids = slurm_ids(); !ids.empty()) made["slurm"] = ids;
   return made.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);

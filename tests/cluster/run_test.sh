@@ -115,6 +115,17 @@ same broken
 grep -q "task 0 on node" "$data/logs.log" || fail "logs does not show who had shard 0"
 step "cancelled and taken up again: the same bytes"
 
+# Every node with the vector instructions of another processor, where this one has them.
+kernels='case $SLURMD_NODENAME in *1) export VOXWELD_KERNELS=base;; *2) ! grep -qw avx2 /proc/cpuinfo || export VOXWELD_KERNELS=avx2;; esac'
+on mixed run --set run.executor=slurm \
+  --set "slurm.prologue=[\"$kernels\"]" || fail "nodes of different processors"
+same mixed
+for artifact in $(find "$data/mixed.work" -name '*.octree'); do
+  "$voxweld" info --json "$artifact" | grep -o '"kernels": *"[a-z0-9]*"'
+done | sort | uniq -c >"$data/kernels.log"
+[ "$(wc -l <"$data/kernels.log")" -gt 1 ] || fail "all octrees are of one kind of processor: $(cat "$data/kernels.log")"
+step "nodes of different processors: the same bytes"
+
 ! on greedy run --set run.executor=slurm --set slurm.cpus_per_task=64 || fail "64 processors"
 grep -q "slurm.cpus_per_task" "$data/greedy.run.log" || fail "$(cat "$data/greedy.run.log")"
 [ -z "$(timeout 10 squeue -h)" ] || fail "what never starts is in the queue"

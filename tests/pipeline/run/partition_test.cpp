@@ -77,6 +77,24 @@ TEST(Partition, OfNodesCollapsedAboveTheBricks) {
   }
 }
 
+// The processors of a cluster's nodes may differ.
+TEST(Partition, OfProcessorsWithOtherVectorUnits) {
+  const Scene scene("porous", 64);
+  std::vector<Tree> trees;
+  for (const char* kernels : {"base", "avx2", "avx512"}) {
+    setenv("VOXWELD_KERNELS", kernels, 1);
+    if (scene.run().exit_code == 0) trees.push_back(scene.clean_tree());
+    unsetenv("VOXWELD_KERNELS");
+  }
+  ASSERT_FALSE(trees.empty());
+  for (const Tree& tree : trees) EXPECT_EQ(difference(trees[0], tree), "");
+  setenv("VOXWELD_KERNELS", "mmx", 1);
+  const auto refused = scene.run();
+  unsetenv("VOXWELD_KERNELS");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("VOXWELD_KERNELS = \"mmx\""), std::string::npos) << refused.err;
+}
+
 TEST(Partition, OfAnisotropicSpacing) {
   RawVolume volume = volume_of({50, 41, 37}, [](Index3 at) {
     const auto d = at - Index3{24, 20, 17};
