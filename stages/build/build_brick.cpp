@@ -1,6 +1,7 @@
 #include "stages/build/build_brick.h"
 
 #include "stages/build/brick_polygons.h"
+#include "stages/geometry/solid.h"
 
 namespace voxweld {
 namespace {
@@ -42,13 +43,36 @@ RootRecord make_root(const BrickFrame& frame, const SignGrid& signs, const Brick
 }  // namespace
 
 struct BrickScratch::Parts {
-  SignGrid signs;
+  SignGrid signs, solid_signs;
   ActiveCells cells;
-  HermiteEdges edges;
+  HermiteEdges edges, edges_before;
   BrickNodes nodes;
   BrickLeaves leaves;
   std::vector<std::uint32_t> vertex_marks;
 };
+namespace {
+
+// Signs and Hermite edges after the edits that reach the brick; true when there are any.
+bool apply_edits(const HaloBlock& block, const BrickFrame& frame,
+                 const ContourParameters& parameters, BrickScratch::Parts& s) {
+  const VolumeFrame volume{block.size, parameters.spacing};
+  const Bounds bounds = brick_bounds({frame.origin, frame.level}, parameters.spacing);
+  bool any = false;
+  for (const Edit& edit : parameters.edits) {
+    if (!edit_reaches(edit, bounds)) continue;
+    if (!any) s.edges.compute(block, frame.origin, frame.side(), s.signs, parameters);
+    any = true;
+    s.solid_signs.fill(edit.solid, volume, frame.origin, frame.side());
+    s.signs.combine(edit.op, s.solid_signs);
+    std::swap(s.edges, s.edges_before);
+    s.edges.compute(edit, volume, frame.origin, frame.side(), s.signs, s.solid_signs,
+                    s.edges_before);
+  }
+  return any;
+}
+
+}  // namespace
+
 BrickScratch::BrickScratch() : parts_(std::make_unique<Parts>()) {}
 BrickScratch::~BrickScratch() = default;
 
@@ -60,12 +84,21 @@ Box3 halo_samples(const BrickPlace& place, Gradient gradient) {
   return {place.origin - splat(1 + reach), place.origin + splat(side + reach)};
 }
 
+Bounds brick_bounds(const BrickPlace& place, Vec3 spacing) {
+  const std::int64_t side = std::int64_t{1} << place.level;
+  const VolumeFrame frame{{}, spacing};
+  // Lattice points -1 .. side + 1, as samples.
+  return {frame.place_of_sample(place.origin - splat(2)),
+          frame.place_of_sample(place.origin + splat(side))};
+}
+
 void build_brick(const HaloBlock& block, const BrickPlace& place,
                  const ContourParameters& parameters, BrickScratch& scratch, BrickOctree& out) {
   BrickScratch::Parts& s = scratch.parts();
   const BrickFrame frame{place.origin, place.level, domain_level(block.size)};
   clear(out, place.level);
   s.signs.fill(block, place.origin, frame.side(), parameters.surface);
+  const bool edited = apply_edits(block, frame, parameters, s);
   s.cells.find(s.signs, frame.side());
   out.counts.active_cells = s.cells.size();
   if (s.cells.size() == 0) {
@@ -73,7 +106,7 @@ void build_brick(const HaloBlock& block, const BrickPlace& place,
     out.root.corner_signs = out.root.state == NodeState::inside ? 255 : 0;
     return;
   }
-  s.edges.compute(block, place.origin, frame.side(), s.signs, parameters);
+  if (!edited) s.edges.compute(block, place.origin, frame.side(), s.signs, parameters);
   s.nodes.simplify(frame, s.signs, s.cells, s.edges, parameters);
   s.leaves.collect(frame, s.cells, s.nodes, parameters, out);
   emit_polygons(frame, block.size, s.signs, s.cells, s.leaves, parameters, out);

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "stages/geometry/parameters.h"
+#include "stages/geometry/solid.h"
 #include "storage/types/brick_octree.h"
 #include "storage/types/halo_block.h"
 
@@ -21,6 +22,10 @@ struct BrickPlace {
 // The sample indices a brick reads, before clipping to the volume: its lattice points, those of
 // Wenger's rule, and the gradient's reach.
 Box3 halo_samples(const BrickPlace& place, Gradient gradient);
+
+// Where a brick's signs are looked at, in the frame spacing * sample index: edits that do not reach
+// this far (stages/geometry/solid.h) change nothing in the brick.
+Bounds brick_bounds(const BrickPlace& place, Vec3 spacing);
 
 // Working memory, reused from brick to brick: nothing is allocated once it has met the largest.
 class BrickScratch {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "stages/geometry/solid.h"
+
 namespace voxweld {
 namespace {
 
@@ -16,6 +18,16 @@ struct Line {
   std::int64_t size;   // samples along the axis
   double operator[](std::int64_t k) const { return static_cast<double>(p[k * stride]); }
 };
+
+constexpr double lowest_crossing = 1.0 / 256, highest_crossing = 255.0 / 256;
+
+// Of an edge with one end in the ring.
+HermiteEdge edge_of_ring(int axis, bool low_inside) {
+  HermiteEdge edge;
+  edge.t = 0.5f;
+  edge.normal[static_cast<std::size_t>(axis)] = low_inside ? 1.0f : -1.0f;
+  return edge;
+}
 
 template <class T>
 double central_difference(const Line<T>& f) {
@@ -68,18 +80,14 @@ class Estimator {
 
   // The edge along `axis` from sample `s` to the next; low_inside: the sign of its low end.
   HermiteEdge edge(int axis, Index3 s, bool low_inside) const {
+    if (s[axis] < 0 || s[axis] + 1 >= block_.size[axis]) return edge_of_ring(axis, low_inside);
     HermiteEdge result;
     const double out = low_inside ? 1.0 : -1.0;
-    if (s[axis] < 0 || s[axis] + 1 >= block_.size[axis]) {  // one end in the ring
-      result.t = 0.5f;
-      result.normal[static_cast<std::size_t>(axis)] = static_cast<float>(out);
-      return result;
-    }
     const T* low = sample(s);
     const double v0 = static_cast<double>(*low), v1 = static_cast<double>(low[stride(axis)]);
     double t = (isovalue_ - v0) / (v1 - v0);
     if (!std::isfinite(v0) || !std::isfinite(v1) || !std::isfinite(t)) t = 0.5;
-    t = std::clamp(t, 1.0 / 256, 255.0 / 256);
+    t = std::clamp(t, lowest_crossing, highest_crossing);
     result.t = static_cast<float>(t);
     Vec3 g;
     Index3 high = s;
@@ -160,22 +168,72 @@ void HermiteEdges::find_rows(const SignGrid& signs, int side) {
   edges_.resize(count);
 }
 
+// edge_of(axis, x, y, z) of every crossing edge, in the order they are kept.
+template <class F>
+void HermiteEdges::fill_edges(int side, F&& edge_of) {
+  std::size_t next = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int z = 0; z <= side; ++z)
+      for (int y = 0; y <= side; ++y)
+        for (std::size_t w = 0; w < row_words_; ++w)
+          for (std::uint64_t rest = bits_[word_of(axis, static_cast<int>(w) * 64, y, z)]; rest != 0;
+               rest &= rest - 1)
+            edges_[next++] = edge_of(axis, static_cast<int>(w) * 64 + std::countr_zero(rest), y, z);
+}
+
 void HermiteEdges::compute(const HaloBlock& block, Index3 brick, int side, const SignGrid& signs,
                            const ContourParameters& parameters) {
   find_rows(signs, side);
   dispatch_sample_type(block.type, [&](auto tag) {
     const Estimator<typename decltype(tag)::type> estimator(block, parameters);
-    std::size_t next = 0;
-    for (int axis = 0; axis < 3; ++axis)
-      for (int z = 0; z <= side; ++z)
-        for (int y = 0; y <= side; ++y)
-          for (std::size_t w = 0; w < row_words_; ++w)
-            for (std::uint64_t rest = bits_[word_of(axis, static_cast<int>(w) * 64, y, z)];
-                 rest != 0; rest &= rest - 1) {
-              const int x = static_cast<int>(w) * 64 + std::countr_zero(rest);
-              const Index3 sample = brick + Index3{x, y, z} - splat(1);
-              edges_[next++] = estimator.edge(axis, sample, signs.inside(x, y, z));
-            }
+    fill_edges(side, [&](int axis, int x, int y, int z) {
+      return estimator.edge(axis, brick + Index3{x, y, z} - splat(1), signs.inside(x, y, z));
+    });
+  });
+}
+
+namespace {
+
+// The solid's own crossing of the edge from sample s on; outward of what the edit leaves.
+HermiteEdge edge_of_solid(const Edit& edit, const VolumeFrame& frame, int axis, Index3 s) {
+  const Vec3 low = frame.place_of_sample(s);
+  const double length = frame.spacing[axis];
+  const double t = solid_crossing(edit.solid, low, axis, length);
+  Vec3 place = low;
+  place[axis] += t * length;
+  const Vec3 normal = solid_normal(edit.solid, place) * (edit.op == EditOp::subtract ? -1.0 : 1.0);
+  HermiteEdge edge;
+  edge.t = static_cast<float>(std::clamp(t, lowest_crossing, highest_crossing));
+  for (int a = 0; a < 3; ++a)
+    edge.normal[static_cast<std::size_t>(a)] = static_cast<float>(normal[a]);
+  return edge;
+}
+
+// Both surfaces cross the edge, both in the same direction: of a union the one further out is the
+// surface, of an intersection the one further in.
+const HermiteEdge& surface_of(EditOp op, bool low_inside, const HermiteEdge& before,
+                              const HermiteEdge& solid) {
+  const bool takes_higher = (op == EditOp::add) == low_inside;
+  const bool solid_wins = takes_higher ? solid.t > before.t : solid.t < before.t;
+  return solid_wins ? solid : before;
+}
+
+}  // namespace
+
+void HermiteEdges::compute(const Edit& edit, const VolumeFrame& frame, Index3 brick, int side,
+                           const SignGrid& signs, const SignGrid& solid,
+                           const HermiteEdges& before) {
+  find_rows(signs, side);
+  fill_edges(side, [&](int axis, int x, int y, int z) {
+    const Index3 s = brick + Index3{x, y, z} - splat(1);
+    const bool low_inside = signs.inside(x, y, z);
+    if (s[axis] < 0 || s[axis] + 1 >= frame.size[axis]) return edge_of_ring(axis, low_inside);
+    const int dx = axis == 0, dy = axis == 1, dz = axis == 2;
+    const bool of_solid = solid.inside(x, y, z) != solid.inside(x + dx, y + dy, z + dz);
+    if (!of_solid) return before.at(axis, x, y, z);
+    const HermiteEdge own = edge_of_solid(edit, frame, axis, s);
+    if (!before.has(axis, x, y, z)) return own;
+    return surface_of(edit.op, low_inside, before.at(axis, x, y, z), own);
   });
 }
 

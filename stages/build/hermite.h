@@ -26,6 +26,14 @@ class HermiteEdges {
   void compute(const HaloBlock& block, Index3 brick, int side, const SignGrid& signs,
                const ContourParameters& parameters);
 
+  // Takes the edges `edits` makes: those of `before`, the same brick's without the edit, where they
+  // are still on the surface, else those of the solid. signs: after the edit; solid: the solid's.
+  void compute(const Edit& edit, const VolumeFrame& frame, Index3 brick, int side,
+               const SignGrid& signs, const SignGrid& solid, const HermiteEdges& before);
+
+  bool has(int axis, int x, int y, int z) const {
+    return (bits_[word_of(axis, x, y, z)] >> (x & 63) & 1u) != 0;
+  }
   // The edge along `axis` whose low end is the relative lattice point (x, y, z).
   // Precondition: it has a sign change.
   const HermiteEdge& at(int axis, int x, int y, int z) const {
@@ -43,6 +51,8 @@ class HermiteEdges {
            static_cast<std::size_t>(x >> 6);
   }
   void find_rows(const SignGrid& signs, int side);
+  template <class F>
+  void fill_edges(int side, F&& edge_of);
 
   std::size_t points_ = 0;  // side + 1
   std::size_t row_words_ = 0;

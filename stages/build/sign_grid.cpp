@@ -1,8 +1,10 @@
 #include "stages/build/sign_grid.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "stages/geometry/inside_test.h"
+#include "stages/geometry/solid.h"
 
 namespace voxweld {
 namespace {
@@ -72,6 +74,54 @@ void SignGrid::fill(const HaloBlock& block, Index3 brick, int side,
         pack_row(p, count, at, inside, bits_.data() + index * stride_);
       }
   });
+}
+
+namespace {
+
+// The samples whose places may lie in the solid, within `held`.
+Box3 samples_near(const Solid& solid, const VolumeFrame& frame, const Box3& held) {
+  const Bounds bounds = solid_bounds(solid);
+  Box3 near = held;
+  for (int a = 0; a < 3; ++a) {
+    // One more on either side than rounding asks for.
+    const double lo = bounds.lo[a] / frame.spacing[a] - 1;
+    const double hi = bounds.hi[a] / frame.spacing[a] + 2;
+    const auto first = static_cast<double>(held.lo[a]), end = static_cast<double>(held.hi[a]);
+    near.lo[a] = static_cast<std::int64_t>(std::clamp(std::floor(lo), first, end));
+    near.hi[a] = static_cast<std::int64_t>(std::clamp(std::ceil(hi), first, end));
+  }
+  return near;
+}
+
+}  // namespace
+
+void SignGrid::fill(const Solid& solid, const VolumeFrame& frame, Index3 brick, int side) {
+  points_ = static_cast<std::size_t>(side) + 3;
+  stride_ = (points_ + 63) / 64 + 1;
+  bits_.assign(points_ * points_ * stride_, 0);
+  const Index3 first = brick - splat(2);
+  const Box3 held = samples_near(
+      solid, frame, intersect(Box3{{}, frame.size}, Box3{first, first + splat(side + 3)}));
+  for (std::int64_t z = held.lo.z; z < held.hi.z; ++z)
+    for (std::int64_t y = held.lo.y; y < held.hi.y; ++y) {
+      const std::size_t index =
+          static_cast<std::size_t>(z - first.z) * points_ + static_cast<std::size_t>(y - first.y);
+      std::uint64_t* row = bits_.data() + index * stride_;
+      for (std::int64_t x = held.lo.x; x < held.hi.x; ++x) {
+        const auto bit = static_cast<std::uint64_t>(x - first.x);
+        if (solid_holds(solid, frame.place_of_sample({x, y, z})))
+          row[bit >> 6] |= std::uint64_t{1} << (bit & 63);
+      }
+    }
+}
+
+void SignGrid::combine(EditOp op, const SignGrid& solid) {
+  for (std::size_t i = 0; i < bits_.size(); ++i) {
+    const std::uint64_t other = solid.bits_[i];
+    bits_[i] = op == EditOp::add        ? bits_[i] | other
+               : op == EditOp::subtract ? bits_[i] & ~other
+                                        : bits_[i] & other;
+  }
 }
 
 std::uint32_t SignGrid::signs27(int x, int y, int z, int node_side) const {

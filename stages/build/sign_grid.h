@@ -8,8 +8,19 @@
 #include "stages/geometry/cell_topology.h"
 #include "stages/geometry/parameters.h"
 #include "storage/types/halo_block.h"
+#include "storage/types/solid.h"
 
 namespace voxweld {
+
+// How lattice points become places: u is sample u - 1, at spacing * (u - 1).
+struct VolumeFrame {
+  Index3 size;  // samples a side
+  Vec3 spacing;
+  Vec3 place_of_sample(Index3 s) const {
+    return {spacing.x * static_cast<double>(s.x), spacing.y * static_cast<double>(s.y),
+            spacing.z * static_cast<double>(s.z)};
+  }
+};
 
 // Covers lattice points -1 .. side + 1 relative to the brick's lowest: what the signs of the cells
 // -1 .. side need (Wenger's rule looks one cell beyond the brick).
@@ -19,6 +30,11 @@ class SignGrid {
   // Points without a sample are outside. Tests run in the sample's own type: equal to the isovalue
   // is inside, NaN outside.
   void fill(const HaloBlock& block, Index3 brick, int side, const SurfaceParameters& surface);
+
+  // The points of the volume that lie in the solid; all others are outside.
+  void fill(const Solid& solid, const VolumeFrame& frame, Index3 brick, int side);
+  // Makes this what the edit leaves of it; `solid`: filled by the edit's solid for the same brick.
+  void combine(EditOp op, const SignGrid& solid);
 
   // Relative coordinates, -1 .. side + 1.
   bool inside(int x, int y, int z) const {

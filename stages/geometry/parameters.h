@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "storage/types/box.h"
+#include "storage/types/solid.h"
 
 namespace voxweld {
 
@@ -34,6 +35,7 @@ struct ContourParameters {
   Vec3 spacing{1, 1, 1};
   SurfaceParameters surface;
   SimplifyParameters simplify;
+  Edits edits;  // of the volume, before anything is contoured
 };
 
 // Samples the gradient stencil reaches beyond the crossing edge's ends; the halo's width.
