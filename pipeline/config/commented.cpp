@@ -6,6 +6,7 @@
 #include <map>
 #include <string_view>
 
+#include "pipeline/config/edit_settings.h"
 #include "pipeline/config/settings.h"
 #include "pipeline/config/text_layout.h"
 
@@ -37,11 +38,10 @@ std::string sample_value(const Setting& setting) {
   return found == samples.end() ? setting.default_text() : found->second;
 }
 
-std::string described(const Setting& setting) {
-  std::string text = setting.description;
-  text += " Takes " + accepted_text(setting.rule) + ".";
-  if (!setting.default_note.empty() && !setting.required)
-    text += " Default: " + setting.default_note + ".";
+// The default is told where no value beside the text shows it.
+std::string described(const KeyFacts& key, const std::string& begin, bool tell_default) {
+  std::string text = begin + key.description + " Takes " + accepted_text(key.rule) + ".";
+  if (tell_default && !key.required) text += " Default: " + key.default_text() + ".";
   return wrapped(text, "# ");
 }
 
@@ -53,11 +53,30 @@ std::string table_text(const std::string& table, const Active& active) {
   for (const Setting& setting : settings()) {
     if (setting.table != table) continue;
     const auto value = active.find(setting.name());
-    text += described(setting);
+    text += described(setting, "", !setting.default_note.empty());
     text += value == active.end() ? fmt::format("# {} = {}\n\n", setting.key, sample_value(setting))
                                   : fmt::format("{} = {}\n\n", setting.key, value->second);
   }
   text.pop_back();
+  return text;
+}
+
+// What edits take, then one of each shape, all commented out.
+std::string edit_samples() {
+  std::string text = fmt::format("\n{}", wrapped(edit_description(), "# "));
+  for (const EditSetting& setting : edit_settings()) {
+    const std::string shapes =
+        setting.shapes.empty() ? "" : fmt::format(" ({})", setting.shapes_text());
+    text += fmt::format("#\n{}", described(setting, setting.key + shapes + ": ", true));
+  }
+  for (const SolidShape shape : all_shapes) {
+    text += fmt::format("\n# [[{}]]\n", edit_table);
+    for (const EditSetting& setting : edit_settings())
+      if (setting.taken_by(shape))
+        text +=
+            fmt::format("# {} = {}\n", setting.key,
+                        setting.key == "shape" ? toml_string(shape_name(shape)) : setting.sample);
+  }
   return text;
 }
 
@@ -135,7 +154,7 @@ std::string reference_config() {
   std::string text = "#:schema voxweld.schema.json\n";
   text += "# Every key there is. Those that begin with # have no value unless one is given.\n";
   for (const std::string& table : table_names()) text += table_text(table, active);
-  return text;
+  return text + edit_samples();
 }
 
 }  // namespace voxweld

@@ -1,6 +1,6 @@
 // The config of a run: what the TOML file and the --set overrides say, defaults filled in, every
 // value checked. The keys, their accepted values and the stages that read them are listed once, in
-// settings.cpp; the members here have the same names.
+// settings.cpp and, for edits, edit_settings.cpp; the members here have the same names.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +13,7 @@
 #include "storage/support/hash.h"
 #include "storage/types/box.h"
 #include "storage/types/sample_type.h"
+#include "storage/types/solid.h"
 
 namespace voxweld {
 
@@ -118,6 +119,20 @@ struct SlurmConfig {
   friend bool operator==(const SlurmConfig&, const SlurmConfig&) = default;
 };
 
+// One [[edit]]: a solid that is added to the material, taken from it, or all that is kept of it.
+// What its shape does not take is as it is here.
+struct EditConfig {
+  EditOp op = EditOp::add;
+  SolidShape shape = SolidShape::sphere;
+  Vec3 center = {};                         // lengths in output units, spacing * sample index
+  double radius = 0, height = 0, tube = 0;  // above 0 where the shape takes them, tube <= radius
+  Vec3 size = {};                           // full side lengths
+  Vec3 axis = {0, 0, 1};                    // of any length but 0
+  Vec3 rotate = {};                         // degrees about x, then y, then z
+
+  friend bool operator==(const EditConfig&, const EditConfig&) = default;
+};
+
 struct Config {
   InputConfig input;
   WorkConfig work;
@@ -126,6 +141,7 @@ struct Config {
   OutputConfig output;
   RunConfig run;
   SlurmConfig slurm;
+  std::vector<EditConfig> edits;  // applied in this order
 
   friend bool operator==(const Config&, const Config&) = default;
 };

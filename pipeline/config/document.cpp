@@ -29,37 +29,46 @@ ConfigValue convert(const toml::node& node) {
   return {UnusableValue{node.is_time() ? "a time" : "a date"}};
 }
 
-void add_table(const std::string& table, const toml::table& content,
-               std::vector<DocumentEntry>& entries) {
+using Entries = std::vector<DocumentEntry>;
+
+// The table itself stands where its key does, or its header.
+void add_table(const std::string& name, const toml::table& content, TextPlace key_at,
+               std::size_t item, Entries& entries) {
+  entries.push_back({name, {}, {UnusableValue{"a table"}}, key_at, place(content.source()), item});
   for (const auto& [key, node] : content)
-    entries.push_back(
-        {table, std::string(key.str()), convert(node), place(key.source()), place(node.source())});
+    entries.push_back({name, std::string(key.str()), convert(node), place(key.source()),
+                       place(node.source()), item});
+}
+
+void add_root_key(const toml::key& key, const toml::node& node, Entries& entries) {
+  const std::string name(key.str());
+  if (const auto* table = node.as_table())
+    return add_table(name, *table, place(key.source()), 0, entries);
+  if (!node.is_array_of_tables()) {
+    entries.push_back({{}, name, convert(node), place(key.source()), place(node.source())});
+    return;
+  }
+  std::size_t item = 0;
+  for (const toml::node& table : *node.as_array())
+    add_table(name, *table.as_table(), place(table.source()), ++item, entries);
 }
 
 }  // namespace
 
+std::string place_text(const std::string& name, TextPlace at) {
+  return fmt::format("{}:{}:{}", name, at.line, at.column);
+}
+
 std::vector<DocumentEntry> parse_document(const std::string& text, const std::string& name) {
-  std::vector<DocumentEntry> entries;
+  Entries entries;
   try {
     const toml::table root = toml::parse(text);
-    for (const auto& [key, node] : root) {
-      if (const auto* table = node.as_table()) {
-        entries.push_back({std::string(key.str()),
-                           {},
-                           {UnusableValue{"a table"}},
-                           place(key.source()),
-                           place(node.source())});
-        add_table(std::string(key.str()), *table, entries);
-      } else {
-        entries.push_back(
-            {{}, std::string(key.str()), convert(node), place(key.source()), place(node.source())});
-      }
-    }
+    for (const auto& [key, node] : root) add_root_key(key, node, entries);
   } catch (const toml::parse_error& error) {
     const TextPlace at = place(error.source());
     throw InputError(fmt::format(
-        "{}:{}:{}: not valid TOML: {}; strings are written in \"quotes\", lists in [brackets]",
-        name, at.line, at.column, error.description()));
+        "{}: not valid TOML: {}; strings are written in \"quotes\", lists in [brackets]",
+        place_text(name, at), error.description()));
   }
   // The parser orders by name; errors are reported in the order a reader meets them.
   std::stable_sort(entries.begin(), entries.end(),

@@ -22,7 +22,11 @@ struct DocumentEntry {
   std::string key;    // empty: the entry is the table itself
   ConfigValue value;  // for tables: an UnusableValue
   TextPlace key_at, value_at;
+  std::size_t item = 0;  // which of the tables [[table]], from 1; 0: there is one, [table]
 };
+
+// "scan.toml:3:14"
+std::string place_text(const std::string& name, TextPlace at);
 
 // Every table and every key of the text in the order they stand in it. A table inside a table is a
 // key whose value is an UnusableValue.

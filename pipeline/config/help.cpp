@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "pipeline/config/edit_settings.h"
 #include "pipeline/config/settings.h"
 #include "pipeline/config/text_layout.h"
 
@@ -27,6 +28,33 @@ std::string cell(const std::string& text) {
   return out;
 }
 
+std::string edits_help() {
+  std::string text = "\n";
+  text += wrapped(fmt::format("[[{}]] {}", edit_table, edit_description()), "");
+  for (const EditSetting& setting : edit_settings()) {
+    text += wrapped(fmt::format("{}: {}", setting.key, setting.description), "  ");
+    text += wrapped("takes " + accepted_text(setting.rule), "      ");
+    text += wrapped(fmt::format("default: {}; shapes: {}; re-runs: build, where it reaches",
+                                setting.default_text(), setting.shapes_text()),
+                    "      ");
+  }
+  return text;
+}
+
+std::string edits_markdown() {
+  std::string text = fmt::format("\n## [[{}]]\n\n", edit_table);
+  text += wrapped(std::string(edit_description()) +
+                      " A change re-runs build where the edit reaches or reached.",
+                  "");
+  text += "\n| key | type | accepted | default | shapes | meaning |\n";
+  text += "| --- | --- | --- | --- | --- | --- |\n";
+  for (const EditSetting& setting : edit_settings())
+    text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", setting.key, type_text(setting.rule),
+                        cell(accepted_text(setting.rule)), cell(setting.default_text()),
+                        setting.shapes_text(), cell(setting.description));
+  return text;
+}
+
 }  // namespace
 
 std::string settings_help() {
@@ -42,7 +70,7 @@ std::string settings_help() {
           "      ");
     }
   }
-  return text;
+  return text + edits_help();
 }
 
 std::string settings_markdown() {
@@ -64,7 +92,7 @@ std::string settings_markdown() {
                       stages_text(setting), cell(setting.description));
     }
   }
-  return text;
+  return text + edits_markdown();
 }
 
 }  // namespace voxweld

@@ -8,6 +8,9 @@
 
 #include "pipeline/config/config.h"
 #include "pipeline/config/document.h"
+#include "pipeline/config/edit_settings.h"
+#include "pipeline/config/load_edits.h"
+#include "pipeline/config/refuse.h"
 #include "pipeline/config/settings.h"
 #include "pipeline/config/suggest.h"
 #include "storage/support/error.h"
@@ -21,22 +24,6 @@ namespace fs = std::filesystem;
 // A config is a page of text; a volume given in its place is refused before it is read.
 constexpr std::uint64_t largest_config = std::uint64_t{1} << 20;
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
-// Keys come from the file, so they are shown cut and escaped.
-std::string shown(const std::string& name) {
-  const std::string text = toml_string_short(name);
-  return text.substr(1, text.size() - 2);
-}
-
-std::string did_you_mean(const std::string& name) {
-  return name.empty() ? "" : "; did you mean " + name + "?";
-}
-
 // Where each value that was given stands, for the checks that look at several.
 using Places = std::map<std::string, std::string>;  // setting name to "file:line:column"
 
@@ -48,25 +35,37 @@ struct Assignment {
 };
 
 void assign(Config& config, Places& places, Assignment a) {
-  const Verdict verdict = check(a.setting->rule, a.value);
-  if (!verdict.accepted) {
-    const std::string by_default =
-        a.setting->required ? "" : fmt::format(" (default: {})", a.setting->default_text());
-    throw InputError(fmt::format("{}: {}: expected {}{}, found {}{}{}", a.where, a.setting->name(),
-                                 accepted_text(a.setting->rule), by_default, describe(a.value),
-                                 verdict.hint.empty() ? "" : "; ", verdict.hint));
-  }
+  require_accepted(a.where, a.setting->name(), *a.setting, a.value);
   if (std::holds_alternative<PathRule>(a.setting->rule))
     a.value = {(a.base / *a.value.text()).lexically_normal().string()};
   a.setting->set(config, a.value);
   places[a.setting->name()] = a.where;
 }
 
-[[noreturn]] void throw_unknown_table(const std::string& where, const std::string& table) {
+std::string bracketed(const std::string& table, bool several) {
+  return several ? fmt::format("[[{}]]", table) : fmt::format("[{}]", table);
+}
+
+std::string the_tables() {
+  return "The tables are " + joined(table_names()) + " and any number of [[edit]]";
+}
+
+[[noreturn]] void throw_unknown_table(const std::string& where, const DocumentEntry& entry) {
+  auto names = table_names();
+  names.emplace_back(edit_table);
+  const std::string nearest = nearest_name(entry.table, names);
+  throw InputError(
+      fmt::format("{}: unknown table {}{} {}", where, bracketed(shown(entry.table), entry.item > 0),
+                  nearest.empty() ? "." : did_you_mean(bracketed(nearest, nearest == edit_table)),
+                  the_tables()));
+}
+
+// Overrides name settings only, so edits are left out.
+[[noreturn]] void throw_unknown_override(const std::string& where, const std::string& table) {
   const auto tables = table_names();
   const std::string nearest = nearest_name(table, tables);
   throw InputError(fmt::format("{}: unknown table [{}]{} The tables are {}", where, shown(table),
-                               nearest.empty() ? "." : did_you_mean(fmt::format("[{}]", nearest)),
+                               nearest.empty() ? "." : did_you_mean(bracketed(nearest, false)),
                                joined(tables)));
 }
 
@@ -93,26 +92,36 @@ void assign(Config& config, Places& places, Assignment a) {
   std::string meant;
   for (const Setting& setting : settings())
     if (setting.key == entry.key && meant.empty()) meant = setting.name();
-  throw InputError(fmt::format("{}: key {} stands outside any table{} The tables are {}", where,
-                               shown(entry.key), meant.empty() ? "." : did_you_mean(meant),
-                               joined(tables)));
+  throw InputError(fmt::format("{}: key {} stands outside any table{} {}", where, shown(entry.key),
+                               meant.empty() ? "." : did_you_mean(meant), the_tables()));
+}
+
+void apply_setting(const DocumentEntry& entry, const fs::path& path, Config& config,
+                   Places& places) {
+  const std::string key_at = place_text(path.string(), entry.key_at);
+  const auto tables = table_names();
+  if (entry.table.empty()) throw_outside_tables(key_at, entry);
+  if (std::find(tables.begin(), tables.end(), entry.table) == tables.end())
+    throw_unknown_table(key_at, entry);
+  if (entry.item > 0)
+    throw InputError(fmt::format("{}: expected a table [{}] with keys {}, found [[{}]]", key_at,
+                                 entry.table, joined(key_names(entry.table)), entry.table));
+  if (entry.key.empty()) return;
+  const Setting* setting = find_setting(entry.table, entry.key);
+  if (setting == nullptr) throw_unknown_key(key_at, entry.table, entry.key);
+  assign(config, places,
+         {setting, entry.value, place_text(path.string(), entry.value_at),
+          fs::absolute(path).parent_path()});
 }
 
 void apply_document(const std::string& text, const fs::path& path, Config& config, Places& places) {
-  const std::string file = path.string();
-  const fs::path base = fs::absolute(path).parent_path();
-  const auto tables = table_names();
-  for (const DocumentEntry& entry : parse_document(text, file)) {
-    const auto where = [&](TextPlace at) {
-      return fmt::format("{}:{}:{}", file, at.line, at.column);
-    };
-    if (entry.table.empty()) throw_outside_tables(where(entry.key_at), entry);
-    if (std::find(tables.begin(), tables.end(), entry.table) == tables.end())
-      throw_unknown_table(where(entry.key_at), entry.table);
-    if (entry.key.empty()) continue;
-    const Setting* setting = find_setting(entry.table, entry.key);
-    if (setting == nullptr) throw_unknown_key(where(entry.key_at), entry.table, entry.key);
-    assign(config, places, {setting, entry.value, where(entry.value_at), base});
+  const auto entries = parse_document(text, path.string());
+  EditReader edits(entries, path.string());
+  for (const DocumentEntry& entry : entries) {
+    if (edits.owns(entry))
+      edits.read(entry, config.edits);
+    else
+      apply_setting(entry, path, config, places);
   }
 }
 
@@ -126,6 +135,8 @@ void apply_override(const std::string& text, Config& config, Places& places) {
   const std::string where = "--set " + shown(text);
   const auto equals = text.find('=');
   const std::string name = trimmed(text.substr(0, equals));
+  if (name.starts_with(edit_table))
+    throw InputError(where + ": edits are written in the config file only, as [[edit]] tables");
   const auto dot = name.find('.');
   if (equals == std::string::npos || dot == std::string::npos)
     throw InputError(where +
@@ -134,7 +145,7 @@ void apply_override(const std::string& text, Config& config, Places& places) {
   const std::string key = name.substr(dot + 1);
   const auto tables = table_names();
   if (std::find(tables.begin(), tables.end(), table) == tables.end())
-    throw_unknown_table(where, table);
+    throw_unknown_override(where, table);
   const Setting* setting = find_setting(table, key);
   if (setting == nullptr) throw_unknown_key(where, table, key);
   const std::string written = trimmed(text.substr(equals + 1));

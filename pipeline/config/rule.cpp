@@ -126,6 +126,18 @@ Verdict check_integers(const IntegerListRule& rule, const ConfigValue& value) {
           {}};
 }
 
+Verdict check_triple(const TripleRule& rule, const ConfigValue& value) {
+  const auto* list = value.list();
+  if (list == nullptr || list->size() != 3) return refuse();
+  using Of = TripleRule::Of;
+  const auto fits = [&](const ConfigValue& item) {
+    return exact_number(item) && (rule.of != Of::positive || item.number() > 0);
+  };
+  if (!std::all_of(list->begin(), list->end(), fits)) return refuse();
+  const auto zero = [](const ConfigValue& item) { return item.number() == 0; };
+  return {rule.of != Of::not_all_zero || !std::all_of(list->begin(), list->end(), zero), {}};
+}
+
 Verdict check_memory(const MemoryRule& rule, const ConfigValue& value) {
   if (rule.automatic && is_auto(value)) return {true, {}};
   if (const auto* whole = value.integer())
@@ -245,6 +257,7 @@ std::string type_text(const Rule& rule) {
           [](const NumberOrWordRule&) { return "number or string"; },
           [](const SpacingRule&) { return "number or list of numbers"; },
           [](const IntegerListRule&) { return "list of integers"; },
+          [](const TripleRule&) { return "list of numbers"; },
           [](const MemoryRule&) { return "string or integer"; },
           [](const NameRule&) { return "string"; }, [](const TimeLimitRule&) { return "string"; },
           [](const OptionListRule&) { return "list of strings"; },
@@ -275,6 +288,11 @@ std::string accepted_text(const Rule& rule) {
           },
           [](const IntegerListRule& r) {
             return format("a list of {} integers {}", r.count, range_text(r.lo, r.hi));
+          },
+          [](const TripleRule& r) {
+            constexpr std::array<const char*, 3> kinds = {"", " above 0", ", not all 0"};
+            return format("three finite numbers{}: [x, y, z]",
+                          kinds[static_cast<std::size_t>(r.of)]);
           },
           [](const MemoryRule& r) {
             return format("{}text such as \"4GiB\" or a number of bytes, at least {}",
@@ -320,6 +338,7 @@ Verdict check(const Rule& rule, const ConfigValue& value) {
                  },
                  [&](const SpacingRule&) { return check_spacing(value); },
                  [&](const IntegerListRule& r) { return check_integers(r, value); },
+                 [&](const TripleRule& r) { return check_triple(r, value); },
                  [&](const MemoryRule& r) { return check_memory(r, value); },
                  [&](const NameRule&) { return check_name(value); },
                  [&](const TimeLimitRule&) { return check_time_limit(value); },

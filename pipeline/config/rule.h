@@ -36,6 +36,9 @@ struct IntegerListRule {  // exactly `count`, each lo .. hi
   std::size_t count = 0;
   std::int64_t lo = 0, hi = 0;
 };
+struct TripleRule {  // three finite numbers
+  enum class Of : std::uint8_t { any, positive, not_all_zero } of = Of::any;
+};
 struct MemoryRule {  // bytes, or text such as "4GiB"
   std::uint64_t least = 0;
   bool automatic = false;  // or "auto"
@@ -50,7 +53,7 @@ struct LineListRule {};  // texts of one line each
 using Rule =
     std::variant<PathRule, ChoiceRule, ChoiceListRule, FlagRule, SwitchRule, IntegerRule,
                  PowerOfTwoRule, PositiveNumberRule, NumberOrWordRule, SpacingRule, IntegerListRule,
-                 MemoryRule, NameRule, TimeLimitRule, OptionListRule, LineListRule>;
+                 TripleRule, MemoryRule, NameRule, TimeLimitRule, OptionListRule, LineListRule>;
 
 // Whether the rule takes one text and nothing else, so that on a command line quotes say nothing.
 // Choices are left out: a number in the place of a name is worth a message.

@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/config/edit_settings.h"
 #include "pipeline/config/settings.h"
 
 namespace voxweld {
@@ -64,6 +65,13 @@ struct RuleSchema {
   Json operator()(const IntegerListRule& rule) const {
     return fixed_list(whole(rule.lo, rule.hi), rule.count);
   }
+  Json operator()(const TripleRule& rule) const {
+    using Of = TripleRule::Of;
+    Json list =
+        fixed_list(rule.of == Of::positive ? positive_number() : Json{{"type", "number"}}, 3);
+    if (rule.of == Of::not_all_zero) list["contains"] = {{"not", {{"const", 0}}}};
+    return list;
+  }
   Json operator()(const MemoryRule& rule) const {
     const std::string size = "[0-9]+([.][0-9]+)? *([kKmMgGtT][iI]?)?[bB]";
     return either(
@@ -85,7 +93,7 @@ struct RuleSchema {
   }
 };
 
-Json setting_schema(const Setting& setting) {
+Json key_schema(const KeyFacts& setting) {
   Json json = std::visit(RuleSchema{}, setting.rule);
   std::string text = setting.description;
   text += fmt::format(" Takes {}.", accepted_text(setting.rule));
@@ -102,7 +110,7 @@ Json table_schema(const std::string& table) {
   Json required = Json::array();
   for (const Setting& setting : settings()) {
     if (setting.table != table) continue;
-    properties[setting.key] = setting_schema(setting);
+    properties[setting.key] = key_schema(setting);
     if (setting.required) required.push_back(setting.key);
   }
   Json json = {{"type", "object"},
@@ -111,6 +119,42 @@ Json table_schema(const std::string& table) {
                {"properties", std::move(properties)}};
   if (!required.empty()) json["required"] = std::move(required);
   return json;
+}
+
+// Each shape asks for keys of its own and takes no others.
+Json shape_schema(SolidShape shape) {
+  Json names = Json::array();
+  Json required = Json::array();
+  for (const EditSetting& setting : edit_settings()) {
+    if (!setting.taken_by(shape)) continue;
+    names.push_back(setting.key);
+    if (setting.required) required.push_back(setting.key);
+  }
+  Json json;
+  json["if"] = {{"properties", {{"shape", {{"const", std::string(shape_name(shape))}}}}},
+                {"required", Json::array({"shape"})}};
+  json["then"] = {{"required", std::move(required)},
+                  {"propertyNames", {{"enum", std::move(names)}}}};
+  return json;
+}
+
+Json edits_schema() {
+  Json properties = Json::object();
+  Json required = Json::array();
+  for (const EditSetting& setting : edit_settings()) {
+    properties[setting.key] = key_schema(setting);
+    if (setting.required && setting.shapes.empty()) required.push_back(setting.key);
+  }
+  Json shapes = Json::array();
+  for (const SolidShape shape : all_shapes) shapes.push_back(shape_schema(shape));
+  return {{"type", "array"},
+          {"description", std::string(edit_description())},
+          {"items",
+           {{"type", "object"},
+            {"additionalProperties", false},
+            {"required", std::move(required)},
+            {"properties", std::move(properties)},
+            {"allOf", std::move(shapes)}}}};
 }
 
 // What the loader checks across keys and a schema can say.
@@ -135,6 +179,7 @@ std::string config_schema_json() {
     if (tables[table].contains("required")) required.push_back(table);
   }
   add_cross_checks(tables);
+  tables[std::string(edit_table)] = edits_schema();
   const Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"},
                        {"title", "voxweld config"},
                        {"type", "object"},

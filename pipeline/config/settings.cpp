@@ -48,6 +48,7 @@ Setting row(Words words, binding::Binding bound, Stages stages) {
   setting.stages = std::move(stages);
   setting.description = words.description;
   setting.default_note = words.default_note;
+  setting.default_value = bound.get(Config{});
   setting.set = std::move(bound.set);
   setting.get = std::move(bound.get);
   return setting;
@@ -275,10 +276,9 @@ bool Setting::read_by(Stage stage) const {
   return std::find(stages.begin(), stages.end(), stage) != stages.end();
 }
 
-std::string Setting::default_text() const {
+std::string KeyFacts::default_text() const {
   if (!default_note.empty()) return default_note;
-  const auto value = get(Config{});
-  return value ? to_toml(*value) : "";
+  return default_value ? to_toml(*default_value) : "";
 }
 
 std::span<const Setting> settings() {

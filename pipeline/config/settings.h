@@ -22,16 +22,25 @@ inline constexpr std::array<Stage, 5> all_stages = {Stage::ingest, Stage::build,
                                                     Stage::stitch, Stage::encode};
 std::string_view stage_name(Stage stage);
 
-struct Setting {
-  std::string table, key;
+// What is told of a key, whatever it is bound to.
+struct KeyFacts {
+  std::string key;
   Rule rule;
-  // The stages whose artifact bytes the value may change, beyond what reaches them through their
-  // inputs. Empty: no result depends on it.
-  std::vector<Stage> stages;
   std::string description;
   bool required = false;
   // Shown where there is no fixed default value: "the whole volume".
   std::string default_note;
+  std::optional<ConfigValue> default_value;
+
+  // The default as TOML, or the note, or "required".
+  std::string default_text() const;
+};
+
+struct Setting : KeyFacts {
+  std::string table;
+  // The stages whose artifact bytes the value may change, beyond what reaches them through their
+  // inputs. Empty: no result depends on it.
+  std::vector<Stage> stages;
 
   // Precondition: check(rule, value) accepts; a path is absolute.
   std::function<void(Config&, const ConfigValue&)> set;
@@ -40,8 +49,6 @@ struct Setting {
 
   std::string name() const { return table + "." + key; }
   bool read_by(Stage stage) const;
-  // The default as TOML, or the note, or "required".
-  std::string default_text() const;
 };
 
 // In the order of tables and keys in a config file.
@@ -64,14 +71,20 @@ struct StageParameter {
 // A volume's isovalue may be left to "otsu"; keys of artifacts need the number, so callers put it
 // into config.surface.isovalue first.
 std::vector<StageParameter> stage_parameters(const Config& config, Stage stage);
-// What of the config goes into the keys and paths of the stage's artifacts.
+// What of the config goes into the keys and paths of the stage's artifacts. Edits do not: each
+// shard of the build is keyed by those that touch it, so that a changed edit rebuilds no other.
 Hash128 parameter_hash(const Config& config, Stage stage);
 
 struct ChangedSetting {
-  const Setting* setting = nullptr;
-  std::string before, after;  // as TOML, or the default's note where unset
+  const Setting* setting = nullptr;  // null: of the edits
+  std::string name;                  // "simplify.tolerance", "edit 2: radius", "edits 2, 5, 7"
+  std::string before, after;  // as TOML, or the default's note where unset; empty for several edits
+
+  // Whether the stage's artifacts may change with it.
+  bool read_by(Stage stage) const;
+  std::string text() const;  // "simplify.tolerance was 0.1, is 0.2"
 };
-// In table order. For messages that say why a stage runs again.
+// In table order, edits last. For messages that say why a stage runs again.
 std::vector<ChangedSetting> changed_settings(const Config& before, const Config& after);
 
 }  // namespace voxweld

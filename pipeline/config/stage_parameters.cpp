@@ -1,5 +1,10 @@
-#include <algorithm>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "pipeline/config/edit_settings.h"
 #include "pipeline/config/settings.h"
 
 namespace voxweld {
@@ -15,7 +20,56 @@ void feed_parameter(KeyHasher& hasher, const StageParameter& parameter) {
   if (parameter.value) feed(hasher, *parameter.value);
 }
 
+void feed_edits(KeyHasher& hasher, const std::vector<EditConfig>& edits) {
+  hasher.text(edit_table).integer(static_cast<std::int64_t>(edits.size()));
+  for (const EditConfig& edit : edits)
+    for (const EditValue& value : values_of(edit)) feed(hasher, value.value);
+}
+
+// Another shape has other keys, so it is told alone.
+std::vector<ChangedSetting> changed_keys(const EditConfig& before, const EditConfig& after,
+                                         std::size_t number) {
+  std::vector<ChangedSetting> changed;
+  for (const EditSetting& setting : edit_settings()) {
+    const bool compared =
+        before.shape == after.shape ? setting.taken_by(before.shape) : setting.key == "shape";
+    if (compared && setting.get(before) != setting.get(after))
+      changed.push_back({nullptr, fmt::format("edit {}: {}", number, setting.key),
+                         to_toml(setting.get(before)), to_toml(setting.get(after))});
+  }
+  return changed;
+}
+
+std::vector<ChangedSetting> changed_edits(const std::vector<EditConfig>& before,
+                                          const std::vector<EditConfig>& after) {
+  if (before.size() != after.size())
+    return {
+        {nullptr, "number of edits", std::to_string(before.size()), std::to_string(after.size())}};
+  constexpr std::size_t most_told = 5;
+  std::string numbers;
+  std::size_t count = 0;
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (before[i] == after[i]) continue;
+    last = i;
+    if (++count <= most_told) numbers += fmt::format("{}{}", count == 1 ? "" : ", ", i + 1);
+  }
+  if (count == 0) return {};
+  if (count == 1) return changed_keys(before[last], after[last], last + 1);
+  if (count > most_told) numbers += fmt::format(" and {} more", count - most_told);
+  return {{nullptr, "edits " + numbers, {}, {}}};
+}
+
 }  // namespace
+
+bool ChangedSetting::read_by(Stage stage) const {
+  return setting == nullptr ? stage == Stage::build : setting->read_by(stage);
+}
+
+std::string ChangedSetting::text() const {
+  if (before.empty() && after.empty()) return name + " changed";
+  return fmt::format("{} was {}, is {}", name, before, after);
+}
 
 std::vector<StageParameter> stage_parameters(const Config& config, Stage stage) {
   std::vector<StageParameter> parameters;
@@ -36,7 +90,9 @@ std::vector<ChangedSetting> changed_settings(const Config& before, const Config&
   std::vector<ChangedSetting> changed;
   for (const Setting& setting : settings())
     if (setting.get(before) != setting.get(after))
-      changed.push_back({&setting, shown(setting, before), shown(setting, after)});
+      changed.push_back({&setting, setting.name(), shown(setting, before), shown(setting, after)});
+  for (ChangedSetting& change : changed_edits(before.edits, after.edits))
+    changed.push_back(std::move(change));
   return changed;
 }
 
@@ -44,6 +100,8 @@ Hash128 config_fingerprint(const Config& config) {
   KeyHasher hasher;
   for (const Setting& setting : settings())
     feed_parameter(hasher, {setting.name(), setting.get(config)});
+  // A config without edits keeps the fingerprint it had before there were any.
+  if (!config.edits.empty()) feed_edits(hasher, config.edits);
   return hasher.finish();
 }
 

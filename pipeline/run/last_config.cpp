@@ -1,7 +1,5 @@
 #include "pipeline/run/last_config.h"
 
-#include <fmt/format.h>
-
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 
@@ -23,9 +21,9 @@ std::string changed_since_last(const Config& config, Stage stage) {
   std::string text;
   try {
     for (const ChangedSetting& change : changed_settings(load_config(last_path(config)), config)) {
-      if (!change.setting->read_by(stage)) continue;
+      if (!change.read_by(stage)) continue;
       if (!text.empty()) text += ", ";
-      text += fmt::format("{} was {}, is {}", change.setting->name(), change.before, change.after);
+      text += change.text();
     }
   } catch (const Error&) {
     return {};  // an older config that is no longer valid: nothing to compare with

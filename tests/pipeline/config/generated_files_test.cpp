@@ -8,6 +8,7 @@
 #include <set>
 
 #include "pipeline/config/commented.h"
+#include "pipeline/config/edit_settings.h"
 #include "pipeline/config/help.h"
 #include "pipeline/config/schema.h"
 #include "pipeline/config/settings.h"
@@ -54,11 +55,18 @@ TEST(GeneratedFiles, Settings) {
 TEST(GeneratedFiles, SchemaNamesEveryKey) {
   const auto schema = nlohmann::json::parse(config_schema_json());
   std::size_t keys = 0;
-  for (const auto& table : schema["properties"]) keys += table["properties"].size();
+  for (const std::string& table : table_names())
+    keys += schema["properties"][table]["properties"].size();
   EXPECT_EQ(keys, settings().size());
+  EXPECT_EQ(schema["properties"].size(), table_names().size() + 1);
   for (const Setting& setting : settings())
     EXPECT_TRUE(schema["properties"][setting.table]["properties"].contains(setting.key))
         << setting.name();
+  const auto& edit = schema["properties"]["edit"]["items"];
+  EXPECT_EQ(edit["properties"].size(), edit_settings().size());
+  for (const EditSetting& setting : edit_settings())
+    EXPECT_TRUE(edit["properties"].contains(setting.key)) << setting.key;
+  EXPECT_EQ(edit["allOf"].size(), all_shapes.size());
 }
 
 TEST(GeneratedFiles, HelpNamesEveryKey) {
@@ -68,6 +76,12 @@ TEST(GeneratedFiles, HelpNamesEveryKey) {
     EXPECT_FALSE(setting.description.empty());
     EXPECT_FALSE(setting.default_text().empty()) << setting.name();
     EXPECT_EQ(find_setting(setting.table, setting.key), &setting) << "listed twice";
+  }
+  const std::string of_edits = help.substr(help.find("\n[[edit]] "));
+  for (const EditSetting& setting : edit_settings()) {
+    EXPECT_THAT(of_edits, HasSubstr("\n  " + setting.key + ": "));
+    EXPECT_FALSE(setting.description.empty());
+    EXPECT_EQ(find_edit_setting(setting.key), &setting) << "listed twice";
   }
   std::size_t begin = 0;
   for (std::size_t end = 0; (end = help.find('\n', begin)) != std::string::npos; begin = end + 1)
@@ -96,7 +110,13 @@ TEST(GeneratedFiles, ExampleLoadsWithEveryKeyActive) {
   for (const Setting& setting : settings())
     if (const auto at = text.find("\n# " + setting.key + " = "); at != std::string::npos)
       text.erase(at + 1, 2);
+  for (std::size_t at = text.find("\n# [[edit]]\n"); at != std::string::npos;
+       at = text.find("\n# ", at + 1))
+    text.erase(at + 1, 2);
   const Config config = testing::parse(text);
+  ASSERT_EQ(config.edits.size(), all_shapes.size());
+  for (std::size_t i = 0; i < all_shapes.size(); ++i)
+    EXPECT_EQ(config.edits[i].shape, all_shapes[i]);
   EXPECT_TRUE(config.input.crop && config.input.size && config.input.type);
 }
 

@@ -1,0 +1,51 @@
+// The one table of the keys of an [[edit]]: parsing and validation, help, schema and the commented
+// files are made from it, as they are from the table of settings.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pipeline/config/settings.h"
+
+namespace voxweld {
+
+inline constexpr std::string_view edit_table = "edit";
+inline constexpr std::array<SolidShape, 6> all_shapes = {SolidShape::sphere,   SolidShape::box,
+                                                         SolidShape::cylinder, SolidShape::cone,
+                                                         SolidShape::torus,    SolidShape::plane};
+std::string_view shape_name(SolidShape shape);
+
+// `required` is meant for the shapes that take the key.
+struct EditSetting : KeyFacts {
+  std::vector<SolidShape> shapes;  // that take it; empty: all
+  std::string sample;              // a value as TOML, for examples
+
+  // Precondition: check(rule, value) accepts.
+  std::function<void(EditConfig&, const ConfigValue&)> set;
+  std::function<ConfigValue(const EditConfig&)> get;
+
+  bool taken_by(SolidShape shape) const;
+  std::string shapes_text() const;  // "cylinder, cone", or "all"
+};
+
+// In the order of keys in a config file.
+std::span<const EditSetting> edit_settings();
+// Null when there is none of that name.
+const EditSetting* find_edit_setting(std::string_view key);
+std::vector<std::string> edit_key_names();
+std::vector<std::string> edit_key_names(SolidShape shape);
+// What edits are for, in one paragraph.
+std::string_view edit_description();
+
+// The keys the edit's shape takes, each with its value in its one canonical form, in table order.
+struct EditValue {
+  const EditSetting* setting = nullptr;
+  ConfigValue value;
+};
+std::vector<EditValue> values_of(const EditConfig& edit);
+
+}  // namespace voxweld

@@ -1,0 +1,236 @@
+// Edits that are wrong: the message names the place, the edit, the key, what is accepted and what
+// was found.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "pipeline/config/edit_settings.h"
+#include "tests/pipeline/config/config_texts.h"
+
+namespace voxweld {
+namespace {
+
+using testing::error_of;
+using testing::least_config;
+
+struct WrongValue {
+  std::string value;  // as TOML
+  std::string found;  // what follows "found " in the message
+};
+
+struct WrongKey {
+  SolidShape shape;
+  std::string key;
+  std::string expected;  // what follows "expected " in the message
+  std::vector<WrongValue> values;
+};
+
+const std::vector<WrongKey>& wrong_keys() {
+  static const std::string positive = "a finite number above 0";
+  static const std::vector<WrongValue> not_positive = {
+      {"0", "0"},
+      {"-0.5", "-0.5"},
+      {"inf", "inf"},
+      {"nan", "nan"},
+      {"true", "true (a boolean)"},
+      {"[1]", "[1] (a list of 1)"},
+      {"9007199254740993", "9007199254740993"},
+      {"\"4\"", "\"4\" (a string); write numbers without quotes"}};
+  static const std::vector<WrongValue> not_triple = {
+      {"3", "3"},
+      {"[1, 2]", "[1, 2] (a list of 2)"},
+      {"[1, 2, 3, 4]", "[1, 2, 3, 4] (a list of 4)"},
+      {"[1, 2, inf]", "[1, 2, inf] (a list of 3)"},
+      {"[nan, 2, 3]", "[nan, 2, 3] (a list of 3)"},
+      {"[1, \"2\", 3]", "[1, \"2\", 3] (a list of 3)"},
+      {"{x = 1}", "a table"},
+      {"\"1 2 3\"", "\"1 2 3\" (a string)"}};
+  using enum SolidShape;
+  static const std::vector<WrongKey> all = {
+      {sphere,
+       "op",
+       "\"add\", \"subtract\" or \"intersect\" (default: \"add\")",
+       {{"\"substract\"", "\"substract\" (a string); did you mean \"subtract\"?"},
+        {"\"Add\"", "\"Add\" (a string); did you mean \"add\"?"},
+        {"\"xor\"", "\"xor\" (a string)"},
+        {"1", "1"}}},
+      {sphere,
+       "shape",
+       "\"sphere\", \"box\", \"cylinder\", \"cone\", \"torus\" or \"plane\"",
+       {{"\"ball\"", "\"ball\" (a string)"},
+        {"\"Spere\"", "\"Spere\" (a string); did you mean \"sphere\"?"},
+        {"[\"box\"]", "[\"box\"] (a list of 1)"}}},
+      {sphere, "center", "three finite numbers: [x, y, z]", not_triple},
+      {sphere, "radius", positive, not_positive},
+      {cone, "height", positive, not_positive},
+      {torus, "tube", positive, not_positive},
+      {box, "size", "three finite numbers above 0: [x, y, z]", not_triple},
+      {box,
+       "size",
+       "three finite numbers above 0: [x, y, z]",
+       {{"[1, 2, 0]", "[1, 2, 0] (a list of 3)"}, {"[-1, 2, 3]", "[-1, 2, 3] (a list of 3)"}}},
+      {plane, "axis", "three finite numbers, not all 0: [x, y, z] (default: [0.0, 0.0, 1.0])",
+       not_triple},
+      {plane,
+       "axis",
+       "three finite numbers, not all 0: [x, y, z] (default: [0.0, 0.0, 1.0])",
+       {{"[0, 0.0, -0.0]", "[0, 0.0, -0.0] (a list of 3)"}, {"\"z\"", "\"z\" (a string)"}}},
+      {box, "rotate", "three finite numbers: [x, y, z] (default: [0.0, 0.0, 0.0])", not_triple},
+  };
+  return all;
+}
+
+const std::string sphere =
+    "[[edit]]\nshape = \"sphere\"\ncenter = [1, 2, 3]\nradius = 4\n";  // lines 3 to 6
+
+TEST(EditError, CoversEveryKey) {
+  std::set<std::string> covered;
+  for (const WrongKey& key : wrong_keys()) covered.insert(key.key);
+  EXPECT_EQ(covered.size(), edit_settings().size());
+}
+
+TEST(EditError, NamesPlaceEditKeyExpectedAndFound) {
+  for (const WrongKey& key : wrong_keys()) {
+    for (const WrongValue& wrong : key.values) {
+      std::string text = sphere + "[[edit]]\n" + key.key + " = " + wrong.value + "\n";
+      if (key.key != "shape") text += "shape = " + toml_string(shape_name(key.shape)) + "\n";
+      EXPECT_EQ(error_of(least_config(text)),
+                fmt::format("/data/scan.toml:8:{}: edit 2: {}: expected {}, found {}",
+                            key.key.size() + 4, key.key, key.expected, wrong.found));
+    }
+  }
+}
+
+TEST(EditError, UnknownKeys) {
+  EXPECT_EQ(error_of(least_config(sphere + "raduis = 3\n")),
+            "/data/scan.toml:7:1: edit 1: unknown key raduis; did you mean radius? A sphere takes "
+            "op, shape, center, radius");
+  EXPECT_EQ(error_of(least_config("[[edit]]\nshape = \"plane\"\n  color = 3\n")),
+            "/data/scan.toml:5:3: edit 1: unknown key color. A plane takes op, shape, center, "
+            "axis");
+  EXPECT_EQ(error_of(least_config("[[edit]]\nshpae = \"plane\"\n")),
+            "/data/scan.toml:4:1: edit 1: unknown key shpae; did you mean shape? An edit takes op, "
+            "shape, center, radius, height, tube, size, axis, rotate");
+  EXPECT_EQ(error_of(least_config(sphere + sphere + "[edit.more]\na = 1\n")),
+            "/data/scan.toml:11:7: edit 2: unknown key more. A sphere takes op, shape, center, "
+            "radius");
+}
+
+TEST(EditError, KeysOfOtherShapes) {
+  EXPECT_EQ(error_of(least_config("[[edit]]\nheight = 3\nshape = \"sphere\"\n")),
+            "/data/scan.toml:4:1: edit 1: a sphere has no height. A sphere takes op, shape, "
+            "center, radius");
+  for (const SolidShape shape : all_shapes) {
+    for (const EditSetting& setting : edit_settings()) {
+      if (setting.taken_by(shape)) continue;
+      const std::string message =
+          error_of(least_config("[[edit]]\nshape = " + toml_string(shape_name(shape)) + "\n" +
+                                setting.key + " = " + setting.sample + "\n"));
+      EXPECT_TRUE(message.starts_with(fmt::format("/data/scan.toml:5:1: edit 1: a {} has no {}. ",
+                                                  shape_name(shape), setting.key)))
+          << message;
+    }
+  }
+}
+
+TEST(EditError, MissingKeys) {
+  EXPECT_EQ(error_of(least_config(sphere + "[[edit]]\n")),
+            "/data/scan.toml:7:1: edit 2: missing key shape (expected \"sphere\", \"box\", "
+            "\"cylinder\", \"cone\", \"torus\" or \"plane\"): Which solid it is.");
+  EXPECT_EQ(error_of(least_config("[[edit]]\nop = \"add\"\ncenter = [0, 0, 0]\nheight = 3\n")),
+            "/data/scan.toml:3:1: edit 1: missing key shape (expected \"sphere\", \"box\", "
+            "\"cylinder\", \"cone\", \"torus\" or \"plane\"): Which solid it is.");
+  for (const SolidShape shape : all_shapes) {
+    for (const EditSetting& missing : edit_settings()) {
+      if (!missing.required || !missing.taken_by(shape) || missing.key == "shape") continue;
+      std::string text = "[[edit]]\nshape = " + toml_string(shape_name(shape)) + "\n";
+      for (const EditSetting& setting : edit_settings())
+        if (setting.taken_by(shape) && setting.key != "shape" && setting.key != missing.key)
+          text += setting.key + " = " + setting.sample + "\n";
+      EXPECT_EQ(error_of(least_config(text)),
+                fmt::format("/data/scan.toml:3:1: edit 1: missing key {} (expected {}): {}",
+                            missing.key, accepted_text(missing.rule), missing.description));
+    }
+  }
+}
+
+TEST(EditError, TheTubeFitsTheRing) {
+  EXPECT_EQ(error_of(least_config("[[edit]]\nshape = \"torus\"\ncenter = [0, 0, 0]\n"
+                                  "tube = 3\nradius = 2.5\n")),
+            "/data/scan.toml:6:8: edit 1: tube = 3.0: expected at most radius = 2.5, so that the "
+            "ring has a hole; lower tube or raise radius");
+}
+
+TEST(EditError, OneTableIsNoEdit) {
+  const std::string advice =
+      "found a single table [edit]; write [[edit]], which may stand any number of times";
+  EXPECT_EQ(error_of(least_config("[edit]\nshape = \"sphere\"\n")),
+            "/data/scan.toml:3:2: " + advice);
+  EXPECT_EQ(error_of(least_config("edit.shape = \"sphere\"\n")), "/data/scan.toml:3:1: " + advice);
+  EXPECT_EQ(error_of(least_config("edit = 3\n")),
+            "/data/scan.toml:3:1: expected tables [[edit]] with keys op, shape, center, radius, "
+            "height, tube, size, axis, rotate, found 3");
+  EXPECT_EQ(error_of(least_config("edit = [1, 2]\n")),
+            "/data/scan.toml:3:1: expected tables [[edit]] with keys op, shape, center, radius, "
+            "height, tube, size, axis, rotate, found [1, 2] (a list of 2)");
+}
+
+TEST(EditError, OtherTablesAreNotLists) {
+  const std::string tables =
+      "The tables are input, work, surface, simplify, output, run, slurm and any number of "
+      "[[edit]]";
+  EXPECT_EQ(error_of(least_config("[[edits]]\nshape = \"sphere\"\n")),
+            "/data/scan.toml:3:1: unknown table [[edits]]; did you mean [[edit]]? " + tables);
+  EXPECT_EQ(error_of(least_config("[[cameras]]\n")),
+            "/data/scan.toml:3:1: unknown table [[cameras]]. " + tables);
+  EXPECT_EQ(error_of(least_config("[[ouput]]\n")),
+            "/data/scan.toml:3:1: unknown table [[ouput]]; did you mean [output]? " + tables);
+}
+
+TEST(EditError, TheFirstErrorInTheFileIsTold) {
+  EXPECT_THAT(error_of(least_config("[[edit]]\nshape = \"sphere\"\n[run]\nthreads = -1\n")),
+              ::testing::HasSubstr(":3:1: edit 1: missing key center"));
+  EXPECT_THAT(error_of(least_config("[run]\nthreads = -1\n[[edit]]\nshape = \"sphere\"\n")),
+              ::testing::HasSubstr(":4:11: run.threads: expected"));
+}
+
+TEST(EditError, OverridesDoNotNameEdits) {
+  for (const char* option : {"edit.radius=3", "edit[1].radius=3", "edit[1].radius", "edit = []",
+                             "edit", " edit.1.shape = \"box\"", "edits=3"})
+    EXPECT_EQ(error_of(least_config(sphere), {option}),
+              std::string("--set ") +
+                  toml_string(option).substr(1, toml_string(option).size() - 2) +
+                  ": edits are written in the config file only, as [[edit]] tables");
+}
+
+TEST(EditError, HostileNamesAreEscapedAndCut) {
+  const std::string message =
+      error_of(least_config("[[edit]]\n\"a\\u001b[2J" + std::string(5000, 'b') + "\" = 1\n"));
+  EXPECT_LT(message.size(), 300U);
+  EXPECT_EQ(message.find('\x1b'), std::string::npos);
+}
+
+// Whatever the bytes, the answer is a config or one InputError.
+TEST(EditError, SurvivesDamagedText) {
+  const std::string whole = least_config(sphere + "[[edit]]\nshape = \"box\"\n");
+  const auto attempt = [](const std::string& text) {
+    try {
+      testing::parse(text);
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), ::testing::HasSubstr("/data/scan.toml"));
+    }
+  };
+  for (std::size_t size = 0; size < whole.size(); ++size) attempt(whole.substr(0, size));
+  for (std::size_t at = 0; at < whole.size(); ++at) {
+    for (const char c : {'\0', '\n', '"', '[', ']', '\xff', '.', '=', '{'}) {
+      std::string text = whole;
+      text[at] = c;
+      attempt(text);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace voxweld
