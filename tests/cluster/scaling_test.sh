@@ -33,6 +33,7 @@ voxweld=$(realpath "${VOXWELD:-$here/../../build/voxweld}")
 phantom=${VOXWELD_PHANTOM:-gyroid}
 size=${VOXWELD_SIZE:-1024}
 limit=${VOXWELD_LIMIT:-7200}
+keep=${VOXWELD_KEEP:+$(realpath -m "$VOXWELD_KEEP")}
 counts=("$@")
 [ $# -gt 0 ] || counts=(1 2 3)
 most=0
@@ -188,7 +189,7 @@ measure() {
     fail "the cluster: $(cat start.log)"
   eval "$variables"
   busy=$(busy_percent)
-  step "$1 nodes of $quota % of a core; the machine is $busy % busy with other things"
+  step "a cluster, nodes: $1; the machine is $busy % busy with other things"
   begin=$EPOCHREALTIME
   timeout "$limit" "$cluster" beside "$voxweld" run scan.toml --set run.executor=slurm \
     --set "work.directory=$name.work" --set "output.directory=$name.mesh" "${settings[@]}" 2>&1 |
@@ -201,14 +202,14 @@ measure() {
   } >"$name.times"
   echo "$1 run $wall" >>figures
   slot_times "$1" <"$name.times" | sed "s/^/$1 /" >>figures
-  if [ -n "${VOXWELD_KEEP:-}" ]; then
-    mkdir -p "$VOXWELD_KEEP"
-    cp "$name.log" "$name.times" figures "$VOXWELD_KEEP"
+  if [ -n "$keep" ]; then
+    mkdir -p "$keep"
+    cp "$name.log" "$name.times" figures "$keep"
   fi
   "$cluster" stop
   started=no
   rm -rf "$name.work" "$name.mesh"
-  step "a run of $wall s on $1 nodes: the bytes of the local run"
+  step "a run of $wall s, nodes: $1; the bytes of the local run"
 }
 for count in "${counts[@]}"; do measure "$count"; done
 
