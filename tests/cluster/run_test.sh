@@ -33,12 +33,6 @@ cleanup() {
 }
 trap cleanup EXIT
 
-# All bytes of an output directory but the manifest, which has times and hosts in it.
-tree_hash() {
-  (cd "$1" && find . -type f ! -name manifest.json -print0 | sort -z | xargs -0 sha256sum) |
-    sha256sum | cut -d' ' -f1
-}
-
 # on NAME COMMAND [OPTION...]: of the config, into directories of that name.
 on() {
   local name=$1 command=$2
