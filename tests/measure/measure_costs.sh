@@ -48,6 +48,7 @@ inside = "$inside"
 copy = true
 brick = $brick
 shard = $shard
+chunk = $((brick * shard < 32 ? brick * shard : 32))
 [run]
 threads = 1
 END
