@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <set>
 #include <thread>
 
 #include "pipeline/executor/progress.h"
 #include "pipeline/run/unit_selection.h"
 #include "pipeline/slurm/batch_script.h"
+#include "pipeline/slurm/queued_tasks.h"
 #include "pipeline/slurm/slurm_text.h"
 #include "pipeline/slurm/task_cost.h"
 #include "pipeline/slurm/task_log.h"
@@ -70,24 +72,22 @@ class StageOnSlurm {
   void adopt() {
     if (options_.identity.empty()) return;
     std::size_t taken = 0;
-    std::vector<ArrayFolder> folders = ArrayFolder::all(parent_);
-    std::reverse(folders.begin(), folders.end());
-    std::set<std::int64_t> seen;
-    for (const ArrayFolder& folder : folders) {
-      const auto job = folder.job();
-      // A controller that lost its last seconds gives an id again: it is the newer folder's.
-      if (!job || !seen.insert(*job).second) continue;
+    std::vector<QueuedTasks> queued = queued_tasks(arrays_of_step(parent_), client_);
+    std::reverse(queued.begin(), queued.end());
+    for (const auto& [array, tasks] : queued) {
+      const ArrayFolder& folder = array.folder;
+      if (!folder.job()) folder.set_job(array.job);  // whoever submitted it died before
       std::set<std::int64_t> alive;
-      for (const TaskState& task : client_.tasks(std::array{*job}))
+      for (const TaskState& task : tasks)
         if (task.state != TaskState::gone) alive.insert(task.task);
       if (alive.empty()) continue;
       const std::vector<std::string> lines = folder.tasks();
-      arrays_.emplace_back(folder, lines.size());
+      keep(folder, lines.size());
       for (std::size_t i = 0; i < lines.size(); ++i) {
         const auto task = static_cast<std::int64_t>(i);
-        if (alive.count(task) != 0)
-          taken +=
-              ledger_.take_off({*job, task, folder, units_of_line(lines[i], units_), {}}) ? 1 : 0;
+        if (alive.count(task) == 0) continue;
+        const Flight flight{array.job, task, folder, units_of_line(lines[i], units_), {}};
+        taken += ledger_.take_off(flight) ? 1 : 0;
       }
     }
     if (taken > 0) spdlog::info("{}: {} tasks are in Slurm already", stage_, taken);
@@ -109,22 +109,27 @@ class StageOnSlurm {
   void submit_array(std::span<const PlannedTask> tasks) {
     std::vector<std::string> lines;
     for (const PlannedTask& task : tasks) lines.push_back(task_arguments(stage_, task));
-    const ArrayFolder folder = ArrayFolder::create(parent_, lines);
+    const ArrayFolder folder =
+        ArrayFolder::create(parent_, lines, unique_job_name(fmt::format("voxweld-{}", stage_)));
     const std::string text = stage_script(setup_, stage_, folder, tasks.size());
     write_whole_file(folder.script_path(), as_bytes(text), Durability::rename_only);
-    const std::int64_t job = client_.submit(
-        folder.script_path(), std::array{fmt::format("--job-name=voxweld-{}", stage_)});
+    const std::int64_t job = client_.submit(folder.script_path(), folder.name());
     try {
       folder.set_job(job);
     } catch (const StorageError&) {
-      client_.cancel({&job, 1});  // no later run could find it
+      client_.cancel({&job, 1});  // its tasks could not write either
       throw;
     }
-    arrays_.emplace_back(folder, tasks.size());
+    keep(folder, tasks.size());
     spdlog::info("{}: job {} of {} tasks; its script and logs: {}", stage_, job, tasks.size(),
                  folder.path().string());
     for (std::size_t i = 0; i < tasks.size(); ++i)
       ledger_.take_off({job, static_cast<std::int64_t>(i), folder, tasks[i].units, {}});
+  }
+
+  void keep(const ArrayFolder& folder, std::size_t tasks) {
+    arrays_.emplace_back(folder, tasks);
+    names_[folder.path().string()] = folder.name();
   }
 
   void look() {
@@ -138,9 +143,11 @@ class StageOnSlurm {
     std::vector<std::pair<std::int64_t, std::int64_t>> needless;
     for (Flight& flight : ledger_.flights()) {
       const auto at = states.find({flight.job, flight.task});
-      const bool over = at == states.end() || at->second.state == TaskState::gone;
-      if (over) {
-        settle(flight, at == states.end() ? std::string() : at->second.slurm_state);
+      // A controller that lost its last seconds gives an id again: then that job is another's.
+      const bool known =
+          at != states.end() && at->second.name == names_.at(flight.folder.path().string());
+      if (!known || at->second.state == TaskState::gone) {
+        settle(flight, known ? at->second.slurm_state : std::string());
       } else {
         flight.over_since.reset();
         note_done(ledger_.look(flight, looks, true));
@@ -246,6 +253,7 @@ class StageOnSlurm {
   const std::filesystem::path parent_;
   UnitLedger ledger_;
   std::vector<std::pair<ArrayFolder, std::size_t>> arrays_;  // with their tasks
+  std::map<std::string, std::string> names_;                 // of their jobs, by folder
   double pause_s_ = 0.25;  // small volumes shall not wait for large ones' manners
 };
 

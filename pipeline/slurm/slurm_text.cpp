@@ -57,7 +57,7 @@ TaskState::State state_of(std::string_view word) {
 }
 
 TaskState parse_task(std::string_view line) {
-  std::array<std::string_view, 5> fields;
+  std::array<std::string_view, 6> fields;
   std::string_view rest = line;
   // The last field, the reason, may hold anything.
   for (std::size_t i = 0; i + 1 < fields.size(); ++i) {
@@ -65,10 +65,10 @@ TaskState parse_task(std::string_view line) {
     fields[i] = rest.substr(0, bar);
     rest.remove_prefix(std::min(bar + 1, rest.size()));
   }
-  fields[4] = rest;
+  fields[5] = rest;
   const auto job = whole_number(fields[0]);
   if (!job || fields[2].empty())
-    throw StorageError(fmt::format("squeue: expected job|task|state|node|reason, found \"{}\"",
+    throw StorageError(fmt::format("squeue: expected job|task|state|node|name|reason, found \"{}\"",
                                    said(std::string(line))));
   TaskState task;
   task.job = *job;
@@ -76,7 +76,8 @@ TaskState parse_task(std::string_view line) {
   task.state = state_of(fields[2]);
   task.slurm_state = fields[2];
   task.node = fields[3];
-  task.reason = fields[4];
+  task.name = fields[4];
+  task.reason = fields[5];
   return task;
 }
 

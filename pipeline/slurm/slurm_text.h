@@ -16,7 +16,7 @@ namespace voxweld::slurm_text {
 std::optional<std::int64_t> submitted_job(const std::string& out);
 
 // For `squeue -o`: what parse_tasks reads.
-inline constexpr const char* task_format = "%F|%K|%T|%N|%r";
+inline constexpr const char* task_format = "%F|%K|%T|%N|%j|%r";
 // One task a line. Throws StorageError, quoting the line, when one is not in that format.
 std::vector<TaskState> parse_tasks(const std::string& out);
 

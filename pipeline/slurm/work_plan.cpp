@@ -7,7 +7,7 @@
 
 #include "pipeline/run/task_report.h"
 #include "pipeline/slurm/batch_script.h"
-#include "pipeline/slurm/slurm_chain.h"
+#include "pipeline/slurm/queued_tasks.h"
 #include "pipeline/slurm/task_cost.h"
 #include "pipeline/slurm/task_plan.h"
 #include "storage/spool/spool.h"
