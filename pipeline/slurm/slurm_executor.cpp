@@ -12,6 +12,7 @@
 #include "pipeline/executor/progress.h"
 #include "pipeline/run/unit_selection.h"
 #include "pipeline/slurm/batch_script.h"
+#include "pipeline/slurm/idle_watch.h"
 #include "pipeline/slurm/queued_tasks.h"
 #include "pipeline/slurm/slurm_text.h"
 #include "pipeline/slurm/task_cost.h"
@@ -150,6 +151,7 @@ class StageOnSlurm {
         settle(flight, known ? at->second.slurm_state : std::string());
       } else {
         flight.over_since.reset();
+        idle_watch_.see(at->second);
         note_done(ledger_.look(flight, looks, true));
         // One that was requeued may wait, or be held for ever, with all its results in place.
         const bool waits_for_nothing =
@@ -158,6 +160,8 @@ class StageOnSlurm {
           needless.emplace_back(flight.job, flight.task);
       }
     }
+    const std::string idle = idle_watch_.end_look(steady_seconds());
+    if (!idle.empty()) spdlog::warn("{}: {}", stage_, idle);
     ledger_.sweep();
     client_.cancel_tasks(needless);
   }
@@ -254,6 +258,7 @@ class StageOnSlurm {
   UnitLedger ledger_;
   std::vector<std::pair<ArrayFolder, std::size_t>> arrays_;  // with their tasks
   std::map<std::string, std::string> names_;                 // of their jobs, by folder
+  IdleWatch idle_watch_;
   double pause_s_ = 0.25;  // small volumes shall not wait for large ones' manners
 };
 

@@ -152,6 +152,23 @@ bool is_failed_launch(std::string_view reason) {
   return holds(reason, "launch") || holds(reason, "JobHoldMaxRequeue");
 }
 
+std::string outage_advice(const TaskState& task) {
+  if (task.state != TaskState::pending) return {};
+  const auto of = [&](const auto& known) {
+    return std::any_of(known.begin(), known.end(),
+                       [&](const char* one) { return holds(task.reason, one); });
+  };
+  // "Nodes required for job are DOWN, DRAINED or reserved for jobs in higher priority partitions",
+  // "ReqNodeNotAvail, UnavailableNodes:n1"
+  if (of(std::array{"DOWN, DRAINED", "ReqNodeNotAvail", "NodeDown"}))
+    return "`sinfo -R` says which nodes are out of use and why; change slurm.partition, or wait";
+  if (of(std::array{"PartitionDown", "PartitionInactive"}))
+    return "its partition takes no jobs now; change slurm.partition, or wait";
+  if (of(std::array{"Reservation"}))
+    return "it waits for a reservation (`scontrol show reservation`) that slurm.extra names";
+  return {};
+}
+
 bool is_unanswered(std::string_view words) {
   constexpr std::array known = {
       "unable to contact slurm controller", "connect failure", "communication connection failure",

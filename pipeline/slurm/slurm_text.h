@@ -26,6 +26,10 @@ std::string stuck_reason(const TaskState& task);
 // Whether such a reason tells of a failed launch: another node may do better.
 bool is_failed_launch(std::string_view reason);
 
+// What to do about a pending task's reason that concerns nodes out of use, which may come back;
+// empty for a task that waits its turn.
+std::string outage_advice(const TaskState& task);
+
 // Whether the words say that the controller could not be asked, so that asking again may help.
 bool is_unanswered(std::string_view words);
 // Whether they say only that a job is over or forgotten.
