@@ -63,6 +63,7 @@ class StageOnSlurm {
       pause_s_ = std::min(pause_s_ * 1.5, setup_.poll_s);
       look();
     }
+    take_from_queue();
     collect_reports();
     const std::vector<UnitError> errors = ledger_.errors();
     if (!errors.empty()) throw ErrorSet(std::string(stage_), errors);
@@ -73,6 +74,7 @@ class StageOnSlurm {
   void adopt() {
     if (options_.identity.empty()) return;
     std::size_t taken = 0;
+    earlier_ = ArrayFolder::all(parent_);
     std::vector<QueuedTasks> queued = queued_tasks(arrays_of_step(parent_), client_);
     std::reverse(queued.begin(), queued.end());
     for (const auto& [array, tasks] : queued) {
@@ -209,6 +211,22 @@ class StageOnSlurm {
     }
   }
 
+  // What waits in the queue at the end would only find that nothing is left to do: a task that was
+  // requeued after its results were seen, or whose units were done by another, an array that Slurm
+  // took late.
+  void take_from_queue() {
+    std::vector<std::string> names;
+    for (const auto& [folder, name] : names_) names.push_back(name);
+    for (const ArrayFolder& folder : earlier_)
+      if (const std::string name = folder.name(); !name.empty()) names.push_back(name);
+    try {
+      client_.cancel_pending(names);
+    } catch (const Error& error) {
+      spdlog::warn("{}: tasks that nobody waits for may be left in the queue: {}", stage_,
+                   error.what());
+    }
+  }
+
   // For the figures; a task's report comes shortly after its last result.
   void collect_reports() {
     if (options_.elsewhere == nullptr) return;
@@ -257,6 +275,7 @@ class StageOnSlurm {
   const std::filesystem::path parent_;
   UnitLedger ledger_;
   std::vector<std::pair<ArrayFolder, std::size_t>> arrays_;  // with their tasks
+  std::vector<ArrayFolder> earlier_;                         // of processes before this one
   std::map<std::string, std::string> names_;                 // of their jobs, by folder
   IdleWatch idle_watch_;
   double pause_s_ = 0.25;  // small volumes shall not wait for large ones' manners

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "pipeline/slurm/array_folder.h"
 #include "storage/support/error.h"
@@ -94,6 +95,23 @@ TEST_F(SlurmExecutorTest, AJobOfAnotherNameIsNotTakenOver) {
   queue("7|0|RUNNING|n1|voxweld-stitch-33|None\n7|1|RUNNING|n1|voxweld-stitch-33|None\n");
   run(2);
   EXPECT_EQ(slurm.calls_of("sbatch"), 1U);
+}
+
+TEST_F(SlurmExecutorTest, NothingIsLeftInTheQueue) {
+  left_behind("voxweld-build-1a").set_job(6);  // the units of both are the same
+  left_behind("voxweld-build-2b").set_job(7);
+  queue(
+      "6|0|RUNNING|n1|voxweld-build-1a|None\n6|1|PENDING||voxweld-build-1a|Resources\n"
+      "7|0|RUNNING|n1|voxweld-build-2b|None\n7|1|RUNNING|n1|voxweld-build-2b|None\n");
+  run(2);
+  EXPECT_EQ(slurm.calls_of("scancel"), 1U);
+  EXPECT_EQ(slurm.calls().back(),
+            fmt::format("scancel --state=PENDING --user={} --name=voxweld-build-1a", geteuid()));
+}
+
+TEST_F(SlurmExecutorTest, WhatCannotBeTakenFromTheQueueStopsNothing) {
+  slurm.program("squeue", "case $* in *PENDING*) echo no >&2; exit 1 ;; esac");
+  EXPECT_NO_THROW(run(1));
 }
 
 // The controller forgot the array and gave its id to somebody else.
