@@ -31,16 +31,6 @@ double steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// The keys among `units` that a line of tasks.txt names.
-std::vector<std::uint64_t> units_of_line(const std::string& line, std::span<const Unit> units) {
-  const UnitSelection selection = task_selection(line);
-  std::vector<std::uint64_t> keys;
-  for (const Unit& unit : units)
-    if (selection.contains(unit.key)) keys.push_back(unit.key);
-  std::sort(keys.begin(), keys.end());
-  return keys;
-}
-
 // One stage under way: arrays are submitted until nothing is left that is worth trying.
 class StageOnSlurm {
  public:
@@ -74,6 +64,9 @@ class StageOnSlurm {
   void adopt() {
     if (options_.identity.empty()) return;
     std::size_t taken = 0;
+    std::vector<std::uint64_t> keys;
+    for (const Unit& unit : units_) keys.push_back(unit.key);
+    std::sort(keys.begin(), keys.end());
     earlier_ = ArrayFolder::all(parent_);
     std::vector<QueuedTasks> queued = queued_tasks(arrays_of_step(parent_), client_);
     std::reverse(queued.begin(), queued.end());
@@ -89,7 +82,7 @@ class StageOnSlurm {
       for (std::size_t i = 0; i < lines.size(); ++i) {
         const auto task = static_cast<std::int64_t>(i);
         if (alive.count(task) == 0) continue;
-        const Flight flight{array.job, task, folder, units_of_line(lines[i], units_), {}};
+        const Flight flight{array.job, task, folder, task_selection(lines[i]).among(keys), {}};
         taken += ledger_.take_off(flight) ? 1 : 0;
       }
     }
