@@ -93,12 +93,7 @@ class Chain {
 
 std::vector<std::string> lines_of(const SlurmSetup& setup, StageName stage,
                                   const std::vector<Unit>& units) {
-  TaskPlanRequest request;
-  request.seconds_per_weight = seconds_per_weight(setup.folder, stage, units);
-  request.cpus_per_task = task_cpus(setup.config);
-  request.slots = setup.slots;
-  request.units_per_task = setup.config.slurm.shards_per_task;
-  std::vector<PlannedTask> tasks = plan_tasks(units, request);
+  std::vector<PlannedTask> tasks = plan_stage_tasks(setup, stage, units);
   // One array a step: where there would be more tasks than it may have, they get larger.
   const auto most = static_cast<std::size_t>(setup.config.slurm.max_array);
   std::vector<std::string> lines;

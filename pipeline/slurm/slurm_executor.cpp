@@ -91,12 +91,7 @@ class StageOnSlurm {
 
   void submit(const std::vector<Unit>& ready) {
     if (ready.empty()) return;
-    TaskPlanRequest request;
-    request.seconds_per_weight = seconds_per_weight(setup_.folder, stage_, ready);
-    request.cpus_per_task = task_cpus(setup_.config);
-    request.slots = setup_.slots;
-    request.units_per_task = setup_.config.slurm.shards_per_task;
-    const std::vector<PlannedTask> tasks = plan_tasks(ready, request);
+    const std::vector<PlannedTask> tasks = plan_stage_tasks(setup_, stage_, ready);
     const auto most = static_cast<std::size_t>(setup_.config.slurm.max_array);
     for (std::size_t at = 0; at < tasks.size(); at += most)
       submit_array(std::span(tasks).subspan(at, std::min(most, tasks.size() - at)));
