@@ -8,17 +8,14 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
+#include "storage/support/host.h"
+
 namespace voxweld {
 namespace {
 
 std::string& config_fingerprint() {
   static std::string hex;
   return hex;
-}
-
-std::string host_name() {
-  std::array<char, 256> name{};
-  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
 }
 
 nlohmann::json slurm_ids() {
