@@ -46,6 +46,22 @@ double seconds_per_weight(const fs::path& folder, StageName stage, std::span<con
   return cpu_s / static_cast<double>(done) * static_cast<double>(units.size()) / weight;
 }
 
+TaskPlanRequest task_plan_request(const Config& config, std::int64_t slots,
+                                  double seconds_per_weight) {
+  TaskPlanRequest request;
+  request.seconds_per_weight = seconds_per_weight;
+  request.cpus_per_task = task_cpus(config);
+  request.slots = slots;
+  request.units_per_task = config.slurm.shards_per_task;
+  return request;
+}
+
+std::vector<PlannedTask> plan_stage_tasks(const SlurmSetup& setup, StageName stage,
+                                          std::span<const Unit> units) {
+  const double seconds = units.empty() ? 0 : seconds_per_weight(setup.folder, stage, units);
+  return plan_tasks(units, task_plan_request(setup.config, setup.slots, seconds));
+}
+
 std::string stage_script(const SlurmSetup& setup, StageName stage, const ArrayFolder& folder,
                          std::size_t tasks, const std::string& dependency) {
   BatchScript script = batch_script(setup.config);

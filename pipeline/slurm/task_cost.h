@@ -3,10 +3,12 @@
 
 #include <filesystem>
 #include <span>
+#include <vector>
 
 #include "pipeline/executor/executor.h"
 #include "pipeline/slurm/array_folder.h"
 #include "pipeline/slurm/slurm_executor.h"
+#include "pipeline/slurm/task_plan.h"
 
 namespace voxweld {
 
@@ -17,6 +19,13 @@ double usual_seconds_per_weight(StageName stage);
 // usual figure. Precondition: units is not empty.
 double seconds_per_weight(const std::filesystem::path& folder, StageName stage,
                           std::span<const Unit> units);
+
+// As the config asks for tasks; seconds_per_weight as TaskPlanRequest has it.
+TaskPlanRequest task_plan_request(const Config& config, std::int64_t slots,
+                                  double seconds_per_weight);
+// The tasks of units of the stage, by what its tasks have cost so far.
+std::vector<PlannedTask> plan_stage_tasks(const SlurmSetup& setup, StageName stage,
+                                          std::span<const Unit> units);
 
 // The script of an array of that many tasks of the stage; dependency as BatchScript has it.
 std::string stage_script(const SlurmSetup& setup, StageName stage, const ArrayFolder& folder,

@@ -180,6 +180,38 @@ RC_GTEST_PROP(TaskPlan, ArgumentsNameTheUnits, ()) {
   }
 }
 
+RC_GTEST_PROP(TaskPlan, LinesAreReadBack, ()) {
+  const std::vector<Unit> units = random_units();
+  std::vector<std::uint64_t> some;  // as many as were still missing, and others
+  for (const Unit& unit : units)
+    if (*rc::gen::inRange(0, 3) > 0) some.push_back(unit.key);
+  some.push_back(1000000);
+  std::sort(some.begin(), some.end());
+  std::vector<std::string> lines = {"--part 0/3", "--part 2/3", "--log-level info"};
+  for (const PlannedTask& task : plan_tasks(units, {0, 1, 3, 0}))
+    lines.push_back(task_arguments("build", task));
+  for (const std::string& line : lines) {
+    const UnitSelection selection = task_selection(line);
+    std::vector<std::uint64_t> expected;
+    for (const std::uint64_t key : some)
+      if (selection.contains(key)) expected.push_back(key);
+    RC_ASSERT(selection.among(some) == expected);
+  }
+}
+
+// A driver that takes over reads them all at once.
+TEST(TaskPlan, ReadingThousandsOfLinesBackIsNothing) {
+  const std::vector<Unit> units = equal_units(262144, 1);
+  std::vector<std::uint64_t> keys;
+  for (const Unit& unit : units) keys.push_back(unit.key);
+  std::size_t found = 0;
+  const auto began = std::chrono::steady_clock::now();
+  for (const PlannedTask& task : plan_tasks(units, {0, 1, 4000, 0}))
+    found += task_selection(task_arguments("build", task)).among(keys).size();
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(2));
+  EXPECT_EQ(found, units.size());
+}
+
 TEST(TaskPlan, ArgumentsOfEachStage) {
   const PlannedTask task{{0, 1, 2, 7}, 4};
   EXPECT_EQ(task_arguments("ingest", task), "--shards 0-2,7");
