@@ -24,6 +24,7 @@
 namespace voxweld {
 namespace {
 
+constexpr double report_pause_s = 0.2;     // between two looks for reports, at least
 constexpr std::size_t looks_a_poll = 200;  // at results of tasks that are still running
 
 double steady_seconds() {
@@ -48,7 +49,7 @@ class StageOnSlurm {
     while (ledger_.open()) {
       check_interrupt();
       submit(ledger_.ready(steady_seconds()));
-      wait(pause_s_);
+      wait_for_reports(pause_s_);
       pause_s_ = std::min(pause_s_ * 1.5, setup_.poll_s);
       look();
     }
@@ -120,6 +121,45 @@ class StageOnSlurm {
   void keep(const ArrayFolder& folder, std::size_t tasks) {
     arrays_.emplace_back(folder, tasks);
     names_[folder.path().string()] = folder.name();
+  }
+
+  // Waits for the next look at the queue, and meanwhile settles what tasks report to be done: that
+  // asks the disk alone, so it can be asked often.
+  void wait_for_reports(double seconds) {
+    const double until = steady_seconds() + seconds;
+    double pause = report_pause_s;
+    while (ledger_.open() && steady_seconds() < until) {
+      wait(std::min(pause, until - steady_seconds()));
+      const double before = steady_seconds();
+      settle_reported();
+      // Never most of the time, however far the disk is.
+      pause = std::max(report_pause_s, 10 * (steady_seconds() - before));
+    }
+  }
+
+  void settle_reported() {
+    std::set<std::string> changed;
+    for (const auto& [folder, tasks] : arrays_)
+      if (has_news(folder)) changed.insert(folder.path().string());
+    if (changed.empty()) return;
+    for (Flight& flight : ledger_.flights()) {
+      if (changed.count(flight.folder.path().string()) == 0) continue;
+      const auto report = read_task_report(flight.folder.report_path(flight.task));
+      if (!report || report->exit_code != 0) continue;  // what failed may have been requeued
+      std::size_t all = flight.units.size();
+      note_done(ledger_.look(flight, all, false));
+    }
+    ledger_.sweep();
+  }
+
+  bool has_news(const ArrayFolder& folder) {
+    std::error_code error;
+    const auto time = std::filesystem::last_write_time(folder.reports(), error);
+    if (error) return false;
+    const auto [at, is_new] = reported_.try_emplace(folder.path().string(), time);
+    const bool changed = is_new || at->second != time;
+    at->second = time;
+    return changed;
   }
 
   void look() {
@@ -261,9 +301,10 @@ class StageOnSlurm {
   const RunOptions& options_;
   const std::filesystem::path parent_;
   UnitLedger ledger_;
-  std::vector<std::pair<ArrayFolder, std::size_t>> arrays_;  // with their tasks
-  std::vector<ArrayFolder> earlier_;                         // of processes before this one
-  std::map<std::string, std::string> names_;                 // of their jobs, by folder
+  std::vector<std::pair<ArrayFolder, std::size_t>> arrays_;          // with their tasks
+  std::vector<ArrayFolder> earlier_;                                 // of processes before this one
+  std::map<std::string, std::string> names_;                         // of their jobs, by folder
+  std::map<std::string, std::filesystem::file_time_type> reported_;  // when reports last came
   IdleWatch idle_watch_;
   double pause_s_ = 0.25;  // small volumes shall not wait for large ones' manners
 };

@@ -15,10 +15,10 @@ namespace voxweld {
 // Of one processor, for a weight of 1 as the stage weighs its units: measured on a desktop of 2022.
 double usual_seconds_per_weight(StageName stage);
 
-// Of one processor: from the reports below `folder` where there are any of the stage, else the
-// usual figure. Precondition: units is not empty.
+// Of one processor: from the reports below `folder` where there are any of the stage, of tasks that
+// held so many processors, else the usual figure. Precondition: units is not empty.
 double seconds_per_weight(const std::filesystem::path& folder, StageName stage,
-                          std::span<const Unit> units);
+                          std::span<const Unit> units, std::int64_t cpus_per_task);
 
 // As the config asks for tasks; seconds_per_weight as TaskPlanRequest has it.
 TaskPlanRequest task_plan_request(const Config& config, std::int64_t slots,
