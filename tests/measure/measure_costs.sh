@@ -87,7 +87,7 @@ peak_of() { jq .peak_resident_bytes "$folder/report" 2>/dev/null || echo 0; }
 measure() {
   local stage=$1 count=- files
   local command=("$voxweld" "$stage" "$config" "$2" "$3" --log-level quiet
-    --report "$folder/report")
+    --report "$folder/report" --inputs-checked)
   touch -d '1 second ago' "$folder/marker"
   if [ -n "$traced" ] && [ $(($3 % every)) -eq 0 ]; then
     sleep 1.1 # so that no file of the unit before is taken for this one's
@@ -128,7 +128,7 @@ stage_units() { # stage_units STAGE OPTION COUNT: each unit, then what closes th
 }
 stage_units ingest --shards "$shards"
 stage_units build --shards "$shards"
-timed "$voxweld" merge "$config" --log-level quiet
+timed "$voxweld" merge "$config" --inputs-checked --log-level quiet
 printf 'merge\t0\t%s\t%s\t0\t%s\t%s\t1\t-\n' "$wall" "$cpu" "$read_bytes" "$written_bytes" \
   >>"$lines"
 top=$(find "$folder/c.work" -name top.tree)

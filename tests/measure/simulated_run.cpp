@@ -89,6 +89,8 @@ class StageSimulation {
         const MeasuredUnit cost = as_preset(work_.costs[key]);
         task.units.push_back({cost.trips, cost.read_bytes + cost.written_bytes, cost.cpu_s});
       }
+      if (simulated_stages[stage_] == "encode" && choice_.looks.every_task_notes)
+        task.start.bytes += 2 * note_bytes_a_tile * all_.tiles;
       if (stage_ == merge) task.start.cpu_s += seconds(looks_.inside, all_.shards, all_.tiles);
       tasks.push_back(std::move(task));
     }
@@ -110,7 +112,8 @@ class StageSimulation {
 
   DriverLoad driver_of(const std::vector<PlannedTask>& plan) const {
     DriverLoad load;
-    load.poll_s = cluster_.poll_s;
+    load.poll_s = std::min(cluster_.poll_s, choice_.looks.poll_s);
+    load.first_pause_s = std::min(load.first_pause_s, load.poll_s);
     load.look_s =
         cluster_.queue_look_s + std::min(looks_a_poll, static_cast<double>(machine_.slots)) *
                                     cluster_.round_trip_s / choice_.looks.threads;

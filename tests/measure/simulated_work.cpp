@@ -103,9 +103,6 @@ class Drawing {
       unit.read_bytes = RowReads::rows * mix_.rows.bytes;
       unit.trips += RowReads::rows * mix_.rows.trips;
     }
-    MeasuredUnit& task = work_.stages[encode].task;
-    task.read_bytes += note_bytes_a_tile * work_.tiles;
-    task.written_bytes += note_bytes_a_tile * work_.tiles;
     return std::move(work_);
   }
 
