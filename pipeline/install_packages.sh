@@ -4,6 +4,9 @@
 # Usage: pipeline/install_packages.sh
 set -euo pipefail
 
+# shellcheck source=pipeline/apt_packages.sh
+source "$(dirname "${BASH_SOURCE[0]}")/apt_packages.sh"
+
 packages=(
   # build
   g++ cmake ninja-build pkg-config git
@@ -18,38 +21,7 @@ packages=(
   mricron-data
 )
 
-# True when the package is installed.
-is_installed() {
-  [ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
-}
-
-missing=()
-for package in "${packages[@]}"; do
-  is_installed "$package" || missing+=("$package")
-done
+want "${packages[@]}"
 # Any Node.js will do, also one that does not come from Debian.
 command -v node >/dev/null || missing+=(nodejs)
-[ ${#missing[@]} -eq 0 ] && exit 0
-
-as_root=()
-if [ "$(id -u)" -ne 0 ]; then
-  if ! command -v sudo >/dev/null; then
-    echo "install_packages: run as root, or install yourself: ${missing[*]}" >&2
-    exit 1
-  fi
-  as_root=(sudo)
-fi
-
-log=$(mktemp)
-trap 'rm -f "$log"' EXIT
-apt() {
-  if ! "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=3 \
-    -o DPkg::Lock::Timeout=300 "$@" </dev/null >"$log" 2>&1; then
-    cat "$log" >&2
-    echo "install_packages: apt-get $1 failed" >&2
-    exit 1
-  fi
-}
-echo "install_packages: installing ${#missing[@]} packages: ${missing[*]}"
-apt update
-apt install -y --no-install-recommends "${missing[@]}"
+[ ${#missing[@]} -eq 0 ] || install_missing true true

@@ -81,18 +81,13 @@ int show_status(Program& program, const ClusterArguments& arguments) {
 int cancel(Program& program, const ClusterArguments& arguments) {
   LocalExecutor here;
   const RunContext context = cluster_context(program, arguments.run, here);
-  std::vector<std::int64_t> jobs;
-  for (const KnownArray& array : known_arrays(context.config)) jobs.push_back(array.job);
   SlurmClient client = make_client(program);
-  std::vector<std::int64_t> queued;
-  if (!jobs.empty())
-    for (const TaskState& task : client.tasks(jobs))
-      if (task.state != TaskState::gone &&
-          std::find(queued.begin(), queued.end(), task.job) == queued.end())
-        queued.push_back(task.job);
-  if (!queued.empty()) client.cancel(queued);
-  fmt::print("{} {} cancelled; what is finished is kept\n", queued.size(),
-             queued.size() == 1 ? "job" : "jobs");
+  std::vector<std::int64_t> jobs;
+  for (const QueuedTasks& queued : queued_tasks(known_arrays(context.config), client))
+    if (queued.alive()) jobs.push_back(queued.array.job);
+  if (!jobs.empty()) client.cancel(jobs);
+  fmt::print("{} {} cancelled; what is finished is kept\n", jobs.size(),
+             jobs.size() == 1 ? "job" : "jobs");
   return 0;
 }
 

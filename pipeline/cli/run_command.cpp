@@ -66,6 +66,7 @@ int run_stage_command(Program& program, const RunArguments& arguments, Stage sta
   LocalExecutor executor;
   RunContext context = make_context(program, arguments, executor);
   context.selection = selection_of(arguments, stage);
+  context.inputs_checked = arguments.inputs_checked;
   const auto report = [&](const std::exception* error) {
     if (!arguments.report.empty())
       write_task_report(report_path(arguments.report),
@@ -128,6 +129,9 @@ void add_run_commands(CLI::App& app, Program& program) {
         "--report", one->report,
         "Writes how it went to this file, as JSON: time, memory, errors; in a folder the "
         "file is named after the task's number in its Slurm array");
+    command->add_flag("--inputs-checked", one->inputs_checked,
+                      "What the stage needs is known to be complete: a task among thousands does "
+                      "not look at all of it again");
     command->callback([&program, one, stage] {
       program.run = [&program, one, stage] { return run_stage_command(program, *one, stage); };
     });

@@ -11,9 +11,10 @@ struct RunArguments {
   std::vector<std::string> overrides;
   bool dry_run = false;
   bool json = false;
-  std::string units;   // of one stage: a list
-  std::string part;    // or a share, "K/N"
-  std::string report;  // where to leave a task's report
+  std::string units;            // of one stage: a list
+  std::string part;             // or a share, "K/N"
+  std::string report;           // where to leave a task's report
+  bool inputs_checked = false;  // of one stage: whoever started it looked at what it needs
 };
 
 void add_config_options(CLI::App& command, RunArguments& arguments);

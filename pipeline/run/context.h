@@ -35,6 +35,8 @@ struct RunContext {
   const InterruptFlag* interrupt = nullptr;
   int threads = 1;          // as the config has it, resolved
   UnitSelection selection;  // the units to do, where this is one task of several
+  bool inputs_checked =
+      false;  // the stages before are known to be complete: no look at all of them
   std::vector<StageReport> reports;
 
   MemoryBudget budget() const { return {config.run.memory}; }

@@ -132,6 +132,10 @@ void add_planned(const RunContext& context, const std::vector<PlannedTile>& tile
   }
 }
 
+Hash128 planned_key(const EncodeJob& job, const TopArtifact& top, bool merged) {
+  return KeyHasher().hash(job.key).hash(top.content_hash()).integer(merged ? 1 : 0).finish();
+}
+
 nlohmann::json stages_json(const RunContext& context) {
   nlohmann::json stages = nlohmann::json::array();
   for (const StageReport& report : context.reports)
@@ -262,15 +266,13 @@ void run_encode(RunContext& context, const EncodeJob& job, Manifest manifest) {
   if (!merged.why_not.empty())
     spdlog::warn("no merged mesh: {}; the tiles are complete", merged.why_not);
 
-  std::set<std::string> before = files_of_earlier_runs(job.output);
-  if (!status.current()) {
-    add_planned(context, tiles, merged.write, before);
-    begin_output(job.output, before);
-  }
+  if (!status.current())
+    begin_output(job.output, planned_key(job, top, merged.write),
+                 [&](auto& names) { add_planned(context, tiles, merged.write, names); });
   encode_missing(context, job, tiles, status, merged.write);
   if (!context.selection.all()) return;
   manifest.stages = std::make_unique<nlohmann::json>(stages_json(context));
-  write_listing(job, tiles, merged.write, std::move(before), std::move(manifest));
+  write_listing(job, tiles, merged.write, files_of_earlier_runs(job.output), std::move(manifest));
 }
 
 }  // namespace voxweld

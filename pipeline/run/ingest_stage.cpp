@@ -136,18 +136,26 @@ std::vector<std::uint64_t> missing_of(const RunContext& context, const StoreLayo
   return {missing.begin(), missing.end()};
 }
 
+// What the shards are read from together, as Unit::together: one layer's slices, the one stream,
+// or, where a shard's piece of a row is less than a few pages, the rows.
+std::uint64_t read_together(const StoreLayout& layout, const VolumeInfo& info, Index3 shard) {
+  constexpr std::uint64_t few_pages = std::uint64_t{16} << 10;
+  if (info.access == Access::stream) return 1;
+  if (info.access != Access::box) return static_cast<std::uint64_t>(shard.z) + 1;
+  const auto side = static_cast<std::uint64_t>(layout.parameters.shard);
+  if (!info.row_major || side * sample_bytes(info.type) >= few_pages) return 0;
+  return static_cast<std::uint64_t>(shard.z * layout.shard_grid().y + shard.y) + 1;
+}
+
 std::vector<Unit> units_of(const StoreLayout& layout, const std::vector<std::uint64_t>& numbers,
-                           Access access) {
+                           const VolumeInfo& info) {
   const std::vector<Index3> shards = shards_of(layout);
   std::vector<Unit> units;
   for (const std::uint64_t number : numbers) {
     const Index3& s = shards[number];
-    // Shards of one layer come from the same slices, all shards from the same stream.
-    const std::uint64_t together = access == Access::box      ? 0
-                                   : access == Access::stream ? 1
-                                                              : static_cast<std::uint64_t>(s.z) + 1;
     units.push_back({number, fmt::format("store shard {}/{}/{}", s.x, s.y, s.z),
-                     static_cast<double>(layout.shard_samples(s).count()), together});
+                     static_cast<double>(layout.shard_samples(s).count()),
+                     read_together(layout, info, s)});
   }
   return units;
 }
@@ -224,7 +232,7 @@ void write_shards(RunContext& context, const IngestJob& job,
     workers.back()->scratch.band_bytes = band_bytes;
   }
   run_stage(
-      context, stage, units_of(layout, missing, job.info.access), threads,
+      context, stage, units_of(layout, missing, job.info), threads,
       [&](const Unit& unit, WorkerContext& worker_context) {
         Worker& worker = *workers[static_cast<std::size_t>(worker_context.slot())];
         const Index3& shard = shards[unit.key];
@@ -296,7 +304,7 @@ IngestStatus ingest_status(const RunContext& context, const IngestJob& job) {
 std::vector<Unit> missing_units(const RunContext& context, const IngestJob& job) {
   if (!job.copy) return {};
   const StoreLayout layout = layout_of(context.config, job);
-  return units_of(layout, missing_of(context, layout, job), job.info.access);
+  return units_of(layout, missing_of(context, layout, job), job.info);
 }
 
 StageMemory ingest_memory(const Config& config, const IngestJob& job) {

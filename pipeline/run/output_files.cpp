@@ -24,6 +24,19 @@ std::filesystem::path note_path(const std::filesystem::path& output) {
   return output / "unfinished.files";
 }
 
+bool has_begun(const std::filesystem::path& output, Hash128 key) {
+  if (std::filesystem::exists(output / manifest_name) ||
+      !std::filesystem::exists(note_path(output)))
+    return false;
+  try {
+    return ArtifactReader(note_path(output), note_kind, note_version).key() == key;
+  } catch (const DamagedArtifact&) {
+    return false;
+  } catch (const StorageError&) {  // a task that ended the run has just taken it away
+    return false;
+  }
+}
+
 void add_noted(const std::filesystem::path& output, std::set<std::string>& names) {
   if (!std::filesystem::exists(note_path(output))) return;
   try {
@@ -54,10 +67,14 @@ std::set<std::string> files_of_earlier_runs(const std::filesystem::path& output)
   return names;
 }
 
-void begin_output(const std::filesystem::path& output, const std::set<std::string>& names) {
+void begin_output(const std::filesystem::path& output, Hash128 key,
+                  const std::function<void(std::set<std::string>&)>& planned) {
+  if (has_begun(output, key)) return;
+  std::set<std::string> names = files_of_earlier_runs(output);
+  planned(names);
   std::string text;
   for (const std::string& name : names) text.append(name).push_back('\0');
-  ArtifactWriter note(note_path(output), {note_kind, note_version, {}});
+  ArtifactWriter note(note_path(output), {note_kind, note_version, key});
   note.section(names_section, as_bytes(text));
   note.commit(Durability::fsync);
   std::filesystem::remove(output / manifest_name);

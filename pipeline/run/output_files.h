@@ -2,22 +2,29 @@
 // work, when there is no manifest, those of `unfinished.files`. So a run that follows a killed one
 // still knows what to clear away.
 //
-// unfinished.files: a container (storage/artifact/container.h) of kind "unfi", version 1; section
-// 1: names relative to the directory, each followed by a zero byte.
+// unfinished.files: a container (storage/artifact/container.h) of kind "unfi", version 1, whose key
+// is of what the run planned; section 1: names relative to the directory, each followed by a zero
+// byte.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <set>
 #include <string>
+
+#include "storage/support/hash.h"
 
 namespace voxweld {
 
 // What earlier runs wrote or were about to write. Somebody else's manifest lists nothing of ours.
 std::set<std::string> files_of_earlier_runs(const std::filesystem::path& output);
 
-// Before anything in the directory changes: notes `names` for later runs, and takes the manifest
-// away, which is about to stop being true.
-void begin_output(const std::filesystem::path& output, const std::set<std::string>& names);
+// Before anything in the directory changes: notes for later runs the names of earlier ones and the
+// `planned`, and takes the manifest away, which is about to stop being true. key: of what is
+// planned; where a task of the same run has been before this one nothing is left to do, and
+// `planned` is not asked for.
+void begin_output(const std::filesystem::path& output, Hash128 key,
+                  const std::function<void(std::set<std::string>&)>& planned);
 // After the new manifest: the note has done its work.
 void finish_output(const std::filesystem::path& output);
 // Whether the manifest and the list of tiles are there and no run was cut short before they were.

@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <functional>
 #include <set>
 
 #include "pipeline/executor/error_set.h"
@@ -145,27 +146,30 @@ void run_all(RunContext& context) {
 void run_one(RunContext& context, Stage stage) {
   Jobs jobs(context.config);
   check_budget(context, jobs);
-  const auto need = [&](Stage before, bool there) {
-    if (!there)
+  const auto need = [&](Stage before, const std::function<bool()>& there) {
+    if (!context.inputs_checked && !there())
       throw InputError(
           fmt::format("stage {} needs what stage {} makes, and that is missing or out of date; run "
                       "`voxweld {} CONFIG` first, or `voxweld run CONFIG` for all",
                       stage_name(stage), stage_name(before), stage_name(before)));
   };
   if (stage == Stage::ingest) return run_ingest(context, jobs.ingest());
-  if (context.selection.all()) need(Stage::ingest, ingest_status(context, jobs.ingest()).current());
+  if (context.selection.all())
+    need(Stage::ingest, [&] { return ingest_status(context, jobs.ingest()).current(); });
   jobs.open_volume(context.config);
   if (stage == Stage::build) return run_build(context, jobs.build());
   // A task reads the few artifacts that its share needs, and those say whether they fit.
   const bool share = !context.selection.all();
-  if (!share) need(Stage::build, build_is_current(context, jobs.build()));
+  if (!share) need(Stage::build, [&] { return build_is_current(context, jobs.build()); });
   if (stage == Stage::merge) return run_merge(context, jobs.merge());
-  need(Stage::merge, share ? merge_is_there(jobs.merge()) : merge_is_current(jobs.merge()));
+  need(Stage::merge,
+       [&] { return share ? merge_is_there(jobs.merge()) : merge_is_current(jobs.merge()); });
   check_surface(context, jobs);
   check_plan(context, jobs);
   if (stage == Stage::stitch) return run_stitch(context, jobs.stitch());
-  need(Stage::stitch,
-       missing_tiles(context, jobs.stitch(), TopArtifact(jobs.merge().path())).empty());
+  need(Stage::stitch, [&] {
+    return missing_tiles(context, jobs.stitch(), TopArtifact(jobs.merge().path())).empty();
+  });
   run_encode(context, jobs.encode(), make_manifest(context, jobs));
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <iterator>
 
 #include "storage/support/error.h"
 
@@ -66,6 +67,19 @@ std::uint64_t UnitSelection::count(std::uint64_t units) const {
   if (all()) return units;
   std::uint64_t found = 0;
   for (std::uint64_t unit = 0; unit < units; ++unit) found += contains(unit) ? 1 : 0;
+  return found;
+}
+
+std::vector<std::uint64_t> UnitSelection::among(std::span<const std::uint64_t> units) const {
+  std::vector<std::uint64_t> found;
+  const auto add = [&](auto first, auto last) {
+    std::copy_if(first, last, std::back_inserter(found),
+                 [&](std::uint64_t unit) { return unit % parts_ == part_; });
+  };
+  if (ranges_.empty()) add(units.begin(), units.end());
+  for (const Range& range : ranges_)
+    add(std::lower_bound(units.begin(), units.end(), range.first),
+        std::upper_bound(units.begin(), units.end(), range.last));
   return found;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,8 @@ class UnitSelection {
   bool all() const { return ranges_.empty() && parts_ == 1; }
   bool contains(std::uint64_t unit) const;
   std::uint64_t count(std::uint64_t units) const;  // of the first `units` those it contains
+  // Of ascending units those it contains, ascending; a list takes no longer for their number.
+  std::vector<std::uint64_t> among(std::span<const std::uint64_t> units) const;
   // InputError where the selection names units beyond the `count` that `stage` has.
   void check(std::string_view stage, std::string_view noun, std::uint64_t count) const;
 

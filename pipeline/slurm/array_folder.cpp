@@ -33,7 +33,8 @@ std::string text_of(const fs::path& path) {
 
 }  // namespace
 
-ArrayFolder ArrayFolder::create(const fs::path& parent, const std::vector<std::string>& tasks) {
+ArrayFolder ArrayFolder::create(const fs::path& parent, const std::vector<std::string>& tasks,
+                                const std::string& name) {
   make_directories(parent);
   const std::vector<ArrayFolder> before = all(parent);
   std::size_t number = before.empty() ? 0 : *number_of(before.back().path()) + 1;
@@ -50,6 +51,7 @@ ArrayFolder ArrayFolder::create(const fs::path& parent, const std::vector<std::s
     std::string text;
     for (const std::string& task : tasks) text += task + "\n";
     write_whole_file(folder.tasks_path(), as_bytes(text), Durability::rename_only);
+    write_whole_file(folder.path_ / "name", as_bytes(name + "\n"), Durability::rename_only);
     return folder;
   }
 }
@@ -83,6 +85,13 @@ std::vector<std::string> ArrayFolder::tasks() const {
     at = end + 1;
   }
   return lines;
+}
+
+std::string ArrayFolder::name() const {
+  if (!fs::exists(path_ / "name")) return {};
+  const std::string text = text_of(path_ / "name");
+  const bool whole = !text.empty() && text.find('\n') + 1 == text.size();
+  return whole ? text.substr(0, text.size() - 1) : std::string();
 }
 
 std::optional<std::int64_t> ArrayFolder::job() const {

@@ -1,7 +1,9 @@
 // What is kept of one submitted job array: <parent>/array-NNN with
 //   tasks.txt   the arguments of task N on line N + 1
 //   job.sh      the script as it was submitted
-//   job         the id Slurm gave it; missing when the submission was cut short
+//   name        the job's name, unique; written before it is submitted
+//   job         the id Slurm gave it; missing when the submission was cut short, also when whoever
+//               submitted it died before writing it: then Slurm knows the job by its name
 //   logs/       <array job>_<task>.log     reports/   <task>.json (pipeline/run/task_report.h)
 #pragma once
 
@@ -17,9 +19,9 @@ class ArrayFolder {
  public:
   ArrayFolder() = default;
   explicit ArrayFolder(std::filesystem::path path) : path_(std::move(path)) {}
-  // The next free one below `parent`, with its folders and tasks.txt.
+  // The next free one below `parent`, with its folders, tasks.txt and name.
   static ArrayFolder create(const std::filesystem::path& parent,
-                            const std::vector<std::string>& tasks);
+                            const std::vector<std::string>& tasks, const std::string& name);
   // Those below `parent`, oldest first; none where there is no such folder.
   static std::vector<ArrayFolder> all(const std::filesystem::path& parent);
 
@@ -33,6 +35,7 @@ class ArrayFolder {
   std::filesystem::path log_path(std::int64_t job, std::int64_t task) const;
 
   std::vector<std::string> tasks() const;
+  std::string name() const;  // empty where the folder was left unfinished
   std::optional<std::int64_t> job() const;
   void set_job(std::int64_t job) const;
 

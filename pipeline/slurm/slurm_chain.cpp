@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "pipeline/slurm/batch_script.h"
+#include "pipeline/slurm/queued_tasks.h"
 #include "pipeline/slurm/task_cost.h"
 #include "pipeline/slurm/task_plan.h"
 #include "storage/support/error.h"
@@ -57,7 +58,8 @@ class Chain {
 
  private:
   ArrayFolder folder_of(const std::string& name, const std::vector<std::string>& lines) const {
-    return ArrayFolder::create(setup_.folder / (chain_prefix + name), lines);
+    return ArrayFolder::create(setup_.folder / (chain_prefix + name), lines,
+                               unique_job_name("voxweld-" + name));
   }
 
   BatchScript script_of(const std::string& name, std::size_t tasks) const {
@@ -77,10 +79,9 @@ class Chain {
   void submit(const std::string& name, const ArrayFolder& folder, std::size_t tasks,
               const std::string& text) {
     write_whole_file(folder.script_path(), as_bytes(text), Durability::rename_only);
-    const std::int64_t job = client_.submit(folder.script_path(),
-                                            std::array{fmt::format("--job-name=voxweld-{}", name)});
-    folder.set_job(job);
+    const std::int64_t job = client_.submit(folder.script_path(), folder.name());
     steps_.push_back({name, job, tasks, folder.path()});
+    folder.set_job(job);
   }
 
   const SlurmSetup& setup_;
@@ -92,12 +93,7 @@ class Chain {
 
 std::vector<std::string> lines_of(const SlurmSetup& setup, StageName stage,
                                   const std::vector<Unit>& units) {
-  TaskPlanRequest request;
-  request.seconds_per_weight = seconds_per_weight(setup.folder, stage, units);
-  request.cpus_per_task = task_cpus(setup.config);
-  request.slots = setup.slots;
-  request.units_per_task = setup.config.slurm.shards_per_task;
-  std::vector<PlannedTask> tasks = plan_tasks(units, request);
+  std::vector<PlannedTask> tasks = plan_stage_tasks(setup, stage, units);
   // One array a step: where there would be more tasks than it may have, they get larger.
   const auto most = static_cast<std::size_t>(setup.config.slurm.max_array);
   std::vector<std::string> lines;
@@ -123,15 +119,12 @@ std::vector<std::string> parts(const SlurmSetup& setup, std::size_t build_tasks)
 }
 
 void refuse_if_submitted(const Config& config, SlurmClient& client) {
-  std::vector<std::int64_t> jobs;
-  for (const KnownArray& array : known_arrays(config)) jobs.push_back(array.job);
-  if (jobs.empty()) return;
-  for (const TaskState& task : client.tasks(jobs))
-    if (task.state != TaskState::gone)
+  for (const QueuedTasks& queued : queued_tasks(known_arrays(config), client))
+    if (queued.alive())
       throw InputError(
           fmt::format("job {} of this config is in Slurm already; `voxweld status` shows it, "
                       "`voxweld cancel` ends it",
-                      task.job));
+                      queued.array.job));
 }
 
 }  // namespace
@@ -164,19 +157,6 @@ std::vector<SubmittedStep> submit_chain(RunContext& context, const SlurmSetup& s
     throw;
   }
   return chain.take();
-}
-
-std::vector<KnownArray> known_arrays(const Config& config) {
-  std::vector<std::filesystem::path> steps;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(slurm_folder(config), error))
-    if (entry.is_directory(error)) steps.push_back(entry.path());
-  std::sort(steps.begin(), steps.end());
-  std::vector<KnownArray> arrays;
-  for (const auto& step : steps)
-    for (const ArrayFolder& folder : ArrayFolder::all(step))
-      if (const auto job = folder.job()) arrays.push_back({step.filename().string(), folder, *job});
-  return arrays;
 }
 
 }  // namespace voxweld

@@ -11,12 +11,10 @@
 //   finish        job     all that is missing, the merged mesh, the manifest
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "pipeline/run/jobs.h"
-#include "pipeline/slurm/array_folder.h"
 #include "pipeline/slurm/slurm_run.h"
 
 namespace voxweld {
@@ -31,14 +29,5 @@ struct SubmittedStep {
 // Throws InputError when tasks of this config are in Slurm already.
 std::vector<SubmittedStep> submit_chain(RunContext& context, const SlurmSetup& setup,
                                         SlurmClient& client);
-
-// One array or job that was ever submitted for a config.
-struct KnownArray {
-  std::string step;  // "build", or "submitted-build" of a chain
-  ArrayFolder folder;
-  std::int64_t job = 0;
-};
-// Oldest first in each step.
-std::vector<KnownArray> known_arrays(const Config& config);
 
 }  // namespace voxweld

@@ -24,6 +24,7 @@ using Words = std::vector<std::string>;
 
 constexpr milliseconds cancel_patience{30000};
 constexpr milliseconds cancel_pause{2000};
+constexpr std::size_t names_an_asking = 1000;  // the kernel takes 128 KiB a word
 
 // Settings of the user's shell that would change what the programs do here: filters and formats of
 // squeue and scancel, and what a script's own #SBATCH lines say but variables win over.
@@ -83,33 +84,6 @@ std::string silence(const CommandResult& result, milliseconds time_limit) {
   throw StorageError(fmt::format("{} failed (exit code {}): {}", program, result.exit_code, words));
 }
 
-// A name no other job has, so that a job whose id was lost on the way is found by it.
-std::string unique_name(const std::string& base) {
-  std::string name;
-  for (const char c : base) {
-    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                       c == '.' || c == '-' || c == '_';
-    name += plain ? c : '_';  // squeue reads a comma as the next name
-  }
-  std::random_device random;
-  return fmt::format("{}-{:08x}{:08x}", name, random(), random());
-}
-
-// The name the job is to have: taken out of the arguments, else as the script says, else the
-// file's.
-std::string take_name(Words& arguments, const std::filesystem::path& script) {
-  const std::string option = "--job-name=";
-  std::string name = said_by(script, option);
-  std::erase(name, '"');
-  if (name.empty()) name = script.stem().string();
-  std::erase_if(arguments, [&](const std::string& argument) {
-    if (!argument.starts_with(option)) return false;
-    name = argument.substr(option.size());
-    return true;
-  });
-  return name;
-}
-
 std::string id_list(std::span<const std::int64_t> jobs) {
   return fmt::format("{}", fmt::join(jobs, ","));
 }
@@ -142,6 +116,17 @@ constexpr std::array<Standstill, 12> standstills = {{
 }};
 
 }  // namespace
+
+std::string unique_job_name(const std::string& base) {
+  std::string name;
+  for (const char c : base) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                       c == '.' || c == '-' || c == '_';
+    name += plain ? c : '_';  // squeue reads a comma as the next name
+  }
+  std::random_device random;
+  return fmt::format("{}-{:08x}{:08x}", name, random(), random());
+}
 
 std::string standstill(const TaskState& task) {
   if (task.state != TaskState::pending) return {};
@@ -234,13 +219,32 @@ CommandResult SlurmClient::ask(std::span<const std::string> words, Patience& pat
   }
 }
 
+// Of this user's jobs of those names; states as `squeue -t` takes them.
+std::vector<TaskState> SlurmClient::named(std::span<const std::string> names,
+                                          const std::string& states, Patience& patience) const {
+  std::vector<TaskState> all;
+  while (!names.empty()) {
+    const auto some = names.first(std::min(names.size(), names_an_asking));
+    names = names.subspan(some.size());
+    const Words words = {"squeue",
+                         "-h",
+                         "-r",
+                         "-t",
+                         states,
+                         fmt::format("--user={}", geteuid()),
+                         fmt::format("--name={}", fmt::join(some, ",")),
+                         "-o",
+                         slurm_text::task_format};
+    const CommandResult result = ask(words, patience);
+    if (result.exit_code != 0) throw_refused("squeue", result);
+    for (TaskState& task : slurm_text::parse_tasks(result.out)) all.push_back(std::move(task));
+  }
+  return all;
+}
+
 std::set<std::int64_t> SlurmClient::jobs_named(const std::string& name, Patience& patience) const {
-  const Words words = {
-      "squeue", "-h", "-t", "all", "--name=" + name, "-o", slurm_text::task_format};
-  const CommandResult result = ask(words, patience);
-  if (result.exit_code != 0) throw_refused("squeue", result);
   std::set<std::int64_t> jobs;  // an array has several lines
-  for (const TaskState& task : slurm_text::parse_tasks(result.out)) jobs.insert(task.job);
+  for (const TaskState& task : named({&name, 1}, "all", patience)) jobs.insert(task.job);
   return jobs;
 }
 
@@ -287,14 +291,9 @@ void SlurmClient::cancel_named(const std::string& name) const noexcept {
   }
 }
 
-std::int64_t SlurmClient::submit(const std::filesystem::path& script,
-                                 std::span<const std::string> arguments) {
+std::int64_t SlurmClient::submit(const std::filesystem::path& script, const std::string& name) {
   if (options_.interrupt != nullptr) options_.interrupt->check();
-  Words further(arguments.begin(), arguments.end());
-  const std::string name = unique_name(take_name(further, script));
-  Words words = {"sbatch", "--parsable", "--job-name=" + name};
-  words.insert(words.end(), further.begin(), further.end());
-  words.push_back(script.string());
+  const Words words = {"sbatch", "--parsable", "--job-name=" + name, script.string()};
   try {
     return submit_named(words, name);
   } catch (const Interrupted&) {
@@ -322,23 +321,44 @@ std::vector<TaskState> SlurmClient::tasks(std::span<const std::int64_t> jobs) {
   return all;
 }
 
+std::vector<TaskState> SlurmClient::tasks_named(std::span<const std::string> names) {
+  Patience patience(options_);
+  return named(names, "all", patience);
+}
+
 void SlurmClient::cancel(std::span<const std::int64_t> jobs) {
   if (jobs.empty()) return;
   Words words = {"scancel"};
   for (const std::int64_t job : jobs) words.push_back(std::to_string(job));
-  cancel_words(words);
+  Patience patience = short_patience();
+  cancel_words(words, patience);
 }
 
 void SlurmClient::cancel_tasks(std::span<const std::pair<std::int64_t, std::int64_t>> tasks) {
   if (tasks.empty()) return;
   Words words = {"scancel"};
   for (const auto& [job, task] : tasks) words.push_back(fmt::format("{}_{}", job, task));
-  cancel_words(words);
+  Patience patience = short_patience();
+  cancel_words(words, patience);
 }
 
-void SlurmClient::cancel_words(const std::vector<std::string>& words) const {
-  Patience patience(options_, std::min(options_.patience, cancel_patience),
-                    std::min(options_.pause, cancel_pause), nullptr);
+void SlurmClient::cancel_pending(std::span<const std::string> names) {
+  Patience patience = short_patience();
+  std::set<std::string> waiting;
+  for (const TaskState& task : named(names, "PENDING", patience)) waiting.insert(task.name);
+  for (const std::string& name : waiting)
+    cancel_words(
+        Words{"scancel", "--state=PENDING", fmt::format("--user={}", geteuid()), "--name=" + name},
+        patience);
+}
+
+// Of what also has to work after a stop was asked for.
+SlurmClient::Patience SlurmClient::short_patience() const {
+  return {options_, std::min(options_.patience, cancel_patience),
+          std::min(options_.pause, cancel_pause), nullptr};
+}
+
+void SlurmClient::cancel_words(const std::vector<std::string>& words, Patience& patience) const {
   const CommandResult result = ask(words, patience);
   if (result.exit_code != 0 && !slurm_text::is_unknown_job(result.err))
     throw StorageError(fmt::format("scancel failed: {}; cancel by hand: {}",

@@ -32,6 +32,7 @@ struct TaskState {
   std::string slurm_state;  // Slurm's own word for it
   std::string reason;       // "None", "Resources", "DependencyNeverSatisfied" ...
   std::string node;         // empty before it runs
+  std::string name;         // the job's: unique_job_name() of whoever submitted it
 
   friend bool operator==(const TaskState&, const TaskState&) = default;
 };
@@ -39,6 +40,10 @@ struct TaskState {
 // Why a pending task will not start however long one waits, with the keys of [slurm] to change;
 // empty for a task that only waits its turn, or is not pending.
 std::string standstill(const TaskState& task);
+
+// "<base>-<16 hexadecimal digits>": a name no other job has, of characters that all of Slurm's
+// programs take as they are. By it a job is known even when its id was lost, or given again.
+std::string unique_job_name(const std::string& base);
 
 struct SlurmClientOptions {
   std::chrono::milliseconds time_limit{120000};  // of one command; then it counts as no answer
@@ -57,18 +62,20 @@ class SlurmClient {
  public:
   explicit SlurmClient(SlurmClientOptions options = {});
 
-  // Submits the script with further arguments of sbatch and returns the job's id. Arguments win
-  // over #SBATCH lines, and those over SBATCH_PARTITION and the like in the environment. The job is
-  // named by `--job-name=`, in the arguments or else in the script, or else by the script's file,
-  // with a unique ending: when an answer is lost, the job is looked for by it, so that nothing is
-  // submitted twice. A stop or giving up while that is open cancels the job.
+  // Submits the script as a job of that name and returns its id. #SBATCH lines win over
+  // SBATCH_PARTITION and the like in the environment. When an answer is lost, the job is looked for
+  // by its name, so that nothing is submitted twice. A stop or giving up while that is open cancels
+  // the job. Precondition: the name is from unique_job_name() and was given to no job before.
   // Throws InputError, with Slurm's words and the keys of [slurm] they are likely about, when the
   // cluster refuses what is asked for.
-  std::int64_t submit(const std::filesystem::path& script, std::span<const std::string> arguments);
+  std::int64_t submit(const std::filesystem::path& script, const std::string& name);
 
   // The tasks Slurm still knows of those jobs, one for each index of an array, in no order. Tasks
   // that are over are listed for some minutes; jobs that are forgotten are absent.
   std::vector<TaskState> tasks(std::span<const std::int64_t> jobs);
+
+  // The same of this user's jobs of those names, whatever their ids.
+  std::vector<TaskState> tasks_named(std::span<const std::string> names);
 
   // Ends the jobs and takes them from the queue; those that are over are no error. Works after a
   // stop was asked for; tries for half a minute at most.
@@ -76,6 +83,9 @@ class SlurmClient {
 
   // The same for single tasks of arrays: pairs of job and index.
   void cancel_tasks(std::span<const std::pair<std::int64_t, std::int64_t>> tasks);
+
+  // Takes from the queue what waits there of this user's jobs of those names; what runs goes on.
+  void cancel_pending(std::span<const std::string> names);
 
   // "slurm-wlm 22.05.8". To be called first: throws InputError, with what to do, when one of the
   // programs is missing.
@@ -89,8 +99,11 @@ class SlurmClient {
                     const std::vector<std::string>& hidden) const;
   CommandResult ask(std::span<const std::string> words, Patience& patience) const;
   std::int64_t submit_named(std::span<const std::string> words, const std::string& name) const;
+  std::vector<TaskState> named(std::span<const std::string> names, const std::string& states,
+                               Patience& patience) const;
   std::set<std::int64_t> jobs_named(const std::string& name, Patience& patience) const;
-  void cancel_words(const std::vector<std::string>& words) const;
+  Patience short_patience() const;
+  void cancel_words(const std::vector<std::string>& words, Patience& patience) const;
   void cancel_named(const std::string& name) const noexcept;
 
   SlurmClientOptions options_;

@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <set>
 #include <thread>
 
 #include "pipeline/executor/progress.h"
-#include "pipeline/run/unit_selection.h"
 #include "pipeline/slurm/batch_script.h"
+#include "pipeline/slurm/idle_watch.h"
+#include "pipeline/slurm/queued_tasks.h"
 #include "pipeline/slurm/slurm_text.h"
 #include "pipeline/slurm/task_cost.h"
 #include "pipeline/slurm/task_log.h"
@@ -22,20 +24,11 @@
 namespace voxweld {
 namespace {
 
+constexpr double report_pause_s = 0.2;     // between two looks for reports, at least
 constexpr std::size_t looks_a_poll = 200;  // at results of tasks that are still running
 
 double steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-// The keys among `units` that a line of tasks.txt names.
-std::vector<std::uint64_t> units_of_line(const std::string& line, std::span<const Unit> units) {
-  const UnitSelection selection = task_selection(line);
-  std::vector<std::uint64_t> keys;
-  for (const Unit& unit : units)
-    if (selection.contains(unit.key)) keys.push_back(unit.key);
-  std::sort(keys.begin(), keys.end());
-  return keys;
 }
 
 // One stage under way: arrays are submitted until nothing is left that is worth trying.
@@ -56,10 +49,11 @@ class StageOnSlurm {
     while (ledger_.open()) {
       check_interrupt();
       submit(ledger_.ready(steady_seconds()));
-      wait(pause_s_);
+      wait_for_reports(pause_s_);
       pause_s_ = std::min(pause_s_ * 1.5, setup_.poll_s);
       look();
     }
+    take_from_queue();
     collect_reports();
     const std::vector<UnitError> errors = ledger_.errors();
     if (!errors.empty()) throw ErrorSet(std::string(stage_), errors);
@@ -70,24 +64,26 @@ class StageOnSlurm {
   void adopt() {
     if (options_.identity.empty()) return;
     std::size_t taken = 0;
-    std::vector<ArrayFolder> folders = ArrayFolder::all(parent_);
-    std::reverse(folders.begin(), folders.end());
-    std::set<std::int64_t> seen;
-    for (const ArrayFolder& folder : folders) {
-      const auto job = folder.job();
-      // A controller that lost its last seconds gives an id again: it is the newer folder's.
-      if (!job || !seen.insert(*job).second) continue;
+    std::vector<std::uint64_t> keys;
+    for (const Unit& unit : units_) keys.push_back(unit.key);
+    std::sort(keys.begin(), keys.end());
+    earlier_ = ArrayFolder::all(parent_);
+    std::vector<QueuedTasks> queued = queued_tasks(arrays_of_step(parent_), client_);
+    std::reverse(queued.begin(), queued.end());
+    for (const auto& [array, tasks] : queued) {
+      const ArrayFolder& folder = array.folder;
+      if (!folder.job()) folder.set_job(array.job);  // whoever submitted it died before
       std::set<std::int64_t> alive;
-      for (const TaskState& task : client_.tasks(std::array{*job}))
+      for (const TaskState& task : tasks)
         if (task.state != TaskState::gone) alive.insert(task.task);
       if (alive.empty()) continue;
       const std::vector<std::string> lines = folder.tasks();
-      arrays_.emplace_back(folder, lines.size());
+      keep(folder, lines.size());
       for (std::size_t i = 0; i < lines.size(); ++i) {
         const auto task = static_cast<std::int64_t>(i);
-        if (alive.count(task) != 0)
-          taken +=
-              ledger_.take_off({*job, task, folder, units_of_line(lines[i], units_), {}}) ? 1 : 0;
+        if (alive.count(task) == 0) continue;
+        const Flight flight{array.job, task, folder, task_selection(lines[i]).among(keys), {}};
+        taken += ledger_.take_off(flight) ? 1 : 0;
       }
     }
     if (taken > 0) spdlog::info("{}: {} tasks are in Slurm already", stage_, taken);
@@ -95,12 +91,7 @@ class StageOnSlurm {
 
   void submit(const std::vector<Unit>& ready) {
     if (ready.empty()) return;
-    TaskPlanRequest request;
-    request.seconds_per_weight = seconds_per_weight(setup_.folder, stage_, ready);
-    request.cpus_per_task = task_cpus(setup_.config);
-    request.slots = setup_.slots;
-    request.units_per_task = setup_.config.slurm.shards_per_task;
-    const std::vector<PlannedTask> tasks = plan_tasks(ready, request);
+    const std::vector<PlannedTask> tasks = plan_stage_tasks(setup_, stage_, ready);
     const auto most = static_cast<std::size_t>(setup_.config.slurm.max_array);
     for (std::size_t at = 0; at < tasks.size(); at += most)
       submit_array(std::span(tasks).subspan(at, std::min(most, tasks.size() - at)));
@@ -109,22 +100,66 @@ class StageOnSlurm {
   void submit_array(std::span<const PlannedTask> tasks) {
     std::vector<std::string> lines;
     for (const PlannedTask& task : tasks) lines.push_back(task_arguments(stage_, task));
-    const ArrayFolder folder = ArrayFolder::create(parent_, lines);
+    const ArrayFolder folder =
+        ArrayFolder::create(parent_, lines, unique_job_name(fmt::format("voxweld-{}", stage_)));
     const std::string text = stage_script(setup_, stage_, folder, tasks.size());
     write_whole_file(folder.script_path(), as_bytes(text), Durability::rename_only);
-    const std::int64_t job = client_.submit(
-        folder.script_path(), std::array{fmt::format("--job-name=voxweld-{}", stage_)});
+    const std::int64_t job = client_.submit(folder.script_path(), folder.name());
     try {
       folder.set_job(job);
     } catch (const StorageError&) {
-      client_.cancel({&job, 1});  // no later run could find it
+      client_.cancel({&job, 1});  // its tasks could not write either
       throw;
     }
-    arrays_.emplace_back(folder, tasks.size());
+    keep(folder, tasks.size());
     spdlog::info("{}: job {} of {} tasks; its script and logs: {}", stage_, job, tasks.size(),
                  folder.path().string());
     for (std::size_t i = 0; i < tasks.size(); ++i)
       ledger_.take_off({job, static_cast<std::int64_t>(i), folder, tasks[i].units, {}});
+  }
+
+  void keep(const ArrayFolder& folder, std::size_t tasks) {
+    arrays_.emplace_back(folder, tasks);
+    names_[folder.path().string()] = folder.name();
+  }
+
+  // Waits for the next look at the queue, and meanwhile settles what tasks report to be done: that
+  // asks the disk alone, so it can be asked often.
+  void wait_for_reports(double seconds) {
+    const double until = steady_seconds() + seconds;
+    double pause = report_pause_s;
+    while (ledger_.open() && steady_seconds() < until) {
+      wait(std::min(pause, until - steady_seconds()));
+      const double before = steady_seconds();
+      settle_reported();
+      // Never most of the time, however far the disk is.
+      pause = std::max(report_pause_s, 10 * (steady_seconds() - before));
+    }
+  }
+
+  void settle_reported() {
+    std::set<std::string> changed;
+    for (const auto& [folder, tasks] : arrays_)
+      if (has_news(folder)) changed.insert(folder.path().string());
+    if (changed.empty()) return;
+    for (Flight& flight : ledger_.flights()) {
+      if (changed.count(flight.folder.path().string()) == 0) continue;
+      const auto report = read_task_report(flight.folder.report_path(flight.task));
+      if (!report || report->exit_code != 0) continue;  // what failed may have been requeued
+      std::size_t all = flight.units.size();
+      note_done(ledger_.look(flight, all, false));
+    }
+    ledger_.sweep();
+  }
+
+  bool has_news(const ArrayFolder& folder) {
+    std::error_code error;
+    const auto time = std::filesystem::last_write_time(folder.reports(), error);
+    if (error) return false;
+    const auto [at, is_new] = reported_.try_emplace(folder.path().string(), time);
+    const bool changed = is_new || at->second != time;
+    at->second = time;
+    return changed;
   }
 
   void look() {
@@ -138,11 +173,14 @@ class StageOnSlurm {
     std::vector<std::pair<std::int64_t, std::int64_t>> needless;
     for (Flight& flight : ledger_.flights()) {
       const auto at = states.find({flight.job, flight.task});
-      const bool over = at == states.end() || at->second.state == TaskState::gone;
-      if (over) {
-        settle(flight, at == states.end() ? std::string() : at->second.slurm_state);
+      // A controller that lost its last seconds gives an id again: then that job is another's.
+      const bool known =
+          at != states.end() && at->second.name == names_.at(flight.folder.path().string());
+      if (!known || at->second.state == TaskState::gone) {
+        settle(flight, known ? at->second.slurm_state : std::string());
       } else {
         flight.over_since.reset();
+        idle_watch_.see(at->second);
         note_done(ledger_.look(flight, looks, true));
         // One that was requeued may wait, or be held for ever, with all its results in place.
         const bool waits_for_nothing =
@@ -151,6 +189,8 @@ class StageOnSlurm {
           needless.emplace_back(flight.job, flight.task);
       }
     }
+    const std::string idle = idle_watch_.end_look(steady_seconds());
+    if (!idle.empty()) spdlog::warn("{}: {}", stage_, idle);
     ledger_.sweep();
     client_.cancel_tasks(needless);
   }
@@ -195,6 +235,22 @@ class StageOnSlurm {
                      flight.task, flight.units.size(), slurm_state.empty() ? "lost" : slurm_state);
       ledger_.fail(flight, end, now);
       flight.units.clear();
+    }
+  }
+
+  // What waits in the queue at the end would only find that nothing is left to do: a task that was
+  // requeued after its results were seen, or whose units were done by another, an array that Slurm
+  // took late.
+  void take_from_queue() {
+    std::vector<std::string> names;
+    for (const auto& [folder, name] : names_) names.push_back(name);
+    for (const ArrayFolder& folder : earlier_)
+      if (const std::string name = folder.name(); !name.empty()) names.push_back(name);
+    try {
+      client_.cancel_pending(names);
+    } catch (const Error& error) {
+      spdlog::warn("{}: tasks that nobody waits for may be left in the queue: {}", stage_,
+                   error.what());
     }
   }
 
@@ -245,7 +301,11 @@ class StageOnSlurm {
   const RunOptions& options_;
   const std::filesystem::path parent_;
   UnitLedger ledger_;
-  std::vector<std::pair<ArrayFolder, std::size_t>> arrays_;  // with their tasks
+  std::vector<std::pair<ArrayFolder, std::size_t>> arrays_;          // with their tasks
+  std::vector<ArrayFolder> earlier_;                                 // of processes before this one
+  std::map<std::string, std::string> names_;                         // of their jobs, by folder
+  std::map<std::string, std::filesystem::file_time_type> reported_;  // when reports last came
+  IdleWatch idle_watch_;
   double pause_s_ = 0.25;  // small volumes shall not wait for large ones' manners
 };
 

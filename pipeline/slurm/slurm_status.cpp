@@ -50,26 +50,21 @@ void look_at_results(RunContext& context, RunStatus& status) {
 }
 
 void look_at_queue(const std::vector<KnownArray>& arrays, SlurmClient& client, RunStatus& status) {
-  std::vector<std::int64_t> jobs;
-  for (const KnownArray& array : arrays) jobs.push_back(array.job);
-  if (jobs.empty()) return;
-  std::map<std::int64_t, QueuedArray> queued;
-  for (const TaskState& task : client.tasks(jobs)) {
-    if (task.state == TaskState::gone) continue;
-    QueuedArray& entry = queued[task.job];
-    const bool pending = task.state == TaskState::pending;
-    ++(pending ? entry.pending : entry.running);
-    auto& words = pending ? entry.reasons : entry.nodes;
-    const std::string& word = pending ? task.reason : task.node;
-    if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
-  }
-  for (const KnownArray& array : arrays)
-    if (const auto at = queued.find(array.job); at != queued.end()) {
-      QueuedArray entry = at->second;
-      entry.array = array;
-      std::sort(entry.nodes.begin(), entry.nodes.end());
-      status.queue.push_back(std::move(entry));
+  for (const QueuedTasks& queued : queued_tasks(arrays, client)) {
+    if (!queued.alive()) continue;
+    QueuedArray entry;
+    entry.array = queued.array;
+    for (const TaskState& task : queued.tasks) {
+      if (task.state == TaskState::gone) continue;
+      const bool pending = task.state == TaskState::pending;
+      ++(pending ? entry.pending : entry.running);
+      auto& words = pending ? entry.reasons : entry.nodes;
+      const std::string& word = pending ? task.reason : task.node;
+      if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
     }
+    std::sort(entry.nodes.begin(), entry.nodes.end());
+    status.queue.push_back(std::move(entry));
+  }
   std::sort(status.queue.begin(), status.queue.end(),
             [](const QueuedArray& a, const QueuedArray& b) { return a.array.job < b.array.job; });
 }
@@ -85,7 +80,9 @@ std::string log_text(const std::filesystem::path& path) {
 }  // namespace
 
 std::vector<FailedTask> failed_tasks(const Config& config) {
-  const std::vector<KnownArray> arrays = known_arrays(config);
+  std::vector<KnownArray> arrays = known_arrays(config);
+  // One that was not submitted repeats nothing of those before it.
+  std::erase_if(arrays, [](const KnownArray& array) { return array.job == 0; });
   std::vector<FailedTask> failed;
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     if (i + 1 < arrays.size() && arrays[i + 1].step == arrays[i].step) continue;

@@ -8,7 +8,7 @@
 
 #include "pipeline/config/settings.h"
 #include "pipeline/run/context.h"
-#include "pipeline/slurm/slurm_chain.h"
+#include "pipeline/slurm/queued_tasks.h"
 
 namespace voxweld {
 

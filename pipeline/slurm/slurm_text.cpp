@@ -57,7 +57,7 @@ TaskState::State state_of(std::string_view word) {
 }
 
 TaskState parse_task(std::string_view line) {
-  std::array<std::string_view, 5> fields;
+  std::array<std::string_view, 6> fields;
   std::string_view rest = line;
   // The last field, the reason, may hold anything.
   for (std::size_t i = 0; i + 1 < fields.size(); ++i) {
@@ -65,10 +65,10 @@ TaskState parse_task(std::string_view line) {
     fields[i] = rest.substr(0, bar);
     rest.remove_prefix(std::min(bar + 1, rest.size()));
   }
-  fields[4] = rest;
+  fields[5] = rest;
   const auto job = whole_number(fields[0]);
   if (!job || fields[2].empty())
-    throw StorageError(fmt::format("squeue: expected job|task|state|node|reason, found \"{}\"",
+    throw StorageError(fmt::format("squeue: expected job|task|state|node|name|reason, found \"{}\"",
                                    said(std::string(line))));
   TaskState task;
   task.job = *job;
@@ -76,7 +76,8 @@ TaskState parse_task(std::string_view line) {
   task.state = state_of(fields[2]);
   task.slurm_state = fields[2];
   task.node = fields[3];
-  task.reason = fields[4];
+  task.name = fields[4];
+  task.reason = fields[5];
   return task;
 }
 
@@ -149,6 +150,23 @@ std::string stuck_reason(const TaskState& task) {
 
 bool is_failed_launch(std::string_view reason) {
   return holds(reason, "launch") || holds(reason, "JobHoldMaxRequeue");
+}
+
+std::string outage_advice(const TaskState& task) {
+  if (task.state != TaskState::pending) return {};
+  const auto of = [&](const auto& known) {
+    return std::any_of(known.begin(), known.end(),
+                       [&](const char* one) { return holds(task.reason, one); });
+  };
+  // "Nodes required for job are DOWN, DRAINED or reserved for jobs in higher priority partitions",
+  // "ReqNodeNotAvail, UnavailableNodes:n1"
+  if (of(std::array{"DOWN, DRAINED", "ReqNodeNotAvail", "NodeDown"}))
+    return "`sinfo -R` says which nodes are out of use and why; change slurm.partition, or wait";
+  if (of(std::array{"PartitionDown", "PartitionInactive"}))
+    return "its partition takes no jobs now; change slurm.partition, or wait";
+  if (of(std::array{"Reservation"}))
+    return "it waits for a reservation (`scontrol show reservation`) that slurm.extra names";
+  return {};
 }
 
 bool is_unanswered(std::string_view words) {

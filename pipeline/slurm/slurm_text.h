@@ -16,7 +16,7 @@ namespace voxweld::slurm_text {
 std::optional<std::int64_t> submitted_job(const std::string& out);
 
 // For `squeue -o`: what parse_tasks reads.
-inline constexpr const char* task_format = "%F|%K|%T|%N|%r";
+inline constexpr const char* task_format = "%F|%K|%T|%N|%j|%r";
 // One task a line. Throws StorageError, quoting the line, when one is not in that format.
 std::vector<TaskState> parse_tasks(const std::string& out);
 
@@ -25,6 +25,10 @@ std::vector<TaskState> parse_tasks(const std::string& out);
 std::string stuck_reason(const TaskState& task);
 // Whether such a reason tells of a failed launch: another node may do better.
 bool is_failed_launch(std::string_view reason);
+
+// What to do about a pending task's reason that concerns nodes out of use, which may come back;
+// empty for a task that waits its turn.
+std::string outage_advice(const TaskState& task);
 
 // Whether the words say that the controller could not be asked, so that asking again may help.
 bool is_unanswered(std::string_view words);

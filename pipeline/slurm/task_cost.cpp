@@ -17,14 +17,16 @@ constexpr std::size_t enough_reports = 200;
 // A sample, a brick with a surface, a vertex or polygon, a polygon.
 double usual_seconds_per_weight(StageName stage) {
   if (stage == "ingest") return 1e-8;
-  if (stage == "build") return 0.015;
+  if (stage == "build") return 0.005;
   if (stage == "stitch") return 5e-7;
   if (stage == "encode") return 2e-6;
   return 0;
 }
 
-double seconds_per_weight(const fs::path& folder, StageName stage, std::span<const Unit> units) {
-  double cpu_s = 0, weight = 0;
+double seconds_per_weight(const fs::path& folder, StageName stage, std::span<const Unit> units,
+                          std::int64_t cpus_per_task) {
+  const auto cpus = static_cast<double>(cpus_per_task);
+  double busy_s = 0, weight = 0;
   std::uint64_t done = 0;
   std::size_t read = 0;
   std::error_code error;
@@ -35,7 +37,8 @@ double seconds_per_weight(const fs::path& folder, StageName stage, std::span<con
         if (read == enough_reports) break;
         const auto report = read_task_report(file.path());
         if (!report || report->units == 0) continue;
-        cpu_s += report->figures.cpu_s;
+        // Waiting for the file system takes the slot's time too.
+        busy_s += std::max(report->figures.cpu_s, report->figures.wall_s * cpus);
         done += report->units;
         ++read;
       }
@@ -43,7 +46,24 @@ double seconds_per_weight(const fs::path& folder, StageName stage, std::span<con
   if (done == 0) return usual_seconds_per_weight(stage);
   for (const Unit& unit : units) weight += unit.weight;
   if (weight <= 0) return 0;
-  return cpu_s / static_cast<double>(done) * static_cast<double>(units.size()) / weight;
+  return busy_s / static_cast<double>(done) * static_cast<double>(units.size()) / weight;
+}
+
+TaskPlanRequest task_plan_request(const Config& config, std::int64_t slots,
+                                  double seconds_per_weight) {
+  TaskPlanRequest request;
+  request.seconds_per_weight = seconds_per_weight;
+  request.cpus_per_task = task_cpus(config);
+  request.slots = slots;
+  request.units_per_task = config.slurm.shards_per_task;
+  return request;
+}
+
+std::vector<PlannedTask> plan_stage_tasks(const SlurmSetup& setup, StageName stage,
+                                          std::span<const Unit> units) {
+  const double seconds =
+      units.empty() ? 0 : seconds_per_weight(setup.folder, stage, units, task_cpus(setup.config));
+  return plan_tasks(units, task_plan_request(setup.config, setup.slots, seconds));
 }
 
 std::string stage_script(const SlurmSetup& setup, StageName stage, const ArrayFolder& folder,

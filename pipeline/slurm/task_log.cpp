@@ -33,13 +33,22 @@ bool holds(std::string_view text, std::string_view lower_case) {
          text.end();
 }
 
+// Slurm does without the folder it was submitted from: never why a task ended.
+bool is_of_no_account(std::string_view line) {
+  return holds(line, "couldn't chdir to");
+}
+
+// The shell's words when it cannot start a program have no "error" in them.
 bool is_error(std::string_view line) {
-  return holds(line, "error");
+  constexpr std::array known = {"error", "no such file or directory", "command not found",
+                                "cannot execute", "permission denied"};
+  return !is_of_no_account(line) &&
+         std::any_of(known.begin(), known.end(), [&](const char* one) { return holds(line, one); });
 }
 
 // The script's own first line is "... task N on HOST: ARGUMENTS".
 bool says_something(std::string_view line) {
-  return line.find_first_not_of(" \t\r") != std::string_view::npos &&
+  return line.find_first_not_of(" \t\r") != std::string_view::npos && !is_of_no_account(line) &&
          !(line.find(" task ") != std::string_view::npos &&
            line.find(": --") != std::string_view::npos);
 }

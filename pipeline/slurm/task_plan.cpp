@@ -7,7 +7,8 @@ namespace voxweld {
 namespace {
 
 constexpr double longest_s = 180;  // what a task should take at most
-constexpr double shortest_s = 5;   // and at least: Slurm takes about a second to start one
+constexpr double shortest_s = 5;   // and at least: Slurm takes about a second to start one,
+constexpr double least_s = 1;      // unless slots would stay empty for it
 constexpr double tasks_per_slot = 4;
 
 double target_weight(double total, const TaskPlanRequest& request) {
@@ -17,6 +18,7 @@ double target_weight(double total, const TaskPlanRequest& request) {
     const double per_weight =
         request.seconds_per_weight / static_cast<double>(request.cpus_per_task);
     target = std::clamp(target, shortest_s / per_weight, longest_s / per_weight);
+    target = std::min(target, std::max(total / slots, least_s / per_weight));
   }
   return target;
 }
@@ -69,7 +71,8 @@ std::vector<PlannedTask> plan_tasks(std::span<const Unit> units, const TaskPlanR
 }
 
 UnitSelection task_selection(const std::string& line) {
-  const std::string values = line.substr(line.find(' ') + 1);
+  std::string values = line.substr(line.find(' ') + 1);
+  values = values.substr(0, values.find(' '));
   if (line.starts_with("--shards ") || line.starts_with("--tiles "))
     return UnitSelection::list(values, "tasks.txt");
   if (line.starts_with("--part ")) return UnitSelection::part(values);
@@ -77,9 +80,11 @@ UnitSelection task_selection(const std::string& line) {
 }
 
 std::string task_arguments(StageName stage, const PlannedTask& task) {
-  if (stage == "merge") return "--log-level info";  // all of it, and a line must not be empty
-  const bool shards = stage == "ingest" || stage == "build";
-  return std::string(shards ? "--shards " : "--tiles ") + unit_list(task.units);
+  // The driver has looked at what the stage needs.
+  const std::string checked = "--inputs-checked";
+  if (stage == "merge") return checked;  // all of it
+  if (stage == "ingest" || stage == "build") return "--shards " + unit_list(task.units);
+  return "--tiles " + unit_list(task.units) + " " + checked;
 }
 
 }  // namespace voxweld

@@ -7,7 +7,7 @@
 
 #include "pipeline/run/task_report.h"
 #include "pipeline/slurm/batch_script.h"
-#include "pipeline/slurm/slurm_chain.h"
+#include "pipeline/slurm/queued_tasks.h"
 #include "pipeline/slurm/task_cost.h"
 #include "pipeline/slurm/task_plan.h"
 #include "storage/spool/spool.h"
@@ -43,12 +43,7 @@ std::uint64_t count_tasks(std::uint64_t units, double cpu_s, const Config& confi
     all[i].key = i;
     all[i].weight = cpu_s / static_cast<double>(units);
   }
-  TaskPlanRequest request;
-  request.seconds_per_weight = 1;
-  request.cpus_per_task = task_cpus(config);
-  request.slots = slots;
-  request.units_per_task = config.slurm.shards_per_task;
-  return plan_tasks(all, request).size();
+  return plan_tasks(all, task_plan_request(config, slots, 1)).size();
 }
 
 void add_used(const Config& config, WorkPlan& plan) {

@@ -63,6 +63,7 @@ class RawSource final : public SampleSource {
         byte_order_(layout.byte_order),
         width_(sample_bytes(info_.type)) {
     info_.access = Access::box;
+    info_.row_major = true;
     info_.largest_decode = scratch_bytes;
     const Index3 size = info_.geometry.size;
     row_bytes_ = static_cast<std::uint64_t>(size.x) * width_;

@@ -14,18 +14,12 @@
 #include <utility>
 
 #include "storage/support/error.h"
+#include "storage/support/host.h"
 
 namespace voxweld {
 namespace {
 
 constexpr std::size_t buffer_bytes = std::size_t{1} << 18;
-
-std::string host_name() {
-  char host[256] = "host";
-  if (gethostname(host, sizeof host) != 0) host[0] = '\0';
-  host[255] = '\0';
-  return host;
-}
 
 // "<name>.tmp-<host>-<process>-<16 random hexadecimal digits>"
 std::string temporary_name(const std::filesystem::path& path) {

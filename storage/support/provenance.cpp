@@ -8,6 +8,8 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
+#include "storage/support/host.h"
+
 namespace voxweld {
 namespace {
 
@@ -19,11 +21,6 @@ std::string& config_fingerprint() {
 std::string& kernels() {
   static std::string name;
   return name;
-}
-
-std::string host_name() {
-  std::array<char, 256> name{};
-  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
 }
 
 nlohmann::json slurm_ids() {

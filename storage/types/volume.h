@@ -49,6 +49,9 @@ struct VolumeInfo {
   Access access = Access::box;
   // The largest piece the reader must hold decoded at once, in bytes, beyond the caller's buffer.
   std::uint64_t largest_decode = 0;
+  // Whole rows lie one behind the other, so that boxes side by side along x share what the file
+  // system reads for each of them. Of Access::box.
+  bool row_major = false;
   std::vector<InputFile> files;
   // Things the user should hear about once: ignored fields, assumed units ...
   std::vector<std::string> warnings;

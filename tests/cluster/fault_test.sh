@@ -82,11 +82,8 @@ fail() {
 }
 say() { printf '%4d s  %s\n' "$SECONDS" "$*"; }
 
-# All bytes of an output directory but the manifest, which has times in it, and temporary files.
-tree_hash() {
-  (cd "$1" && find . -type f ! -name manifest.json ! -name '*.tmp-*' -print0 | sort -z |
-    xargs -0 sha256sum) | sha256sum | cut -d' ' -f1
-}
+# Temporary files are counted by themselves.
+mesh_hash() { tree_hash "$1" ! -name '*.tmp-*'; }
 
 [ "$(mount | grep -c " $small ")" -eq 0 ] || umount -l "$small"
 rm -rf "$folder"
@@ -122,7 +119,7 @@ prologue = ["p=$$; (for i in {1..9}; do kill -STOP $p; sleep 0.1; kill -CONT $p;
 CONFIG
 "$voxweld" run "$folder/porous.toml" --log-level warning \
   --set "work.directory=$folder/local.work" --set "output.directory=$folder/local.mesh" >/dev/null
-reference=$(tree_hash "$folder/local.mesh")
+reference=$(mesh_hash "$folder/local.mesh")
 rm -rf "$folder/local.work"
 
 started=yes
@@ -234,7 +231,7 @@ one_run() {
   find "$place" -name '*.tmp-*' -printf '          | left: %P\n' | head -n 5
   left_files[$kind]=$((left_files[$kind] + files))
   if [ "$status" -eq 0 ]; then
-    if [ "$(tree_hash "$place/mesh")" != "$reference" ]; then
+    if [ "$(mesh_hash "$place/mesh")" != "$reference" ]; then
       note=" (other bytes than the local run)"
     elif ! "$voxweld" verify "$place/mesh" >"$folder/verify" 2>&1; then
       note=" (verify: $(tail -n 1 "$folder/verify"))"

@@ -10,50 +10,19 @@ case ${1:-} in -h | --help)
   ;;
 esac
 
-packages=(slurm-wlm munge iproute2)
+# shellcheck source=pipeline/apt_packages.sh
+source "$(dirname "${BASH_SOURCE[0]}")/../../pipeline/apt_packages.sh"
 
-# True when the package is installed.
-is_installed() {
-  [ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
-}
-
-missing=()
-for package in "${packages[@]}"; do
-  is_installed "$package" || missing+=("$package")
-done
-[ ${#missing[@]} -eq 0 ] && exit 0
-
-as_root=()
-if [ "$(id -u)" -ne 0 ]; then
-  if ! command -v sudo >/dev/null; then
-    echo "install_packages: run as root, or install yourself: ${missing[*]}" >&2
-    exit 1
-  fi
-  as_root=(sudo)
-fi
-
-log=$(mktemp)
 policy=/usr/sbin/policy-rc.d # what Debian asks before it starts a service; 101 is "do not"
 own_policy=no
-cleanup() {
-  rm -f "$log"
-  [ "$own_policy" = no ] || "${as_root[@]}" rm -f "$policy"
-}
-trap cleanup EXIT
-apt() {
-  if ! "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=3 \
-    -o DPkg::Lock::Timeout=300 "$@" </dev/null >"$log" 2>&1; then
-    cat "$log" >&2
-    echo "install_packages: apt-get $1 failed" >&2
-    exit 1
-  fi
-}
-echo "install_packages: installing ${#missing[@]} packages: ${missing[*]}"
-apt update
 # A policy of the machine's own stays as it is.
-if [ ! -e "$policy" ]; then
+forbid_services() {
+  [ ! -e "$policy" ] || return 0
   own_policy=yes
   printf '#!/bin/sh\nexit 101\n' | "${as_root[@]}" tee "$policy" >/dev/null
   "${as_root[@]}" chmod 755 "$policy"
-fi
-apt install -y --no-install-recommends "${missing[@]}"
+}
+remove_policy() { [ "$own_policy" = no ] || "${as_root[@]}" rm -f "$policy"; }
+
+want slurm-wlm munge iproute2
+[ ${#missing[@]} -eq 0 ] || install_missing forbid_services remove_policy

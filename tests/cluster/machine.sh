@@ -11,7 +11,8 @@
 # so that of this machine's network there is one interface, TAG, and none of its firewall's rules
 # stand between the nodes. Every process of the cluster is in one of these namespaces: that is how
 # all of them are found, also those of a start that was cut short. TAG comes from the folder, and the
-# interface's alias names the folder.
+# interface's alias names the folder. With a QUOTA each node has a group of the cpu controller too,
+# TAG-K, at the top of its hierarchy, and what runs `beside` the nodes has TAG-beside.
 # shellcheck shell=bash
 # shellcheck disable=SC2034 # names that the other files use
 
@@ -57,7 +58,7 @@ refuse_if_taken() {
   ! owns_link || fail "a cluster runs in $dir already"
   [ ! -e "/sys/class/net/$tag" ] ||
     fail "network interface $tag belongs to $(link_owner); choose another VOXWELD_CLUSTER_DIR"
-  [ -z "$(namespaces)" ] || fail "left behind by an earlier start; run: cluster.sh stop"
+  [ -z "$(namespaces)$(groups_of_cluster)" ] || fail "left behind by an earlier start; run: cluster.sh stop"
   [ -z "$(ip -4 -o addr show to "$net.0/24")" ] ||
     fail "this machine has an address in $net.0/24; choose another VOXWELD_CLUSTER_DIR"
 }
@@ -86,6 +87,7 @@ why_unsupported() {
     ip -n probe link set uplink master bridge up
     nsenter --net=/run/netns/probe true' >/dev/null 2>&1 ||
     fail "unsupported: no network namespaces with veth and bridge here (ip)"
+  [ -z "${QUOTA:-}" ] || why_no_quota
 }
 
 namespaces() {
@@ -97,12 +99,97 @@ namespaces() {
 machines() { namespaces | sed -n "s/^$tag-\([0-9]\{1,\}\)$/\1/p" | sort -n; }
 is_machine() { [[ $1 =~ ^[0-9]+$ ]] && [ -e "/run/netns/$tag-$1" ]; }
 
+# Where the cpu controller may be: the tops of its hierarchies, those of version 1 first.
+cpu_hierarchies() {
+  awk '$3 == "cgroup" && ("," $4 ",") ~ /,cpu,/ { print $2 }' /proc/self/mounts
+  awk '$3 == "cgroup2" { print $2 }' /proc/self/mounts
+}
+groups_of_cluster() {
+  local top folder
+  for top in $(cpu_hierarchies); do
+    for folder in "$top/$tag-"*/; do [ ! -d "$folder" ] || echo "${folder%/}"; done
+  done
+}
+
+# A period short enough for the speed to be even within a second; the kernel's least quota is 1 ms.
+readonly quota_period_us=20000
+readonly least_quota=5
+
+# try_group FOLDER PERCENT: makes a group held to so much of a core.
+try_group() {
+  local top=${1%/*}
+  if [ -e "$top/cgroup.controllers" ]; then
+    grep -qw cpu "$top/cgroup.controllers" || return 1
+    grep -qw cpu "$top/cgroup.subtree_control" || echo +cpu >"$top/cgroup.subtree_control" || return 1
+    mkdir "$1" || return 1
+    echo "$((quota_period_us * $2 / 100)) $quota_period_us" >"$1/cpu.max" && return 0
+  else
+    mkdir "$1" || return 1
+    echo "$quota_period_us" >"$1/cpu.cfs_period_us" &&
+      echo "$((quota_period_us * $2 / 100))" >"$1/cpu.cfs_quota_us" && return 0
+  fi
+  rmdir "$1"
+  return 1
+} 2>/dev/null
+
+# why_no_quota: says what is missing for a QUOTA, if anything is, by making a group.
+why_no_quota() {
+  local top probe
+  for top in $(cpu_hierarchies); do
+    probe=$top/vxwprobe$$
+    if try_group "$probe" 50; then
+      rmdir "$probe"
+      return 0
+    fi
+  done
+  local tops
+  tops=$(cpu_hierarchies | paste -sd ' ')
+  fail "unsupported: QUOTA needs the cpu controller of cgroups, and neither cpu.cfs_quota_us" \
+    "(version 1) nor cpu.max (version 2) can be set; looked in: ${tops:-none is mounted}"
+}
+
+# make_group NAME PERCENT: for a node or what runs beside them.
+make_group() {
+  local top
+  for top in $(cpu_hierarchies); do
+    ! try_group "$top/$tag-$1" "$2" || return 0
+  done
+  fail "cannot make a group of the cpu controller for $1"
+}
+
+# enter_group NAME: from now on this process and its children, where there is such a group.
+enter_group() {
+  local folder
+  for folder in $(groups_of_cluster); do
+    [ "${folder##*/}" != "$tag-$1" ] || echo "$BASHPID" >"$folder/cgroup.procs"
+  done
+}
+
+# What still runs there, which is nobody's node, goes on unheld.
+removed_group() {
+  local pid
+  while read -r pid; do
+    echo "$pid" >"${1%/*}/cgroup.procs" || true
+  done <"$1/cgroup.procs"
+  rmdir "$1"
+} 2>/dev/null
+
+remove_groups() {
+  local folder
+  for folder in $(groups_of_cluster); do
+    wait_for 20 "the group $folder to be removed" removed_group "$folder"
+  done
+}
+
 # launch NAME COMMAND...: COMMAND in the network of head or node NAME, detached from the caller.
 launch() {
   local name=$1
   shift
-  (setsid nsenter --net="/run/netns/$tag-$name" env -i "PATH=$system_path" LANG=C.UTF-8 HOME=/root \
-    SHELL=/bin/bash "SLURM_CONF=$SLURM_CONF" "$@" </dev/null >>"$logs/$name.out" 2>&1 &)
+  (
+    enter_group "$name"
+    setsid nsenter --net="/run/netns/$tag-$name" env -i "PATH=$system_path" LANG=C.UTF-8 HOME=/root \
+      SHELL=/bin/bash "SLURM_CONF=$SLURM_CONF" "$@" </dev/null >>"$logs/$name.out" 2>&1 &
+  )
 }
 
 make_head() {
@@ -199,6 +286,7 @@ run_on() {
   local first
   first=$(first_process "$1")
   [ -n "$first" ] || fail "node $1 is down"
+  enter_group "$1"
   shift
   # shellcheck disable=SC2016 # variables of the shell on the node
   exec nsenter --target "$first" --pid --mount --uts --ipc --net \

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # Runs of voxweld on the test cluster, whose nodes differ in processors: driven from here and handed
-# over, both end in the bytes of a local run; a cancelled one is taken up again; what cannot run is
-# refused; an image that cannot be read stops no more than its layer. Prints a line a step with its
-# seconds. Exits 77 (skipped) where a cluster cannot be made.
+# over, both end in the bytes of a local run; a cancelled one is taken up again, and so is one whose
+# driver died at the worst moment; what cannot run is refused; an image that cannot be read stops no
+# more than its layer. Prints a line a step with its seconds. Exits 77 (skipped) where a cluster
+# cannot be made.
 # Usage: tests/cluster/run_test.sh [VOXWELD]        (default: build/voxweld)
 set -euo pipefail
 case ${1:-} in -h | --help)
-  sed -n '2,6s/^# //p' "$0"
+  sed -n '2,7s/^# //p' "$0"
   exit 0
   ;;
 esac
@@ -32,12 +33,6 @@ cleanup() {
   rm -rf "$folder"
 }
 trap cleanup EXIT
-
-# All bytes of an output directory but the manifest, which has times and hosts in it.
-tree_hash() {
-  (cd "$1" && find . -type f ! -name manifest.json -print0 | sort -z | xargs -0 sha256sum) |
-    sha256sum | cut -d' ' -f1
-}
 
 # on NAME COMMAND [OPTION...]: of the config, into directories of that name.
 on() {
@@ -125,6 +120,27 @@ for artifact in $(find "$data/mixed.work" -name '*.octree'); do
 done | sort | uniq -c >"$data/kernels.log"
 [ "$(wc -l <"$data/kernels.log")" -gt 1 ] || fail "all octrees are of one kind of processor: $(cat "$data/kernels.log")"
 step "nodes of different processors: the same bytes"
+
+# The driver dies when Slurm has taken its first array and nobody knows the id.
+mkdir "$data/early"
+cat >"$data/early/sbatch" <<END
+#!/bin/bash
+"$(command -v sbatch)" "\$@" || exit
+[[ \$* = *--version* ]] || kill -9 \$PPID
+END
+chmod +x "$data/early/sbatch"
+! (PATH=$data/early:$PATH on orphan run --set run.executor=slurm \
+  --set 'slurm.prologue=["sleep 3"]') 2>/dev/null || fail "the driver did not die"
+[ -z "$(find "$data/orphan.work/slurm" -name job)" ] || fail "the id was written"
+! on orphan status || fail "finished without a driver"
+grep -q "^job [0-9]* (ingest" "$data/orphan.status.log" ||
+  fail "status does not know the array: $(cat "$data/orphan.status.log")"
+on orphan run --set run.executor=slurm || fail "the run after it"
+grep -q "ingest: [0-9]* tasks are in Slurm already" "$data/orphan.run.log" ||
+  fail "it was not taken over: $(cat "$data/orphan.run.log")"
+! grep -q "ingest: job" "$data/orphan.run.log" || fail "it was submitted twice"
+same orphan
+step "a driver that died before it knew its job's id: taken over"
 
 ! on greedy run --set run.executor=slurm --set slurm.cpus_per_task=64 || fail "64 processors"
 grep -q "slurm.cpus_per_task" "$data/greedy.run.log" || fail "$(cat "$data/greedy.run.log")"

@@ -27,3 +27,10 @@ step() { # step WHAT: says that it is done, and how long it took
   printf '%5s s  %s\n' "$(((now - began) / 1000000)).$(((now - began) / 100000 % 10))" "$1"
   began=$now
 }
+
+# tree_hash DIRECTORY [FIND_TEST...]: of all bytes of an output directory but the manifest, which has
+# times and hosts in it, and but what the tests of find leave out.
+tree_hash() {
+  (cd "$1" && shift && find . -type f ! -name manifest.json "$@" -print0 | sort -z |
+    xargs -0 sha256sum) | sha256sum | cut -d' ' -f1
+}

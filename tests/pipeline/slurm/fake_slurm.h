@@ -56,6 +56,37 @@ class FakeSlurm {
   std::string path_before_;
 };
 
+// sbatch and squeue of a cluster where nothing ever starts: what is submitted is pending, one
+// task a line of the file "queue" in slurm.path(), as slurm_text::task_format has them; ids from
+// 101.
+inline void give_queue(FakeSlurm& slurm) {
+  slurm.program("sbatch", R"(for word in "$@"; do
+  case $word in --job-name=*) name=${word#*=} ;; esac
+done
+last=$(sed -n 's/^#SBATCH --array=0-\([0-9]*\).*/\1/p' "${@: -1}")
+for task in $(seq 0 "$last"); do
+  echo "$((100 + n))|$task|PENDING||$name|Resources" >>"$dir/queue"
+done
+echo $((100 + n)))");
+  slurm.program("squeue", R"(ids='' names='' states=all
+while [ $# -gt 0 ]; do
+  case $1 in
+    -j) ids=,$2, ;;
+    -t) states=$2 ;;
+    --name=*) names=,${1#*=}, ;;
+  esac
+  shift
+done
+touch "$dir/queue"
+while IFS='|' read -r job task state node name reason; do
+  [ -z "$ids" ] || [[ $ids = *",$job,"* ]] || continue
+  [ -z "$names" ] || [[ $names = *",$name,"* ]] || continue
+  [ "$states" = all ] || [ "$states" = "$state" ] || continue
+  echo "$job|$task|$state|$node|$name|$reason"
+done <"$dir/queue"
+exit 0)");
+}
+
 // Does not wait between tries; counts how long it would have.
 struct NoWaiting {
   std::chrono::milliseconds waited{0};

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdlib>
 
@@ -23,49 +24,59 @@ using Words = std::vector<std::string>;
 TEST(SlurmClient, Submits) {
   FakeSlurm slurm;
   slurm.program("sbatch", "echo 77");
-  EXPECT_EQ(SlurmClient().submit("/data/a b/build.sbatch", Words{"--hold", "--nice=5"}), 77);
-  ASSERT_EQ(slurm.calls().size(), 1U);
-  EXPECT_THAT(slurm.calls()[0],
-              MatchesRegex("sbatch --parsable --job-name=build-[0-9a-f]{16} --hold --nice=5 "
-                           "/data/a b/build.sbatch"));
+  EXPECT_EQ(SlurmClient().submit("/data/a b/build.sbatch", "build-1"), 77);
+  EXPECT_EQ(slurm.calls(), Words{"sbatch --parsable --job-name=build-1 /data/a b/build.sbatch"});
 }
 
 TEST(SlurmClient, NamesAreUniqueAndSafeToAskFor) {
-  FakeSlurm slurm;
-  slurm.program("sbatch", "echo 77");
-  SlurmClient client;
-  client.submit("/data/x.sbatch", Words{"--job-name=voxweld, head 'a'"});
-  client.submit("/data/x.sbatch", Words{"--job-name=voxweld, head 'a'"});
-  const Words calls = slurm.calls();
-  ASSERT_EQ(calls.size(), 2U);
-  EXPECT_THAT(calls[0], MatchesRegex("sbatch --parsable --job-name=voxweld__head__a_-[0-9a-f]{16} "
-                                     "/data/x.sbatch"));
-  EXPECT_NE(calls[0], calls[1]);
-}
-
-TEST(SlurmClient, TheScriptMayNameTheJob) {
-  FakeSlurm slurm;
-  slurm.program("sbatch", "echo 77");
-  const auto script = slurm.path() / "x.sbatch";
-  std::ofstream(script) << "#!/bin/bash\n#SBATCH --job-name=\"build head\"\n";
-  SlurmClient().submit(script, {});
-  EXPECT_THAT(slurm.calls().at(0), HasSubstr(" --job-name=build_head-"));
+  const std::string name = unique_job_name("voxweld, head 'a'");
+  EXPECT_THAT(name, MatchesRegex("voxweld__head__a_-[0-9a-f]{16}"));
+  EXPECT_NE(name, unique_job_name("voxweld, head 'a'"));
 }
 
 TEST(SlurmClient, ListsTasks) {
   FakeSlurm slurm;
-  slurm.program("squeue", "echo '5|0|RUNNING|n1|None'; echo '6|N/A|PENDING||Resources'");
+  slurm.program("squeue", "echo '5|0|RUNNING|n1|x-1|None'; echo '6|N/A|PENDING||y|Resources'");
   const auto tasks = SlurmClient().tasks(Jobs{5, 6});
   ASSERT_EQ(tasks.size(), 2U);
-  EXPECT_EQ(tasks[0], (TaskState{5, 0, TaskState::running, "RUNNING", "None", "n1"}));
-  EXPECT_EQ(tasks[1], (TaskState{6, -1, TaskState::pending, "PENDING", "Resources", ""}));
-  EXPECT_EQ(slurm.calls(), Words{"squeue -h -r -t all -j 5,6 -o %F|%K|%T|%N|%r"});
+  EXPECT_EQ(tasks[0], (TaskState{5, 0, TaskState::running, "RUNNING", "None", "n1", "x-1"}));
+  EXPECT_EQ(tasks[1], (TaskState{6, -1, TaskState::pending, "PENDING", "Resources", "", "y"}));
+  EXPECT_EQ(slurm.calls(), Words{"squeue -h -r -t all -j 5,6 -o %F|%K|%T|%N|%j|%r"});
+}
+
+TEST(SlurmClient, ListsTasksByName) {
+  FakeSlurm slurm;
+  slurm.program("squeue", "echo '5|0|RUNNING|n1|x-1|None'");
+  const auto tasks = SlurmClient().tasks_named(Words{"x-1", "x-2"});
+  ASSERT_EQ(tasks.size(), 1U);
+  EXPECT_EQ(tasks[0].job, 5);
+  EXPECT_EQ(slurm.calls(), Words{fmt::format("squeue -h -r -t all --user={} --name=x-1,x-2 -o "
+                                             "%F|%K|%T|%N|%j|%r",
+                                             geteuid())});
+}
+
+TEST(SlurmClient, AThousandNamesAreAskedForInTurns) {
+  FakeSlurm slurm;
+  slurm.program("squeue", "echo \"$n|0|RUNNING|n1|x-1|None\"");
+  EXPECT_EQ(SlurmClient().tasks_named(Words(2500, unique_job_name("voxweld-build"))).size(), 3U);
+}
+
+TEST(SlurmClient, TakesFromTheQueueOnlyWhatWaits) {
+  FakeSlurm slurm;
+  slurm.program("squeue", "echo '5|0|PENDING||x-2|Resources'; echo '5|1|PENDING||x-2|Resources'");
+  SlurmClient().cancel_pending(Words{"x-1", "x-2"});
+  ASSERT_EQ(slurm.calls().size(), 2U);
+  EXPECT_THAT(slurm.calls()[0], HasSubstr(" -t PENDING "));
+  EXPECT_EQ(slurm.calls()[1],
+            fmt::format("scancel --state=PENDING --user={} --name=x-2", geteuid()));
 }
 
 TEST(SlurmClient, NoJobsNoQuestions) {
   FakeSlurm slurm;
   SlurmClient client;
   EXPECT_TRUE(client.tasks({}).empty());
+  EXPECT_TRUE(client.tasks_named({}).empty());
+  client.cancel_pending({});
   client.cancel({});
   EXPECT_THAT(slurm.calls(), IsEmpty());
 }
@@ -73,7 +84,7 @@ TEST(SlurmClient, NoJobsNoQuestions) {
 TEST(SlurmClient, ForgottenJobsAreAbsent) {
   FakeSlurm slurm;
   slurm.program("squeue", R"(case "$*" in
-  *'-j 6 '*) echo '6|2|RUNNING|n1|None' ;;
+  *'-j 6 '*) echo '6|2|RUNNING|n1|x|None' ;;
   *) echo 'slurm_load_jobs error: Invalid job id specified' >&2; exit 1 ;;
 esac)");
   SlurmClient client;
@@ -120,11 +131,11 @@ TEST(SlurmClient, TheUsersSettingsOfTheProgramsDoNotReachThem) {
   setenv("SQUEUE_PARTITION", "other", 1);
   setenv("SBATCH_ARRAY_INX", "1-3", 1);
   setenv("SBATCH_ACCOUNT", "mine", 1);
-  slurm.program("squeue", "echo \"5|0|${SQUEUE_PARTITION-RUNNING}|n1|None\"");
+  slurm.program("squeue", "echo \"5|0|${SQUEUE_PARTITION-RUNNING}|n1|x|None\"");
   slurm.program("sbatch",
                 "[ \"${SBATCH_ARRAY_INX-none} $SBATCH_ACCOUNT\" = 'none mine' ] && echo 3");
   EXPECT_EQ(SlurmClient().tasks(Jobs{5}).at(0).slurm_state, "RUNNING");
-  EXPECT_EQ(SlurmClient().submit("/x.sbatch", {}), 3);
+  EXPECT_EQ(SlurmClient().submit("/x.sbatch", "x-1"), 3);
   for (const char* name : {"SQUEUE_PARTITION", "SBATCH_ARRAY_INX", "SBATCH_ACCOUNT"})
     unsetenv(name);
 }
@@ -135,9 +146,9 @@ TEST(SlurmClient, TheScriptWinsOverTheEnvironment) {
   slurm.program("sbatch", "[ -z \"${SBATCH_PARTITION-}\" ] && echo 1 || echo 2");
   const auto script = slurm.path() / "x.sbatch";
   std::ofstream(script) << "#!/bin/bash\n#SBATCH --time=10\n";
-  EXPECT_EQ(SlurmClient().submit(script, {}), 2);
+  EXPECT_EQ(SlurmClient().submit(script, "x-1"), 2);
   std::ofstream(script) << "#!/bin/bash\n#SBATCH --partition=long\n";
-  EXPECT_EQ(SlurmClient().submit(script, {}), 1);
+  EXPECT_EQ(SlurmClient().submit(script, "x-1"), 1);
   unsetenv("SBATCH_PARTITION");
 }
 
@@ -209,14 +220,14 @@ TEST(SlurmClient, RefusedRequestsNameTheirKeys) {
                 "echo 'sbatch: error: invalid partition specified: nowhere' >&2\n"
                 "echo 'sbatch: error: Batch job submission failed: Invalid partition name "
                 "specified' >&2; exit 1");
-  EXPECT_EQ(input_error([&] { SlurmClient(now.options()).submit("/x.sbatch", {}); }),
+  EXPECT_EQ(input_error([&] { SlurmClient(now.options()).submit("/x.sbatch", "x-1"); }),
             "sbatch: the cluster refuses the job: invalid partition specified: nowhere; Batch job "
             "submission failed: Invalid partition name specified; this is likely about "
             "slurm.partition");
   EXPECT_EQ(now.waited.count(), 0);
   EXPECT_EQ(slurm.calls().size(), 1U) << "nothing was submitted, so nothing is looked for";
   slurm.program("sbatch", "echo 'sbatch: error: Unspecified error' >&2; exit 1");
-  EXPECT_THROW(SlurmClient(now.options()).submit("/x.sbatch", {}), StorageError);
+  EXPECT_THROW(SlurmClient(now.options()).submit("/x.sbatch", "x-1"), StorageError);
 }
 
 }  // namespace

@@ -18,20 +18,20 @@ TEST(SlurmText, ReadsJobIds) {
 
 TEST(SlurmText, ReadsTasks) {
   const auto tasks = parse_tasks(
-      "12|0|RUNNING|node[1-2]|None\n"
-      "12|7|PENDING||(launch failed | requeued held)\n"
-      "13|N/A|COMPLETED|node3|None\n");
+      "12|0|RUNNING|node[1-2]|x-1|None\n"
+      "12|7|PENDING||x-1|(launch failed | requeued held)\n"
+      "13|N/A|COMPLETED|node3|a b|None\n");
   const std::vector<TaskState> expected = {
-      {12, 0, TaskState::running, "RUNNING", "None", "node[1-2]"},
-      {12, 7, TaskState::pending, "PENDING", "(launch failed | requeued held)", ""},
-      {13, -1, TaskState::gone, "COMPLETED", "None", "node3"}};
+      {12, 0, TaskState::running, "RUNNING", "None", "node[1-2]", "x-1"},
+      {12, 7, TaskState::pending, "PENDING", "(launch failed | requeued held)", "", "x-1"},
+      {13, -1, TaskState::gone, "COMPLETED", "None", "node3", "a b"}};
   EXPECT_EQ(tasks, expected);
   EXPECT_TRUE(parse_tasks("").empty());
 }
 
 TEST(SlurmText, KnowsSlurmsWordsForStates) {
   const auto state = [](const std::string& word) {
-    return parse_tasks("1|2|" + word + "||\n").at(0).state;
+    return parse_tasks("1|2|" + word + "|||\n").at(0).state;
   };
   for (const char* word : {"PENDING", "REQUEUED", "REQUEUE_HOLD", "SPECIAL_EXIT"})
     EXPECT_EQ(state(word), TaskState::pending) << word;
@@ -45,7 +45,8 @@ TEST(SlurmText, KnowsSlurmsWordsForStates) {
 }
 
 TEST(SlurmText, RefusesOtherLines) {
-  for (const char* wrong : {"JOBID PARTITION\n", "12\n", "12|3\n", "x|3|RUNNING||\n", "12|3|||\n"})
+  for (const char* wrong :
+       {"JOBID PARTITION\n", "12\n", "12|3\n", "x|3|RUNNING|||\n", "12|3||||\n"})
     EXPECT_THROW(parse_tasks(wrong), StorageError) << wrong;
 }
 

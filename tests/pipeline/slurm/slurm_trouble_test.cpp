@@ -49,7 +49,7 @@ TEST(SlurmTrouble, AsksAgainWithOneWarning) {
   FakeSlurm slurm;
   NoWaiting now;
   Warnings warnings;
-  slurm.program("squeue", first_calls(3, failing(unreachable), "echo '5|0|RUNNING|n1|None'"));
+  slurm.program("squeue", first_calls(3, failing(unreachable), "echo '5|0|RUNNING|n1|x|None'"));
   EXPECT_EQ(SlurmClient(now.options()).tasks(Jobs{5}).size(), 1U);
   EXPECT_EQ(slurm.calls_of("squeue"), 4U);
   EXPECT_EQ(now.waited, milliseconds(30000));
@@ -75,7 +75,7 @@ TEST(SlurmTrouble, ACommandThatHangsIsNoAnswer) {
   FakeSlurm slurm;
   NoWaiting now;
   Warnings warnings;
-  slurm.program("squeue", first_calls(1, "sleep 60", "echo '5|0|RUNNING|n1|None'"));
+  slurm.program("squeue", first_calls(1, "sleep 60", "echo '5|0|RUNNING|n1|x|None'"));
   SlurmClientOptions options = now.options();
   options.time_limit = milliseconds(500);
   EXPECT_EQ(SlurmClient(options).tasks(Jobs{5}).size(), 1U);
@@ -87,7 +87,7 @@ TEST(SlurmTrouble, SubmitsWhenTheControllerIsBack) {
   NoWaiting now;
   Warnings warnings;
   slurm.program("sbatch", first_calls(2, failing(unreachable), "echo 9"));
-  EXPECT_EQ(SlurmClient(now.options()).submit("/x.sbatch", {}), 9);
+  EXPECT_EQ(SlurmClient(now.options()).submit("/x.sbatch", "x-1"), 9);
   EXPECT_EQ(slurm.calls_of("sbatch"), 3U);
   EXPECT_EQ(slurm.calls_of("squeue"), 5U) << "looked for twice after each failure";
   EXPECT_EQ(slurm.calls_of("scancel"), 0U);
@@ -103,7 +103,7 @@ for word in "$@"; do
   case $word in --name=*) name=${word#*=} ;; esac
 done
 while IFS='|' read -r job jobname; do
-  [ "$jobname" = "$name" ] && echo "$job|0-9|PENDING||None" && echo "$job|10|RUNNING|n1|None"
+  [ "$jobname" = "$name" ] && echo "$job|0|PENDING||$name|None" && echo "$job|10|RUNNING|n1|$name|None"
 done <"$dir/queue"
 exit 0)";
 
@@ -113,7 +113,7 @@ TEST(SlurmTrouble, AJobWhoseIdWasLostIsFoundByItsName) {
   Warnings warnings;
   slurm.program("sbatch", takes_the_job + failing("Socket timed out on send/recv operation"));
   slurm.program("squeue", looks_in_queue);
-  EXPECT_EQ(SlurmClient(now.options()).submit("/x.sbatch", {}), 41);
+  EXPECT_EQ(SlurmClient(now.options()).submit("/x.sbatch", "x-1"), 41);
   EXPECT_EQ(slurm.calls_of("sbatch"), 1U) << "submitted once";
 }
 
@@ -125,7 +125,7 @@ TEST(SlurmTrouble, SoIsOneWhoseSbatchHung) {
   slurm.program("squeue", first_calls(2, failing(unreachable), looks_in_queue));
   SlurmClientOptions options = now.options();
   options.time_limit = milliseconds(500);
-  EXPECT_EQ(SlurmClient(options).submit("/x.sbatch", {}), 41);
+  EXPECT_EQ(SlurmClient(options).submit("/x.sbatch", "x-1"), 41);
   EXPECT_EQ(slurm.calls_of("sbatch"), 1U);
   EXPECT_EQ(slurm.calls_of("squeue"), 3U);
 }
@@ -136,7 +136,7 @@ TEST(SlurmTrouble, SoIsOneThatTurnsUpLate) {
   Warnings warnings;
   slurm.program("sbatch", takes_the_job + failing("Socket timed out on send/recv operation"));
   slurm.program("squeue", first_calls(1, "exit 0", looks_in_queue));
-  EXPECT_EQ(SlurmClient(now.options()).submit("/x.sbatch", {}), 41);
+  EXPECT_EQ(SlurmClient(now.options()).submit("/x.sbatch", "x-1"), 41);
   EXPECT_EQ(slurm.calls_of("sbatch"), 1U);
 }
 
@@ -148,7 +148,7 @@ TEST(SlurmTrouble, ATwinIsCancelled) {
   slurm.program("sbatch",
                 takes_the_job + first_calls(1, failing("Socket timed out"), "echo $((40 + n))"));
   slurm.program("squeue", first_calls(2, "exit 0", looks_in_queue));
-  EXPECT_EQ(SlurmClient(now.options()).submit("/x.sbatch", {}), 41);
+  EXPECT_EQ(SlurmClient(now.options()).submit("/x.sbatch", "x-1"), 41);
   EXPECT_EQ(slurm.calls().back(), "scancel 42");
   EXPECT_THAT(warnings.text(), HasSubstr("Slurm took job 41 twice; 42 is cancelled"));
 }
@@ -163,12 +163,12 @@ TEST(SlurmTrouble, AStopIsHeardWhileWaiting) {
   slurm.program("squeue", failing(unreachable));
   slurm.program("sbatch", failing(unreachable));
   SlurmClient client(options);
-  EXPECT_THROW(client.submit("/x.sbatch", {}), Interrupted);
+  EXPECT_THROW(client.submit("/x.sbatch", "x-1"), Interrupted);
   // The job may exist all the same.
-  EXPECT_THAT(slurm.calls().back(), ::testing::MatchesRegex("scancel --name=x-[0-9a-f]{16}"));
+  EXPECT_THAT(slurm.calls().back(), ::testing::StrEq("scancel --name=x-1"));
   EXPECT_THROW(client.tasks(Jobs{5}), Interrupted);
   const std::size_t before = slurm.calls_of("sbatch");
-  EXPECT_THROW(client.submit("/x.sbatch", {}), Interrupted);
+  EXPECT_THROW(client.submit("/x.sbatch", "x-1"), Interrupted);
   EXPECT_EQ(slurm.calls_of("sbatch"), before) << "nothing new is begun after a stop";
 }
 

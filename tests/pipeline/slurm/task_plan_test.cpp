@@ -108,9 +108,14 @@ TEST(TaskPlan, SeveralTasksForEachSlot) {
 }
 
 TEST(TaskPlan, NoTaskIsTooShortOrTooLong) {
-  EXPECT_EQ(plan_tasks(equal_units(1000, 1), {0.01, 1, 1000, 0}).size(), 2U);  // 10 s in all
-  EXPECT_EQ(plan_tasks(equal_units(1000, 1), {1.8, 1, 1, 0}).size(), 10U);     // 1800 s in all
-  EXPECT_EQ(plan_tasks(equal_units(1000, 1), {7.2, 4, 1, 0}).size(), 10U);     // on 4 processors
+  EXPECT_EQ(plan_tasks(equal_units(1000, 1), {0.01, 1, 2, 0}).size(), 2U);  // 10 s in all
+  EXPECT_EQ(plan_tasks(equal_units(1000, 1), {1.8, 1, 1, 0}).size(), 10U);  // 1800 s in all
+  EXPECT_EQ(plan_tasks(equal_units(1000, 1), {7.2, 4, 1, 0}).size(), 10U);  // on 4 processors
+}
+
+TEST(TaskPlan, NoSlotStaysEmptyForTheSakeOfLongTasks) {
+  EXPECT_EQ(plan_tasks(equal_units(1000, 1), {0.01, 1, 5, 0}).size(), 5U);      // of 2 s
+  EXPECT_EQ(plan_tasks(equal_units(1000, 1), {0.01, 1, 1000, 0}).size(), 10U);  // of a second
 }
 
 TEST(TaskPlan, OneUnitIsOneTask) {
@@ -173,18 +178,52 @@ RC_GTEST_PROP(TaskPlan, ArgumentsNameTheUnits, ()) {
   for (const PlannedTask& task : plan_tasks(units, {0, 1, 3, 0})) {
     const std::string text = task_arguments("stitch", task);
     RC_ASSERT(text.starts_with("--tiles "));
-    const auto selection = UnitSelection::list(text.substr(8), "--tiles");
+    const auto selection = UnitSelection::list(text.substr(8, text.find(' ', 8) - 8), "--tiles");
     for (std::uint64_t key = 0; key <= task.units.back() + 1; ++key)
       RC_ASSERT(selection.contains(key) ==
                 std::binary_search(task.units.begin(), task.units.end(), key));
   }
 }
 
+RC_GTEST_PROP(TaskPlan, LinesAreReadBack, ()) {
+  const std::vector<Unit> units = random_units();
+  std::vector<std::uint64_t> some;  // as many as were still missing, and others
+  for (const Unit& unit : units)
+    if (*rc::gen::inRange(0, 3) > 0) some.push_back(unit.key);
+  some.push_back(1000000);
+  std::sort(some.begin(), some.end());
+  std::vector<std::string> lines = {"--part 0/3", "--part 2/3", "--inputs-checked",
+                                    "--tiles 3,9 --inputs-checked"};
+  for (const PlannedTask& task : plan_tasks(units, {0, 1, 3, 0}))
+    lines.push_back(task_arguments("build", task));
+  for (const std::string& line : lines) {
+    const UnitSelection selection = task_selection(line);
+    std::vector<std::uint64_t> expected;
+    for (const std::uint64_t key : some)
+      if (selection.contains(key)) expected.push_back(key);
+    RC_ASSERT(selection.among(some) == expected);
+  }
+}
+
+// A driver that takes over reads them all at once.
+TEST(TaskPlan, ReadingThousandsOfLinesBackIsNothing) {
+  const std::vector<Unit> units = equal_units(262144, 1);
+  std::vector<std::uint64_t> keys;
+  for (const Unit& unit : units) keys.push_back(unit.key);
+  std::size_t found = 0;
+  const auto began = std::chrono::steady_clock::now();
+  for (const PlannedTask& task : plan_tasks(units, {0, 1, 4000, 0}))
+    found += task_selection(task_arguments("build", task)).among(keys).size();
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(2));
+  EXPECT_EQ(found, units.size());
+}
+
 TEST(TaskPlan, ArgumentsOfEachStage) {
   const PlannedTask task{{0, 1, 2, 7}, 4};
   EXPECT_EQ(task_arguments("ingest", task), "--shards 0-2,7");
   EXPECT_EQ(task_arguments("build", task), "--shards 0-2,7");
-  EXPECT_EQ(task_arguments("encode", task), "--tiles 0-2,7");
+  EXPECT_EQ(task_arguments("encode", task), "--tiles 0-2,7 --inputs-checked");
+  EXPECT_EQ(task_arguments("merge", task), "--inputs-checked");
   EXPECT_FALSE(task_arguments("merge", task).empty());
 }
 
