@@ -20,15 +20,16 @@ namespace voxweld {
 // The order of the enumerators is the order of the names in settings.cpp.
 
 struct InputConfig {
-  enum class Format : std::uint8_t { automatic, nrrd, metaimage, nifti, raw, stack, zarr };
+  enum class Format : std::uint8_t { automatic, nrrd, metaimage, nifti, raw, stack, zarr, empty };
   enum class Endian : std::uint8_t { little, big };
 
-  std::filesystem::path path;  // absolute
+  std::filesystem::path path;  // absolute; empty with Format::empty
   Format format = Format::automatic;
   std::optional<Box3> crop;     // samples, half-open; empty: the whole volume
   std::optional<Vec3> spacing;  // overrides the file's, in the volume's unit
   std::string unit;             // overrides the file's; empty: as the file says
-  // The layout of raw samples. size and type are both set or both empty, set when format is raw.
+  // The layout of raw samples: size and type are both set or both empty, set when format is raw.
+  // With Format::empty the size alone is set.
   std::optional<Index3> size;
   std::optional<SampleType> type;
   Endian endian = Endian::little;

@@ -166,6 +166,8 @@ class CrossChecks {
       : config_(config), places_(places), file_(std::move(file)) {}
 
   void required() const {
+    // Empty space is neither read nor cut by an isovalue.
+    if (config_.input.format == InputConfig::Format::empty) return;
     for (const Setting& setting : settings())
       if (setting.required && !places_.contains(setting.name()))
         throw InputError(fmt::format("{}: missing key {} (expected {}): {}", file_, setting.name(),
@@ -186,12 +188,31 @@ class CrossChecks {
          {"input.type", in.type.has_value()},
          {"input.endian", in.endian != InputConfig::Endian::little},
          {"input.header_bytes", in.header_bytes != 0}}};
+    if (in.format == Format::empty) return;
     if (in.format != Format::raw && in.format != Format::automatic)
       for (const auto& [name, set] : raw_only)
         if (set) fail({name}, "only raw files take it; remove it, or set input.format = \"raw\"");
     const bool needed = in.format == Format::raw || in.size || in.type;
     if (needed && !in.size) fail({"input.size", "input.format", "input.type"}, missing_raw("size"));
     if (needed && !in.type) fail({"input.type", "input.format", "input.size"}, missing_raw("type"));
+  }
+
+  void empty() const {
+    const InputConfig& in = config_.input;
+    if (in.format != InputConfig::Format::empty) return;
+    const std::array<std::pair<const char*, bool>, 5> of_files = {
+        {{"input.path", !in.path.empty()},
+         {"input.crop", in.crop.has_value()},
+         {"input.type", in.type.has_value()},
+         {"input.endian", in.endian != InputConfig::Endian::little},
+         {"input.header_bytes", in.header_bytes != 0}}};
+    for (const auto& [name, set] : of_files)
+      if (set) fail({name}, "empty space has no file; remove it, or input.format = \"empty\"");
+    if (!in.size)
+      fail({"input.size", "input.format"}, "missing, and empty space needs it: expected " +
+                                               accepted_text(find_setting("input", "size")->rule));
+    if (config_.edits.empty())
+      fail({"input.format"}, "empty space and no edits have no surface; add [[edit]] tables");
   }
 
   void work() const {
@@ -262,9 +283,14 @@ Config parse_config(const std::string& text, const fs::path& path,
   checks.required();
   checks.crop();
   checks.raw();
+  checks.empty();
   checks.work();
   checks.output();
   checks.slurm();
+  if (config.input.format == InputConfig::Format::empty) {
+    config.surface.isovalue = 1;  // above every sample
+    config.surface.inside = SurfaceConfig::Inside::above;
+  }
   set_default_directories(path, config);
   return config;
 }

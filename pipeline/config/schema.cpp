@@ -162,8 +162,14 @@ void add_cross_checks(Json& tables) {
   Json& input = tables["input"];
   input["if"] = {{"properties", {{"format", {{"const", "raw"}}}}},
                  {"required", Json::array({"format"})}};
-  input["then"] = {{"required", Json::array({"size", "type"})}};
-  input["dependencies"] = {{"size", Json::array({"type"})}, {"type", Json::array({"size"})}};
+  input["required"] = Json::array();
+  input["else"] = {
+      {"if",
+       {{"properties", {{"format", {{"const", "empty"}}}}}, {"required", Json::array({"format"})}}},
+      {"then", {{"required", Json::array({"size"})}}},
+      {"else", {{"required", Json::array({"path"})}}}};
+  input["then"] = {{"required", Json::array({"path", "size", "type"})}};
+  input["dependencies"] = {{"type", Json::array({"size"})}};
   tables["output"]["not"] = {
       {"properties", {{"tiles", {{"const", false}}}, {"merged", {{"const", false}}}}},
       {"required", Json::array({"tiles", "merged"})}};
@@ -180,11 +186,19 @@ std::string config_schema_json() {
   }
   add_cross_checks(tables);
   tables[std::string(edit_table)] = edits_schema();
+  // Empty space has no isovalue.
+  const Json empty = {{"properties",
+                       {{"input",
+                         {{"properties", {{"format", {{"const", "empty"}}}}},
+                          {"required", Json::array({"format"})}}}}}};
   const Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"},
                        {"title", "voxweld config"},
                        {"type", "object"},
                        {"additionalProperties", false},
-                       {"required", std::move(required)},
+                       {"required", Json::array({"input"})},
+                       {"if", empty},
+                       {"then", {{"required", Json::array({"edit"})}}},
+                       {"else", {{"required", std::move(required)}}},
                        {"properties", std::move(tables)}};
   return schema.dump(2) + "\n";
 }

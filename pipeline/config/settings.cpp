@@ -69,9 +69,12 @@ std::vector<Setting> input_settings() {
                     "The volume: a file, a directory of slices or a Zarr array. What it holds "
                     "decides what is done again, not its name."},
                    binding::path(in, &In::path), none)),
-      row({"input", "format", "How to read it. \"auto\" goes by the content and the name."},
+      row({"input", "format",
+           "How to read it. \"auto\" goes by the content and the name. \"empty\" is no file but "
+           "empty "
+           "space of input.size, for what [[edit]] makes in it: it needs no path and no isovalue."},
           binding::choice(in, &In::format,
-                          {"auto", "nrrd", "metaimage", "nifti", "raw", "stack", "zarr"}),
+                          {"auto", "nrrd", "metaimage", "nifti", "raw", "stack", "zarr", "empty"}),
           ingest),
       row({"input", "crop", "The box of samples to use, half-open: [x0, y0, z0, x1, y1, z1].",
            "the whole volume"},
@@ -82,8 +85,9 @@ std::vector<Setting> input_settings() {
           binding::spacing(), lengths),
       row({"input", "unit", "Unit of the spacing. Overrides the file's.", "as the file says"},
           binding::unit(), {Stage::ingest, Stage::encode}),
-      row({"input", "size", "Raw only: samples along [x, y, z], x fastest in the file.",
-           "none; raw files need it"},
+      row({"input", "size",
+           "Raw files and empty space: samples along [x, y, z], x fastest in the file.",
+           "none; raw files and empty space need it"},
           binding::raw_size(), ingest_and_build),
       row({"input", "type", "Raw only: type of a sample.", "none; raw files need it"},
           binding::raw_type(), ingest_and_build),

@@ -1,6 +1,7 @@
 #include "pipeline/run/build_stage.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <mutex>
@@ -33,7 +34,7 @@ ArtifactState state_of(const BuildJob& job, Index3 shard) {
   if (!std::filesystem::exists(path)) return ArtifactState::missing;
   try {
     const ShardArtifact artifact(path);
-    if (artifact.key() != job.key) return ArtifactState::missing;
+    if (artifact.key() != shard_key(job, shard)) return ArtifactState::missing;
     return artifact.input_stamp() == volume_stamp(job, shard) ? ArtifactState::current
                                                               : ArtifactState::unproven;
   } catch (const DamagedArtifact& damage) {
@@ -83,6 +84,19 @@ std::vector<std::unique_ptr<ShardBuilder>> make_builders(const BuildJob& job, in
   return builders;
 }
 
+void feed(KeyHasher& key, Vec3 v) {
+  for (int a = 0; a < 3; ++a) key.real(v[a]);
+}
+
+void feed(KeyHasher& key, const Edit& edit) {
+  const Solid& solid = edit.solid;
+  key.integer(static_cast<std::int64_t>(edit.op)).integer(static_cast<std::int64_t>(solid.shape));
+  feed(key, solid.center);
+  for (const Vec3& axis : solid.axes) feed(key, axis);
+  feed(key, solid.size);
+  key.real(solid.radius).real(solid.height).real(solid.tube);
+}
+
 // Whether the samples are those the artifact was made from; then it says so from now on.
 bool proven(const BuildJob& job, Index3 shard, ShardBuilder& builder) {
   const auto path = shard_artifact_path(job, shard);
@@ -93,6 +107,20 @@ bool proven(const BuildJob& job, Index3 shard, ShardBuilder& builder) {
 }
 
 }  // namespace
+
+Hash128 shard_key(const BuildJob& job, Index3 shard) {
+  const Edits& edits = job.parameters.edits;
+  const Bounds bounds = ShardBuilder::shard_bounds(job, shard);
+  KeyHasher key;
+  bool any = false;
+  for (const Edit& edit : edits) {
+    if (!edit_reaches(edit, bounds)) continue;
+    if (!any) key.hash(job.key).text("edits");
+    any = true;
+    feed(key, edit);
+  }
+  return any ? key.finish() : job.key;
+}
 
 std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard) {
   return fanned_out(job.folder, shard, fmt::format("{}-{}-{}.octree", shard.x, shard.y, shard.z));
@@ -145,7 +173,20 @@ void prove(RunContext& context, const BuildJob& job, BuildStatus& status) {
   status.unproven.clear();
 }
 
+// What of the volume edits have a say in.
+void report_edits(const BuildJob& job) {
+  const Edits& edits = job.parameters.edits;
+  if (edits.empty()) return;
+  const std::vector<Index3> shards = job.grid.all_shards();
+  const auto reached = probe_which(
+      shards.size(), [&](std::size_t i) { return shard_key(job, shards[i]) != job.key; });
+  spdlog::info("{} {} in {} of {} shards", edits.size(),
+               edits.size() == 1 ? "edit has a say" : "edits have a say", reached.size(),
+               shards.size());
+}
+
 void run_build(RunContext& context, const BuildJob& job) {
+  if (context.selection.all()) report_edits(job);
   BuildStatus status = build_status(context, job);
   if (context.executor->in_process()) prove(context, job, status);
 

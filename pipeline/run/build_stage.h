@@ -15,6 +15,10 @@ struct BuildJob {
   bool partial_input = false;
 };
 
+// Of the shard's octree: the parameters, and the edits that reach it. What an edit does not reach
+// stays as it is when the edit comes, changes or goes.
+Hash128 shard_key(const BuildJob& job, Index3 shard);
+
 std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard);
 
 // Units are numbered as grid.all_shards().

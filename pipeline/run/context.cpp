@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "pipeline/config/edits.h"
 #include "pipeline/config/settings.h"
 #include "pipeline/run/encode_stage.h"
 #include "storage/artifact/shard_artifact.h"
@@ -67,6 +68,7 @@ ContourParameters contour_parameters(const Config& config, const VolumeGeometry&
   p.simplify.topology =
       s.topology == SimplifyConfig::Topology::safe ? Topology::safe : Topology::free;
   p.simplify.qef = s.qef == SimplifyConfig::Qef::qr ? QefForm::qr : QefForm::normal;
+  p.edits = edits_of(config);
   return p;
 }
 

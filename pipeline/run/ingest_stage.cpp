@@ -284,7 +284,8 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder)
         fmt::format("work.copy = false: {} ({}) can be read by {} only, so a brick store is "
                     "needed; use work.copy = \"auto\"",
                     config.input.path.string(), info.format, access_name(info.access)));
-  job.copy = config.work.copy == WorkConfig::Copy::always || !by_box;
+  job.copy = (config.work.copy == WorkConfig::Copy::always || !by_box) &&
+             config.input.format != InputConfig::Format::empty;
   job.histogram = !config.surface.isovalue.has_value();
   return job;
 }
@@ -328,7 +329,9 @@ void run_ingest(RunContext& context, const IngestJob& job) {
 }
 
 Volume ingested_volume(const Config& config, const IngestJob& job) {
-  if (!job.copy) return {job.input, nullptr, [stamp = job.stamp](const Box3&) { return stamp; }};
+  if (!job.copy)
+    return {job.input, dynamic_cast<const RangedSource*>(job.input.get()),
+            [stamp = job.stamp](const Box3&) { return stamp; }};
   const StoreLayout layout = layout_of(config, job);
   const auto store = std::make_shared<StoreSource>(layout);
   return {store, store.get(),

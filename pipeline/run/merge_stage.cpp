@@ -64,7 +64,8 @@ struct CubeRoots {
 
 CubeRoots read_roots(const BuildJob& job, const BrickGrid::Cube& cube) {
   const ShardArtifact artifact(shard_artifact_path(job, cube.shard));
-  if (artifact.key() != job.key) throw DamagedArtifact(artifact.path(), "is of other parameters");
+  if (artifact.key() != shard_key(job, cube.shard))
+    throw DamagedArtifact(artifact.path(), "is of other parameters");
   CubeRoots roots{artifact.content_hash(), artifact.summary(), artifact.nodes()};
   std::erase_if(roots.nodes, [&](const ShardNode& node) { return !(node.key == cube.key); });
   return roots;

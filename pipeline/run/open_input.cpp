@@ -1,5 +1,7 @@
 #include "pipeline/run/open_input.h"
+
 #include "storage/image/stack_source.h"
+#include "storage/readers/empty_source.h"
 #include "storage/readers/open_volume.h"
 #include "storage/store/open_zarr.h"
 
@@ -41,6 +43,13 @@ std::vector<ReaderEntry> all_readers() {
 }
 
 std::shared_ptr<SampleSource> open_input(const InputConfig& config) {
+  if (config.format == InputConfig::Format::empty) {
+    VolumeGeometry geometry;
+    geometry.size = config.size.value();
+    if (config.spacing) geometry.spacing = *config.spacing;
+    geometry.unit = config.unit;
+    return empty_source(geometry);
+  }
   static constexpr std::array<const char*, 7> formats = {"auto", "nrrd",  "metaimage", "nifti",
                                                          "raw",  "stack", "zarr"};
   InputSpec spec;

@@ -63,15 +63,55 @@ Box3 ShardBuilder::shard_samples(const BuildJob& job, Index3 shard) {
   return intersect({first.lo, last.hi}, Box3{{}, job.grid.size()});
 }
 
+Bounds ShardBuilder::shard_bounds(const BuildJob& job, Index3 shard) {
+  const int level = job.grid.brick_level();
+  const Box3 bricks = job.grid.shard_bricks(shard);
+  const auto bounds = [&](Index3 brick) {
+    return brick_bounds({brick * (std::int64_t{1} << level), level}, job.parameters.spacing);
+  };
+  return {bounds(bricks.lo).lo, bounds(bricks.hi - splat(1)).hi};
+}
+
+// Of the cells' corners: lattice point u is sample u - 1.
+Box3 ShardBuilder::touched_samples(Index3 brick) const {
+  const std::int64_t side = std::int64_t{1} << job_.grid.brick_level();
+  const Index3 lo = brick * side - splat(1);
+  return {lo, lo + splat(side + 1)};
+}
+
+bool ShardBuilder::meets_ring(Index3 brick) const {
+  const Box3 touched = touched_samples(brick);
+  return intersect(touched, Box3{{}, job_.grid.size()}) != touched;
+}
+
+// What is known of a brick without reading it: the ranges, then the edits that reach it.
+NodeState ShardBuilder::skip_state(Index3 brick) const {
+  const NodeState unedited = unedited_state(brick);
+  if (job_.parameters.edits.empty()) return unedited;
+  const int level = job_.grid.brick_level();
+  const BrickPlace place{brick * (std::int64_t{1} << level), level};
+  const Bounds bounds = brick_bounds(place, job_.parameters.spacing);
+  const Relation before = unedited == NodeState::inside    ? Relation::inside
+                          : unedited == NodeState::outside ? Relation::outside
+                                                           : Relation::mixed;
+  switch (side_after(job_.parameters.edits, bounds, before)) {
+    case Relation::outside:
+      return NodeState::outside;
+    case Relation::inside:
+      return meets_ring(brick) ? NodeState::split : NodeState::inside;
+    case Relation::mixed:
+      break;
+  }
+  return NodeState::split;
+}
+
 // Whether the known ranges say that no cell of the brick has a sign change: all samples its cells
 // touch, upper planes and the ring included, are on one side. `split` means: read it.
-NodeState ShardBuilder::skip_state(Index3 brick) const {
-  if (job_.volume.ranges == nullptr) return NodeState::split;
-  const std::int64_t side = std::int64_t{1} << job_.grid.brick_level();
-  const Index3 lo = brick * side - splat(1);  // lattice point u is sample u - 1
-  const Box3 touched{lo, lo + splat(side + 1)};
+NodeState ShardBuilder::unedited_state(Index3 brick) const {
+  const Box3 touched = touched_samples(brick);
   const Box3 real = intersect(touched, Box3{{}, job_.grid.size()});
   if (real.empty()) return NodeState::outside;
+  if (job_.volume.ranges == nullptr) return NodeState::split;
   const bool in_ring = real != touched;
   const ValueRange range = job_.volume.ranges->range(real);
   const SurfaceParameters& surface = job_.parameters.surface;
@@ -145,7 +185,7 @@ void ShardBuilder::build(Index3 shard, const WorkerContext& worker) {
   summary_ = ShardSummary{};
   StreamHasher hash;
   note_sides(shard, hash);
-  ShardArtifactWriter out(shard_artifact_path(job_, shard), job_.key,
+  ShardArtifactWriter out(shard_artifact_path(job_, shard), shard_key(job_, shard),
                           job_.volume.stamp(shard_samples(job_, shard)));
   each_run(shard, [&](const Run& run) {
     read(run, hash);

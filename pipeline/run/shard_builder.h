@@ -21,6 +21,9 @@ class ShardBuilder {
   // The samples build reads, or would were no brick left out.
   static Box3 shard_samples(const BuildJob& job, Index3 shard);
 
+  // Where the shard's signs are looked at, for edits: spacing * sample index.
+  static Bounds shard_bounds(const BuildJob& job, Index3 shard);
+
   // Bytes of one builder at work on one shard, whatever the samples.
   static std::uint64_t memory_bytes(const BrickGrid& grid, SampleType type);
 
@@ -37,6 +40,9 @@ class ShardBuilder {
   template <class F>
   void each_run(Index3 shard, F&& f);
   std::vector<Run> runs_of(Index3 row, std::int64_t end) const;
+  Box3 touched_samples(Index3 brick) const;
+  bool meets_ring(Index3 brick) const;
+  NodeState unedited_state(Index3 brick) const;
   NodeState skip_state(Index3 brick) const;
   void note_sides(Index3 shard, StreamHasher& hash) const;
   void read(const Run& run, StreamHasher& hash);
