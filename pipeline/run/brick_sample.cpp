@@ -49,16 +49,12 @@ std::vector<Index3> spread(Index3 bricks, std::int64_t most) {
 
 class Sampler {
  public:
-  Sampler(const RunContext& context, const BrickGrid& grid, const SampleSource& source)
-      : config_(context.config), grid_(grid), source_(source) {}
+  Sampler(const BrickGrid& grid, const SampleSource& source) : grid_(grid), source_(source) {}
 
   // Reads the brick's samples; empty where it is all ring.
   HaloBlock read(Index3 brick) {
     const BrickPlace place = place_of(brick);
-    const Gradient gradient = config_.surface.gradient == SurfaceConfig::Gradient::eno
-                                  ? Gradient::eno
-                                  : Gradient::central;
-    const Box3 box = intersect(halo_samples(place, gradient), Box3{{}, grid_.size()});
+    const Box3 box = intersect(halo_samples(place), Box3{{}, grid_.size()});
     const VolumeInfo& info = source_.info();
     samples_.resize(box.empty() ? 0
                                 : static_cast<std::size_t>(box.count()) * sample_bytes(info.type));
@@ -90,7 +86,6 @@ class Sampler {
     return {brick * (std::int64_t{1} << grid_.brick_level()), grid_.brick_level()};
   }
 
-  const Config& config_;
   const BrickGrid& grid_;
   const SampleSource& source_;
   std::vector<std::byte> samples_;
@@ -114,7 +109,7 @@ std::optional<BrickSample> sample_bricks(const RunContext& context, const Jobs& 
   const VolumeInfo& info = source->info();
   const BrickGrid grid = brick_grid(context.config, info.geometry);
   const std::vector<Index3> chosen = spread(sampled_bricks(grid), most);
-  Sampler sampler(context, grid, *source);
+  Sampler sampler(grid, *source);
   Config config = context.config;
   if (!config.surface.isovalue) {
     HistogramStatistics statistics(info.type);

@@ -30,7 +30,7 @@ struct NodeCollector : ReductionSink {
 
 Box3 halo(const BuildJob& job, Index3 brick) {
   const int level = job.grid.brick_level();
-  return halo_samples({brick * (std::int64_t{1} << level), level}, job.parameters.surface.gradient);
+  return halo_samples({brick * (std::int64_t{1} << level), level});
 }
 
 Box3 brick_samples(const BuildJob& job, Index3 brick) {

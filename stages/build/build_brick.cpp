@@ -76,12 +76,11 @@ bool apply_edits(const HaloBlock& block, const BrickFrame& frame,
 BrickScratch::BrickScratch() : parts_(std::make_unique<Parts>()) {}
 BrickScratch::~BrickScratch() = default;
 
-Box3 halo_samples(const BrickPlace& place, Gradient gradient) {
+Box3 halo_samples(const BrickPlace& place) {
   // Lattice points -1 .. side + 1 for the signs of the cells -1 .. side; the gradient of a crossing
   // in the brick reaches from its lattice points 0 .. side. Lattice point u is sample u - 1.
-  const std::int64_t reach = std::max(1, gradient_halo(gradient));
   const std::int64_t side = std::int64_t{1} << place.level;
-  return {place.origin - splat(1 + reach), place.origin + splat(side + reach)};
+  return {place.origin - splat(1 + gradient_halo), place.origin + splat(side + gradient_halo)};
 }
 
 Bounds brick_bounds(const BrickPlace& place, Vec3 spacing) {

@@ -22,7 +22,7 @@ struct HermiteEdge {
 class HermiteEdges {
  public:
   // Halo the block must have around the brick's lattice points 0 .. side:
-  // gradient_halo(surface.gradient) samples, where the volume has them.
+  // gradient_halo samples, where the volume has them.
   void compute(const HaloBlock& block, Index3 brick, int side, const SignGrid& signs,
                const ContourParameters& parameters);
 

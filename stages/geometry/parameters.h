@@ -38,9 +38,8 @@ struct ContourParameters {
   Edits edits;  // of the volume, before anything is contoured
 };
 
-// Samples the gradient stencil reaches beyond the crossing edge's ends; the halo's width.
-constexpr int gradient_halo(Gradient gradient) {
-  return gradient == Gradient::eno ? 2 : 1;
-}
+// Samples the gradient stencils reach beyond the crossing edge's ends, the halo's width: those of
+// ENO, and at the volume's border those of central differences, are one-sided over three points.
+inline constexpr int gradient_halo = 2;
 
 }  // namespace voxweld

@@ -76,7 +76,7 @@ class Goldens : public ::testing::Test {
 std::unique_ptr<Scene> Goldens::scene_;
 
 TEST_F(Goldens, Build) {
-  expect_recorded({"build", 3, "21872ecfac38fb87bb5b6ea29d21be21"}, shard_version,
+  expect_recorded({"build", 4, "21872ecfac38fb87bb5b6ea29d21be21"}, shard_version,
                   hash_of(work(".octree"), shard_kind, shard_version));
 }
 

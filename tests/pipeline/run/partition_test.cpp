@@ -110,6 +110,13 @@ TEST(Partition, OfSizesThatAreMultiplesOfTheBrick) {
     expect_same_for_all(Scene(noise_volume(size, 3)), some_partitions());
 }
 
+// At the border the stencils of either gradient are one-sided, also where a brick begins there.
+TEST(Partition, OfEitherGradient) {
+  const Scene scene(noise_volume({32, 64, 32}, 4));
+  for (const char* gradient : {"eno", "central"})
+    expect_same_for_all(scene, some_partitions(), {std::string("surface.gradient=") + gradient});
+}
+
 TEST(Partition, OfThinVolumes) {
   for (const Index3 size :
        {Index3{40, 35, 1}, Index3{1, 40, 35}, Index3{35, 1, 40}, Index3{34, 33, 2},
