@@ -176,7 +176,7 @@ bool is_unanswered(std::string_view words) {
       "no route to host", "network is unreachable", "transport endpoint is not connected",
       "zero bytes were transmitted", "message receive failure", "message send failure",
       "unexpected message", "insane message length", "in standby mode", "temporarily unable",
-      "resource temporarily unavailable",
+      "resource temporarily unavailable", "missing socket error", "slurm_msg_sendto", "broken pipe",
       // Munge, which restarts when its key or the clock changes.
       "munge encode failed", "munge decode failed", "protocol authentication error"};
   return std::any_of(known.begin(), known.end(),

@@ -55,6 +55,8 @@ TEST(SlurmText, TellsSilenceFromRefusal) {
        {"sbatch: error: Batch job submission failed: Unable to contact slurm controller (connect "
         "failure)",
         "slurm_load_jobs error: Socket timed out on send/recv operation",
+        "slurm_msg_sendto: address:port=10.0.0.1:6817 msg_type=2021: Unexpected missing socket "
+        "error",
         "sbatch: error: Batch job submission failed: Connection refused",
         "scancel: error: Kill job error on job id 3: Transport endpoint is not connected",
         "slurm_load_jobs error: Slurm backup controller in standby mode"}) {
