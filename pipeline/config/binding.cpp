@@ -1,6 +1,7 @@
 #include "pipeline/config/binding.h"
 
 #include <cstdint>
+#include <limits>
 
 namespace voxweld::binding {
 namespace {
@@ -86,6 +87,17 @@ Binding isovalue() {
           [](const Config& c) -> std::optional<ConfigValue> {
             if (!c.surface.isovalue) return ConfigValue{std::string("otsu")};
             return ConfigValue{*c.surface.isovalue};
+          }};
+}
+
+Binding label() {
+  return {IntegerRule{0, std::numeric_limits<std::int64_t>::max()},
+          [](Config& c, const ConfigValue& v) {
+            c.surface.label = static_cast<std::uint64_t>(*v.integer());
+          },
+          [](const Config& c) -> std::optional<ConfigValue> {
+            if (!c.surface.label) return std::nullopt;
+            return ConfigValue{static_cast<std::int64_t>(*c.surface.label)};
           }};
 }
 

@@ -29,6 +29,7 @@ Binding unit();
 Binding raw_size();
 Binding raw_type();
 Binding isovalue();
+Binding label();
 
 // Members of a common form, named by their group and member.
 template <class Group, class T>

@@ -32,6 +32,7 @@ std::string sample_value(const Setting& setting) {
       {"input.unit", "\"mm\""},
       {"input.size", "[512, 512, 512]"},
       {"input.type", "\"uint16\""},
+      {"surface.label", "7"},
       {"work.directory", "\"scan.work\""},
       {"output.directory", "\"scan.mesh\""}};
   const auto found = samples.find(setting.name());

@@ -55,6 +55,8 @@ struct SurfaceConfig {
   enum class Border : std::uint8_t { closed, open };
   enum class Gradient : std::uint8_t { eno, central };
 
+  // Of a label volume, the value whose surface is asked for; isovalue is then the same number.
+  std::optional<std::uint64_t> label{};
   std::optional<double> isovalue;  // empty: "otsu", chosen from the volume's histogram
   Inside inside = Inside::above;
   Border border = Border::closed;

@@ -169,7 +169,8 @@ class CrossChecks {
     // Empty space is neither read nor cut by an isovalue.
     if (config_.input.format == InputConfig::Format::empty) return;
     for (const Setting& setting : settings())
-      if (setting.required && !places_.contains(setting.name()))
+      if (setting.required && !places_.contains(setting.name()) &&
+          !(config_.surface.label && setting.name() == "surface.isovalue"))
         throw InputError(fmt::format("{}: missing key {} (expected {}): {}", file_, setting.name(),
                                      accepted_text(setting.rule), setting.description));
   }
@@ -213,6 +214,16 @@ class CrossChecks {
                                                accepted_text(find_setting("input", "size")->rule));
     if (config_.edits.empty())
       fail({"input.format"}, "empty space and no edits have no surface; add [[edit]] tables");
+  }
+
+  void label() const {
+    const SurfaceConfig& surface = config_.surface;
+    if (!surface.label) return;
+    const auto number = static_cast<double>(*surface.label);
+    if (surface.isovalue && *surface.isovalue != number)
+      fail({"surface.isovalue"}, "a label has no isovalue; remove this one, or surface.label");
+    if (surface.inside == SurfaceConfig::Inside::below)
+      fail({"surface.inside"}, "inside are the samples of surface.label; remove one of the two");
   }
 
   void work() const {
@@ -284,6 +295,7 @@ Config parse_config(const std::string& text, const fs::path& path,
   checks.crop();
   checks.raw();
   checks.empty();
+  checks.label();
   checks.work();
   checks.output();
   checks.slurm();
@@ -291,6 +303,7 @@ Config parse_config(const std::string& text, const fs::path& path,
     config.surface.isovalue = 1;  // above every sample
     config.surface.inside = SurfaceConfig::Inside::above;
   }
+  if (config.surface.label) config.surface.isovalue = static_cast<double>(*config.surface.label);
   set_default_directories(path, config);
   return config;
 }

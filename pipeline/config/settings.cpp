@@ -130,6 +130,12 @@ std::vector<Setting> surface_settings() {
                     "The sample value the surface runs through; \"otsu\" chooses it from the "
                     "histogram."},
                    binding::isovalue(), build)),
+      row({"surface", "label",
+           "Of a label volume: the label whose surface to extract, in place of an isovalue. Inside "
+           "are the samples of this value; crossings and normals come from a filter over five "
+           "samples a side, so that they are smooth.",
+           "none: the surface is at the isovalue"},
+          binding::label(), build),
       row({"surface", "inside", "Which side of the isovalue is material. Equal is inside."},
           binding::choice(surface, &Surface::inside, {"above", "below"}), build),
       row({"surface", "border",

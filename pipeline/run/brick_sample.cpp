@@ -49,12 +49,13 @@ std::vector<Index3> spread(Index3 bricks, std::int64_t most) {
 
 class Sampler {
  public:
-  Sampler(const BrickGrid& grid, const SampleSource& source) : grid_(grid), source_(source) {}
+  Sampler(const BrickGrid& grid, const SampleSource& source, const SurfaceParameters& surface)
+      : grid_(grid), source_(source), surface_(surface) {}
 
   // Reads the brick's samples; empty where it is all ring.
   HaloBlock read(Index3 brick) {
     const BrickPlace place = place_of(brick);
-    const Box3 box = intersect(halo_samples(place), Box3{{}, grid_.size()});
+    const Box3 box = intersect(halo_samples(place, surface_), Box3{{}, grid_.size()});
     const VolumeInfo& info = source_.info();
     samples_.resize(box.empty() ? 0
                                 : static_cast<std::size_t>(box.count()) * sample_bytes(info.type));
@@ -88,6 +89,7 @@ class Sampler {
 
   const BrickGrid& grid_;
   const SampleSource& source_;
+  const SurfaceParameters surface_;
   std::vector<std::byte> samples_;
   BrickScratch scratch_;
   BrickOctree octree_;
@@ -109,7 +111,9 @@ std::optional<BrickSample> sample_bricks(const RunContext& context, const Jobs& 
   const VolumeInfo& info = source->info();
   const BrickGrid grid = brick_grid(context.config, info.geometry);
   const std::vector<Index3> chosen = spread(sampled_bricks(grid), most);
-  Sampler sampler(grid, *source);
+  SurfaceParameters surface;
+  surface.label = context.config.surface.label;
+  Sampler sampler(grid, *source, surface);
   Config config = context.config;
   if (!config.surface.isovalue) {
     HistogramStatistics statistics(info.type);

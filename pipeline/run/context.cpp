@@ -52,6 +52,7 @@ ContourParameters contour_parameters(const Config& config, const VolumeGeometry&
   // The enumerators of both come in the order of the settings' table.
   ContourParameters p;
   p.spacing = geometry.spacing;
+  p.surface.label = config.surface.label;
   p.surface.isovalue = config.surface.isovalue.value();
   p.surface.inside =
       config.surface.inside == SurfaceConfig::Inside::above ? Inside::above : Inside::below;

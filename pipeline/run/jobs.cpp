@@ -30,6 +30,15 @@ double choose_isovalue(const Config& config, const IngestJob& job) {
   return suggestion->threshold.value;
 }
 
+void check_label(const Config& config, const VolumeInfo& info) {
+  const bool real = info.type == SampleType::f32 || info.type == SampleType::f64;
+  if (config.surface.label && real)
+    throw InputError(fmt::format(
+        "surface.label = {}: labels are integers, the samples of {} are {}; "
+        "give a surface.isovalue instead",
+        *config.surface.label, config.input.path.string(), sample_type_name(info.type)));
+}
+
 }  // namespace
 
 Jobs::Jobs(const Config& config) {
@@ -41,6 +50,7 @@ void Jobs::open_volume(Config& config) {
   if (!config.surface.isovalue) config.surface.isovalue = choose_isovalue(config, ingest_);
   const Volume volume = ingested_volume(config, ingest_);
   const VolumeInfo& info = volume.source->info();
+  check_label(config, info);
   const StagePaths paths = stage_paths(config, info);
   build_.emplace(BuildJob{volume, brick_grid(config, info.geometry),
                           contour_parameters(config, info.geometry), paths.build, paths.build_key});

@@ -28,6 +28,10 @@ void check_surface(RunContext& context, const Jobs& jobs) {
         "some of the [[edit]] tables",
         edits == 1 ? "one edit" : fmt::format("{} edits", edits)));
   const ValueRange range = whole_range(context, jobs.volume());
+  if (const auto& label = context.config.surface.label)
+    throw InputError(
+        fmt::format("surface.label = {}: no sample of {} is of that value; they run from {} to {}",
+                    *label, context.config.input.path.string(), range.lo, range.hi));
   throw InputError(fmt::format(
       "surface.isovalue = {}: no surface: no sample is {} it. The values of {} run from {} to {}; "
       "choose one "

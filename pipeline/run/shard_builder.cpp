@@ -30,7 +30,7 @@ struct NodeCollector : ReductionSink {
 
 Box3 halo(const BuildJob& job, Index3 brick) {
   const int level = job.grid.brick_level();
-  return halo_samples({brick * (std::int64_t{1} << level), level});
+  return halo_samples({brick * (std::int64_t{1} << level), level}, job.parameters.surface);
 }
 
 Box3 brick_samples(const BuildJob& job, Index3 brick) {
@@ -50,7 +50,8 @@ void add(const BrickCounts& from, BrickCounts& to, bool own_leaves) {
 }  // namespace
 
 std::uint64_t ShardBuilder::memory_bytes(const BrickGrid& grid, SampleType type) {
-  const std::uint64_t side = (std::uint64_t{1} << grid.brick_level()) + 6;
+  const std::uint64_t side =
+      (std::uint64_t{1} << grid.brick_level()) + 2 + 2 * (gradient_halo + label_halo);
   const std::uint64_t one = side * side * side * sample_bytes(type);
   const std::uint64_t side16 = std::uint64_t{1} << (grid.shard_level() - block_level);
   return std::max(one, run_bytes) + build_brick_bytes(grid.brick_level()) +
@@ -71,6 +72,18 @@ Bounds ShardBuilder::shard_bounds(const BuildJob& job, Index3 shard) {
   };
   return {bounds(bricks.lo).lo, bounds(bricks.hi - splat(1)).hi};
 }
+
+namespace {
+
+// Ranges of 64-bit integers are rounded outward, so one value alone may stand for its neighbours.
+NodeState label_state(const ValueRange& range, double label, bool in_ring) {
+  constexpr double exact = 9007199254740992.0;  // 2^53
+  if (range.empty || label < range.lo || label > range.hi) return NodeState::outside;
+  const bool alone = range.lo == label && range.hi == label && label < exact;
+  return alone && !in_ring ? NodeState::inside : NodeState::split;
+}
+
+}  // namespace
 
 // Of the cells' corners: lattice point u is sample u - 1.
 Box3 ShardBuilder::touched_samples(Index3 brick) const {
@@ -115,6 +128,7 @@ NodeState ShardBuilder::unedited_state(Index3 brick) const {
   const bool in_ring = real != touched;
   const ValueRange range = job_.volume.ranges->range(real);
   const SurfaceParameters& surface = job_.parameters.surface;
+  if (surface.label) return label_state(range, static_cast<double>(*surface.label), in_ring);
   const bool above = surface.inside == Inside::above;
   // Ranges are rounded outward where a double cannot hold the value, so strict comparisons decide.
   const bool all_out =

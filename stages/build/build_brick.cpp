@@ -1,6 +1,7 @@
 #include "stages/build/build_brick.h"
 
 #include "stages/build/brick_polygons.h"
+#include "stages/build/label_field.h"
 #include "stages/geometry/solid.h"
 
 namespace voxweld {
@@ -46,11 +47,30 @@ struct BrickScratch::Parts {
   SignGrid signs, solid_signs;
   ActiveCells cells;
   HermiteEdges edges, edges_before;
+  LabelField labels;
   BrickNodes nodes;
   BrickLeaves leaves;
   std::vector<std::uint32_t> vertex_marks;
 };
 namespace {
+
+// Crossings and normals of the volume's own surface.
+void compute_edges(const HaloBlock& block, const BrickFrame& frame,
+                   const ContourParameters& parameters, BrickScratch::Parts& s) {
+  const std::optional<std::uint64_t>& label = parameters.surface.label;
+  if (!label) return s.edges.compute(block, frame.origin, frame.side(), s.signs, parameters);
+  ContourParameters filtered;
+  filtered.spacing = parameters.spacing;
+  filtered.surface.isovalue = LabelField::full / 2;
+  filtered.surface.gradient = Gradient::central;
+  // Samples of the lattice points 0 .. side, and what their gradients read.
+  const Box3 box = intersect(Box3{frame.origin - splat(1 + gradient_halo),
+                                  frame.origin + splat(frame.side() + gradient_halo)},
+                             Box3{{}, block.size});
+  if (box.empty()) return s.edges.compute(block, frame.origin, frame.side(), s.signs, filtered);
+  s.edges.compute(s.labels.filter(block, *label, box), frame.origin, frame.side(), s.signs,
+                  filtered);
+}
 
 // Signs and Hermite edges after the edits that reach the brick; true when there are any.
 bool apply_edits(const HaloBlock& block, const BrickFrame& frame,
@@ -60,7 +80,7 @@ bool apply_edits(const HaloBlock& block, const BrickFrame& frame,
   bool any = false;
   for (const Edit& edit : parameters.edits) {
     if (!edit_reaches(edit, bounds)) continue;
-    if (!any) s.edges.compute(block, frame.origin, frame.side(), s.signs, parameters);
+    if (!any) compute_edges(block, frame, parameters, s);
     any = true;
     s.solid_signs.fill(edit.solid, volume, frame.origin, frame.side());
     s.signs.combine(edit.op, s.solid_signs);
@@ -76,11 +96,12 @@ bool apply_edits(const HaloBlock& block, const BrickFrame& frame,
 BrickScratch::BrickScratch() : parts_(std::make_unique<Parts>()) {}
 BrickScratch::~BrickScratch() = default;
 
-Box3 halo_samples(const BrickPlace& place) {
+Box3 halo_samples(const BrickPlace& place, const SurfaceParameters& surface) {
   // Lattice points -1 .. side + 1 for the signs of the cells -1 .. side; the gradient of a crossing
   // in the brick reaches from its lattice points 0 .. side. Lattice point u is sample u - 1.
   const std::int64_t side = std::int64_t{1} << place.level;
-  return {place.origin - splat(1 + gradient_halo), place.origin + splat(side + gradient_halo)};
+  const int reach = gradient_halo + (surface.label ? label_halo : 0);
+  return {place.origin - splat(1 + reach), place.origin + splat(side + reach)};
 }
 
 Bounds brick_bounds(const BrickPlace& place, Vec3 spacing) {
@@ -105,7 +126,7 @@ void build_brick(const HaloBlock& block, const BrickPlace& place,
     out.root.corner_signs = out.root.state == NodeState::inside ? 255 : 0;
     return;
   }
-  if (!edited) s.edges.compute(block, place.origin, frame.side(), s.signs, parameters);
+  if (!edited) compute_edges(block, frame, parameters, s);
   s.nodes.simplify(frame, s.signs, s.cells, s.edges, parameters);
   s.leaves.collect(frame, s.cells, s.nodes, parameters, out);
   emit_polygons(frame, block.size, s.signs, s.cells, s.leaves, parameters, out);
@@ -121,7 +142,8 @@ std::uint64_t build_brick_bytes(int level) {
   // sheets, each a SheetVertex and a LeafVertex. Vectors may have grown to twice their content.
   const std::uint64_t per_edge = sizeof(HermiteEdge) + 2 * sizeof(PolygonRefs);
   const std::uint64_t per_cell = 16 + 2 * 4 * (sizeof(SheetVertex) + sizeof(LeafVertex));
-  return points / 2 + 3 * cells * per_edge + cells * per_cell;
+  const std::uint64_t filtered = (side + 11) * (side + 11) * (side + 11);
+  return points / 2 + 2 * filtered * sizeof(std::int32_t) + 3 * cells * per_edge + cells * per_cell;
 }
 
 }  // namespace voxweld

@@ -21,8 +21,8 @@ struct Line {
 
 constexpr double lowest_crossing = 1.0 / 256, highest_crossing = 255.0 / 256;
 
-// Of an edge with one end in the ring.
-HermiteEdge edge_of_ring(int axis, bool low_inside) {
+// Of an edge with one end in the ring, or of which no more is known than its ends.
+HermiteEdge edge_of_middle(int axis, bool low_inside) {
   HermiteEdge edge;
   edge.t = 0.5f;
   edge.normal[static_cast<std::size_t>(axis)] = low_inside ? 1.0f : -1.0f;
@@ -80,13 +80,16 @@ class Estimator {
 
   // The edge along `axis` from sample `s` to the next; low_inside: the sign of its low end.
   HermiteEdge edge(int axis, Index3 s, bool low_inside) const {
-    if (s[axis] < 0 || s[axis] + 1 >= block_.size[axis]) return edge_of_ring(axis, low_inside);
+    if (s[axis] < 0 || s[axis] + 1 >= block_.size[axis]) return edge_of_middle(axis, low_inside);
     HermiteEdge result;
     const double out = low_inside ? 1.0 : -1.0;
     const T* low = sample(s);
     const double v0 = static_cast<double>(*low), v1 = static_cast<double>(low[stride(axis)]);
     double t = (isovalue_ - v0) / (v1 - v0);
     if (!std::isfinite(v0) || !std::isfinite(v1) || !std::isfinite(t)) t = 0.5;
+    // Only a filtered label can fall towards its inside: where that is thinner than the filter.
+    const double rise = outward_ * (v1 - v0);
+    if (low_inside ? rise < 0 : rise > 0) return edge_of_middle(axis, low_inside);
     t = std::clamp(t, lowest_crossing, highest_crossing);
     result.t = static_cast<float>(t);
     Vec3 g;
@@ -227,7 +230,7 @@ void HermiteEdges::compute(const Edit& edit, const VolumeFrame& frame, Index3 br
   fill_edges(side, [&](int axis, int x, int y, int z) {
     const Index3 s = brick + Index3{x, y, z} - splat(1);
     const bool low_inside = signs.inside(x, y, z);
-    if (s[axis] < 0 || s[axis] + 1 >= frame.size[axis]) return edge_of_ring(axis, low_inside);
+    if (s[axis] < 0 || s[axis] + 1 >= frame.size[axis]) return edge_of_middle(axis, low_inside);
     const int dx = axis == 0, dy = axis == 1, dz = axis == 2;
     const bool of_solid = solid.inside(x, y, z) != solid.inside(x + dx, y + dy, z + dz);
     if (!of_solid) return before.at(axis, x, y, z);

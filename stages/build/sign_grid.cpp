@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stages/build/label_field.h"
 #include "stages/geometry/inside_test.h"
 #include "stages/geometry/solid.h"
 
@@ -29,7 +30,14 @@ std::uint64_t pack64(const T* p, const InsideTest<T>& inside) {
 }
 
 template <class T>
-std::uint64_t pack_some(const T* p, int count, const InsideTest<T>& inside) {
+std::uint64_t pack64(const T* p, const LabelTest<T>& is_label) {
+  std::uint64_t bits = 0;
+  for (int i = 0; i < 64; ++i) bits |= static_cast<std::uint64_t>(p[i] == is_label.value) << i;
+  return bits;
+}
+
+template <class T, class Inside>
+std::uint64_t pack_some(const T* p, int count, const Inside& inside) {
   std::uint64_t bits = 0;
   for (int i = 0; i < count; ++i) bits |= static_cast<std::uint64_t>(inside(p[i])) << i;
   return bits;
@@ -41,8 +49,8 @@ void or_bits(std::uint64_t* row, int at, std::uint64_t bits) {
   if ((at & 63) != 0) row[(at >> 6) + 1] |= bits >> (64 - (at & 63));
 }
 
-template <class T>
-void pack_row(const T* p, int count, int at, const InsideTest<T>& inside, std::uint64_t* row) {
+template <class T, class Inside>
+void pack_row(const T* p, int count, int at, const Inside& inside, std::uint64_t* row) {
   int done = 0;
   for (; done + 64 <= count; done += 64) or_bits(row, at + done, pack64(p + done, inside));
   if (done < count) or_bits(row, at + done, pack_some(p + done, count - done, inside));
@@ -61,18 +69,23 @@ void SignGrid::fill(const HaloBlock& block, Index3 brick, int side,
   if (held.empty()) return;
   dispatch_sample_type(block.type, [&](auto tag) {
     using T = typename decltype(tag)::type;
-    const auto inside = make_inside_test<T>(surface.isovalue, surface.inside);
-    if (inside.never) return;
     const T* data = reinterpret_cast<const T*>(block.data);
     const int count = static_cast<int>(held.size().x), at = static_cast<int>(held.lo.x - first.x);
-    for (std::int64_t z = held.lo.z; z < held.hi.z; ++z)
-      for (std::int64_t y = held.lo.y; y < held.hi.y; ++y) {
-        const T* p = data + (z - block.samples.lo.z) * block.slice +
-                     (y - block.samples.lo.y) * block.row + (held.lo.x - block.samples.lo.x);
-        const std::size_t index =
-            static_cast<std::size_t>(z - first.z) * points_ + static_cast<std::size_t>(y - first.y);
-        pack_row(p, count, at, inside, bits_.data() + index * stride_);
-      }
+    const auto fill_rows = [&](const auto& inside) {
+      if (inside.never) return;
+      for (std::int64_t z = held.lo.z; z < held.hi.z; ++z)
+        for (std::int64_t y = held.lo.y; y < held.hi.y; ++y) {
+          const T* p = data + (z - block.samples.lo.z) * block.slice +
+                       (y - block.samples.lo.y) * block.row + (held.lo.x - block.samples.lo.x);
+          const std::size_t index = static_cast<std::size_t>(z - first.z) * points_ +
+                                    static_cast<std::size_t>(y - first.y);
+          pack_row(p, count, at, inside, bits_.data() + index * stride_);
+        }
+    };
+    if constexpr (std::is_integral_v<T>) {
+      if (surface.label) return fill_rows(LabelTest<T>(*surface.label));
+    }
+    fill_rows(make_inside_test<T>(surface.isovalue, surface.inside));
   });
 }
 

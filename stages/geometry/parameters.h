@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "storage/types/box.h"
 #include "storage/types/solid.h"
@@ -16,6 +17,9 @@ enum class Topology : std::uint8_t { safe, free };
 enum class QefForm : std::uint8_t { qr, normal };
 
 struct SurfaceParameters {
+  // Of a label volume: inside are the samples of this value, and isovalue, inside and gradient are
+  // not looked at.
+  std::optional<std::uint64_t> label;
   double isovalue = 0;
   Inside inside = Inside::above;
   Border border = Border::closed;
@@ -41,5 +45,7 @@ struct ContourParameters {
 // Samples the gradient stencils reach beyond the crossing edge's ends, the halo's width: those of
 // ENO, and at the volume's border those of central differences, are one-sided over three points.
 inline constexpr int gradient_halo = 2;
+// And beyond that the filter of labels (stages/build/label_field.h).
+inline constexpr int label_halo = 2;
 
 }  // namespace voxweld

@@ -121,6 +121,10 @@ Config any_config() {
   config.work = any_work();
   if (chance()) config.surface.isovalue = any_finite();
   config.surface.inside = any_of<SurfaceConfig::Inside>(2);
+  if (config.surface.inside == SurfaceConfig::Inside::above && chance()) {
+    config.surface.label = *rc::gen::inRange<std::uint64_t>(0, std::uint64_t{1} << 63);
+    config.surface.isovalue = static_cast<double>(*config.surface.label);
+  }
   config.surface.border = any_of<SurfaceConfig::Border>(2);
   config.surface.gradient = any_of<SurfaceConfig::Gradient>(2);
   config.simplify.enabled = chance();

@@ -43,6 +43,7 @@ const std::map<std::string, KeyChange>& key_changes() {
       {"work.shard", {"2", {ingest, build}}},
       {"work.copy", {"true", {}}},
       {"surface.isovalue", {"\"otsu\"", {build}}},
+      {"surface.label", {"5", {build}}},  // the isovalue's number: another would contradict it
       {"surface.inside", {"\"below\"", {build}}},
       {"surface.border", {"\"open\"", {build, stitch}}},
       {"surface.gradient", {"\"central\"", {build}}},

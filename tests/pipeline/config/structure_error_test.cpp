@@ -39,7 +39,7 @@ TEST(StructureError, UnknownTable) {
 TEST(StructureError, UnknownKey) {
   EXPECT_EQ(error_of("[surface]\nisvalue = 3\n"),
             "/data/scan.toml:2:1: unknown key surface.isvalue; did you mean surface.isovalue? "
-            "[surface] takes isovalue, inside, border, gradient");
+            "[surface] takes isovalue, label, inside, border, gradient");
   EXPECT_EQ(error_of("[run]\n\n  bogus = 3\n"),
             "/data/scan.toml:3:3: unknown key run.bogus. [run] takes executor, threads, memory");
   EXPECT_EQ(error_of("[run]\nchunk = 32\n"),

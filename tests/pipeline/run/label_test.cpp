@@ -1,0 +1,101 @@
+// surface.label, end to end: one label of a label volume.
+#include <cmath>
+
+#include "pipeline/mesh/load.h"
+#include "pipeline/mesh/verify.h"
+#include "tests/pipeline/run/scene.h"
+
+namespace voxweld::testing {
+namespace {
+
+// Cells of a lattice of balls, each of its own label, 0 between them; some touch, some the border.
+RawVolume cells(SampleType type, Index3 size) {
+  RawVolume volume{size, type, {}, 0};
+  const std::size_t width = sample_bytes(type);
+  for (std::int64_t z = 0; z < size.z; ++z)
+    for (std::int64_t y = 0; y < size.y; ++y)
+      for (std::int64_t x = 0; x < size.x; ++x) {
+        const Index3 at{x, y, z}, cell{x / 16, y / 16, z / 16};
+        const Index3 d = at - cell * 16 - splat(8);
+        const bool in = d.x * d.x + d.y * d.y + d.z * d.z < 81;
+        std::uint64_t label =
+            in ? static_cast<std::uint64_t>(1 + cell.x + 10 * cell.y + 100 * cell.z) : 0;
+        if (width == 8 && in) label += std::uint64_t{1} << 40;
+        for (std::size_t i = 0; i < width; ++i)
+          volume.samples.push_back(static_cast<std::byte>(label >> 8 * i & 255));
+      }
+  return volume;
+}
+
+Settings label(std::uint64_t value) {
+  return {"surface.label=" + std::to_string(value), "surface.isovalue=" + std::to_string(value)};
+}
+
+double enclosed_volume(const DecodedMesh& mesh) {
+  double six = 0;
+  for (const auto& t : mesh.triangles) {
+    const auto at = [&](std::size_t i) {
+      const auto& p = mesh.positions[t[i]];
+      return Vec3{p[0], p[1], p[2]};
+    };
+    six += dot(at(0), cross(at(1), at(2)));
+  }
+  return six / 6;
+}
+
+TEST(Label, IsAClosedMeshOfItsVolume) {
+  for (const SampleType type : {SampleType::u16, SampleType::i32, SampleType::u64}) {
+    const Scene scene(cells(type, {40, 36, 33}));
+    const std::uint64_t more = type == SampleType::u64 ? std::uint64_t{1} << 40 : 0;
+    VOXWELD_EXPECT_DONE(scene.run(label(112 + more)));
+    const VerifyReport report = verify_output(scene.output());
+    EXPECT_TRUE(report.good()) << to_text(report);
+    const double ball = 4.0 / 3 * 3.14159265 * 9 * 9 * 9;  // cut by its cell's faces
+    const double volume = enclosed_volume(load_mesh(scene.output() / "mesh.drc"));
+    EXPECT_GT(volume, 0.75 * ball);
+    EXPECT_LT(volume, 1.02 * ball);
+  }
+}
+
+TEST(Label, EveryPartitionGivesTheSameBytes) {
+  for (const Index3 size : {Index3{48, 40, 33}, Index3{32, 32, 32}}) {
+    const Scene scene(cells(SampleType::u16, size));
+    const Settings common = label(12) + Settings{"output.tile_vertices=1024"};
+    const Tree first = scene.clean_tree(common);
+    for (const Settings& variant :
+         {Settings{"work.brick=16", "work.shard=1", "work.chunk=16"},
+          Settings{"work.brick=16", "work.shard=2", "work.copy=true", "work.chunk=8"},
+          Settings{"work.brick=32", "work.shard=1", "work.copy=true", "run.threads=1"}})
+      EXPECT_EQ(difference(first, scene.clean_tree(common + variant)), "");
+  }
+}
+
+TEST(Label, NoiseIsClosedToo) {
+  RawVolume volume = noise_volume({40, 33, 21}, 7);
+  for (std::byte& sample : volume.samples) sample &= std::byte{3};
+  const Scene scene(volume);
+  VOXWELD_EXPECT_DONE(scene.run(label(2) + Settings{"work.brick=16", "output.tile_vertices=4096"}));
+  const VerifyReport report = verify_output(scene.output());
+  EXPECT_TRUE(report.good()) << to_text(report);
+}
+
+TEST(Label, WhatCannotBeIsRefused) {
+  const Scene scene(cells(SampleType::u16, {20, 20, 20}));
+  const auto refused = [&](const Settings& settings, const std::string& words) {
+    const ProgramResult result = scene.run(settings);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+  };
+  refused(label(77), "surface.label = 77: no sample");
+  refused({"surface.label=1", "surface.isovalue=2.5"}, "surface.isovalue = 2.5: a label has no");
+  refused(label(1) + Settings{"surface.inside=below"}, "surface.inside");
+  refused({"surface.label=-1"}, "surface.label");
+  RawVolume real{{8, 8, 8}, SampleType::f32, std::vector<std::byte>(8 * 8 * 8 * 4), 0};
+  const Scene floats(real);
+  const ProgramResult result = floats.run(label(0));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("labels are integers"), std::string::npos) << result.err;
+}
+
+}  // namespace
+}  // namespace voxweld::testing
