@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -82,6 +83,23 @@ void check_tube(const Written& edit, const EditConfig& config) {
                         to_toml({config.tube}), to_toml({config.radius})));
 }
 
+// Beyond any volume, and near enough that squares and sums of such numbers are exact to far less
+// than a cell.
+constexpr double farthest = 1e9;
+
+bool is_far(const ConfigValue& value) {
+  if (value.list() != nullptr)
+    return std::any_of(value.list()->begin(), value.list()->end(), is_far);
+  return value.is_number() && std::abs(value.number()) > farthest;
+}
+
+void check_reach(const Written& edit) {
+  for (const DocumentEntry* entry : edit.keys)
+    if (entry->key != "axis" && is_far(entry->value))
+      edit.fail(entry->value_at, fmt::format("{}: expected numbers up to {:g}, found {}",
+                                             entry->key, farthest, to_toml(entry->value)));
+}
+
 }  // namespace
 
 EditReader::EditReader(std::span<const DocumentEntry> entries, std::string file)
@@ -115,6 +133,7 @@ void EditReader::read(const DocumentEntry& entry, std::vector<EditConfig>& edits
   for (const DocumentEntry* key : written.keys) read_key(written, *key, shape, edit);
   check_required(written, edit);
   check_tube(written, edit);
+  check_reach(written);
   edits.push_back(edit);
 }
 

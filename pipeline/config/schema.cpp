@@ -167,9 +167,10 @@ void add_cross_checks(Json& tables) {
       {"if",
        {{"properties", {{"format", {{"const", "empty"}}}}}, {"required", Json::array({"format"})}}},
       {"then", {{"required", Json::array({"size"})}}},
-      {"else", {{"required", Json::array({"path"})}}}};
+      {"else",
+       {{"required", Json::array({"path"})},
+        {"dependencies", {{"size", Json::array({"type"})}, {"type", Json::array({"size"})}}}}}};
   input["then"] = {{"required", Json::array({"path", "size", "type"})}};
-  input["dependencies"] = {{"type", Json::array({"size"})}};
   tables["output"]["not"] = {
       {"properties", {{"tiles", {{"const", false}}}, {"merged", {{"const", false}}}}},
       {"required", Json::array({"tiles", "merged"})}};

@@ -22,6 +22,11 @@ namespace {
 void check_surface(RunContext& context, const Jobs& jobs) {
   const MergeCounts counts = TopArtifact(jobs.merge().path()).counts();
   if (counts.crossing_edges != 0) return;
+  if (const std::size_t edits = context.config.edits.size(); edits > 0)
+    throw InputError(fmt::format(
+        "no surface: after the {} of the config all samples are on one side; leave out or change "
+        "some of the [[edit]] tables",
+        edits == 1 ? "one edit" : fmt::format("{} edits", edits)));
   const ValueRange range = whole_range(context, jobs.volume());
   throw InputError(fmt::format(
       "surface.isovalue = {}: no surface: no sample is {} it. The values of {} run from {} to {}; "

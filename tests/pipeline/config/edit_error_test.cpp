@@ -163,6 +163,13 @@ TEST(EditError, TheTubeFitsTheRing) {
             "ring has a hole; lower tube or raise radius");
 }
 
+TEST(EditError, NothingIsBeyondAnyVolume) {
+  EXPECT_EQ(error_of(least_config("[[edit]]\nshape = \"sphere\"\ncenter = [0, 2e9, 0]\n"
+                                  "radius = 2.5\n")),
+            "/data/scan.toml:5:10: edit 1: center: expected numbers up to 1e+09, found [0, "
+            "2000000000.0, 0]");
+}
+
 TEST(EditError, OneTableIsNoEdit) {
   const std::string advice =
       "found a single table [edit]; write [[edit]], which may stand any number of times";

@@ -157,7 +157,7 @@ format = "auto"
 # crop: the whole volume
 # spacing: as the file says, else 1
 # unit: as the file says
-# size: none; raw files need it
+# size: none; raw files and empty space need it
 # type: none; raw files need it
 endian = "little"
 header_bytes = 0

@@ -50,7 +50,8 @@ const std::vector<WrongKey>& wrong_keys() {
          "\"a\\u0009b\" (a string); it holds a control character; write backslashes twice"},
         {"[\"a\"]", "[\"a\"] (a list of 1); write paths in quotes"}}},
       {"input.format",
-       "\"auto\", \"nrrd\", \"metaimage\", \"nifti\", \"raw\", \"stack\" or \"zarr\" (default: "
+       "\"auto\", \"nrrd\", \"metaimage\", \"nifti\", \"raw\", \"stack\", \"zarr\" or \"empty\" "
+       "(default: "
        "\"auto\")",
        {{"\"NRRD\"", "\"NRRD\" (a string); did you mean \"nrrd\"?"},
         {"\"bmp\"", "\"bmp\" (a string)"},
@@ -72,7 +73,7 @@ const std::vector<WrongKey>& wrong_keys() {
        "\"m\", \"cm\", \"mm\", \"um\", \"nm\" or \"angstrom\" (default: as the file says)",
        {{"\"MM\"", "\"MM\" (a string); did you mean \"mm\"?"}, {"1", "1"}}},
       {"input.size",
-       "a list of 3 integers from 1 to 524287 (default: none; raw files need it)",
+       "a list of 3 integers from 1 to 524287 (default: none; raw files and empty space need it)",
        {{"[0, 1, 1]", "[0, 1, 1] (a list of 3)"},
         {"[1, 1, 1, 1]", "[1, 1, 1, 1] (a list of 4)"},
         {"\"1x1x1\"", "\"1x1x1\" (a string)"}}},
