@@ -23,6 +23,7 @@ struct Program {
 void add_run_commands(CLI::App& app,
                       Program& program);  // run, ingest, build, merge, stitch, encode
 void add_cluster_commands(CLI::App& app, Program& program);  // plan, submit, status, cancel, logs
+void add_edit_command(CLI::App& app, Program& program);
 void add_info_command(CLI::App& app, Program& program);
 void add_init_command(CLI::App& app, Program& program);
 void add_verify_command(CLI::App& app, Program& program);

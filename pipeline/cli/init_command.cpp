@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/config_path.h"
 #include "pipeline/cli/volume_arguments.h"
 #include "pipeline/config/commented.h"
 #include "pipeline/run/open_input.h"
@@ -43,19 +44,6 @@ std::string input_stem(const std::string& input) {
     if (fs::path(name).extension() == ".zarr") name = fs::path(name).stem().string();
   }
   return name.empty() ? "volume" : name;
-}
-
-// Relative when the input lies below the config's folder, so that both can be moved together.
-std::string path_for_config(const std::string& input, const fs::path& config) {
-  const fs::path full = fs::absolute(input).lexically_normal();
-  const fs::path folder = fs::absolute(config).lexically_normal().parent_path();
-  const fs::path relative = full.lexically_relative(folder);
-  const bool below = !relative.empty() && *relative.begin() != ".." && relative != ".";
-  std::string text = (below ? relative : full).string();
-  for (const char c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-      throw InputError(input + ": a config cannot hold a path with control characters; rename it");
-  return text;
 }
 
 // The same volume as the config will name it. The config has no key for it, so it is written into

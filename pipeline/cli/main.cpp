@@ -61,6 +61,7 @@ int run_main(int argc, char** argv) {
       ->capture_default_str();
   add_run_commands(app, program);
   add_cluster_commands(app, program);
+  add_edit_command(app, program);
   add_init_command(app, program);
   add_info_command(app, program);
   add_verify_command(app, program);

@@ -1,37 +1,12 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <nlohmann/json.hpp>
-#include <thread>
-
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/run_context.h"
-#include "pipeline/mesh/manifest.h"
 #include "pipeline/run/run.h"
 #include "pipeline/run/task_report.h"
-#include "pipeline/slurm/slurm_run.h"
-#include "storage/support/file_io.h"
-#include "storage/support/provenance.h"
 
 namespace voxweld {
 namespace {
-
-// The last lines of a run: what there is now and where.
-void print_summary(const RunContext& context, bool json) {
-  const std::filesystem::path& output = context.config.output.directory;
-  if (json) {
-    const auto bytes = read_whole_file(output / manifest_name);
-    fmt::print("{}", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
-    return;
-  }
-  const Manifest manifest = read_manifest(output / manifest_name);
-  fmt::print(
-      "{}: {} vertices, {} triangles ({} quads and {} triangles before cutting), {} tiles, {} "
-      "files, {}\n",
-      output.string(), manifest.counts.vertices, manifest.counts.output_triangles,
-      manifest.counts.quads, manifest.counts.triangles, manifest.counts.tiles,
-      manifest.counts.files, readable_bytes(static_cast<double>(manifest.counts.bytes)));
-}
 
 // The units a task is to do, and where it says how it went.
 void add_task_options(CLI::App& command, RunArguments& arguments, Stage stage) {
@@ -100,15 +75,7 @@ void add_run_commands(CLI::App& app, Program& program) {
         fmt::print("{}", dry_run(context));
         return 0;
       }
-      SlurmClientOptions patience;
-      patience.interrupt = &program.interrupt;
-      SlurmClient client(patience);
-      std::optional<SlurmExecutor> cluster;
-      if (context.config.run.executor == RunConfig::Executor::slurm) {
-        cluster.emplace(set_up_slurm(context.config, client), client);
-        context.executor = &*cluster;
-      }
-      run_all(context);
+      run_where_asked(program, context);
       print_summary(context, arguments->json);
       return 0;
     };

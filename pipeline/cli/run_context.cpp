@@ -4,10 +4,15 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
 #include <thread>
 
+#include "pipeline/mesh/manifest.h"
+#include "pipeline/run/run.h"
+#include "pipeline/slurm/slurm_run.h"
 #include "stages/geometry/qef.h"
 #include "storage/support/error.h"
+#include "storage/support/file_io.h"
 #include "storage/support/provenance.h"
 
 namespace voxweld {
@@ -55,6 +60,36 @@ RunContext make_context(Program& program, const RunArguments& arguments, Executo
   choose_kernels();
   set_provenance_config(config_fingerprint(context.config));
   return context;
+}
+
+void run_where_asked(Program& program, RunContext& context) {
+  SlurmClientOptions patience;
+  patience.interrupt = &program.interrupt;
+  SlurmClient client(patience);
+  std::optional<SlurmExecutor> cluster;
+  Executor* const here = context.executor;
+  if (context.config.run.executor == RunConfig::Executor::slurm) {
+    cluster.emplace(set_up_slurm(context.config, client), client);
+    context.executor = &*cluster;
+  }
+  run_all(context);
+  context.executor = here;
+}
+
+void print_summary(const RunContext& context, bool json) {
+  const std::filesystem::path& output = context.config.output.directory;
+  if (json) {
+    const auto bytes = read_whole_file(output / manifest_name);
+    fmt::print("{}", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    return;
+  }
+  const Manifest manifest = read_manifest(output / manifest_name);
+  fmt::print(
+      "{}: {} vertices, {} triangles ({} quads and {} triangles before cutting), {} tiles, {} "
+      "files, {}\n",
+      output.string(), manifest.counts.vertices, manifest.counts.output_triangles,
+      manifest.counts.quads, manifest.counts.triangles, manifest.counts.tiles,
+      manifest.counts.files, readable_bytes(static_cast<double>(manifest.counts.bytes)));
 }
 
 }  // namespace voxweld

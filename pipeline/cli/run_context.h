@@ -22,4 +22,9 @@ void add_config_options(CLI::App& command, RunArguments& arguments);
 // The config read and checked; program and executor live as long as the context.
 RunContext make_context(Program& program, const RunArguments& arguments, Executor& executor);
 
+// What is missing of all stages, on the executor the config names instead of the context's.
+void run_where_asked(Program& program, RunContext& context);
+// The last lines of a run: what there is now and where.
+void print_summary(const RunContext& context, bool json);
+
 }  // namespace voxweld

@@ -156,8 +156,11 @@ struct Config {
 // was found; StorageError when the file exists but cannot be read.
 Config load_config(const std::filesystem::path& path, std::span<const std::string> overrides = {});
 
-// The same for a text already at hand; `path` is the file it stands for (names it in messages,
-// gives the folder of relative paths and the default directories) and need not exist.
+// The text of a config file, as load_config() reads it.
+std::string read_config_text(const std::filesystem::path& path);
+
+// The same as load_config() for a text already at hand; `path` is the file it stands for (names it
+// in messages, gives the folder of relative paths and the default directories) and need not exist.
 Config parse_config(const std::string& text, const std::filesystem::path& path,
                     std::span<const std::string> overrides = {});
 

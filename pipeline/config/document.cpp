@@ -15,6 +15,10 @@ TextPlace place(const toml::source_region& region) {
   return {region.begin.line, region.begin.column};
 }
 
+TextPlace place_behind(const toml::node& node) {
+  return {node.source().end.line, node.source().end.column};
+}
+
 ConfigValue convert(const toml::node& node) {
   if (const auto* flag = node.as_boolean()) return {flag->get()};
   if (const auto* whole = node.as_integer()) return {whole->get()};
@@ -34,10 +38,11 @@ using Entries = std::vector<DocumentEntry>;
 // The table itself stands where its key does, or its header.
 void add_table(const std::string& name, const toml::table& content, TextPlace key_at,
                std::size_t item, Entries& entries) {
-  entries.push_back({name, {}, {UnusableValue{"a table"}}, key_at, place(content.source()), item});
+  entries.push_back(
+      {name, {}, {UnusableValue{"a table"}}, key_at, place(content.source()), item, {}});
   for (const auto& [key, node] : content)
     entries.push_back({name, std::string(key.str()), convert(node), place(key.source()),
-                       place(node.source()), item});
+                       place(node.source()), item, place_behind(node)});
 }
 
 void add_root_key(const toml::key& key, const toml::node& node, Entries& entries) {
@@ -45,7 +50,13 @@ void add_root_key(const toml::key& key, const toml::node& node, Entries& entries
   if (const auto* table = node.as_table())
     return add_table(name, *table, place(key.source()), 0, entries);
   if (!node.is_array_of_tables()) {
-    entries.push_back({{}, name, convert(node), place(key.source()), place(node.source())});
+    entries.push_back({{},
+                       name,
+                       convert(node),
+                       place(key.source()),
+                       place(node.source()),
+                       0,
+                       place_behind(node)});
     return;
   }
   std::size_t item = 0;
@@ -54,6 +65,18 @@ void add_root_key(const toml::key& key, const toml::node& node, Entries& entries
 }
 
 }  // namespace
+
+std::size_t offset_of(const std::string& text, TextPlace at) {
+  std::size_t offset = text.starts_with("\xef\xbb\xbf") ? 3 : 0;
+  for (std::uint32_t line = 1; line < at.line; ++line) offset = text.find('\n', offset) + 1;
+  const auto continues = [&](std::size_t i) {  // a character of UTF-8
+    return i < text.size() && (static_cast<unsigned char>(text[i]) & 0xc0) == 0x80;
+  };
+  for (std::uint32_t column = 1; column < at.column && offset < text.size(); ++column) do
+      ++offset;
+    while (continues(offset));
+  return offset;
+}
 
 std::string place_text(const std::string& name, TextPlace at) {
   return fmt::format("{}:{}:{}", name, at.line, at.column);

@@ -23,7 +23,12 @@ struct DocumentEntry {
   ConfigValue value;  // for tables: an UnusableValue
   TextPlace key_at, value_at;
   std::size_t item = 0;  // which of the tables [[table]], from 1; 0: there is one, [table]
+  TextPlace value_end;   // behind the value's last character; of tables unspecified
 };
+
+// The byte of the text that is there. Columns count characters, a byte order mark is none.
+// Precondition: the place is one of the text's.
+std::size_t offset_of(const std::string& text, TextPlace at);
 
 // "scan.toml:3:14"
 std::string place_text(const std::string& name, TextPlace at);

@@ -274,6 +274,14 @@ class CrossChecks {
   std::string file_;
 };
 
+void check_size(const fs::path& path, std::uint64_t size) {
+  if (size > largest_config)
+    throw InputError(
+        fmt::format("{}: expected a config file (TOML) of at most {}, found {} bytes; "
+                    "a volume is named inside the config, as input.path",
+                    path.string(), bytes_text(largest_config), size));
+}
+
 void set_default_directories(const fs::path& path, Config& config) {
   fs::path base = fs::absolute(path).lexically_normal();
   if (base.extension() == ".toml") base.replace_extension();
@@ -285,6 +293,7 @@ void set_default_directories(const fs::path& path, Config& config) {
 
 Config parse_config(const std::string& text, const fs::path& path,
                     std::span<const std::string> overrides) {
+  check_size(path, text.size());
   Config config;
   Places places;
   apply_document(text, path, config, places);
@@ -308,7 +317,7 @@ Config parse_config(const std::string& text, const fs::path& path,
   return config;
 }
 
-Config load_config(const fs::path& path, std::span<const std::string> overrides) {
+std::string read_config_text(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status))
@@ -317,15 +326,13 @@ Config load_config(const fs::path& path, std::span<const std::string> overrides)
   if (!fs::is_regular_file(status))
     throw InputError(path.string() +
                      ": expected a config file (TOML), found a directory or device");
-  const std::uint64_t size = ReadFile(path).size();
-  if (size > largest_config)
-    throw InputError(
-        fmt::format("{}: expected a config file (TOML) of at most {}, found {} bytes; "
-                    "a volume is named inside the config, as input.path",
-                    path.string(), bytes_text(largest_config), size));
+  check_size(path, ReadFile(path).size());
   const auto bytes = read_whole_file(path);
-  return parse_config(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()), path,
-                      overrides);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+Config load_config(const fs::path& path, std::span<const std::string> overrides) {
+  return parse_config(read_config_text(path), path, overrides);
 }
 
 }  // namespace voxweld
