@@ -43,7 +43,7 @@ inline TriangleMesh subdivided(const TriangleMesh& coarse) {
 
 // A ball with dents, through `levels` subdivisions of a tetrahedron.
 inline TriangleMesh dented_ball(Vec3 center, double radius, int levels) {
-  TriangleMesh mesh = tetrahedron({Vec3{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}});
+  TriangleMesh mesh = tetrahedron({Vec3{1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1}});
   for (int i = 0; i < levels; ++i) mesh = subdivided(mesh);
   for (Vec3& v : mesh.vertices) {
     const Vec3 n = v * (1 / std::sqrt(dot(v, v)));
