@@ -215,6 +215,28 @@ TEST(MeshEdit, PlacedByScaleRotateAndCenter) {
   }
 }
 
+// In boxes whose faces lie anywhere in the cells volumes are exact, but for the output's lattice.
+TEST(MeshEdit, SubtractsAndIntersects) {
+  const TempDirectory folder;
+  const TriangleMesh whole = box_mesh({0.3, 0.3, 0.3}, {20.4, 20.45, 20.6});
+  write_off(folder / "a.off", whole);
+  write_off(folder / "b.off", box_mesh({10.3, 10.15, 10.7}, {30, 30, 30}));
+  const MeshScene space(folder / "a.off", whole, 40);
+  const auto volume_with = [&](const std::string& op) {
+    space.set(folder / "a.off", fmt::format("[[edit]]\nop = \"{}\"\nshape = \"mesh\"\npath = '{}'\n"
+                                            "center = [{}, {}, {}]",
+                                            op, (folder / "b.off").string(), space.center.x,
+                                            space.center.y, space.center.z));
+    VOXWELD_EXPECT_DONE(space.scene().run());
+    const VerifyReport report = verify_output(space.scene().output());
+    EXPECT_TRUE(report.good()) << to_text(report);
+    return volume_of(space.result());
+  };
+  const double common = 10.1 * 10.3 * 9.9, all = volume_of(whole);
+  EXPECT_NEAR(volume_with("intersect"), common, 2e-3 * common);
+  EXPECT_NEAR(volume_with("subtract"), all - common, 1e-3 * all);
+}
+
 TEST(MeshEdit, RefusedMeshes) {
   const TempDirectory folder;
   TriangleMesh mesh = dented_ball({}, 10, 3);
