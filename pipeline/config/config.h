@@ -132,6 +132,8 @@ struct EditConfig {
   Vec3 size = {};                           // full side lengths
   Vec3 axis = {0, 0, 1};                    // of any length but 0
   Vec3 rotate = {};                         // degrees about x, then y, then z
+  std::filesystem::path path = {};          // absolute
+  double scale = 1;                         // above 0
 
   friend bool operator==(const EditConfig&, const EditConfig&) = default;
 };

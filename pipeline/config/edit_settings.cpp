@@ -1,5 +1,7 @@
 #include "pipeline/config/edit_settings.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -15,8 +17,8 @@ const std::vector<std::string>& op_names() {
 }
 
 const std::vector<std::string>& shape_names() {
-  static const std::vector<std::string> names = {"sphere", "box",   "cylinder",
-                                                 "cone",   "torus", "plane"};
+  static const std::vector<std::string> names = {"sphere", "box",   "cylinder", "cone",
+                                                 "torus",  "plane", "mesh"};
   return names;
 }
 
@@ -55,6 +57,11 @@ Binding triple(Vec3 EditConfig::*member, TripleRule::Of of = TripleRule::Of::any
           }};
 }
 
+Binding path(std::filesystem::path EditConfig::*member) {
+  return {PathRule{}, [=](EditConfig& e, const ConfigValue& v) { e.*member = *v.text(); },
+          [=](const EditConfig& e) { return ConfigValue{(e.*member).string()}; }};
+}
+
 struct Words {
   const char* key;
   const char* description;
@@ -80,6 +87,14 @@ EditSetting required(EditSetting setting) {
   return setting;
 }
 
+EditSetting required_but_for(SolidShape shape, EditSetting setting) {
+  const std::string value = to_toml(*setting.default_value);
+  setting = required(std::move(setting));
+  setting.default_note = fmt::format("required; of a {}, {}", shape_name(shape), value);
+  setting.optional_for = {shape};
+  return setting;
+}
+
 std::vector<EditSetting> make_edit_settings() {
   using enum SolidShape;
   using Of = TripleRule::Of;
@@ -90,9 +105,18 @@ std::vector<EditSetting> make_edit_settings() {
            "\"subtract\""},
           choice(&EditConfig::op, op_names())),
       required(row({"shape", "Which solid it is.", ""}, choice(&EditConfig::shape, shape_names()))),
-      required(row(
-          {"center", "The middle of the solid; of a plane, any point of it.", "[10.0, 20.0, 30.0]"},
-          triple(&EditConfig::center))),
+      required(row({"path",
+                    "A triangle mesh in an .stl, .off, .obj or .ply file. It has to be closed; "
+                    "which way its triangles wind does not matter, and what it encloses twice is "
+                    "outside again.",
+                    "\"part.stl\""},
+                   path(&EditConfig::path), {mesh})),
+      required_but_for(
+          mesh, row({"center",
+                     "The middle of the solid; of a plane, any point of it; of a mesh, where the "
+                     "origin of its own coordinates comes to lie.",
+                     "[10.0, 20.0, 30.0]"},
+                    triple(&EditConfig::center))),
       required(
           row({"radius",
                "Of a sphere, a cylinder or a cone's base; of a torus, of the ring inside its tube.",
@@ -109,11 +133,13 @@ std::vector<EditSetting> make_edit_settings() {
            "ring; of a plane, out of the solid, which lies behind it.",
            "[0.0, 0.0, 1.0]"},
           triple(&EditConfig::axis, Of::not_all_zero), {cylinder, cone, torus, plane}),
+      row({"scale", "Lengths of the output for one of the mesh's own.", "25.4"},
+          positive(&EditConfig::scale), {mesh}),
       row({"rotate",
-           "Degrees to turn it about its middle: about the x axis, then y, then z; x turns y "
+           "Degrees to turn it about its center: about the x axis, then y, then z; x turns y "
            "towards z, y turns z towards x, z turns x towards y.",
            "[0.0, 0.0, 30.0]"},
-          triple(&EditConfig::rotate), {box}),
+          triple(&EditConfig::rotate), {box, mesh}),
   };
 }
 
@@ -132,6 +158,11 @@ std::string_view shape_name(SolidShape shape) {
 
 bool EditSetting::taken_by(SolidShape shape) const {
   return shapes.empty() || std::find(shapes.begin(), shapes.end(), shape) != shapes.end();
+}
+
+bool EditSetting::required_by(SolidShape shape) const {
+  return required && taken_by(shape) &&
+         std::find(optional_for.begin(), optional_for.end(), shape) == optional_for.end();
 }
 
 std::string EditSetting::shapes_text() const {

@@ -14,21 +14,23 @@
 namespace voxweld {
 
 inline constexpr std::string_view edit_table = "edit";
-inline constexpr std::array<SolidShape, 6> all_shapes = {SolidShape::sphere,   SolidShape::box,
-                                                         SolidShape::cylinder, SolidShape::cone,
-                                                         SolidShape::torus,    SolidShape::plane};
+inline constexpr std::array<SolidShape, 7> all_shapes = {
+    SolidShape::sphere, SolidShape::box,   SolidShape::cylinder, SolidShape::cone,
+    SolidShape::torus,  SolidShape::plane, SolidShape::mesh};
 std::string_view shape_name(SolidShape shape);
 
-// `required` is meant for the shapes that take the key.
+// `required` is meant for the shapes that take the key and can not do without.
 struct EditSetting : KeyFacts {
-  std::vector<SolidShape> shapes;  // that take it; empty: all
-  std::string sample;              // a value as TOML, for examples
+  std::vector<SolidShape> shapes;        // that take it; empty: all
+  std::vector<SolidShape> optional_for;  // that take the default where it is `required`
+  std::string sample;                    // a value as TOML, for examples
 
   // Precondition: check(rule, value) accepts.
   std::function<void(EditConfig&, const ConfigValue&)> set;
   std::function<ConfigValue(const EditConfig&)> get;
 
   bool taken_by(SolidShape shape) const;
+  bool required_by(SolidShape shape) const;
   std::string shapes_text() const;  // "cylinder, cone", or "all"
 };
 

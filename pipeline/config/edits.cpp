@@ -61,8 +61,9 @@ Edit edit_of(const EditConfig& config) {
   solid.radius = config.radius;
   solid.height = config.height;
   solid.tube = config.tube;
-  solid.axes =
-      config.shape == SolidShape::box ? axes_turned(config.rotate) : axes_along(config.axis);
+  solid.scale = config.scale;
+  const bool turns = config.shape == SolidShape::box || config.shape == SolidShape::mesh;
+  solid.axes = turns ? axes_turned(config.rotate) : axes_along(config.axis);
   // Keys of artifacts hash the bits: 0 is written one way.
   for (Vec3& axis : solid.axes) axis = axis + Vec3{};
   return edit;

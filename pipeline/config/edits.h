@@ -5,7 +5,8 @@
 
 namespace voxweld {
 
-// In the order of the config. Equal edits give the same bits on every machine.
+// In the order of the config. Equal edits give the same bits on every machine. Meshes are yet to be
+// read (pipeline/run/edit_meshes.h).
 Edits edits_of(const Config& config);
 
 }  // namespace voxweld

@@ -65,12 +65,17 @@ void read_key(const Written& edit, const DocumentEntry& entry, std::optional<Sol
                                         what_it_takes(shape)));
   require_accepted(place_text(edit.file, entry.value_at),
                    fmt::format("edit {}: {}", edit.number, setting->key), *setting, entry.value);
-  setting->set(config, entry.value);
+  ConfigValue value = entry.value;
+  if (std::holds_alternative<PathRule>(setting->rule)) {
+    const auto folder = std::filesystem::absolute(edit.file).parent_path();
+    value = {(folder / *value.text()).lexically_normal().string()};
+  }
+  setting->set(config, value);
 }
 
 void check_required(const Written& edit, const EditConfig& config) {
   for (const EditSetting& setting : edit_settings())
-    if (setting.required && setting.taken_by(config.shape) && edit.find(setting.key) == nullptr)
+    if (setting.required_by(config.shape) && edit.find(setting.key) == nullptr)
       edit.fail(edit.header_at, fmt::format("missing key {} (expected {}): {}", setting.key,
                                             accepted_text(setting.rule), setting.description));
 }

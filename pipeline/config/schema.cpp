@@ -128,7 +128,7 @@ Json shape_schema(SolidShape shape) {
   for (const EditSetting& setting : edit_settings()) {
     if (!setting.taken_by(shape)) continue;
     names.push_back(setting.key);
-    if (setting.required) required.push_back(setting.key);
+    if (setting.required_by(shape)) required.push_back(setting.key);
   }
   Json json;
   json["if"] = {{"properties", {{"shape", {{"const", std::string(shape_name(shape))}}}}},
@@ -143,7 +143,8 @@ Json edits_schema() {
   Json required = Json::array();
   for (const EditSetting& setting : edit_settings()) {
     properties[setting.key] = key_schema(setting);
-    if (setting.required && setting.shapes.empty()) required.push_back(setting.key);
+    if (setting.required && setting.shapes.empty() && setting.optional_for.empty())
+      required.push_back(setting.key);
   }
   Json shapes = Json::array();
   for (const SolidShape shape : all_shapes) shapes.push_back(shape_schema(shape));

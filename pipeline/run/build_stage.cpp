@@ -8,6 +8,7 @@
 
 #include "pipeline/executor/probe.h"
 #include "pipeline/run/shard_builder.h"
+#include "stages/geometry/mesh_solid.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -95,6 +96,8 @@ void feed(KeyHasher& key, const Edit& edit) {
   for (const Vec3& axis : solid.axes) feed(key, axis);
   feed(key, solid.size);
   key.real(solid.radius).real(solid.height).real(solid.tube);
+  // What is in the file, not where it lies.
+  if (solid.mesh != nullptr) key.real(solid.scale).hash(solid.mesh->source());
 }
 
 // Whether the samples are those the artifact was made from; then it says so from now on.

@@ -7,6 +7,7 @@
 
 #include "pipeline/config/edits.h"
 #include "pipeline/config/settings.h"
+#include "pipeline/run/edit_meshes.h"
 #include "pipeline/run/encode_stage.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
@@ -70,6 +71,7 @@ ContourParameters contour_parameters(const Config& config, const VolumeGeometry&
       s.topology == SimplifyConfig::Topology::safe ? Topology::safe : Topology::free;
   p.simplify.qef = s.qef == SimplifyConfig::Qef::qr ? QefForm::qr : QefForm::normal;
   p.edits = edits_of(config);
+  load_edit_meshes(config, {geometry.size, geometry.spacing}, p.edits);
   return p;
 }
 

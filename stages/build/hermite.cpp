@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "stages/geometry/mesh_solid.h"
 #include "stages/geometry/solid.h"
 
 namespace voxweld {
@@ -197,16 +198,25 @@ void HermiteEdges::compute(const HaloBlock& block, Index3 brick, int side, const
 
 namespace {
 
-// The solid's own crossing of the edge from sample s on; outward of what the edit leaves.
-HermiteEdge edge_of_solid(const Edit& edit, const VolumeFrame& frame, int axis, Index3 s) {
+// The solid's own crossing of the edge from sample s on, and its normal there.
+MeshSolid::Crossing crossing_of(const Solid& solid, const VolumeFrame& frame, int axis, Index3 s,
+                                bool low_in_solid) {
+  if (solid.shape == SolidShape::mesh) return solid.mesh->crossing(axis, s, low_in_solid);
   const Vec3 low = frame.place_of_sample(s);
   const double length = frame.spacing[axis];
-  const double t = solid_crossing(edit.solid, low, axis, length);
+  const double t = solid_crossing(solid, low, axis, length);
   Vec3 place = low;
   place[axis] += t * length;
-  const Vec3 normal = solid_normal(edit.solid, place) * (edit.op == EditOp::subtract ? -1.0 : 1.0);
+  return {t, solid_normal(solid, place)};
+}
+
+// Outward of what the edit leaves.
+HermiteEdge edge_of_solid(const Edit& edit, const VolumeFrame& frame, int axis, Index3 s,
+                          bool low_in_solid) {
+  const auto crossing = crossing_of(edit.solid, frame, axis, s, low_in_solid);
+  const Vec3 normal = crossing.normal * (edit.op == EditOp::subtract ? -1.0 : 1.0);
   HermiteEdge edge;
-  edge.t = static_cast<float>(std::clamp(t, lowest_crossing, highest_crossing));
+  edge.t = static_cast<float>(std::clamp(crossing.t, lowest_crossing, highest_crossing));
   for (int a = 0; a < 3; ++a)
     edge.normal[static_cast<std::size_t>(a)] = static_cast<float>(normal[a]);
   return edge;
@@ -232,9 +242,10 @@ void HermiteEdges::compute(const Edit& edit, const VolumeFrame& frame, Index3 br
     const bool low_inside = signs.inside(x, y, z);
     if (s[axis] < 0 || s[axis] + 1 >= frame.size[axis]) return edge_of_middle(axis, low_inside);
     const int dx = axis == 0, dy = axis == 1, dz = axis == 2;
-    const bool of_solid = solid.inside(x, y, z) != solid.inside(x + dx, y + dy, z + dz);
+    const bool low_in_solid = solid.inside(x, y, z);
+    const bool of_solid = low_in_solid != solid.inside(x + dx, y + dy, z + dz);
     if (!of_solid) return before.at(axis, x, y, z);
-    const HermiteEdge own = edge_of_solid(edit, frame, axis, s);
+    const HermiteEdge own = edge_of_solid(edit, frame, axis, s, low_in_solid);
     if (!before.has(axis, x, y, z)) return own;
     return surface_of(edit.op, low_inside, before.at(axis, x, y, z), own);
   });

@@ -5,6 +5,7 @@
 
 #include "stages/build/label_field.h"
 #include "stages/geometry/inside_test.h"
+#include "stages/geometry/mesh_solid.h"
 #include "stages/geometry/solid.h"
 
 namespace voxweld {
@@ -106,6 +107,17 @@ Box3 samples_near(const Solid& solid, const VolumeFrame& frame, const Box3& held
   return near;
 }
 
+// Turns the bits `from` to `end` of a row around.
+void flip_bits(std::uint64_t* row, std::int64_t from, std::int64_t end) {
+  const std::int64_t last = (end - 1) >> 6;
+  for (std::int64_t w = from >> 6; w <= last; ++w) {
+    std::uint64_t bits = ~std::uint64_t{0};
+    if (w == from >> 6) bits <<= from & 63;
+    if (w == last) bits &= ~std::uint64_t{0} >> (63 - ((end - 1) & 63));
+    row[w] ^= bits;
+  }
+}
+
 }  // namespace
 
 void SignGrid::fill(const Solid& solid, const VolumeFrame& frame, Index3 brick, int side) {
@@ -115,17 +127,30 @@ void SignGrid::fill(const Solid& solid, const VolumeFrame& frame, Index3 brick, 
   const Index3 first = brick - splat(2);
   const Box3 held = samples_near(
       solid, frame, intersect(Box3{{}, frame.size}, Box3{first, first + splat(side + 3)}));
+  if (held.empty()) return;
+  if (solid.shape == SolidShape::mesh)
+    fill_mesh(*solid.mesh, first, held);
+  else
+    fill_shape(solid, frame, first, held);
+}
+
+void SignGrid::fill_shape(const Solid& solid, const VolumeFrame& frame, Index3 first,
+                          const Box3& held) {
   for (std::int64_t z = held.lo.z; z < held.hi.z; ++z)
     for (std::int64_t y = held.lo.y; y < held.hi.y; ++y) {
-      const std::size_t index =
-          static_cast<std::size_t>(z - first.z) * points_ + static_cast<std::size_t>(y - first.y);
-      std::uint64_t* row = bits_.data() + index * stride_;
+      std::uint64_t* row = row_at(y - first.y, z - first.z);
       for (std::int64_t x = held.lo.x; x < held.hi.x; ++x) {
         const auto bit = static_cast<std::uint64_t>(x - first.x);
         if (solid_holds(solid, frame.place_of_sample({x, y, z})))
           row[bit >> 6] |= std::uint64_t{1} << (bit & 63);
       }
     }
+}
+
+void SignGrid::fill_mesh(const MeshSolid& mesh, Index3 first, const Box3& held) {
+  mesh.each_flip(held, [&](const MeshSolid::Flip& flip) {
+    flip_bits(row_at(flip.y - first.y, flip.z - first.z), flip.x - first.x, held.hi.x - first.x);
+  });
 }
 
 void SignGrid::combine(EditOp op, const SignGrid& solid) {

@@ -7,20 +7,11 @@
 
 #include "stages/geometry/cell_topology.h"
 #include "stages/geometry/parameters.h"
+#include "stages/geometry/volume_frame.h"
 #include "storage/types/halo_block.h"
 #include "storage/types/solid.h"
 
 namespace voxweld {
-
-// How lattice points become places: u is sample u - 1, at spacing * (u - 1).
-struct VolumeFrame {
-  Index3 size;  // samples a side
-  Vec3 spacing;
-  Vec3 place_of_sample(Index3 s) const {
-    return {spacing.x * static_cast<double>(s.x), spacing.y * static_cast<double>(s.y),
-            spacing.z * static_cast<double>(s.z)};
-  }
-};
 
 // Covers lattice points -1 .. side + 1 relative to the brick's lowest: what the signs of the cells
 // -1 .. side need (Wenger's rule looks one cell beyond the brick).
@@ -57,6 +48,12 @@ class SignGrid {
   std::size_t words() const { return stride_ - 1; }
 
  private:
+  void fill_shape(const Solid& solid, const VolumeFrame& frame, Index3 first, const Box3& held);
+  void fill_mesh(const MeshSolid& mesh, Index3 first, const Box3& held);
+  std::uint64_t* row_at(std::int64_t y, std::int64_t z) {  // counted from the grid's first
+    return bits_.data() +
+           (static_cast<std::size_t>(z) * points_ + static_cast<std::size_t>(y)) * stride_;
+  }
   // Signs of x and x + 1, in bits 0 and 1.
   unsigned pair(int x, int y, int z) const {
     std::uint32_t word;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "stages/geometry/mesh_solid.h"
+
 namespace voxweld {
 namespace {
 
@@ -72,12 +74,14 @@ Face face_at(const Solid& s, Vec3 q) {
     }
     case SolidShape::plane:
       return {q.z, z};
+    case SolidShape::mesh:  // see the preconditions
+      break;
   }
   return {infinite, z};
 }
 
 bool is_convex(const Solid& solid) {
-  return solid.shape != SolidShape::torus;
+  return solid.shape != SolidShape::torus && solid.shape != SolidShape::mesh;
 }
 
 Vec3 corner(const Bounds& box, int i) {
@@ -98,6 +102,7 @@ Vec3 half_size(const Solid& s) {
     case SolidShape::torus:
       return {s.radius + s.tube, s.radius + s.tube, s.tube};
     case SolidShape::plane:
+    case SolidShape::mesh:
       break;
   }
   return {infinite, infinite, infinite};
@@ -135,6 +140,7 @@ double solid_crossing(const Solid& solid, Vec3 low, int axis, double length) {
 }
 
 Bounds solid_bounds(const Solid& solid) {
+  if (solid.shape == SolidShape::mesh) return solid.mesh->bounds();
   const Vec3 half = half_size(solid);
   Bounds bounds;
   for (int a = 0; a < 3; ++a) {
@@ -155,6 +161,8 @@ Relation relation_to(const Solid& solid, const Bounds& box) {
   for (int a = 0; a < 3; ++a)
     if (box.hi[a] < bounds.lo[a] - margin || box.lo[a] > bounds.hi[a] + margin)
       return Relation::outside;
+  // Only its triangles could tell that a box is inside.
+  if (solid.shape == SolidShape::mesh) return Relation::mixed;
   double least = infinite, most = -infinite;
   for (int i = 0; i < 8; ++i) {
     const double value = solid_value(solid, corner(box, i));

@@ -11,6 +11,9 @@
 
 namespace voxweld {
 
+// Meshes answer for lattice points and edges (stages/geometry/mesh_solid.h): the first four
+// functions are for the other shapes.
+//
 // At most 0 inside; continuous, and near the surface about the distance.
 double solid_value(const Solid& solid, Vec3 p);
 inline bool solid_holds(const Solid& solid, Vec3 p) {

@@ -4,13 +4,16 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "storage/types/box.h"
 
 namespace voxweld {
 
-enum class SolidShape : std::uint8_t { sphere, box, cylinder, cone, torus, plane };
+class MeshSolid;  // stages/geometry/mesh_solid.h
+
+enum class SolidShape : std::uint8_t { sphere, box, cylinder, cone, torus, plane, mesh };
 
 // In its own frame, where q = axes * (p - center), a solid is
 //   sphere    |q| <= radius
@@ -19,13 +22,17 @@ enum class SolidShape : std::uint8_t { sphere, box, cylinder, cone, torus, plane
 //   cone      base of `radius` at z = -height / 2, tip at z = height / 2
 //   torus     within `tube` of the circle of `radius` in the plane z = 0
 //   plane     the half space z <= 0
-// Points on the surface are inside.
+//   mesh      what a row out of q crosses an odd number of times, of triangles * scale
+// Points on the surface are inside; those on a mesh's where a step to higher x, y, z leads in.
 struct Solid {
   SolidShape shape = SolidShape::sphere;
   Vec3 center;
   std::array<Vec3, 3> axes = {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};  // orthonormal rows
   Vec3 size;
   double radius = 0, height = 0, tube = 0;
+  double scale = 1;
+  // Of a mesh alone, in its place already; compared as a pointer.
+  std::shared_ptr<const MeshSolid> mesh;
   friend bool operator==(const Solid&, const Solid&) = default;
 };
 

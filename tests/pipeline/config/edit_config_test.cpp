@@ -56,6 +56,15 @@ op = "intersect"
 shape = "plane"
 center = [1, 2, 3]
 axis = [-1, 0, 0]
+[[edit]]
+shape = "mesh"
+path = "parts/../part.stl"
+[[edit]]
+shape = "mesh"
+path = "/elsewhere/part.ply"
+center = [1, 2, 3]
+scale = 25.4
+rotate = [0, 0, 90]
 )");
   const std::vector<EditConfig> expected = {
       {.center = {1, -2.5, 3}, .radius = 4},
@@ -74,7 +83,13 @@ axis = [-1, 0, 0]
       {.op = EditOp::intersect,
        .shape = SolidShape::plane,
        .center = {1, 2, 3},
-       .axis = {-1, 0, 0}}};
+       .axis = {-1, 0, 0}},
+      {.shape = SolidShape::mesh, .path = "/data/part.stl"},
+      {.shape = SolidShape::mesh,
+       .center = {1, 2, 3},
+       .rotate = {0, 0, 90},
+       .path = "/elsewhere/part.ply",
+       .scale = 25.4}};
   EXPECT_EQ(found, expected);
 }
 
@@ -143,6 +158,8 @@ EditConfig any_edit() {
   if (has("size")) edit.size = {any_positive(), any_positive(), any_positive()};
   if (has("axis")) edit.axis = {any_finite(), any_finite(), any_positive()};
   if (has("rotate")) edit.rotate = any_vector();
+  if (has("path")) edit.path = "/parts/\"a\" part.stl";
+  if (has("scale")) edit.scale = any_positive();
   return edit;
 }
 
@@ -159,8 +176,8 @@ RC_GTEST_PROP(EditConfig, CanonicalTomlReadsBackEqual, ()) {
 
 // One edit with every value another.
 const std::map<std::string, std::string> other_values = {
-    {"op", "\"intersect\""}, {"shape", ""},           {"center", "[1, 2, 4]"},
-    {"radius", "3"},         {"height", "11"},        {"tube", "0.5"},
+    {"op", "\"intersect\""}, {"shape", ""},           {"path", "\"other.stl\""}, {"scale", "2"},
+    {"center", "[1, 2, 4]"}, {"radius", "3"},         {"height", "11"},          {"tube", "0.5"},
     {"size", "[4, 5, 7]"},   {"axis", "[0, 0.5, 1]"}, {"rotate", "[0, 0, 31]"}};
 
 std::string sample(SolidShape shape, const std::string& changed_key = {}) {

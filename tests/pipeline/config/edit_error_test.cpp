@@ -58,12 +58,17 @@ const std::vector<WrongKey>& wrong_keys() {
         {"1", "1"}}},
       {sphere,
        "shape",
-       "\"sphere\", \"box\", \"cylinder\", \"cone\", \"torus\" or \"plane\"",
+       "\"sphere\", \"box\", \"cylinder\", \"cone\", \"torus\", \"plane\" or \"mesh\"",
        {{"\"ball\"", "\"ball\" (a string)"},
         {"\"Spere\"", "\"Spere\" (a string); did you mean \"sphere\"?"},
         {"[\"box\"]", "[\"box\"] (a list of 1)"}}},
       {sphere, "center", "three finite numbers: [x, y, z]", not_triple},
       {sphere, "radius", positive, not_positive},
+      {mesh,
+       "path",
+       "a path in quotes",
+       {{"\"\"", "\"\" (a string)"}, {"3", "3; write paths in quotes"}}},
+      {mesh, "scale", positive + " (default: 1.0)", not_positive},
       {cone, "height", positive, not_positive},
       {torus, "tube", positive, not_positive},
       {box, "size", "three finite numbers above 0: [x, y, z]", not_triple},
@@ -112,7 +117,7 @@ TEST(EditError, UnknownKeys) {
             "axis");
   EXPECT_EQ(error_of(least_config("[[edit]]\nshpae = \"plane\"\n")),
             "/data/scan.toml:4:1: edit 1: unknown key shpae; did you mean shape? An edit takes op, "
-            "shape, center, radius, height, tube, size, axis, rotate");
+            "shape, path, center, radius, height, tube, size, axis, scale, rotate");
   EXPECT_EQ(error_of(least_config(sphere + sphere + "[edit.more]\na = 1\n")),
             "/data/scan.toml:11:7: edit 2: unknown key more. A sphere takes op, shape, center, "
             "radius");
@@ -138,13 +143,13 @@ TEST(EditError, KeysOfOtherShapes) {
 TEST(EditError, MissingKeys) {
   EXPECT_EQ(error_of(least_config(sphere + "[[edit]]\n")),
             "/data/scan.toml:7:1: edit 2: missing key shape (expected \"sphere\", \"box\", "
-            "\"cylinder\", \"cone\", \"torus\" or \"plane\"): Which solid it is.");
+            "\"cylinder\", \"cone\", \"torus\", \"plane\" or \"mesh\"): Which solid it is.");
   EXPECT_EQ(error_of(least_config("[[edit]]\nop = \"add\"\ncenter = [0, 0, 0]\nheight = 3\n")),
             "/data/scan.toml:3:1: edit 1: missing key shape (expected \"sphere\", \"box\", "
-            "\"cylinder\", \"cone\", \"torus\" or \"plane\"): Which solid it is.");
+            "\"cylinder\", \"cone\", \"torus\", \"plane\" or \"mesh\"): Which solid it is.");
   for (const SolidShape shape : all_shapes) {
     for (const EditSetting& missing : edit_settings()) {
-      if (!missing.required || !missing.taken_by(shape) || missing.key == "shape") continue;
+      if (!missing.required_by(shape) || missing.key == "shape") continue;
       std::string text = "[[edit]]\nshape = " + toml_string(shape_name(shape)) + "\n";
       for (const EditSetting& setting : edit_settings())
         if (setting.taken_by(shape) && setting.key != "shape" && setting.key != missing.key)
@@ -176,12 +181,14 @@ TEST(EditError, OneTableIsNoEdit) {
   EXPECT_EQ(error_of(least_config("[edit]\nshape = \"sphere\"\n")),
             "/data/scan.toml:3:2: " + advice);
   EXPECT_EQ(error_of(least_config("edit.shape = \"sphere\"\n")), "/data/scan.toml:3:1: " + advice);
-  EXPECT_EQ(error_of(least_config("edit = 3\n")),
-            "/data/scan.toml:3:1: expected tables [[edit]] with keys op, shape, center, radius, "
-            "height, tube, size, axis, rotate, found 3");
-  EXPECT_EQ(error_of(least_config("edit = [1, 2]\n")),
-            "/data/scan.toml:3:1: expected tables [[edit]] with keys op, shape, center, radius, "
-            "height, tube, size, axis, rotate, found [1, 2] (a list of 2)");
+  EXPECT_EQ(
+      error_of(least_config("edit = 3\n")),
+      "/data/scan.toml:3:1: expected tables [[edit]] with keys op, shape, path, center, radius, "
+      "height, tube, size, axis, scale, rotate, found 3");
+  EXPECT_EQ(
+      error_of(least_config("edit = [1, 2]\n")),
+      "/data/scan.toml:3:1: expected tables [[edit]] with keys op, shape, path, center, radius, "
+      "height, tube, size, axis, scale, rotate, found [1, 2] (a list of 2)");
 }
 
 TEST(EditError, OtherTablesAreNotLists) {

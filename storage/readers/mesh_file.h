@@ -1,0 +1,23 @@
+// Triangle meshes from STL, OFF, OBJ and PLY files, whole in memory.
+#pragma once
+
+#include <filesystem>
+
+#include "storage/support/hash.h"
+#include "storage/types/triangle_mesh.h"
+
+namespace voxweld {
+
+struct MeshFile {
+  // Corners at equal places are one (STL writes each as often as it is used); polygons are cut into
+  // fans; triangles that have a corner twice are gone. All else is as the file has it.
+  TriangleMesh mesh;
+  Hash128 content;  // of the file's bytes
+};
+
+// The format goes by the name's extension; an .stl and a .ply may be text or binary.
+// InputError: no such file, or a name of no known format. FormatError: damaged, no triangles, a
+// coordinate that is not a finite number.
+MeshFile read_mesh_file(const std::filesystem::path& path);
+
+}  // namespace voxweld
