@@ -63,8 +63,9 @@ struct QefKernels {
 
 // The widest this processor has, unless others were chosen. All of them give the same bits.
 const QefKernels& qef_kernels();
-// Chooses by name ("base", "avx2", "avx512") for the whole process, before any are used; false where
-// this processor has none of that name. To see on one machine what machines of other kinds do.
+// Chooses by name ("base", "avx2", "avx512") for the whole process, before any are used; false
+// where this processor has none of that name. To see on one machine what machines of other kinds
+// do.
 bool choose_qef_kernels(std::string_view name);
 const QefKernels& qef_kernels_base();
 const QefKernels* qef_kernels_avx2();  // null where the CPU lacks it

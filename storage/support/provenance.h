@@ -13,8 +13,9 @@ namespace voxweld {
 void set_provenance_config(Hash128 config_fingerprint);
 void set_provenance_kernels(std::string_view name);  // which instructions the numbers came from
 
-// As JSON, one line: program and version, kernels, config fingerprint, host, process, time (UTC, ISO 8601)
-// and, inside a Slurm job, its ids: job, array job, array task, node, how often it was restarted.
+// As JSON, one line: program and version, kernels, config fingerprint, host, process, time (UTC,
+// ISO 8601) and, inside a Slurm job, its ids: job, array job, array task, node, how often it was
+// restarted.
 std::string provenance_json();
 
 }  // namespace voxweld

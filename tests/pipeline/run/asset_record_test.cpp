@@ -18,7 +18,8 @@ class AssetRecordTest : public ::testing::Test {
   void SetUp() override {
     AssetRecord record;
     record.key = key;
-    record.files.push_back(write_asset(output(), "tile.drc", "drc", as_bytes(std::string("12345"))));
+    record.files.push_back(
+        write_asset(output(), "tile.drc", "drc", as_bytes(std::string("12345"))));
     write_asset_record(path(), record, output());
   }
   fs::path output() const { return directory_ / "mesh"; }
