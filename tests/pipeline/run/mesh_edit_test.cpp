@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <cctype>
 #include <fstream>
 #include <random>
 
@@ -156,7 +157,13 @@ INSTANTIATE_TEST_SUITE_P(MeshEdit, SharedMeshes,
                                            SharedMesh{"meshes/rocker-arm.obj", false},
                                            SharedMesh{"meshes/anchor_dense.off", false},
                                            SharedMesh{"meshes/joint.off", true},
-                                           SharedMesh{"meshes/knot2.off", false}));
+                                           SharedMesh{"meshes/knot2.off", false}),
+                         [](const auto& tested) {
+                           std::string name = tested.param.file;
+                           for (char& c : name)
+                             if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+                           return name;
+                         });
 
 // Corners on lattice points, faces in their planes and rows along its edges come with the halves.
 TriangleMesh nasty_mesh() {
