@@ -45,24 +45,11 @@ std::string block(const std::string& op, Vec3 center, Vec3 size, const std::stri
       op, center.x, center.y, center.z, size.x, size.y, size.z, more);
 }
 
-double enclosed_volume(const fs::path& mesh) {
-  double six = 0;
-  const DecodedMesh decoded = load_mesh(mesh);
-  for (const auto& t : decoded.triangles) {
-    const auto at = [&](std::size_t i) {
-      const auto& p = decoded.positions[t[i]];
-      return Vec3{p[0], p[1], p[2]};
-    };
-    six += dot(at(0), cross(at(1), at(2)));
-  }
-  return six / 6;
-}
-
 double volume_after(const Scene& scene, const Settings& settings = {}) {
   VOXWELD_EXPECT_DONE(scene.run(settings));
   const VerifyReport report = verify_output(scene.output());
   EXPECT_TRUE(report.good()) << to_text(report);
-  return enclosed_volume(scene.output() / "mesh.drc");
+  return enclosed_volume(load_mesh(scene.output() / "mesh.drc"));
 }
 
 const Settings small_parts = {"work.brick=16", "work.shard=2", "output.tile_vertices=1024"};

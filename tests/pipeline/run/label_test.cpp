@@ -31,18 +31,6 @@ Settings label(std::uint64_t value) {
   return {"surface.label=" + std::to_string(value), "surface.isovalue=" + std::to_string(value)};
 }
 
-double enclosed_volume(const DecodedMesh& mesh) {
-  double six = 0;
-  for (const auto& t : mesh.triangles) {
-    const auto at = [&](std::size_t i) {
-      const auto& p = mesh.positions[t[i]];
-      return Vec3{p[0], p[1], p[2]};
-    };
-    six += dot(at(0), cross(at(1), at(2)));
-  }
-  return six / 6;
-}
-
 TEST(Label, IsAClosedMeshOfItsVolume) {
   for (const SampleType type : {SampleType::u16, SampleType::i32, SampleType::u64}) {
     const Scene scene(cells(type, {40, 36, 33}));

@@ -134,6 +134,18 @@ Tree Scene::clean_tree(const Settings& settings) const {
   return tree;
 }
 
+double enclosed_volume(const DecodedMesh& mesh) {
+  double six = 0;
+  for (const auto& t : mesh.triangles) {
+    const auto at = [&](std::size_t i) {
+      const auto& p = mesh.positions[t[i]];
+      return Vec3{p[0], p[1], p[2]};
+    };
+    six += dot(at(0), cross(at(1), at(2)));
+  }
+  return six / 6;
+}
+
 nlohmann::json manifest_of(const fs::path& output) {
   return nlohmann::json::parse(text_of_file(output / "manifest.json"));
 }

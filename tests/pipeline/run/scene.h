@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/mesh/load.h"
 #include "storage/types/box.h"
 #include "storage/types/sample_type.h"
 #include "tests/pipeline/run/program.h"
@@ -87,6 +88,8 @@ class Scene {
 nlohmann::json manifest_of(const std::filesystem::path& output);
 // "build" -> how many units of it the last run did, those that it ran alone.
 std::map<std::string, std::uint64_t> units_run(const std::filesystem::path& output);
+
+double enclosed_volume(const DecodedMesh& mesh);  // of a closed one
 
 // All files below `root` whose name ends so, sorted.
 std::vector<std::filesystem::path> files_ending(const std::filesystem::path& root,
