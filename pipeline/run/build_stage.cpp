@@ -81,6 +81,7 @@ std::vector<Unit> weighed_units(const BuildJob& job, const std::vector<std::uint
 // One for each worker slot.
 std::vector<std::unique_ptr<ShardBuilder>> make_builders(const BuildJob& job, int threads) {
   std::vector<std::unique_ptr<ShardBuilder>> builders;
+  builders.reserve(static_cast<std::size_t>(threads));
   for (int i = 0; i < threads; ++i) builders.push_back(std::make_unique<ShardBuilder>(job));
   return builders;
 }

@@ -44,7 +44,7 @@ FileRecord list_tiles(const Listing& listing, ManifestCounts& counts,
         hash.update(as_bytes(line));
         file.append(as_bytes(line));
       });
-  const FileRecord entry{tiles_name, "jsonl", "list", file.size(), to_hex(hash.finish())};
+  FileRecord entry{tiles_name, "jsonl", "list", file.size(), to_hex(hash.finish())};
   file.commit(Durability::fsync);
   return entry;
 }

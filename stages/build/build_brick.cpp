@@ -61,7 +61,7 @@ void compute_edges(const HaloBlock& block, const BrickFrame& frame,
   if (!label) return s.edges.compute(block, frame.origin, frame.side(), s.signs, parameters);
   ContourParameters filtered;
   filtered.spacing = parameters.spacing;
-  filtered.surface.isovalue = LabelField::full / 2;
+  filtered.surface.isovalue = LabelField::full / 2.0;
   filtered.surface.gradient = Gradient::central;
   // Samples of the lattice points 0 .. side, and what their gradients read.
   const Box3 box = intersect(Box3{frame.origin - splat(1 + gradient_halo),
@@ -141,7 +141,8 @@ std::uint64_t build_brick_bytes(int level) {
   // cell keeps either a QEF (and the level above an eighth of those, and so on) or up to four
   // sheets, each a SheetVertex and a LeafVertex. Vectors may have grown to twice their content.
   const std::uint64_t per_edge = sizeof(HermiteEdge) + 2 * sizeof(PolygonRefs);
-  const std::uint64_t per_cell = 16 + 2 * 4 * (sizeof(SheetVertex) + sizeof(LeafVertex));
+  const std::uint64_t per_cell =
+      16 + std::uint64_t{2} * 4 * (sizeof(SheetVertex) + sizeof(LeafVertex));
   const std::uint64_t filtered = (side + 11) * (side + 11) * (side + 11);
   return points / 2 + 2 * filtered * sizeof(std::int32_t) + 3 * cells * per_edge + cells * per_cell;
 }
