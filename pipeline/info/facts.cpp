@@ -7,6 +7,7 @@
 #include "stages/ingest/threshold.h"
 #include "storage/artifact/container.h"
 #include "storage/support/file_io.h"
+#include "storage/support/hash_file.h"
 
 namespace voxweld {
 namespace {
@@ -115,18 +116,9 @@ std::uint64_t check_artifact(const std::filesystem::path& path, const ArtifactHe
 }
 
 Hash128 hash_file(const std::filesystem::path& path, const InterruptFlag* interrupt) {
-  const ReadFile file(path);
-  StreamHasher hasher;
-  std::vector<std::byte> piece(std::size_t{1} << 20);
-  for (std::uint64_t at = 0; at < file.size();) {
+  return hash_file(ReadFile(path), [&] {
     if (interrupt != nullptr) interrupt->check();
-    const auto part =
-        std::span(piece).first(std::min<std::uint64_t>(piece.size(), file.size() - at));
-    file.read(at, part);
-    hasher.update(part);
-    at += part.size();
-  }
-  return hasher.finish();
+  });
 }
 
 }  // namespace voxweld

@@ -4,6 +4,7 @@
 
 #include "storage/artifact/container.h"
 #include "storage/support/error.h"
+#include "storage/support/hash_file.h"
 
 namespace voxweld {
 namespace {
@@ -25,18 +26,6 @@ std::optional<Hash128> files_stamp(const std::vector<FileRecord>& files,
     stamp.integer(static_cast<std::int64_t>(opened.size())).integer(opened.mtime_ns());
   }
   return stamp.finish();
-}
-
-bool has_hash(const std::filesystem::path& path, const FileRecord& file) {
-  const ReadFile opened(path);
-  StreamHasher hash;
-  std::vector<std::byte> piece(std::min<std::uint64_t>(file.bytes, std::uint64_t{1} << 20));
-  for (std::uint64_t at = 0; at < file.bytes; at += piece.size()) {
-    piece.resize(std::min<std::uint64_t>(piece.size(), file.bytes - at));
-    opened.read(at, piece);
-    hash.update(piece);
-  }
-  return to_hex(hash.finish()) == file.xxh3_128;
 }
 
 }  // namespace
@@ -94,7 +83,7 @@ bool asset_is_current(const std::filesystem::path& record_path, Hash128 key,
   if (!stamp) return false;
   if (*stamp == record->files_stamp) return true;
   for (const FileRecord& file : record->files)
-    if (!has_hash(output / file.path, file)) return false;
+    if (to_hex(hash_file(ReadFile(output / file.path))) != file.xxh3_128) return false;
   restamp_artifact(record_path, *stamp);
   return true;
 }

@@ -6,7 +6,7 @@
 
 #include "storage/artifact/container.h"
 #include "storage/support/error.h"
-#include "storage/support/file_io.h"
+#include "storage/support/hash_file.h"
 #include "storage/types/value_range.h"
 
 namespace voxweld {
@@ -33,19 +33,6 @@ std::span<const std::byte> bytes_of(const std::vector<T>& values) {
 bool ascending(const std::vector<std::uint32_t>& values) {
   return std::is_sorted(values.begin(), values.end()) &&
          std::adjacent_find(values.begin(), values.end()) == values.end();
-}
-
-Hash128 hash_file(const ReadFile& file) {
-  StreamHasher hasher;
-  std::vector<std::byte> piece(std::size_t{1} << 20);
-  for (std::uint64_t at = 0; at < file.size();) {
-    const auto part =
-        std::span(piece).first(std::min<std::uint64_t>(piece.size(), file.size() - at));
-    file.read(at, part);
-    hasher.update(part);
-    at += part.size();
-  }
-  return hasher.finish();
 }
 
 }  // namespace
