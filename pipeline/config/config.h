@@ -12,6 +12,7 @@
 
 #include "storage/support/hash.h"
 #include "storage/types/box.h"
+#include "storage/types/material.h"
 #include "storage/types/sample_type.h"
 #include "storage/types/solid.h"
 
@@ -63,6 +64,12 @@ struct SurfaceConfig {
   Gradient gradient = Gradient::eno;
 
   friend bool operator==(const SurfaceConfig&, const SurfaceConfig&) = default;
+};
+
+struct LabelsConfig {
+  LabelMode mode = LabelMode::off;
+
+  friend bool operator==(const LabelsConfig&, const LabelsConfig&) = default;
 };
 
 struct SimplifyConfig {
@@ -142,6 +149,7 @@ struct Config {
   InputConfig input;
   WorkConfig work;
   SurfaceConfig surface;
+  LabelsConfig labels;
   SimplifyConfig simplify;
   OutputConfig output;
   RunConfig run;

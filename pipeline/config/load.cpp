@@ -168,9 +168,10 @@ class CrossChecks {
   void required() const {
     // Empty space is neither read nor cut by an isovalue.
     if (config_.input.format == InputConfig::Format::empty) return;
+    const bool labels = config_.surface.label || config_.labels.mode != LabelMode::off;
     for (const Setting& setting : settings())
       if (setting.required && !places_.contains(setting.name()) &&
-          !(config_.surface.label && setting.name() == "surface.isovalue"))
+          !(labels && setting.name() == "surface.isovalue"))
         throw InputError(fmt::format("{}: missing key {} (expected {}): {}", file_, setting.name(),
                                      accepted_text(setting.rule), setting.description));
   }
@@ -224,6 +225,17 @@ class CrossChecks {
       fail({"surface.isovalue"}, "a label has no isovalue; remove this one, or surface.label");
     if (surface.inside == SurfaceConfig::Inside::below)
       fail({"surface.inside"}, "inside are the samples of surface.label; remove one of the two");
+  }
+
+  void labels() const {
+    const SurfaceConfig& surface = config_.surface;
+    if (config_.labels.mode == LabelMode::off) return;
+    if (surface.label)
+      fail({"surface.label", "labels.mode"}, "labels.mode chooses labels too; remove one of them");
+    if (surface.inside == SurfaceConfig::Inside::below)
+      fail({"surface.inside", "labels.mode"}, "labels have no isovalue; remove this key");
+    if (config_.simplify.topology == SimplifyConfig::Topology::free)
+      fail({"simplify.topology", "labels.mode"}, "labels are simplified safely only");
   }
 
   void work() const {
@@ -305,6 +317,7 @@ Config parse_config(const std::string& text, const fs::path& path,
   checks.raw();
   checks.empty();
   checks.label();
+  checks.labels();
   checks.work();
   checks.output();
   checks.slurm();
@@ -313,6 +326,8 @@ Config parse_config(const std::string& text, const fs::path& path,
     config.surface.inside = SurfaceConfig::Inside::above;
   }
   if (config.surface.label) config.surface.isovalue = static_cast<double>(*config.surface.label);
+  // Not looked at; one that is given stays, so that a mode can be set beside it.
+  if (config.labels.mode != LabelMode::off && !config.surface.isovalue) config.surface.isovalue = 0;
   set_default_directories(path, config);
   return config;
 }

@@ -147,6 +147,18 @@ std::vector<Setting> surface_settings() {
   };
 }
 
+std::vector<Setting> labels_settings() {
+  using Labels = LabelsConfig;
+  constexpr auto labels = &Config::labels;
+  return {
+      row({"labels", "mode",
+           "Take the samples for labels instead of comparing them with an isovalue. \"each\": one "
+           "closed mesh for every label; \"shared\": one complex of all of them, in which "
+           "neighbours have the same triangles."},
+          binding::choice(labels, &Labels::mode, {"off", "each", "shared"}), build),
+  };
+}
+
 std::vector<Setting> simplify_settings() {
   using Simplify = SimplifyConfig;
   constexpr auto simplify = &Config::simplify;
@@ -268,8 +280,9 @@ std::vector<Setting> slurm_array_settings() {
 
 std::vector<Setting> make_settings() {
   std::vector<Setting> all;
-  for (auto make : {input_settings, work_settings, surface_settings, simplify_settings,
-                    output_settings, run_settings, slurm_task_settings, slurm_array_settings})
+  for (auto make :
+       {input_settings, work_settings, surface_settings, labels_settings, simplify_settings,
+        output_settings, run_settings, slurm_task_settings, slurm_array_settings})
     for (Setting& setting : make()) all.push_back(std::move(setting));
   return all;
 }
@@ -320,6 +333,7 @@ std::string_view table_description(std::string_view table) {
   if (table == "input") return "The volume, and what its file does not say.";
   if (table == "work") return "How the work is cut up and where it is kept.";
   if (table == "surface") return "Which surface to extract.";
+  if (table == "labels") return "Label volumes: which labels to mesh, and how.";
   if (table == "simplify") return "How far to simplify it.";
   if (table == "output") return "What to write.";
   if (table == "run") return "What the run may use. Never changes the result.";

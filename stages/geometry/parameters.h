@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "storage/types/box.h"
+#include "storage/types/material.h"
 #include "storage/types/solid.h"
 
 namespace voxweld {
@@ -35,9 +37,17 @@ struct SimplifyParameters {
   double singular_threshold = 0.1;  // of the largest singular value (Ju et al. 2002)
 };
 
+struct LabelParameters {
+  // each and shared: the samples are labels, and surface.label, isovalue, inside and gradient are
+  // not looked at.
+  LabelMode mode = LabelMode::off;
+  std::shared_ptr<const MaterialRules> rules;  // never null unless mode is off
+};
+
 struct ContourParameters {
   Vec3 spacing{1, 1, 1};
   SurfaceParameters surface;
+  LabelParameters labels;
   SimplifyParameters simplify;
   Edits edits;  // of the volume, before anything is contoured
 };

@@ -62,7 +62,7 @@ TEST(Override, RefusesWhatIsNoAssignment) {
   EXPECT_EQ(error_of(least_config(), {""}), "--set " + advice);
   EXPECT_EQ(error_of(least_config(), {"wrok.chunk=3"}),
             "--set wrok.chunk=3: unknown table [wrok]; did you mean [work]? The tables are input, "
-            "work, surface, simplify, output, run, slurm");
+            "work, surface, labels, simplify, output, run, slurm");
   EXPECT_EQ(error_of(least_config(), {"run.thread=3"}),
             "--set run.thread=3: unknown key run.thread; did you mean run.threads? [run] takes "
             "executor, threads, memory");

@@ -44,6 +44,7 @@ const std::map<std::string, KeyChange>& key_changes() {
       {"work.copy", {"true", {}}},
       {"surface.isovalue", {"\"otsu\"", {build}}},
       {"surface.label", {"5", {build}}},  // the isovalue's number: another would contradict it
+      {"labels.mode", {"\"each\"", {build}}},
       {"surface.inside", {"\"below\"", {build}}},
       {"surface.border", {"\"open\"", {build, stitch}}},
       {"surface.gradient", {"\"central\"", {build}}},
