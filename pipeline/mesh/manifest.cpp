@@ -227,6 +227,8 @@ void write_manifest(const Manifest& manifest, const std::filesystem::path& path,
   out["border"] = manifest.open_border ? "open" : "closed";
   if (manifest.border_slack > 0) out["border_slack"] = manifest.border_slack;
   out["topology"] = manifest.free_topology ? "free" : "safe";
+  if (manifest.labels != LabelMode::off)
+    out["labels"] = manifest.labels == LabelMode::each ? "each" : "shared";
   out["frame"] = to_json(manifest.frame);
   out["counts"] = to_json(manifest.counts);
   out["merged"] = nullptr;
@@ -261,6 +263,9 @@ Manifest read_manifest(const std::filesystem::path& path) {
   manifest.open_border = document.at("border").choice("closed", "open");
   if (document.has("border_slack")) manifest.border_slack = document.at("border_slack").real();
   manifest.free_topology = document.at("topology").choice("safe", "free");
+  if (document.has("labels"))
+    manifest.labels =
+        document.at("labels").choice("each", "shared") ? LabelMode::shared : LabelMode::each;
   manifest.frame = frame_of(document.at("frame"));
   manifest.counts = counts_of(document.at("counts"));
   manifest.merged = merged_of(document.at("merged"));

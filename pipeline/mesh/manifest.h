@@ -6,6 +6,9 @@
 //   border       "closed" or "open"; border_slack (output units, optional, 0): how far inside the
 //                sample range a boundary edge of an open border may lie
 //   topology     "safe" or "free"
+//   labels       "each" or "shared"; absent where the surface is at an isovalue. shared: triangles
+//                separate pairs of labels, which the mesh files name; each label's edges balance,
+//                and the mesh is no 2-manifold where labels meet
 //   frame        {size [x, y, z], spacing, unit, origin, direction [3][3], space}
 //   counts       {bricks, active_bricks, collapsed_above_bricks, leaves [per level], vertices,
 //   quads, triangles
@@ -33,6 +36,7 @@
 #include <vector>
 
 #include "storage/support/file_io.h"
+#include "storage/types/material.h"
 #include "storage/types/morton.h"
 #include "storage/types/output_lattice.h"
 #include "storage/types/volume.h"
@@ -84,6 +88,7 @@ struct Manifest {
   bool open_border = false;
   double border_slack = 0;
   bool free_topology = false;
+  LabelMode labels = LabelMode::off;
   VolumeGeometry frame;
   ManifestCounts counts;
   std::optional<MergedFiles> merged;

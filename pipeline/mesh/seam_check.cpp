@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <tuple>
 
 namespace voxweld {
@@ -43,7 +44,17 @@ void SeamCheck::add(const CellKey& tile, const TileSeams& seams) {
     fans_.push_back(
         {number[fan.vertex], closed ? 0 : number[fan.from], closed ? 0 : number[fan.to], closed});
   }
+  add_label_edges(at, seams, number);
   inner_vertices_ += seams.inner_vertices;
+}
+
+void SeamCheck::add_label_edges(std::uint32_t tile, const TileSeams& seams,
+                                const std::vector<std::uint32_t>& number) {
+  for (const LabelEdge& edge : seams.label_edges) {
+    const std::uint32_t a = number[edge.from], b = number[edge.to];
+    label_edges_.push_back(
+        {std::min(a, b), std::max(a, b), edge.label, tile, a < b ? edge.balance : -edge.balance});
+  }
 }
 
 std::uint64_t SeamCheck::seam_vertices() const {
@@ -68,8 +79,37 @@ std::unordered_map<std::string, std::vector<LatticePoint>> SeamCheck::doubtful()
 }
 
 void SeamCheck::finish(const Report& report) {
+  if (rules_.labels) return check_label_edges(report);
   check_edges(report);
   if (!rules_.free_topology) check_vertices(report);
+}
+
+void SeamCheck::check_label_edges(const Report& report) {
+  std::sort(
+      label_edges_.begin(), label_edges_.end(), [](const SeamLabelEdge& a, const SeamLabelEdge& b) {
+        return std::tuple(a.lo, a.hi, a.label, a.tile) < std::tuple(b.lo, b.hi, b.label, b.tile);
+      });
+  const std::vector<LatticePoint>& points = index_.points();
+  for (std::size_t i = 0; i < label_edges_.size();) {
+    const SeamLabelEdge& edge = label_edges_[i];
+    int balance = 0;
+    for (; i < label_edges_.size() && label_edges_[i].lo == edge.lo &&
+           label_edges_[i].hi == edge.hi && label_edges_[i].label == edge.label;
+         ++i)
+      balance += label_edges_[i].balance;
+    if (balance == 0) continue;
+    ++boundary_edges_;
+    if (rules_.open_border && frame_.on_border(points[edge.lo]) &&
+        frame_.on_border(points[edge.hi]))
+      continue;
+    const Vec3 to = frame_.position(points[edge.hi]);
+    report(
+        {place(edge.tile, edge.lo),
+         fmt::format("a crack: the boundary of {} runs {} times more one way than the other "
+                     "along the edge to ({}, {}, {})",
+                     edge.label == exterior ? "the outside" : fmt::format("label {}", edge.label),
+                     std::abs(balance), to.x, to.y, to.z)});
+  }
 }
 
 void SeamCheck::check_edges(const Report& report) {

@@ -17,6 +17,7 @@ std::string tile_name(const CellKey& tile);  // "tile 5/1,0,2": level and positi
 struct SeamRules {
   bool open_border = false;    // boundary edges may lie on the border
   bool free_topology = false;  // edges balanced, and nothing said about vertices
+  bool labels = false;         // each label's edges balanced, and nothing said about vertices
 };
 
 class SeamCheck {
@@ -52,6 +53,15 @@ class SeamCheck {
   };
   std::string place(std::uint32_t tile, std::uint32_t point) const;
   void add_points(std::uint32_t tile, const TileSeams& seams, std::vector<std::uint32_t>& number);
+  struct SeamLabelEdge {
+    std::uint32_t lo, hi;
+    Material label;
+    std::uint32_t tile;
+    int balance;
+  };
+  void add_label_edges(std::uint32_t tile, const TileSeams& seams,
+                       const std::vector<std::uint32_t>& number);
+  void check_label_edges(const Report& report);
   void check_edges(const Report& report);
   void check_edge(const HalfEdge* first, const HalfEdge* last, const Report& report);
   void check_vertices(const Report& report);
@@ -64,6 +74,7 @@ class SeamCheck {
   std::vector<KeptPoint> kept_;
   std::vector<HalfEdge> half_edges_;
   std::vector<SeamFan> fans_;
+  std::vector<SeamLabelEdge> label_edges_;
   std::uint64_t inner_vertices_ = 0, boundary_edges_ = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "stages/encode/adjacency.h"
 
@@ -103,10 +104,89 @@ TileSeams find_seams(const LatticeMesh& mesh, const CellKey& tile, const PointFr
   return SeamFinder(mesh, tile, frame).find();
 }
 
-std::uint64_t drop_degenerate(LatticeMesh& mesh) {
-  return std::erase_if(mesh.triangles, [](const Triangle& t) {
-    return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+namespace {
+
+bool is_degenerate(const Triangle& t) {
+  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
+
+// One of a triangle's edges for one of its labels: from the lower to the higher vertex.
+struct LabelledEdge {
+  std::uint32_t lo, hi;
+  Material label;
+  int way;
+  friend bool operator<(const LabelledEdge& a, const LabelledEdge& b) {
+    return std::tuple(a.lo, a.hi, a.label) < std::tuple(b.lo, b.hi, b.label);
+  }
+};
+
+std::vector<LabelledEdge> labelled_edges(const LatticeMesh& mesh) {
+  std::vector<LabelledEdge> edges;
+  edges.reserve(6 * mesh.triangles.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = mesh.triangles[i][k], b = mesh.triangles[i][(k + 1) % 3];
+      const int way = a < b ? 1 : -1;
+      edges.push_back({std::min(a, b), std::max(a, b), mesh.pairs[i].inside, way});
+      edges.push_back({std::min(a, b), std::max(a, b), mesh.pairs[i].outside, -way});
+    }
+  std::sort(edges.begin(), edges.end());
+  return edges;
+}
+
+// f(edge, balance) for each edge and label.
+template <class F>
+void each_balance(const std::vector<LabelledEdge>& edges, F&& f) {
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t j = i;
+    int balance = 0;
+    for (; j < edges.size() && !(edges[i] < edges[j]); ++j) balance += edges[j].way;
+    f(edges[i], balance);
+    i = j;
+  }
+}
+
+}  // namespace
+
+TileSeams find_label_seams(const LatticeMesh& mesh, const CellKey& tile, const PointFrame& frame) {
+  const std::vector<LabelledEdge> edges = labelled_edges(mesh);
+  std::vector<bool> used(mesh.positions.size()), open(mesh.positions.size());
+  each_balance(edges, [&](const LabelledEdge& edge, int balance) {
+    used[edge.lo] = used[edge.hi] = true;
+    if (balance != 0) open[edge.lo] = open[edge.hi] = true;
   });
+  TileSeams out;
+  std::vector<std::uint32_t> kept(mesh.positions.size(), PointIndex::none);
+  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+    if (!used[v]) continue;
+    const bool home = tile.cells().contains(frame.cell(mesh.positions[v]));
+    if (home && !open[v]) {
+      ++out.inner_vertices;
+      continue;
+    }
+    kept[v] = static_cast<std::uint32_t>(out.points.size());
+    out.points.push_back(mesh.positions[v]);
+    out.home.push_back(home);
+  }
+  each_balance(edges, [&](const LabelledEdge& edge, int balance) {
+    if (balance != 0)
+      out.label_edges.push_back({kept[edge.lo], kept[edge.hi], edge.label, balance});
+  });
+  return out;
+}
+
+std::uint64_t drop_degenerate(LatticeMesh& mesh) {
+  if (mesh.pairs.empty()) return std::erase_if(mesh.triangles, is_degenerate);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (is_degenerate(mesh.triangles[i])) continue;
+    mesh.pairs[kept] = mesh.pairs[i];
+    mesh.triangles[kept++] = mesh.triangles[i];
+  }
+  const std::size_t dropped = mesh.triangles.size() - kept;
+  mesh.triangles.resize(kept);
+  mesh.pairs.resize(kept);
+  return dropped;
 }
 
 }  // namespace voxweld

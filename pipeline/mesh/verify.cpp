@@ -156,7 +156,13 @@ class TileReader {
       result.problems.push_back(
           {tile_name(result.record.tile),
            fmt::format("has {} triangles with two equal corners", degenerate)});
-    result.seams = find_seams(mesh, result.record.tile, frame_);
+    const bool shared = manifest_.labels == LabelMode::shared;
+    if (shared && mesh.pairs.empty() && !mesh.triangles.empty())
+      result.problems.push_back(
+          {tile_name(result.record.tile), "does not say which labels its triangles separate"});
+    result.seams = shared && !mesh.pairs.empty()
+                       ? find_label_seams(mesh, result.record.tile, frame_)
+                       : find_seams(mesh, result.record.tile, frame_);
   }
 
   const fs::path& directory_;
@@ -194,7 +200,8 @@ class Verifier {
         manifest_(read_manifest(directory / manifest_name)),
         frame_(manifest_),
         tiles_(directory_, manifest_),
-        seams_(frame_, {manifest_.open_border, manifest_.free_topology}),
+        seams_(frame_, {manifest_.open_border, manifest_.free_topology,
+                        manifest_.labels == LabelMode::shared}),
         threads_(options.threads > 0 ? options.threads : tbb::info::default_concurrency()) {}
 
   VerifyReport run() {
@@ -212,6 +219,9 @@ class Verifier {
   }
 
  private:
+  bool promises_manifold() const {
+    return !manifest_.free_topology && manifest_.labels != LabelMode::shared;
+  }
   void note(Problem problem) {
     if (report_.problem_count++ < options_.listed_problems)
       report_.problems.push_back(std::move(problem));
@@ -242,7 +252,7 @@ class Verifier {
         },
         [&](const Problems& problems) {
           counted_twice_ += problems.size();
-          if (!manifest_.free_topology) note_all(problems);
+          if (promises_manifold()) note_all(problems);
         });
   }
 
@@ -298,7 +308,7 @@ class Verifier {
         problems.push_back(
             {name, fmt::format("its {} triangles are not the {} of the tiles put together",
                                mesh->triangles.size(), triangles_.count)});
-      if (!manifest_.free_topology) {
+      if (promises_manifold()) {
         for (std::string& what : openmesh_problems(std::move(*mesh), manifest_.open_border))
           problems.push_back({name, std::move(what)});
       }

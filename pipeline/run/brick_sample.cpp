@@ -49,13 +49,13 @@ std::vector<Index3> spread(Index3 bricks, std::int64_t most) {
 
 class Sampler {
  public:
-  Sampler(const BrickGrid& grid, const SampleSource& source, const SurfaceParameters& surface)
-      : grid_(grid), source_(source), surface_(surface) {}
+  Sampler(const BrickGrid& grid, const SampleSource& source, const ContourParameters& parameters)
+      : grid_(grid), source_(source), parameters_(parameters) {}
 
   // Reads the brick's samples; empty where it is all ring.
   HaloBlock read(Index3 brick) {
     const BrickPlace place = place_of(brick);
-    const Box3 box = intersect(halo_samples(place, surface_), Box3{{}, grid_.size()});
+    const Box3 box = intersect(halo_samples(place, parameters_), Box3{{}, grid_.size()});
     const VolumeInfo& info = source_.info();
     samples_.resize(box.empty() ? 0
                                 : static_cast<std::size_t>(box.count()) * sample_bytes(info.type));
@@ -89,7 +89,7 @@ class Sampler {
 
   const BrickGrid& grid_;
   const SampleSource& source_;
-  const SurfaceParameters surface_;
+  const ContourParameters parameters_;  // what decides the halo
   std::vector<std::byte> samples_;
   BrickScratch scratch_;
   BrickOctree octree_;
@@ -111,9 +111,10 @@ std::optional<BrickSample> sample_bricks(const RunContext& context, const Jobs& 
   const VolumeInfo& info = source->info();
   const BrickGrid grid = brick_grid(context.config, info.geometry);
   const std::vector<Index3> chosen = spread(sampled_bricks(grid), most);
-  SurfaceParameters surface;
-  surface.label = context.config.surface.label;
-  Sampler sampler(grid, *source, surface);
+  ContourParameters halo;
+  halo.surface.label = context.config.surface.label;
+  halo.labels.mode = context.config.labels.mode;
+  Sampler sampler(grid, *source, halo);
   Config config = context.config;
   if (!config.surface.isovalue) {
     HistogramStatistics statistics(info.type);

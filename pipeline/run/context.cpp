@@ -61,6 +61,12 @@ ContourParameters contour_parameters(const Config& config, const VolumeGeometry&
       config.surface.border == SurfaceConfig::Border::closed ? Border::closed : Border::open;
   p.surface.gradient =
       config.surface.gradient == SurfaceConfig::Gradient::eno ? Gradient::eno : Gradient::central;
+  p.labels.mode = config.labels.mode;
+  if (p.labels.mode != LabelMode::off) {
+    MaterialRules rules;
+    rules.ranges.push_back({0, 0, false, exterior});
+    p.labels.rules = std::make_shared<const MaterialRules>(std::move(rules));
+  }
   const SimplifyConfig& s = config.simplify;
   p.simplify.enabled = s.enabled;
   p.simplify.tolerance =

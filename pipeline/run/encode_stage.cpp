@@ -15,6 +15,7 @@
 #include "stages/encode/draco_codec.h"
 #include "stages/encode/glb.h"
 #include "stages/encode/mesh_accumulator.h"
+#include "stages/encode/pair_meshes.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/support/error.h"
 
@@ -62,21 +63,36 @@ Hash128 merged_key(const EncodeJob& job, const std::vector<PlannedTile>& tiles) 
   return key.finish();
 }
 
-// One Draco buffer serves both formats.
+// A primitive, and so a Draco buffer, for each pair of labels.
+std::vector<std::byte> glb_by_pair(const TileMesh& mesh, const EncodeParameters& parameters,
+                                   const GlbParameters& glb) {
+  const std::vector<TileMesh> meshes = split_by_pair(mesh);
+  std::vector<GlbPart> parts;
+  for (std::size_t i = 0; i < meshes.size(); ++i)
+    parts.push_back({encode_draco(meshes[i], parameters), mesh.pairs[i]});
+  return wrap_glb(parts, glb);
+}
+
+// One Draco buffer serves both formats, but between labels.
 std::vector<FileRecord> write_formats(const RunContext& context, const EncodeJob& job,
                                       const TileMesh& mesh, const std::string& stem) {
   EncodeParameters parameters;
   parameters.normals = context.config.output.normals;
-  const EncodedMesh encoded = encode_draco(mesh, parameters);
+  GlbParameters glb;
+  glb.frame = job.frame;
+  std::optional<EncodedMesh> whole;
+  const auto encoded = [&]() -> const EncodedMesh& {
+    if (!whole) whole = encode_draco(mesh, parameters);
+    return *whole;
+  };
   std::vector<FileRecord> files;
   for (const OutputConfig::Format format : context.config.output.formats) {
-    if (format == OutputConfig::Format::drc) {
-      files.push_back(write_asset(job.output, stem + ".drc", "drc", encoded.bytes));
-    } else {
-      GlbParameters glb;
-      glb.frame = job.frame;
-      files.push_back(write_asset(job.output, stem + ".glb", "glb", wrap_glb(encoded, glb)));
-    }
+    if (format == OutputConfig::Format::drc)
+      files.push_back(write_asset(job.output, stem + ".drc", "drc", encoded().bytes));
+    else
+      files.push_back(write_asset(
+          job.output, stem + ".glb", "glb",
+          mesh.pairs.empty() ? wrap_glb(encoded(), glb) : glb_by_pair(mesh, parameters, glb)));
   }
   return files;
 }
@@ -114,7 +130,8 @@ void encode_merged(const RunContext& context, const EncodeJob& job,
     if (!mesh.triangles.empty()) accumulator.append(mesh);
   }
   TileMesh mesh = accumulator.take();
-  if (context.config.surface.border == SurfaceConfig::Border::open) split_fans(mesh);
+  if (context.config.surface.border == SurfaceConfig::Border::open && mesh.pairs.empty())
+    split_fans(mesh);
   write_asset_record(
       merged_record_path(job),
       record_of(merged_key(job, tiles), mesh, write_formats(context, job, mesh, "mesh")),

@@ -117,6 +117,7 @@ Manifest make_manifest(const RunContext& context, const Jobs& jobs) {
   m.lattice = jobs.stitch().parameters.frame.lattice;
   m.open_border = parameters.surface.border == Border::open;
   m.free_topology = parameters.simplify.topology == Topology::free;
+  m.labels = parameters.labels.mode;
   m.frame = info.geometry;
   m.counts.bricks = counts.bricks;
   m.counts.active_bricks = counts.active_bricks;

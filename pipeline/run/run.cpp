@@ -28,6 +28,11 @@ void check_surface(RunContext& context, const Jobs& jobs) {
         "some of the [[edit]] tables",
         edits == 1 ? "one edit" : fmt::format("{} edits", edits)));
   const ValueRange range = whole_range(context, jobs.volume());
+  if (context.config.labels.mode != LabelMode::off)
+    throw InputError(fmt::format(
+        "labels.mode: no surface: no sample of {} is of a label that is not left out; the values "
+        "run from {} to {}",
+        context.config.input.path.string(), range.lo, range.hi));
   if (const auto& label = context.config.surface.label)
     throw InputError(
         fmt::format("surface.label = {}: no sample of {} is of that value; they run from {} to {}",

@@ -30,7 +30,7 @@ struct NodeCollector : ReductionSink {
 
 Box3 halo(const BuildJob& job, Index3 brick) {
   const int level = job.grid.brick_level();
-  return halo_samples({brick * (std::int64_t{1} << level), level}, job.parameters.surface);
+  return halo_samples({brick * (std::int64_t{1} << level), level}, job.parameters);
 }
 
 Box3 brick_samples(const BuildJob& job, Index3 brick) {
@@ -83,6 +83,15 @@ NodeState label_state(const ValueRange& range, double label, bool in_ring) {
   return alone && !in_ring ? NodeState::inside : NodeState::split;
 }
 
+// Of one complex of all labels: known only where nothing but labels left out is there.
+NodeState labels_state(const ValueRange& range, const MaterialRules& rules) {
+  constexpr double exact = 9007199254740992.0;  // 2^53
+  if (range.empty) return NodeState::outside;
+  const bool one = range.lo == range.hi && range.lo >= 0 && range.lo < exact;
+  return one && rules.of(static_cast<std::uint64_t>(range.lo)) == exterior ? NodeState::outside
+                                                                           : NodeState::split;
+}
+
 }  // namespace
 
 // Of the cells' corners: lattice point u is sample u - 1.
@@ -128,6 +137,8 @@ NodeState ShardBuilder::unedited_state(Index3 brick) const {
   const bool in_ring = real != touched;
   const ValueRange range = job_.volume.ranges->range(real);
   const SurfaceParameters& surface = job_.parameters.surface;
+  if (job_.parameters.labels.mode != LabelMode::off)
+    return labels_state(range, *job_.parameters.labels.rules);
   if (surface.label) return label_state(range, static_cast<double>(*surface.label), in_ring);
   const bool above = surface.inside == Inside::above;
   // Ranges are rounded outward where a double cannot hold the value, so strict comparisons decide.

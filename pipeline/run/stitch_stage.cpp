@@ -69,6 +69,8 @@ void cut_to_tile(const PlannedTile& tile, const BrickOctree& octree, StitchBrick
   const std::size_t begin = first == 0 ? 0 : octree.blocks[first - 1].polygon_end;
   const std::size_t end = octree.blocks[first + count - 1].polygon_end;
   brick.polygons = brick.polygons.subspan(begin, end - begin);
+  if (!brick.polygon_pairs.empty())
+    brick.polygon_pairs = brick.polygon_pairs.subspan(begin, end - begin);
   if (!brick.emit_levels.empty()) brick.emit_levels = brick.emit_levels.subspan(begin, end - begin);
 }
 
@@ -83,6 +85,8 @@ void stitch(const StitchJob& job, const TileWork& work, ShardFiles& files, Scrat
                       scratch.brick.vertices,
                       scratch.brick.polygons,
                       scratch.brick.emit_levels,
+                      scratch.brick.pairs,
+                      scratch.brick.polygon_pairs,
                       &scratch.brick.skin,
                       {}};
     for (std::size_t d = 1; d < 8; ++d) {

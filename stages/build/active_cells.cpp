@@ -1,5 +1,6 @@
 #include "stages/build/active_cells.h"
 
+#include <algorithm>
 #include <array>
 
 #include "storage/types/morton.h"
@@ -24,14 +25,20 @@ constexpr LocalCell place_in_block(std::uint32_t code) {
 
 }  // namespace
 
-void ActiveCells::find(const SignGrid& signs, int side) {
+void ActiveCells::clear(int side) {
   side_ = side;
+  row_words_ = static_cast<std::size_t>(side_ + 63) / 64;
+  rows_.resize(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_) * row_words_);
   codes_.clear();
   places_.clear();
   signs_.clear();
   joined_.clear();
-  find_rows(signs);
-  const auto across = static_cast<std::uint32_t>(side / 4);
+  several_.clear();
+}
+
+template <class Add>
+void ActiveCells::each_active(Add&& add) {
+  const auto across = static_cast<std::uint32_t>(side_ / 4);
   blocks_.assign(static_cast<std::size_t>(across) * across * across, Block{});
   for (std::uint32_t b = 0; b < blocks_.size(); ++b) {
     const LocalCell at = decode_local(b);
@@ -41,16 +48,26 @@ void ActiveCells::find(const SignGrid& signs, int side) {
     for (std::uint64_t rest = block.mask; rest != 0; rest &= rest - 1) {
       const auto inside = static_cast<std::uint32_t>(std::countr_zero(rest));
       const LocalCell in = place_in_block(inside);
-      add_cell(signs, b << 6 | inside, {at.x * 4 + in.x, at.y * 4 + in.y, at.z * 4 + in.z});
+      add(b << 6 | inside, LocalCell{at.x * 4 + in.x, at.y * 4 + in.y, at.z * 4 + in.z});
     }
   }
+}
+
+void ActiveCells::find(const SignGrid& signs, int side) {
+  clear(side);
+  find_rows(signs);
+  each_active([&](std::uint32_t code, LocalCell c) { add_cell(signs, code, c); });
+}
+
+void ActiveCells::find(const LabelGrid& labels) {
+  clear(labels.side());
+  find_rows(labels);
+  each_active([&](std::uint32_t code, LocalCell c) { add_cell(labels, code, c); });
 }
 
 // A cell is active unless its eight corners agree: or and and of four rows and of neighbouring
 // bits.
 void ActiveCells::find_rows(const SignGrid& signs) {
-  row_words_ = static_cast<std::size_t>(side_ + 63) / 64;
-  rows_.resize(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_) * row_words_);
   std::uint64_t* out = rows_.data();
   for (int z = 0; z < side_; ++z)
     for (int y = 0; y < side_; ++y)
@@ -70,6 +87,24 @@ void ActiveCells::find_rows(const SignGrid& signs) {
         if (side_ < 64) active &= (std::uint64_t{1} << side_) - 1;
         *out++ = active;
       }
+}
+
+void ActiveCells::find_rows(const LabelGrid& labels) {
+  const auto points = static_cast<std::size_t>(side_) + 1;
+  std::vector<std::uint8_t> same(points);  // the four points at this x are of one label
+  std::uint64_t* out = rows_.data();
+  for (int z = 0; z < side_; ++z)
+    for (int y = 0; y < side_; ++y, out += row_words_) {
+      const std::uint32_t* rows[4] = {labels.row(y, z), labels.row(y + 1, z), labels.row(y, z + 1),
+                                      labels.row(y + 1, z + 1)};
+      for (std::size_t x = 0; x < points; ++x)
+        same[x] = rows[0][x] == rows[1][x] && rows[0][x] == rows[2][x] && rows[0][x] == rows[3][x];
+      std::fill(out, out + row_words_, 0);
+      for (std::size_t x = 0; x + 1 < points; ++x) {
+        const bool active = !(same[x] && same[x + 1] && rows[0][x] == rows[0][x + 1]);
+        out[x >> 6] |= std::uint64_t{active} << (x & 63);
+      }
+    }
 }
 
 std::uint64_t ActiveCells::block_mask(int bx, int by, int bz) const {
@@ -101,10 +136,34 @@ void ActiveCells::add_cell(const SignGrid& signs, std::uint32_t code, LocalCell 
     (face < 2 ? n.x : face < 4 ? n.y : n.z) += (face & 1) != 0 ? 1 : -1;
     joined = joins_across(own, face, signs.cell(n.x, n.y, n.z));
   }
+  add_cell(code, c, own, joined ? 1 : 0);
+}
+
+void ActiveCells::add_cell(std::uint32_t code, LocalCell c, CellSigns signs, std::uint8_t joined) {
   codes_.push_back(code);
   places_.push_back(static_cast<std::uint32_t>(c.x | c.y << 8 | c.z << 16));
-  signs_.push_back(own);
-  joined_.push_back(joined ? 1 : 0);
+  signs_.push_back(signs);
+  joined_.push_back(joined);
+}
+
+void ActiveCells::add_cell(const LabelGrid& labels, std::uint32_t code, LocalCell c) {
+  const CellLabels cell = labels.cell(c.x, c.y, c.z);
+  const auto [low, high] = std::minmax_element(cell.begin(), cell.end());
+  unsigned signs = 0, of_either = 0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    signs |= static_cast<unsigned>(cell[i] == *low) << i;
+    of_either += cell[i] == *low || cell[i] == *high ? 1 : 0;
+  }
+  if (of_either < 8)
+    several_.push_back(
+        {static_cast<std::uint32_t>(codes_.size()), labels_collapsible(cell), label_sheets(cell)});
+  add_cell(code, c, static_cast<CellSigns>(signs), of_either < 8 ? of_several_labels : 0);
+}
+
+std::size_t ActiveCells::several_before(std::size_t cell) const {
+  const auto at = std::lower_bound(several_.begin(), several_.end(), cell,
+                                   [](const Several& s, std::size_t c) { return s.cell < c; });
+  return static_cast<std::size_t>(at - several_.begin());
 }
 
 }  // namespace voxweld

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "stages/build/label_grid.h"
 #include "stages/build/sign_grid.h"
 
 namespace voxweld {
@@ -27,6 +28,9 @@ constexpr std::uint32_t next_along(std::uint32_t code, int axis) {
 class ActiveCells {
  public:
   void find(const SignGrid& signs, int side);
+  // Those whose corners are not all of one label. The sign bytes of cells of two labels have the
+  // smaller one inside; those of more labels are of no meaning.
+  void find(const LabelGrid& labels);
 
   std::size_t size() const { return codes_.size(); }
   std::uint32_t code(std::size_t i) const { return codes_[i]; }
@@ -35,8 +39,16 @@ class ActiveCells {
     return {static_cast<int>(p & 255), static_cast<int>(p >> 8 & 255), static_cast<int>(p >> 16)};
   }
   CellSigns signs(std::size_t i) const { return signs_[i]; }
-  bool joined(std::size_t i) const { return joined_[i] != 0; }
-  const CellSheets& sheets(std::size_t i) const { return cell_sheets(signs_[i], joined_[i] != 0); }
+  bool joined(std::size_t i) const { return joined_[i] == 1; }
+  const CellSheets& sheets(std::size_t i) const {
+    if (joined_[i] == of_several_labels) return several_[several_before(i)].sheets;
+    return cell_sheets(signs_[i], joined_[i] != 0);
+  }
+  // Whether the cell may take part in a safe collapse.
+  bool collapses(std::size_t i) const {
+    if (joined_[i] == of_several_labels) return several_[several_before(i)].collapses;
+    return collapsible(signs_[i]);
+  }
   const std::vector<std::uint32_t>& codes() const { return codes_; }
 
   // The index of the active cell with this code. Precondition: it is active.
@@ -47,9 +59,25 @@ class ActiveCells {
   }
 
  private:
+  void clear(int side);
   void find_rows(const SignGrid& signs);
+  void find_rows(const LabelGrid& labels);
+  // add(code, place) of every active cell, in Morton order.
+  template <class Add>
+  void each_active(Add&& add);
   std::uint64_t block_mask(int bx, int by, int bz) const;
   void add_cell(const SignGrid& signs, std::uint32_t code, LocalCell c);
+  void add_cell(const LabelGrid& labels, std::uint32_t code, LocalCell c);
+  void add_cell(std::uint32_t code, LocalCell c, CellSigns signs, std::uint8_t joined);
+
+  // A cell of three or more labels.
+  static constexpr std::uint8_t of_several_labels = 2;
+  struct Several {
+    std::uint32_t cell = 0;
+    bool collapses = false;
+    CellSheets sheets;
+  };
+  std::size_t several_before(std::size_t cell) const;
 
   // 4^3 cells: a bit each in Morton order, and how many active cells come before.
   struct Block {
@@ -63,7 +91,8 @@ class ActiveCells {
   std::vector<std::uint32_t> codes_;
   std::vector<std::uint32_t> places_;  // x | y << 8 | z << 16: decoded once
   std::vector<CellSigns> signs_;
-  std::vector<std::uint8_t> joined_;
+  std::vector<std::uint8_t> joined_;  // 0, 1, or of_several_labels
+  std::vector<Several> several_;      // ascending cell
 };
 
 }  // namespace voxweld

@@ -51,14 +51,15 @@ class CellBatch {
 
 }  // namespace
 
-void BrickNodes::simplify(const BrickFrame& frame, const SignGrid& signs, const ActiveCells& cells,
-                          const HermiteEdges& edges, const ContourParameters& parameters) {
+void BrickNodes::simplify(const BrickFrame& frame, const CollapseRule& rule,
+                          const ActiveCells& cells, const HermiteEdges& edges,
+                          const ContourParameters& parameters) {
   levels_.resize(static_cast<std::size_t>(frame.level) + 1);
   make_cells(frame, cells, edges, parameters);
   const int highest = highest_collapse(frame, parameters.simplify);
   for (int l = 1; l <= frame.level; ++l) {
     make_level(l);
-    if (l <= highest) collapse_level(l, frame, signs, parameters);
+    if (l <= highest) collapse_level(l, frame, rule, parameters);
   }
 }
 
@@ -96,7 +97,7 @@ void BrickNodes::make_cells(const BrickFrame& frame, const ActiveCells& cells,
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const LocalCell c = cells.at(i);
     const CellSheets& sheets = cells.sheets(i);
-    const bool may_collapse = collapsible(cells.signs(i));
+    const bool may_collapse = cells.collapses(i);
     if (simplify && (may_collapse || free)) {
       gather_planes(c, sheets, all_sheets, edges, parameters.spacing, planes);
       level.leaf[i] = static_cast<std::uint32_t>(level.leaves.size());
@@ -143,7 +144,7 @@ bool BrickNodes::children_are_leaves(int l, std::size_t node) const {
   return true;
 }
 
-void BrickNodes::collapse_level(int l, const BrickFrame& frame, const SignGrid& signs,
+void BrickNodes::collapse_level(int l, const BrickFrame& frame, const CollapseRule& rule,
                                 const ContourParameters& parameters) {
   const NodeLevel& level = levels_[static_cast<std::size_t>(l)];
   const bool free = parameters.simplify.topology == Topology::free;
@@ -151,7 +152,7 @@ void BrickNodes::collapse_level(int l, const BrickFrame& frame, const SignGrid& 
   for (std::size_t node = 0; node < level.codes.size(); ++node) {
     if (!children_are_leaves(l, node)) continue;
     const LocalCell c = decode_local(level.codes[node] << (3 * l));
-    if (free || signs_allow_collapse(signs.signs27(c.x, c.y, c.z, 1 << l)))
+    if (free || rule.allows(c.x, c.y, c.z, 1 << l))
       candidates_.push_back(static_cast<std::uint32_t>(node));
   }
   NodeSolver solver(parameters);

@@ -46,7 +46,7 @@ struct SheetVertex {
 class BrickNodes {
  public:
   // Level 0 from the active cells, then all levels above as far as the tests allow.
-  void simplify(const BrickFrame& frame, const SignGrid& signs, const ActiveCells& cells,
+  void simplify(const BrickFrame& frame, const CollapseRule& rule, const ActiveCells& cells,
                 const HermiteEdges& edges, const ContourParameters& parameters);
 
   const NodeLevel& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }
@@ -58,7 +58,7 @@ class BrickNodes {
   void make_cells(const BrickFrame& frame, const ActiveCells& cells, const HermiteEdges& edges,
                   const ContourParameters& parameters);
   void make_level(int l);
-  void collapse_level(int l, const BrickFrame& frame, const SignGrid& signs,
+  void collapse_level(int l, const BrickFrame& frame, const CollapseRule& rule,
                       const ContourParameters& parameters);
   void collapse_batch(int l, const std::vector<std::uint32_t>& nodes, std::size_t begin,
                       std::size_t end, NodeSolver& solver);

@@ -1,40 +1,60 @@
 #include "stages/build/brick_polygons.h"
 
 #include <algorithm>
+#include <unordered_map>
 
 namespace voxweld {
 namespace {
 
 class PolygonEmitter {
  public:
-  PolygonEmitter(const BrickFrame& frame, Index3 volume_size, const SignGrid& signs,
-                 const ActiveCells& cells, const BrickLeaves& leaves,
-                 const ContourParameters& parameters, BrickOctree& out)
+  PolygonEmitter(const BrickFrame& frame, Index3 volume_size, const ActiveCells& cells,
+                 const BrickLeaves& leaves, const ContourParameters& parameters, BrickOctree& out)
       : frame_(frame),
         size_(volume_size),
-        signs_(signs),
         cells_(cells),
         leaves_(leaves),
         open_(parameters.surface.border == Border::open),
         free_(parameters.simplify.topology == Topology::free && parameters.simplify.enabled),
         out_(out) {}
 
-  void emit_all() {
+  void emit_all(const SignGrid& signs) {
+    signs_ = &signs;
+    each_last_edge([&](std::size_t i, int axis, int low) {
+      const unsigned s = cells_.signs(i);
+      if ((s >> 7 & 1u) != (s >> low & 1u)) emit(i, axis, (s >> low & 1u) != 0);
+    });
+  }
+
+  void emit_all(const LabelGrid& labels) {
+    each_last_edge([&](std::size_t i, int axis, int low) {
+      const LocalCell c = cells_.at(i);
+      const std::uint32_t at_low =
+          labels.at(c.x + (low & 1), c.y + (low >> 1 & 1), c.z + (low >> 2));
+      const std::uint32_t at_high = labels.at(c.x + 1, c.y + 1, c.z + 1);
+      if (at_low == at_high || !emit(i, axis, at_low < at_high)) return;
+      const auto [inside, outside] = std::minmax(at_low, at_high);
+      const auto [pair, is_new] = pairs_.try_emplace(std::uint64_t{inside} << 32 | outside,
+                                                     static_cast<std::uint32_t>(pairs_.size()));
+      if (is_new) out_.pairs.push_back({labels.materials()[inside], labels.materials()[outside]});
+      out_.polygon_pairs.push_back(pair->second);
+    });
+  }
+
+ private:
+  // f(cell, axis, low corner) of every cell's last edges: the owner of an edge is the lowest of its
+  // four cells.
+  template <class F>
+  void each_last_edge(F&& f) {
     std::size_t block = 0;
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       const std::size_t of_cell = cells_.code(i) >> (3 * block_level);
       for (; block < of_cell; ++block) close_block(block);
-      for (int axis = 0; axis < 3; ++axis) {
-        // The owner of an edge is the lowest of its four cells: it is the owner's last edge.
-        const int low = 7 ^ 1 << axis;
-        const unsigned s = cells_.signs(i);
-        if ((s >> 7 & 1u) != (s >> low & 1u)) emit(i, axis, (s >> low & 1u) != 0);
-      }
+      for (int axis = 0; axis < 3; ++axis) f(i, axis, 7 ^ 1 << axis);
     }
     for (; block < out_.blocks.size(); ++block) close_block(block);
   }
 
- private:
   void close_block(std::size_t block) {
     out_.blocks[block].polygon_end = static_cast<std::uint32_t>(out_.polygons.size());
   }
@@ -43,11 +63,12 @@ class PolygonEmitter {
   // end:
   //   3 2   c = axis + 2
   //   0 1   b = axis + 1 to the right, c up
-  void emit(std::size_t owner, int axis, bool low_inside) {
+  // Whether it made a polygon.
+  bool emit(std::size_t owner, int axis, bool low_inside) {
     const int b = (axis + 1) % 3, c = (axis + 2) % 3;
     const LocalCell at = cells_.at(owner);
     ++out_.counts.crossing_edges;
-    if (open_ && ends_in_ring(at, axis)) return;
+    if (open_ && ends_in_ring(at, axis)) return false;
     const unsigned around[4] = {0, 1u << b, 1u << b | 1u << c, 1u << c};
     PolygonRefs refs;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -56,13 +77,14 @@ class PolygonEmitter {
       refs[k] = corner_ref(owner, around[k], edge_at(axis, corner));
     }
     if (!low_inside) std::swap(refs[1], refs[3]);
-    if (!three_distinct(refs)) return;
+    if (!three_distinct(refs)) return false;
     if (free_) {
       const std::uint8_t levels = emit_levels(at, axis);
-      if (all_local(refs) && (levels >> smallest_level(refs) & 1) == 0) return;
+      if (all_local(refs) && (levels >> smallest_level(refs) & 1) == 0) return false;
       out_.emit_levels.push_back(levels);
     }
     out_.polygons.push_back(refs);
+    return true;
   }
 
   CornerRef corner_ref(std::size_t owner, unsigned offset, int edge) const {
@@ -121,17 +143,18 @@ class PolygonEmitter {
   }
   // On the line of the edge: the lattice point at `along` on its axis.
   bool point_inside(const LocalCell& at, int axis, int along) const {
-    return axis == 0   ? signs_.inside(along, at.y + 1, at.z + 1)
-           : axis == 1 ? signs_.inside(at.x + 1, along, at.z + 1)
-                       : signs_.inside(at.x + 1, at.y + 1, along);
+    return axis == 0   ? signs_->inside(along, at.y + 1, at.z + 1)
+           : axis == 1 ? signs_->inside(at.x + 1, along, at.z + 1)
+                       : signs_->inside(at.x + 1, at.y + 1, along);
   }
 
   const BrickFrame& frame_;
   Index3 size_;
-  const SignGrid& signs_;
+  const SignGrid* signs_ = nullptr;
   const ActiveCells& cells_;
   const BrickLeaves& leaves_;
   bool open_, free_;
+  std::unordered_map<std::uint64_t, std::uint32_t> pairs_;  // of labels: place in out_.pairs
   BrickOctree& out_;
 };
 
@@ -140,10 +163,27 @@ class PolygonEmitter {
 void emit_polygons(const BrickFrame& frame, Index3 volume_size, const SignGrid& signs,
                    const ActiveCells& cells, const BrickLeaves& leaves,
                    const ContourParameters& parameters, BrickOctree& out) {
-  PolygonEmitter(frame, volume_size, signs, cells, leaves, parameters, out).emit_all();
+  PolygonEmitter(frame, volume_size, cells, leaves, parameters, out).emit_all(signs);
 }
 
-void make_skin(const ActiveCells& cells, const BrickLeaves& leaves,
+void emit_polygons(const BrickFrame& frame, Index3 volume_size, const LabelGrid& labels,
+                   const ActiveCells& cells, const BrickLeaves& leaves,
+                   const ContourParameters& parameters, BrickOctree& out) {
+  PolygonEmitter(frame, volume_size, cells, leaves, parameters, out).emit_all(labels);
+}
+
+namespace {
+
+std::uint32_t pack_sheets(const CellSheets& sheets) {
+  std::uint32_t packed = 0;
+  for (std::size_t e = 0; e < 12; ++e)
+    packed |= (sheets.sheet_of_edge[e] & std::uint32_t{3}) << (2 * e);
+  return packed;
+}
+
+}  // namespace
+
+void make_skin(const ActiveCells& cells, const BrickLeaves& leaves, bool labels,
                std::vector<std::uint32_t>& scratch, BrickOctree& out) {
   constexpr std::uint32_t unseen = 0xffffffffu;
   scratch.assign(out.vertices.size(), unseen);
@@ -162,6 +202,7 @@ void make_skin(const ActiveCells& cells, const BrickLeaves& leaves,
     }
     out.skin.cells.push_back({code | static_cast<std::uint32_t>(cells.signs(i)) << 24,
                               scratch[first] | static_cast<std::uint32_t>(cells.joined(i)) << 31});
+    if (labels) out.skin.sheets_of_edges.push_back(pack_sheets(cells.sheets(i)));
   }
 }
 

@@ -16,9 +16,14 @@ namespace voxweld {
 void emit_polygons(const BrickFrame& frame, Index3 volume_size, const SignGrid& signs,
                    const ActiveCells& cells, const BrickLeaves& leaves,
                    const ContourParameters& parameters, BrickOctree& out);
+// Between labels: also out.pairs and out.polygon_pairs.
+void emit_polygons(const BrickFrame& frame, Index3 volume_size, const LabelGrid& labels,
+                   const ActiveCells& cells, const BrickLeaves& leaves,
+                   const ContourParameters& parameters, BrickOctree& out);
 
-// scratch: one entry a vertex, any content.
-void make_skin(const ActiveCells& cells, const BrickLeaves& leaves,
+// scratch: one entry a vertex, any content. labels: whether the sheets of edges are needed, see
+// Skin.
+void make_skin(const ActiveCells& cells, const BrickLeaves& leaves, bool labels,
                std::vector<std::uint32_t>& scratch, BrickOctree& out);
 
 }  // namespace voxweld

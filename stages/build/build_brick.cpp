@@ -1,7 +1,10 @@
 #include "stages/build/build_brick.h"
 
+#include <type_traits>
+
 #include "stages/build/brick_polygons.h"
 #include "stages/build/label_field.h"
+#include "stages/build/label_hermite.h"
 #include "stages/geometry/solid.h"
 
 namespace voxweld {
@@ -12,21 +15,48 @@ void clear(BrickOctree& brick, int level) {
   brick.polygons.clear();
   brick.emit_levels.clear();
   brick.blocks.assign(std::size_t{1} << 3 * (level - block_level), BlockCount{});
+  brick.pairs.clear();
+  brick.polygon_pairs.clear();
+  brick.skin.sheets_of_edges.clear();
   brick.skin.cells.clear();
   brick.skin.vertices.clear();
   brick.root = RootRecord{};
   brick.counts = BrickCounts{};
 }
 
-// What merge needs to go on: see NodeState.
-RootRecord make_root(const BrickFrame& frame, const SignGrid& signs, const BrickNodes& nodes,
-                     const ContourParameters& parameters, const BrickOctree& brick) {
-  RootRecord root;
-  const int side = frame.side();
+// The corners of the brick's root, in the form of the record.
+void set_corners(const SignGrid& signs, int side, RootRecord& root) {
   for (int corner = 0; corner < 8; ++corner)
     root.corner_signs |= static_cast<std::uint32_t>(signs.inside(
                              side * (corner & 1), side * (corner >> 1 & 1), side * (corner >> 2)))
                          << corner;
+}
+void set_corners(const LabelGrid& labels, int side, RootRecord& root) {
+  for (int corner = 0; corner < 8; ++corner)
+    root.corners[static_cast<std::size_t>(corner)] = labels.materials()[labels.at(
+        side * (corner & 1), side * (corner >> 1 & 1), side * (corner >> 2))];
+}
+
+// Of a brick without a surface.
+RootRecord whole_brick(const SignGrid& signs) {
+  RootRecord root;
+  root.state = signs.inside(0, 0, 0) ? NodeState::inside : NodeState::outside;
+  root.corner_signs = root.state == NodeState::inside ? 255 : 0;
+  return root;
+}
+RootRecord whole_brick(const LabelGrid& labels) {
+  RootRecord root;
+  root.corners.fill(labels.materials()[labels.at(0, 0, 0)]);
+  root.state = root.corners[0] == exterior ? NodeState::outside : NodeState::inside;
+  return root;
+}
+
+// What merge needs to go on: see NodeState.
+template <class Grid>
+RootRecord make_root(const BrickFrame& frame, const Grid& grid, const BrickNodes& nodes,
+                     const ContourParameters& parameters, const BrickOctree& brick) {
+  RootRecord root;
+  set_corners(grid, frame.side(), root);
   const NodeLevel& top = nodes.level(frame.level);
   if (top.leaf[0] == no_leaf || parameters.simplify.topology == Topology::free) {
     root.state = NodeState::split;
@@ -48,6 +78,9 @@ struct BrickScratch::Parts {
   ActiveCells cells;
   HermiteEdges edges, edges_before;
   LabelField labels;
+  MaterialBlock materials;
+  LabelGrid label_grid;
+  LabelHermite label_edges;
   BrickNodes nodes;
   BrickLeaves leaves;
   std::vector<std::uint32_t> vertex_marks;
@@ -96,11 +129,12 @@ bool apply_edits(const HaloBlock& block, const BrickFrame& frame,
 BrickScratch::BrickScratch() : parts_(std::make_unique<Parts>()) {}
 BrickScratch::~BrickScratch() = default;
 
-Box3 halo_samples(const BrickPlace& place, const SurfaceParameters& surface) {
+Box3 halo_samples(const BrickPlace& place, const ContourParameters& parameters) {
   // Lattice points -1 .. side + 1 for the signs of the cells -1 .. side; the gradient of a crossing
   // in the brick reaches from its lattice points 0 .. side. Lattice point u is sample u - 1.
   const std::int64_t side = std::int64_t{1} << place.level;
-  const int reach = gradient_halo + (surface.label ? label_halo : 0);
+  const bool labels = parameters.surface.label || parameters.labels.mode != LabelMode::off;
+  const int reach = gradient_halo + (labels ? label_halo : 0);
   return {place.origin - splat(1 + reach), place.origin + splat(side + reach)};
 }
 
@@ -112,26 +146,64 @@ Bounds brick_bounds(const BrickPlace& place, Vec3 spacing) {
           frame.place_of_sample(place.origin + splat(side))};
 }
 
+namespace {
+
+// From the brick's active cells on.
+template <class Grid>
+void build_octree(const BrickFrame& frame, Index3 volume_size, const Grid& grid,
+                  const ContourParameters& parameters, BrickScratch::Parts& s, BrickOctree& out) {
+  s.nodes.simplify(frame, grid, s.cells, s.edges, parameters);
+  s.leaves.collect(frame, s.cells, s.nodes, parameters, out);
+  emit_polygons(frame, volume_size, grid, s.cells, s.leaves, parameters, out);
+  make_skin(s.cells, s.leaves, std::is_same_v<Grid, LabelGrid>, s.vertex_marks, out);
+  out.root = make_root(frame, grid, s.nodes, parameters, out);
+}
+
+HaloBlock part_of(const HaloBlock& block, const Box3& box) {
+  HaloBlock part = block;
+  part.samples = intersect(block.samples, box);
+  const Index3 d = part.samples.lo - block.samples.lo;
+  if (!part.samples.empty())
+    part.data += static_cast<std::size_t>(d.z * block.slice + d.y * block.row + d.x) *
+                 sample_bytes(block.type);
+  return part;
+}
+
+void build_shared(const HaloBlock& block, const BrickFrame& frame,
+                  const ContourParameters& parameters, BrickScratch::Parts& s, BrickOctree& out) {
+  s.materials.fill(part_of(block, halo_samples({frame.origin, frame.level}, parameters)),
+                   *parameters.labels.rules);
+  s.label_grid.fill(s.materials, frame.origin, frame.side());
+  s.cells.find(s.label_grid);
+  out.counts.active_cells = s.cells.size();
+  if (s.cells.size() == 0) {
+    out.root = whole_brick(s.label_grid);
+    return;
+  }
+  s.label_edges.compute(s.materials.block(), frame.origin, s.label_grid, parameters.spacing,
+                        s.edges);
+  build_octree(frame, block.size, s.label_grid, parameters, s, out);
+}
+
+}  // namespace
+
 void build_brick(const HaloBlock& block, const BrickPlace& place,
                  const ContourParameters& parameters, BrickScratch& scratch, BrickOctree& out) {
   BrickScratch::Parts& s = scratch.parts();
   const BrickFrame frame{place.origin, place.level, domain_level(block.size)};
   clear(out, place.level);
+  if (parameters.labels.mode == LabelMode::shared)
+    return build_shared(block, frame, parameters, s, out);
   s.signs.fill(block, place.origin, frame.side(), parameters.surface);
   const bool edited = apply_edits(block, frame, parameters, s);
   s.cells.find(s.signs, frame.side());
   out.counts.active_cells = s.cells.size();
   if (s.cells.size() == 0) {
-    out.root.state = s.signs.inside(0, 0, 0) ? NodeState::inside : NodeState::outside;
-    out.root.corner_signs = out.root.state == NodeState::inside ? 255 : 0;
+    out.root = whole_brick(s.signs);
     return;
   }
   if (!edited) compute_edges(block, frame, parameters, s);
-  s.nodes.simplify(frame, s.signs, s.cells, s.edges, parameters);
-  s.leaves.collect(frame, s.cells, s.nodes, parameters, out);
-  emit_polygons(frame, block.size, s.signs, s.cells, s.leaves, parameters, out);
-  make_skin(s.cells, s.leaves, s.vertex_marks, out);
-  out.root = make_root(frame, s.signs, s.nodes, parameters, out);
+  build_octree(frame, block.size, s.signs, parameters, s, out);
 }
 
 std::uint64_t build_brick_bytes(int level) {

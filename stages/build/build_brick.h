@@ -21,7 +21,7 @@ struct BrickPlace {
 
 // The sample indices a brick reads, before clipping to the volume: its lattice points, those of
 // Wenger's rule, and the gradient's reach.
-Box3 halo_samples(const BrickPlace& place, const SurfaceParameters& surface);
+Box3 halo_samples(const BrickPlace& place, const ContourParameters& parameters);
 
 // Where a brick's signs are looked at, in the frame spacing * sample index: edits that do not reach
 // this far (stages/geometry/solid.h) change nothing in the brick.

@@ -6,16 +6,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "stages/build/hermite_edge.h"
+#include "stages/build/label_grid.h"
 #include "stages/build/sign_grid.h"
 #include "stages/geometry/parameters.h"
 #include "storage/types/halo_block.h"
 
 namespace voxweld {
-
-struct HermiteEdge {
-  float t = 0;                    // of the crossing, 0 at the edge's low end, in [1/256, 255/256]
-  std::array<float, 3> normal{};  // unit, outward, physical
-};
 
 // All crossing edges of a brick's cells, upper border planes included, found by rank: a row of bits
 // for each line of edges and a running count, so that no map is needed.
@@ -31,15 +28,18 @@ class HermiteEdges {
   void compute(const Edit& edit, const VolumeFrame& frame, Index3 brick, int side,
                const SignGrid& signs, const SignGrid& solid, const HermiteEdges& before);
 
+  // Finds the edges whose ends have different labels; what datum each has is the caller's to fill
+  // in.
+  void find(const LabelGrid& labels);
+  HermiteEdge& datum(int axis, int x, int y, int z) { return edges_[number(axis, x, y, z)]; }
+
   bool has(int axis, int x, int y, int z) const {
     return (bits_[word_of(axis, x, y, z)] >> (x & 63) & 1u) != 0;
   }
   // The edge along `axis` whose low end is the relative lattice point (x, y, z).
   // Precondition: it has a sign change.
   const HermiteEdge& at(int axis, int x, int y, int z) const {
-    const std::size_t word = word_of(axis, x, y, z);
-    const std::uint64_t below = (std::uint64_t{1} << (x & 63)) - 1;
-    return edges_[first_[word] + static_cast<std::uint32_t>(std::popcount(bits_[word] & below))];
+    return edges_[number(axis, x, y, z)];
   }
   std::size_t size() const { return edges_.size(); }
 
@@ -50,7 +50,13 @@ class HermiteEdges {
                row_words_ +
            static_cast<std::size_t>(x >> 6);
   }
+  std::size_t number(int axis, int x, int y, int z) const {
+    const std::size_t word = word_of(axis, x, y, z);
+    const std::uint64_t below = (std::uint64_t{1} << (x & 63)) - 1;
+    return first_[word] + static_cast<std::size_t>(std::popcount(bits_[word] & below));
+  }
   void find_rows(const SignGrid& signs, int side);
+  void count_rows();
   template <class F>
   void fill_edges(int side, F&& edge_of);
 

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <vector>
 
+#include "stages/build/collapse_rule.h"
 #include "stages/geometry/cell_topology.h"
 #include "stages/geometry/parameters.h"
 #include "stages/geometry/volume_frame.h"
@@ -15,7 +16,7 @@ namespace voxweld {
 
 // Covers lattice points -1 .. side + 1 relative to the brick's lowest: what the signs of the cells
 // -1 .. side need (Wenger's rule looks one cell beyond the brick).
-class SignGrid {
+class SignGrid : public CollapseRule {
  public:
   // brick: lattice point of the brick's lowest corner; side: cells a side.
   // Points without a sample are outside. Tests run in the sample's own type: equal to the isovalue
@@ -39,6 +40,10 @@ class SignGrid {
   }
   // The 27 signs of the node of `side` cells at (x, y, z), at half its side.
   std::uint32_t signs27(int x, int y, int z, int node_side) const;
+
+  bool allows(int x, int y, int z, int node_side) const override {
+    return signs_allow_collapse(signs27(x, y, z, node_side));
+  }
 
   // Bits of the row at relative (y, z); bit i is x = i - 1. words() words, then one of zeros.
   const std::uint64_t* row(int y, int z) const {

@@ -11,13 +11,13 @@
 #include <memory>
 
 #include "stages/encode/draco_header.h"
+#include "stages/encode/draco_mesh.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
-constexpr std::uint32_t no_point = std::numeric_limits<std::uint32_t>::max();
 // Draco numbers corners with a signed 32-bit integer.
 constexpr std::uint64_t max_triangles = std::numeric_limits<std::int32_t>::max() / 3;
 
@@ -51,6 +51,16 @@ void check_triangles(const TileMesh& mesh) {
   }
 }
 
+void check_pairs(const TileMesh& mesh) {
+  if (mesh.pairs.empty() && mesh.triangle_pairs.empty()) return;
+  if (mesh.triangle_pairs.size() != mesh.triangles.size())
+    refuse(fmt::format("{} of {} triangles say which labels they separate",
+                       mesh.triangle_pairs.size(), mesh.triangles.size()));
+  for (const std::uint32_t pair : mesh.triangle_pairs)
+    if (pair >= mesh.pairs.size())
+      refuse(fmt::format("a triangle names pair {} of {}", pair, mesh.pairs.size()));
+}
+
 void check_mesh(const TileMesh& mesh, const EncodeParameters& parameters) {
   check_lattice(mesh.lattice);
   if (mesh.triangles.empty()) refuse("it has no triangles, and neither format can hold none");
@@ -64,6 +74,7 @@ void check_mesh(const TileMesh& mesh, const EncodeParameters& parameters) {
                          end));
   }
   check_triangles(mesh);
+  check_pairs(mesh);
   if (!parameters.normals) return;
   if (parameters.normal_bits < 2 || parameters.normal_bits > 30)
     refuse(fmt::format("normals of {} bits, expected 2 to 30", parameters.normal_bits));
@@ -79,97 +90,6 @@ void check_mesh(const TileMesh& mesh, const EncodeParameters& parameters) {
       refuse(fmt::format("a corner takes normal cluster {}, a vertex has {}",
                          std::max({clusters[0], clusters[1], clusters[2]}), max_clusters));
   }
-}
-
-std::array<float, 3> lattice_point(const OutputLattice& lattice,
-                                   const std::array<std::int32_t, 3>& q) {
-  std::array<float, 3> p;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    p[axis] = static_cast<float>(lattice.coordinate(static_cast<int>(axis), q[axis]));
-  return p;
-}
-
-int add_float_attribute(draco::Mesh& out, draco::GeometryAttribute::Type type, bool identity,
-                        std::size_t values) {
-  draco::GeometryAttribute attribute;
-  attribute.Init(type, nullptr, 3, draco::DT_FLOAT32, false, 3 * sizeof(float), 0);
-  return out.AddAttribute(attribute, identity, static_cast<std::uint32_t>(values));
-}
-
-void set_value(draco::PointAttribute& attribute, std::size_t at, const std::array<float, 3>& p) {
-  attribute.SetAttributeValue(draco::AttributeValueIndex(static_cast<std::uint32_t>(at)), p.data());
-}
-
-void set_face(draco::Mesh& out, std::size_t at, const Triangle& t) {
-  out.SetFace(draco::FaceIndex(static_cast<std::uint32_t>(at)),
-              {draco::PointIndex(t[0]), draco::PointIndex(t[1]), draco::PointIndex(t[2])});
-}
-
-// One point for each (vertex, cluster) pair that a corner uses, numbered by first use.
-struct CornerPoints {
-  std::vector<std::array<std::uint32_t, max_clusters>> of_vertex;
-  std::uint32_t count = 0;
-
-  explicit CornerPoints(const TileMesh& mesh)
-      : of_vertex(mesh.positions.size(), {no_point, no_point, no_point}) {
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        std::uint32_t& point = of_vertex[mesh.triangles[i][k]][mesh.corner_clusters[i][k]];
-        if (point == no_point) point = count++;
-      }
-    }
-  }
-};
-
-int add_positions(draco::Mesh& out, const TileMesh& mesh, bool identity) {
-  const int id =
-      add_float_attribute(out, draco::GeometryAttribute::POSITION, identity, mesh.positions.size());
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v)
-    set_value(*out.attribute(id), v, lattice_point(mesh.lattice, mesh.positions[v]));
-  return id;
-}
-
-// Points are vertices: without normals nothing tells two corners of a vertex apart.
-int fill_plain(draco::Mesh& out, const TileMesh& mesh) {
-  out.set_num_points(static_cast<std::uint32_t>(mesh.positions.size()));
-  const int id = add_positions(out, mesh, true);
-  out.SetNumFaces(mesh.triangles.size());
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) set_face(out, i, mesh.triangles[i]);
-  return id;
-}
-
-struct AttributeIds {
-  int position = 0;
-  int normal = -1;
-};
-
-AttributeIds fill_with_normals(draco::Mesh& out, const TileMesh& mesh) {
-  const CornerPoints points(mesh);
-  out.set_num_points(points.count);
-  AttributeIds ids;
-  ids.position = add_positions(out, mesh, false);
-  ids.normal = add_float_attribute(out, draco::GeometryAttribute::NORMAL, true, points.count);
-  draco::PointAttribute& position = *out.attribute(ids.position);
-  draco::PointAttribute& normal = *out.attribute(ids.normal);
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    for (std::size_t c = 0; c < max_clusters; ++c) {
-      const std::uint32_t point = points.of_vertex[v][c];
-      if (point == no_point) continue;
-      const Vec3 n = unpack_normal(mesh.normals[v][c]);
-      position.SetPointMapEntry(draco::PointIndex(point),
-                                draco::AttributeValueIndex(static_cast<std::uint32_t>(v)));
-      set_value(normal, point,
-                {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
-    }
-  }
-  out.SetNumFaces(mesh.triangles.size());
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    Triangle corner;
-    for (std::size_t k = 0; k < 3; ++k)
-      corner[k] = points.of_vertex[mesh.triangles[i][k]][mesh.corner_clusters[i][k]];
-    set_face(out, i, corner);
-  }
-  return ids;
 }
 
 // Of the vertices in use: the others are not in the decoded mesh.
@@ -210,7 +130,7 @@ draco::Options lattice_quantization(const OutputLattice& lattice) {
 }
 
 void set_options(draco::ExpertEncoder& encoder, const OutputLattice& lattice,
-                 const AttributeIds& ids, const EncodeParameters& parameters) {
+                 const DracoAttributes& ids, const EncodeParameters& parameters) {
   encoder.SetSpeedOptions(parameters.encode_speed, parameters.decode_speed);
   encoder.options().SetAttributeOptions(ids.position, lattice_quantization(lattice));
   if (ids.normal >= 0) encoder.SetAttributeQuantization(ids.normal, parameters.normal_bits);
@@ -270,11 +190,7 @@ void read_attribute(const draco::PointAttribute& attribute, std::uint32_t points
 EncodedMesh encode_draco(const TileMesh& mesh, const EncodeParameters& parameters) {
   check_mesh(mesh, parameters);
   draco::Mesh source;
-  AttributeIds ids;
-  if (parameters.normals)
-    ids = fill_with_normals(source, mesh);
-  else
-    ids.position = fill_plain(source, mesh);
+  const DracoAttributes ids = fill_draco_mesh(mesh, parameters.normals, source);
 
   draco::ExpertEncoder encoder(source);
   set_options(encoder, mesh.lattice, ids, parameters);
@@ -288,6 +204,7 @@ EncodedMesh encode_draco(const TileMesh& mesh, const EncodeParameters& parameter
   out.triangles = encoder.num_encoded_faces();
   out.position_id = static_cast<int>(source.attribute(ids.position)->unique_id());
   if (ids.normal >= 0) out.normal_id = static_cast<int>(source.attribute(ids.normal)->unique_id());
+  if (ids.pair >= 0) out.pair_id = static_cast<int>(source.attribute(ids.pair)->unique_id());
   set_bounds(out, mesh);
   return out;
 }
@@ -304,6 +221,7 @@ DecodedMesh decode_draco(std::span<const std::byte> bytes, const std::string& wh
     out.normal_id = static_cast<int>(normal->unique_id());
     read_attribute(*normal, mesh->num_points(), out.normals, where);
   }
+  read_pairs(*mesh, out, where);
   out.triangles.resize(mesh->num_faces());
   for (std::uint32_t i = 0; i < mesh->num_faces(); ++i) {
     for (std::size_t k = 0; k < 3; ++k) {

@@ -37,8 +37,12 @@ struct EncodedMesh {
   std::array<float, 3> lo{}, hi{};  // of the decoded positions, output units
   int position_id = 0;              // Draco unique ids
   int normal_id = -1;               // -1: no normals
+  int pair_id = -1;                 // -1: not between labels
 };
 
+// A mesh between labels (labels.mode = "shared") has one more attribute: which pair of labels each
+// triangle separates. Its edges and vertices of more than two sheets Draco splits; welding on exact
+// coordinates joins them again.
 // Preconditions: at least one triangle, coordinates in [0, 2^bits), bits <= max_lattice_bits, no
 // triangle with two equal corners (Draco would drop it); with normals, mesh.normals and
 // mesh.corner_clusters are filled. InputError for what is outside these. The same mesh gives the
@@ -53,8 +57,12 @@ struct DecodedMesh {
   std::vector<std::array<float, 3>> positions;  // output units, one a point
   std::vector<std::array<float, 3>> normals;    // unit, one a point; empty when there are none
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  // Of meshes between labels: the pairs there are, and each triangle's place in that list.
+  std::vector<MaterialPair> pairs;
+  std::vector<std::uint32_t> triangle_pairs;
   int position_id = 0;  // Draco unique ids
   int normal_id = -1;
+  int pair_id = -1;
 };
 
 // FormatError, starting with `where` (a path), for anything that is not a whole Draco mesh with

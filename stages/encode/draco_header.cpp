@@ -40,7 +40,14 @@ class Cursor {
       value |= static_cast<std::uint64_t>(b & 0x7f) << shift;
       if ((b & 0x80) == 0) return value;
     }
-    throw FormatError(where_ + ": damaged Draco data: a count has more than 32 bits");
+    damaged("a count has more than 32 bits");
+  }
+  void skip(std::uint64_t count) {
+    if (count > bytes_.size() - at_) damaged("its metadata states more than there is");
+    at_ += count;
+  }
+  [[noreturn]] void damaged(const char* what) const {
+    throw FormatError(where_ + ": damaged Draco data: " + what);
   }
 
  private:
@@ -48,6 +55,29 @@ class Cursor {
   const std::string& where_;
   std::size_t at_ = 0;
 };
+
+constexpr int most_nested = 8;
+
+// Entries of a name and a value each, then the same again for each part.
+void skip_entries(Cursor& cursor, int depth) {
+  for (std::uint64_t entry = cursor.varint(); entry > 0; --entry) {
+    cursor.skip(static_cast<std::uint64_t>(cursor.byte()));
+    cursor.skip(cursor.varint());
+  }
+  for (std::uint64_t part = cursor.varint(); part > 0; --part) {
+    if (depth == most_nested) cursor.damaged("its metadata is nested too deeply");
+    cursor.skip(static_cast<std::uint64_t>(cursor.byte()));
+    skip_entries(cursor, depth + 1);
+  }
+}
+
+void skip_metadata(Cursor& cursor) {
+  for (std::uint64_t attribute = cursor.varint(); attribute > 0; --attribute) {
+    cursor.varint();  // its id
+    skip_entries(cursor, 0);
+  }
+  skip_entries(cursor, 0);
+}
 
 }  // namespace
 
@@ -68,8 +98,11 @@ void check_draco_header(std::span<const std::byte> bytes, const std::string& whe
         fmt::format("{}: Draco geometry type {}, expected {} (a mesh)", where, type, type_mesh));
   if (method != method_sequential && method != method_edgebreaker)
     throw FormatError(fmt::format("{}: Draco encoding method {}, expected 0 or 1", where, method));
-  if (flags != 0)
-    throw FormatError(fmt::format("{}: Draco flags {:#x}, expected 0 (no metadata)", where, flags));
+  constexpr int with_metadata = 0x8000;
+  if ((flags & ~with_metadata) != 0)
+    throw FormatError(
+        fmt::format("{}: Draco flags {:#x}, expected 0 or 0x8000 (metadata)", where, flags));
+  if (flags != 0) skip_metadata(cursor);
   if (method == method_edgebreaker) cursor.byte();  // traversal type
   for (int i = 0; i < 2; ++i) {                     // vertices and faces, or faces and points
     const std::uint64_t count = cursor.varint();

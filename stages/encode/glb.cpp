@@ -11,20 +11,16 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "stages/encode/glb_format.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using namespace glb;
 
-constexpr std::uint32_t glb_magic = 0x46546c67;   // "glTF"
-constexpr std::uint32_t json_chunk = 0x4e4f534a;  // "JSON"
-constexpr std::uint32_t bin_chunk = 0x004e4942;   // "BIN\0"
-constexpr std::size_t header_size = 12, chunk_header_size = 8;
 constexpr int component_float = 5126, component_uint32 = 5125;
 constexpr int mode_triangles = 4;
-constexpr const char* draco_extension = "KHR_draco_mesh_compression";
 
 constexpr std::size_t padded(std::size_t size) {
   return (size + 3) / 4 * 4;
@@ -82,12 +78,13 @@ Json vector_accessor(std::uint64_t count) {
   return {{"componentType", component_float}, {"count", count}, {"type", "VEC3"}};
 }
 
-Json document(const EncodedMesh& mesh, const GlbParameters& parameters) {
-  Json attributes = {{"POSITION", 0}}, draco_ids = {{"POSITION", mesh.position_id}};
+// Adds the primitive's accessors.
+Json primitive(const EncodedMesh& mesh, std::size_t view, Json& accessors) {
+  Json attributes = {{"POSITION", accessors.size()}}, draco_ids = {{"POSITION", mesh.position_id}};
   Json position = vector_accessor(mesh.points);
   position["min"] = mesh.lo;
   position["max"] = mesh.hi;
-  Json accessors = Json::array({position});
+  accessors.push_back(position);
   if (mesh.normal_id >= 0) {
     attributes["NORMAL"] = accessors.size();
     draco_ids["NORMAL"] = mesh.normal_id;
@@ -96,13 +93,64 @@ Json document(const EncodedMesh& mesh, const GlbParameters& parameters) {
   const std::size_t indices = accessors.size();
   accessors.push_back(
       Json{{"componentType", component_uint32}, {"count", 3 * mesh.triangles}, {"type", "SCALAR"}});
-  const Json extension = {{draco_extension, {{"bufferView", 0}, {"attributes", draco_ids}}}};
-  const Json primitive = {{"attributes", attributes},
-                          {"indices", indices},
-                          {"material", 0},
-                          {"mode", mode_triangles},
-                          {"extensions", extension}};
-  const Json surface = {{"metallicFactor", 0.0}, {"roughnessFactor", 0.7}};
+  const Json extension = {{draco_extension, {{"bufferView", view}, {"attributes", draco_ids}}}};
+  return {{"attributes", attributes},
+          {"indices", indices},
+          {"material", view},
+          {"mode", mode_triangles},
+          {"extensions", extension}};
+}
+
+Json label_of(Material material) {
+  return material == exterior ? Json(nullptr) : Json(material);
+}
+
+std::string label_name(Material material) {
+  return material == exterior ? "outside" : fmt::to_string(material);
+}
+
+// Hues a golden angle apart, so that labels close to each other differ.
+Json colour_of(Material material) {
+  const double turn = static_cast<double>(material % 1000003) * 0.6180339887498949;
+  const double hue = 6 * (turn - std::floor(turn));
+  Json colour = Json::array();
+  for (const double offset : {0.0, 4.0, 2.0}) {
+    const double k = std::fmod(hue + offset, 6.0);
+    const double level = std::clamp(std::abs(k - 3) - 1, 0.0, 1.0);
+    colour.push_back(std::round((0.25 + 0.6 * level) * 1000) / 1000);
+  }
+  colour.push_back(1.0);
+  return colour;
+}
+
+Json material(const std::optional<MaterialPair>& pair) {
+  Json surface = {{"metallicFactor", 0.0}, {"roughnessFactor", 0.7}};
+  if (!pair) return {{"pbrMetallicRoughness", surface}, {"doubleSided", false}};
+  surface["baseColorFactor"] = colour_of(pair->inside);
+  return {{"name", label_name(pair->inside) + " | " + label_name(pair->outside)},
+          {"pbrMetallicRoughness", surface},
+          {"doubleSided", true}};
+}
+
+struct Part {
+  const EncodedMesh* mesh = nullptr;
+  std::optional<MaterialPair> pair = std::nullopt;
+};
+
+Json document(const std::vector<Part>& parts, const GlbParameters& parameters) {
+  Json accessors = Json::array(), primitives = Json::array(), materials = Json::array(),
+       views = Json::array();
+  std::size_t offset = 0;
+  for (const Part& part : parts) {
+    Json& added = primitives.emplace_back(primitive(*part.mesh, views.size(), accessors));
+    if (part.pair)
+      added["extras"] = {{"inside", label_of(part.pair->inside)},
+                         {"outside", label_of(part.pair->outside)}};
+    materials.push_back(material(part.pair));
+    const std::size_t size = part.mesh->bytes.size();
+    views.push_back({{"buffer", 0}, {"byteOffset", offset}, {"byteLength", size}});
+    offset += &part == &parts.back() ? size : padded(size);
+  }
   Json out;
   out["asset"] = {{"version", "2.0"}, {"generator", "voxweld " VOXWELD_VERSION}};
   out["extensionsUsed"] = {draco_extension};
@@ -110,114 +158,17 @@ Json document(const EncodedMesh& mesh, const GlbParameters& parameters) {
   out["scene"] = 0;
   out["scenes"] = Json::array({{{"nodes", {0}}}});
   out["nodes"] = Json::array({node(parameters)});
-  out["meshes"] = Json::array({{{"primitives", Json::array({primitive})}}});
-  out["materials"] = Json::array({{{"pbrMetallicRoughness", surface}, {"doubleSided", false}}});
+  out["meshes"] = Json::array({{{"primitives", primitives}}});
+  out["materials"] = materials;
   out["accessors"] = accessors;
-  out["bufferViews"] =
-      Json::array({{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", mesh.bytes.size()}}});
-  out["buffers"] = Json::array({{{"byteLength", mesh.bytes.size()}}});
+  out["bufferViews"] = views;
+  out["buffers"] = Json::array({{{"byteLength", offset}}});
   return out;
 }
 
 void put_u32(std::vector<std::byte>& out, std::uint64_t value) {
   for (int shift = 0; shift < 32; shift += 8)
     out.push_back(static_cast<std::byte>(value >> shift & 0xff));
-}
-
-std::uint32_t get_u32(std::span<const std::byte> bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i)
-    value |= std::to_integer<std::uint32_t>(bytes[at + i]) << (8 * i);
-  return value;
-}
-
-struct GlbChunks {
-  Json json;
-  std::span<const std::byte> bin;
-};
-
-std::span<const std::byte> take_chunk(std::span<const std::byte>& rest, std::uint32_t type,
-                                      const std::string& where) {
-  if (rest.size() < chunk_header_size)
-    throw FormatError(where + ": truncated glTF binary: a chunk is missing");
-  const std::uint32_t length = get_u32(rest, 0), found = get_u32(rest, 4);
-  if (found != type)
-    throw FormatError(
-        fmt::format("{}: glTF chunk of type {:#x}, expected {:#x}", where, found, type));
-  if (length > rest.size() - chunk_header_size)
-    throw FormatError(fmt::format("{}: truncated glTF binary: a chunk of {} bytes, {} are left",
-                                  where, length, rest.size() - chunk_header_size));
-  const auto chunk = rest.subspan(chunk_header_size, length);
-  rest = rest.subspan(chunk_header_size + length);
-  return chunk;
-}
-
-GlbChunks parse_glb(std::span<const std::byte> glb, const std::string& where) {
-  if (glb.size() < header_size || get_u32(glb, 0) != glb_magic)
-    throw FormatError(where + ": not a glTF binary: it does not start with \"glTF\"");
-  if (get_u32(glb, 4) != 2)
-    throw FormatError(fmt::format("{}: glTF version {}, expected 2", where, get_u32(glb, 4)));
-  if (get_u32(glb, 8) != glb.size())
-    throw FormatError(fmt::format("{}: glTF binary of {} bytes states {}: truncated or damaged",
-                                  where, glb.size(), get_u32(glb, 8)));
-  std::span<const std::byte> rest = glb.subspan(header_size);
-  const auto text = take_chunk(rest, json_chunk, where);
-  const char* first = reinterpret_cast<const char*>(text.data());
-  GlbChunks chunks;
-  chunks.json = Json::parse(first, first + text.size(), nullptr, false);
-  if (chunks.json.is_discarded())
-    throw FormatError(where + ": damaged glTF binary: its JSON does not parse");
-  chunks.bin = take_chunk(rest, bin_chunk, where);
-  return chunks;
-}
-
-// Calls read(), turning whatever JSON has to say about wrong keys and types into a FormatError.
-template <class Read>
-auto with_json(const std::string& where, Read read) {
-  try {
-    return read();
-  } catch (const Json::exception& e) {
-    throw FormatError(where + ": glTF of another shape than expected: " + e.what());
-  }
-}
-
-const Json& primitive_of(const Json& json) {
-  return json.at("meshes").at(0).at("primitives").at(0);
-}
-
-std::span<const std::byte> draco_view(const GlbChunks& chunks, const std::string& where) {
-  return with_json(where, [&] {
-    const Json& extension = primitive_of(chunks.json).at("extensions").at(draco_extension);
-    const Json& view =
-        chunks.json.at("bufferViews").at(extension.at("bufferView").get<std::size_t>());
-    const auto offset = view.value("byteOffset", std::uint64_t{0});
-    const auto length = view.at("byteLength").get<std::uint64_t>();
-    if (offset > chunks.bin.size() || length > chunks.bin.size() - offset)
-      throw FormatError(fmt::format("{}: glTF bufferView of {} bytes at {} in a buffer of {}",
-                                    where, length, offset, chunks.bin.size()));
-    return chunks.bin.subspan(offset, length);
-  });
-}
-
-void check_count(const Json& accessor, std::uint64_t expected, const char* what,
-                 const std::string& where) {
-  const auto count = accessor.at("count").get<std::uint64_t>();
-  if (count != expected)
-    throw FormatError(fmt::format("{}: the glTF accessor of {} states {}, decoded are {}", where,
-                                  what, count, expected));
-}
-
-void check_bounds(const Json& accessor, const DecodedMesh& mesh, const std::string& where) {
-  std::array<float, 3> lo = mesh.positions.at(0), hi = lo;
-  for (const auto& p : mesh.positions) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      lo[axis] = std::min(lo[axis], p[axis]);
-      hi[axis] = std::max(hi[axis], p[axis]);
-    }
-  }
-  if (accessor.at("min").get<std::array<float, 3>>() != lo ||
-      accessor.at("max").get<std::array<float, 3>>() != hi)
-    throw FormatError(where + ": the glTF accessor's min and max differ from the decoded ones");
 }
 
 }  // namespace
@@ -254,10 +205,13 @@ std::optional<double> metres_per(const std::string& unit) {
   return std::nullopt;
 }
 
-std::vector<std::byte> wrap_glb(const EncodedMesh& mesh, const GlbParameters& parameters) {
-  std::string text = document(mesh, parameters).dump();
+namespace {
+
+std::vector<std::byte> wrap(const std::vector<Part>& parts, const GlbParameters& parameters) {
+  std::string text = document(parts, parameters).dump();
   text.resize(padded(text.size()), ' ');
-  const std::size_t bin = padded(mesh.bytes.size());
+  std::size_t bin = 0;
+  for (const Part& part : parts) bin += padded(part.mesh->bytes.size());
   const std::uint64_t total = header_size + 2 * chunk_header_size + text.size() + bin;
   if (total > std::numeric_limits<std::uint32_t>::max())
     throw InputError(fmt::format(
@@ -265,40 +219,30 @@ std::vector<std::byte> wrap_glb(const EncodedMesh& mesh, const GlbParameters& pa
         total));
   std::vector<std::byte> out;
   out.reserve(total);
-  for (const std::uint64_t v : {std::uint64_t{glb_magic}, std::uint64_t{2}, total,
+  for (const std::uint64_t v : {std::uint64_t{magic}, std::uint64_t{2}, total,
                                 std::uint64_t{text.size()}, std::uint64_t{json_chunk}})
     put_u32(out, v);
   const auto json = std::as_bytes(std::span(text));
   out.insert(out.end(), json.begin(), json.end());
   put_u32(out, bin);
   put_u32(out, bin_chunk);
-  out.insert(out.end(), mesh.bytes.begin(), mesh.bytes.end());
-  out.resize(total, std::byte{0});
+  for (const Part& part : parts) {
+    out.insert(out.end(), part.mesh->bytes.begin(), part.mesh->bytes.end());
+    out.resize(padded(out.size()), std::byte{0});
+  }
   return out;
 }
 
-std::span<const std::byte> glb_draco_buffer(std::span<const std::byte> glb,
-                                            const std::string& where) {
-  return draco_view(parse_glb(glb, where), where);
+}  // namespace
+
+std::vector<std::byte> wrap_glb(const EncodedMesh& mesh, const GlbParameters& parameters) {
+  return wrap({Part{&mesh}}, parameters);
 }
 
-DecodedMesh decode_glb(std::span<const std::byte> glb, const std::string& where) {
-  const GlbChunks chunks = parse_glb(glb, where);
-  DecodedMesh mesh = decode_draco(draco_view(chunks, where), where);
-  with_json(where, [&] {
-    const Json& primitive = primitive_of(chunks.json);
-    const Json& accessors = chunks.json.at("accessors");
-    const Json& attributes = primitive.at("attributes");
-    const Json& position = accessors.at(attributes.at("POSITION").get<std::size_t>());
-    check_count(position, mesh.positions.size(), "positions", where);
-    check_bounds(position, mesh, where);
-    check_count(accessors.at(primitive.at("indices").get<std::size_t>()), 3 * mesh.triangles.size(),
-                "indices", where);
-    if (attributes.contains("NORMAL"))
-      check_count(accessors.at(attributes.at("NORMAL").get<std::size_t>()), mesh.normals.size(),
-                  "normals", where);
-  });
-  return mesh;
+std::vector<std::byte> wrap_glb(std::span<const GlbPart> parts, const GlbParameters& parameters) {
+  std::vector<Part> all;
+  for (const GlbPart& part : parts) all.push_back({&part.mesh, part.pair});
+  return wrap(all, parameters);
 }
 
 }  // namespace voxweld

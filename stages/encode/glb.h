@@ -21,18 +21,30 @@ struct GlbParameters {
   bool y_up = true;  // turn z-up data to glTF's y-up: (x, y, z) -> (x, z, -y)
 };
 
+// A primitive of a mesh between labels: its triangles separate `pair`.
+struct GlbPart {
+  EncodedMesh mesh;
+  MaterialPair pair;
+};
+
 // The file holds `mesh.bytes` as it is, one node, one mesh, one primitive of mode TRIANGLES with
 // uncompressed accessors left out. Positions stay in the mesh's frame and unit, so tiles agree to
 // the bit. The same input gives the same bytes. InputError past 4 GiB, the format's limit.
 std::vector<std::byte> wrap_glb(const EncodedMesh& mesh, const GlbParameters& parameters);
 
-// The Draco buffer inside a .glb of the kind wrap_glb writes: a view into `glb`. FormatError,
-// starting with `where`, for anything else.
+// The same with a primitive for each part, each with a material of its own: named for its labels
+// ("7 | 12", "7 | outside"), visible from both sides, of a colour that tells `inside` from others.
+// The primitive's extras have "inside" and "outside" (null: outside all labels).
+// Precondition: at least one part.
+std::vector<std::byte> wrap_glb(std::span<const GlbPart> parts, const GlbParameters& parameters);
+
+// The Draco buffer of the first primitive inside a .glb of the kind wrap_glb writes: a view into
+// `glb`. FormatError, starting with `where`, for anything else.
 std::span<const std::byte> glb_draco_buffer(std::span<const std::byte> glb,
                                             const std::string& where = "glTF binary");
 
 // decode_draco of glb_draco_buffer, and the accessors' counts, minima and maxima compared with what
-// was decoded.
+// was decoded. Primitives with labels in their extras are put together, one after another.
 DecodedMesh decode_glb(std::span<const std::byte> glb, const std::string& where = "glTF binary");
 
 // Metres in one `unit` ("mm", "micrometer" ...), nothing where it is not known.

@@ -69,6 +69,8 @@ LatticeMesh weld(const DecodedMesh& mesh, const OutputLattice& lattice, const st
     }
   }
   out.positions = index.take();
+  out.pairs.reserve(mesh.triangle_pairs.size());
+  for (const std::uint32_t pair : mesh.triangle_pairs) out.pairs.push_back(mesh.pairs[pair]);
   return out;
 }
 
@@ -81,7 +83,8 @@ TriangleDigest& TriangleDigest::operator+=(const TriangleDigest& other) {
 
 TriangleDigest digest(const LatticeMesh& mesh) {
   TriangleDigest sum;
-  for (const Triangle& t : mesh.triangles) {
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle& t = mesh.triangles[i];
     const std::array<LatticePoint, 3> p{mesh.positions[t[0]], mesh.positions[t[1]],
                                         mesh.positions[t[2]]};
     const std::size_t first = lowest_corner(p);
@@ -90,6 +93,10 @@ TriangleDigest digest(const LatticeMesh& mesh) {
       const std::uint64_t h = hash_point(p[(first + k) % 3]);
       a = mix_bits(a + h);
       b = mix_bits((b ^ h) * 0x9fb21c651e98df25ULL);
+    }
+    if (!mesh.pairs.empty()) {
+      a = mix_bits(a + mix_bits(mesh.pairs[i].inside) * 3);
+      b = mix_bits(b ^ mix_bits(mesh.pairs[i].outside + 1));
     }
     sum += {1, a, b};
   }

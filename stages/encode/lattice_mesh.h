@@ -52,6 +52,8 @@ class PointIndex {
 struct LatticeMesh {
   std::vector<LatticePoint> positions;  // distinct, numbered by first use by the triangles
   std::vector<Triangle> triangles;
+  // Of meshes between labels: on either side of each triangle; else empty.
+  std::vector<MaterialPair> pairs;
 };
 
 // Joins the points of equal position: exactly, by lattice coordinates. Unused points are dropped.
@@ -59,9 +61,9 @@ struct LatticeMesh {
 LatticeMesh weld(const DecodedMesh& mesh, const OutputLattice& lattice,
                  const std::string& where = "mesh");
 
-// A sum over triangles that does not depend on their order nor on which corner comes first, and
-// tells different sets of triangles apart but for one chance in 2^128: comparing two meshes takes
-// no memory, and the sum of tiles is the sum of their digests.
+// A sum over triangles (and the labels they separate) that does not depend on their order nor on
+// which corner comes first, and tells different sets of triangles apart but for one chance in
+// 2^128: comparing two meshes takes no memory, and the sum of tiles is the sum of their digests.
 struct TriangleDigest {
   std::uint64_t count = 0, a = 0, b = 0;
   TriangleDigest& operator+=(const TriangleDigest& other);

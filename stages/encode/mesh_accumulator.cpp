@@ -27,6 +27,8 @@ void MeshAccumulator::check(const TileMesh& tile) const {
     throw InputError("cannot join tiles: they lie on different output lattices");
   if (tile.corner_clusters.empty() != mesh_.corner_clusters.empty())
     throw InputError("cannot join tiles: only some of them have normals");
+  if (tile.triangle_pairs.empty() != mesh_.triangle_pairs.empty())
+    throw InputError("cannot join tiles: only some of them say which labels they separate");
 }
 
 std::uint32_t MeshAccumulator::add_vertex(const TileMesh& tile, std::uint32_t v) {
@@ -71,12 +73,36 @@ void MeshAccumulator::append(const TileMesh& tile) {
   }
   mesh_.corner_clusters.insert(mesh_.corner_clusters.end(), tile.corner_clusters.begin(),
                                tile.corner_clusters.end());
+  append_pairs(tile);
   mesh_.quads += tile.quads;
   mesh_.polygon_triangles += tile.polygon_triangles;
   mesh_.collinear += tile.collinear;
 }
 
+void MeshAccumulator::append_pairs(const TileMesh& tile) {
+  std::vector<std::uint32_t> place;
+  for (const MaterialPair& pair : tile.pairs) {
+    const auto [at, is_new] =
+        pairs_.try_emplace(pair, static_cast<std::uint32_t>(mesh_.pairs.size()));
+    if (is_new) mesh_.pairs.push_back(pair);
+    place.push_back(at->second);
+  }
+  for (const std::uint32_t pair : tile.triangle_pairs) mesh_.triangle_pairs.push_back(place[pair]);
+}
+
+void MeshAccumulator::sort_pairs() {
+  std::vector<std::uint32_t> place(mesh_.pairs.size());
+  std::uint32_t next = 0;
+  for (const auto& [pair, met] : pairs_) {
+    place[met] = next;
+    mesh_.pairs[next++] = pair;
+  }
+  for (std::uint32_t& pair : mesh_.triangle_pairs) pair = place[pair];
+  pairs_.clear();
+}
+
 TileMesh MeshAccumulator::take() {
+  sort_pairs();
   table_.clear();
   merged_ = {};
   TileMesh out = std::move(mesh_);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "stages/encode/index_table.h"
@@ -37,6 +38,10 @@ class MeshAccumulator {
 
   TileMesh mesh_;
   IndexTable<Hash> table_{Hash{&mesh_.ids}};
+  void append_pairs(const TileMesh& tile);
+  void sort_pairs();
+
+  std::map<MaterialPair, std::uint32_t> pairs_;  // place in mesh_.pairs, as first met
   std::vector<std::uint32_t> merged_;  // of the current tile's vertices, kept for its memory
 };
 

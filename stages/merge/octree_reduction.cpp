@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "stages/geometry/cell_topology.h"
+#include "stages/geometry/label_topology.h"
 #include "stages/geometry/normal_clusters.h"
 
 namespace voxweld {
@@ -28,6 +29,33 @@ CellSigns corner_signs(const NodeSummary& node) {
   return static_cast<CellSigns>(node.record.corner_signs);
 }
 
+// The 27 labels at half the node's side, as numbers in the order of the materials.
+struct NodeMaterials {
+  NodeLabels labels{};
+  std::array<Material, 8> corners{};
+};
+NodeMaterials gather_materials(const std::array<NodeSummary, 8>& children) {
+  std::array<Material, 27> at{};
+  for (std::size_t child = 0; child < 8; ++child) {
+    const RootRecord& record = children[child].record;
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+      const std::size_t x = (child & 1) + (corner & 1), y = (child >> 1 & 1) + (corner >> 1 & 1),
+                        z = (child >> 2) + (corner >> 2);
+      at[x + 3 * y + 9 * z] =
+          record.state == NodeState::outside ? exterior : record.corners[corner];
+    }
+  }
+  std::array<Material, 27> sorted = at;
+  std::sort(sorted.begin(), sorted.end());
+  NodeMaterials node;
+  for (std::size_t i = 0; i < 27; ++i)
+    node.labels[i] = static_cast<std::uint32_t>(
+        std::lower_bound(sorted.begin(), sorted.end(), at[i]) - sorted.begin());
+  for (std::size_t i = 0; i < 8; ++i)
+    node.corners[i] = at[2 * (i & 1) + 6 * (i >> 1 & 1) + 18 * (i >> 2)];
+  return node;
+}
+
 }  // namespace
 
 OctreeReduction::OctreeReduction(CellKey root, int domain_level,
@@ -36,6 +64,7 @@ OctreeReduction::OctreeReduction(CellKey root, int domain_level,
       domain_level_(domain_level),
       solver_(parameters),
       spacing_(parameters.spacing),
+      labels_(parameters.labels.mode == LabelMode::shared),
       sink_(sink) {
   result_.key = root;
 }
@@ -119,12 +148,23 @@ NodeSummary OctreeReduction::close(OpenNode& node) {
   return result;
 }
 
-bool OctreeReduction::collapse(const OpenNode& node, NodeSummary& result) {
-  if (node.key.level > domain_level_) return false;
+bool OctreeReduction::corners_allow(const OpenNode& node, RootRecord& result) const {
+  if (labels_) {
+    const NodeMaterials materials = gather_materials(node.children);
+    result.corners = materials.corners;
+    return labels_allow_collapse(materials.labels);
+  }
   std::array<CellSigns, 8> signs;
   for (std::size_t i = 0; i < 8; ++i) signs[i] = corner_signs(node.children[i]);
   const std::uint32_t signs27 = gather_signs27(signs);
-  if (!signs_allow_collapse(signs27)) return false;
+  result.corner_signs = corners_of_signs27(signs27);
+  return signs_allow_collapse(signs27);
+}
+
+bool OctreeReduction::collapse(const OpenNode& node, NodeSummary& result) {
+  if (node.key.level > domain_level_) return false;
+  RootRecord corners;
+  if (!corners_allow(node, corners)) return false;
 
   solver_.clear_children();
   ClusterMerge clusters;
@@ -150,7 +190,8 @@ bool OctreeReduction::collapse(const OpenNode& node, NodeSummary& result) {
   }
   RootRecord& record = result.record;
   record.state = NodeState::leaf;
-  record.corner_signs = corners_of_signs27(signs27);
+  record.corner_signs = corners.corner_signs;
+  record.corners = corners.corners;
   record.qef = solver_.qef(0);
   record.clusters = clusters.merged();
   record.vertex = {{}, solution.offset, pack_clusters(record.clusters)};

@@ -63,6 +63,7 @@ class OctreeReduction {
   void close_until_holding(CellKey key);
   void add_child(const NodeSummary& node);
   NodeSummary close(OpenNode& node);
+  bool corners_allow(const OpenNode& node, RootRecord& result) const;
   bool collapse(const OpenNode& node, NodeSummary& result);
   void pass_on(const OpenNode& node);
   void mark_split();
@@ -71,6 +72,7 @@ class OctreeReduction {
   int domain_level_;
   NodeSolver solver_;
   Vec3 spacing_;
+  bool labels_;  // corners carry materials
   ReductionSink& sink_;
   std::vector<OpenNode> open_;
   NodeSummary result_;

@@ -26,6 +26,14 @@ void reorder(std::vector<T>& values, const std::vector<std::uint32_t>& order) {
   values = std::move(sorted);
 }
 
+std::uint32_t sheet_of(const Skin& skin, const SkinCell& cell, int edge) {
+  if (skin.sheets_of_edges.empty())
+    return cell_sheets(static_cast<CellSigns>(cell.signs()), cell.joined())
+        .sheet_of_edge[static_cast<std::size_t>(edge)];
+  return skin.sheets_of_edges[static_cast<std::size_t>(&cell - skin.cells.data())] >> (2 * edge) &
+         3;
+}
+
 CellKey leaf_key(CellKey brick, LeafCode leaf) {
   const Index3 cell = brick.lo() + morton_decode(leaf.code());
   return {leaf.level(), {cell.x >> leaf.level(), cell.y >> leaf.level(), cell.z >> leaf.level()}};
@@ -66,7 +74,27 @@ void TileStitcher::add(const StitchBrick& brick) {
     }
     if (!brick.emit_levels.empty() && (brick.emit_levels[i] >> smallest & 1) == 0) continue;
     add_polygon(corners);
+    if (!brick.polygon_pairs.empty()) note_pair(brick.pairs[brick.polygon_pairs[i]]);
   }
+}
+
+// Of the triangles made since the last.
+void TileStitcher::note_pair(const MaterialPair& pair) {
+  if (mesh_.triangle_pairs.size() == mesh_.triangles.size()) return;
+  const auto [at, is_new] =
+      pairs_.try_emplace(pair, static_cast<std::uint32_t>(mesh_.pairs.size()));
+  if (is_new) mesh_.pairs.push_back(pair);
+  mesh_.triangle_pairs.resize(mesh_.triangles.size(), at->second);
+}
+
+void TileStitcher::sort_pairs() {
+  std::vector<std::uint32_t> place(mesh_.pairs.size());
+  std::uint32_t next = 0;
+  for (const auto& [pair, met] : pairs_) {
+    place[met] = next;
+    mesh_.pairs[next++] = pair;
+  }
+  for (std::uint32_t& pair : mesh_.triangle_pairs) pair = place[pair];
 }
 
 TileStitcher::Corner TileStitcher::local_corner(const StitchBrick& brick, std::uint32_t vertex) {
@@ -105,9 +133,7 @@ TileStitcher::Corner TileStitcher::foreign_corner(const StitchBrick& brick, Corn
   if (cell == skin->cells.end() || cell->code() != ref.code()) fail("is not active there");
   const std::uint32_t first = cell->first();
   std::uint32_t sheet = 0;
-  if (skin->vertices[first].vertex.leaf.level() == 0)
-    sheet = cell_sheets(static_cast<CellSigns>(cell->signs()), cell->joined())
-                .sheet_of_edge[static_cast<std::size_t>(ref.edge())];
+  if (skin->vertices[first].vertex.leaf.level() == 0) sheet = sheet_of(*skin, *cell, ref.edge());
   if (sheet > 3) fail("has no crossing on that edge");
   group_.clear();
   for (std::uint32_t s = 0; s <= sheet; ++s) group_.push_back(skin->vertices[first + s].vertex);
@@ -179,6 +205,7 @@ void TileStitcher::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t 
 // nothing uses, or brought them in early, as the bricks happened to be cut: the order that counts
 // is that of first use by a triangle.
 TileMesh TileStitcher::finish() {
+  sort_pairs();
   std::vector<std::uint32_t> number(mesh_.positions.size(), unset), order;
   order.reserve(number.size());
   for (auto& triangle : mesh_.triangles)

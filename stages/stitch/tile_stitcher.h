@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -30,6 +31,9 @@ struct StitchBrick {
   std::span<const LeafVertex> vertices;
   std::span<const PolygonRefs> polygons;      // only those whose owner cells lie in the tile
   std::span<const std::uint8_t> emit_levels;  // beside polygons, or empty
+  // labels.mode = "shared": as BrickOctree has them, polygon_pairs beside polygons; else empty.
+  std::span<const MaterialPair> pairs;
+  std::span<const std::uint32_t> polygon_pairs;
   const Skin* own_skin = nullptr;
   std::array<const Skin*, 8> upper{};  // by direction; null where no brick has a surface
 };
@@ -58,6 +62,8 @@ class TileStitcher {
   std::uint32_t append(CellKey leaf, int sheet, const LatticePoint& point,
                        const std::array<PackedNormal, max_clusters>& normals);
   void add_polygon(std::array<std::uint32_t, 4> corners);
+  void note_pair(const MaterialPair& pair);
+  void sort_pairs();
   void add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
 
   StitchParameters parameters_;
@@ -65,6 +71,7 @@ class TileStitcher {
   TileMesh mesh_;
   // Vertices that several bricks refer to, those of the skins and of the leaves above: found by id.
   std::unordered_map<std::uint64_t, std::uint32_t> shared_;
+  std::map<MaterialPair, std::uint32_t> pairs_;  // place in mesh_.pairs, as first met
   std::vector<std::uint32_t> local_;       // of the current brick: index in the mesh, or unset
   std::vector<std::uint8_t> in_own_skin_;  // of the current brick
   const TopLeaf* brick_above_ = nullptr;

@@ -11,7 +11,11 @@ enum Part : std::uint64_t {
   emit_levels,
   blocks,
   skin_cells,
-  skin_vertices
+  skin_vertices,
+  pairs,
+  polygon_pairs,
+  sheets_of_edges,
+  end_of_parts
 };
 enum SummaryPart : std::uint64_t { summary_part = 1, nodes_part, cubes_part, leaves_part };
 constexpr std::uint64_t summary_code = (std::uint64_t{1} << 56) - 1;
@@ -41,7 +45,8 @@ static_assert(std::has_unique_object_representations_v<SkinCell> &&
               std::has_unique_object_representations_v<PolygonRefs> &&
               std::has_unique_object_representations_v<CubeCount>);
 static_assert(sizeof(LeafVertex) == 28 && sizeof(SkinVertex) == 32 && sizeof(TopLeaf) == 48 &&
-              sizeof(RootRecord) == 8 + 52 + 36 + 28 + 4 &&
+              sizeof(RootRecord) == 8 + 52 + 36 + 28 + 4 + 64 &&
+              std::has_unique_object_representations_v<MaterialPair> &&
               sizeof(ShardNodeRecord) == 40 + sizeof(RootRecord));
 
 template <class T>
@@ -60,8 +65,13 @@ ShardArtifactWriter::ShardArtifactWriter(const std::filesystem::path& path, Hash
 void ShardArtifactWriter::brick(std::uint64_t code, const BrickOctree& octree) {
   file_.section(section_name(code, vertices), bytes_of(octree.vertices));
   file_.section(section_name(code, polygons), bytes_of(octree.polygons));
-  if (!octree.emit_levels.empty())
-    file_.section(section_name(code, emit_levels), bytes_of(octree.emit_levels));
+  const auto where_any = [&](Part part, const auto& values) {
+    if (!values.empty()) file_.section(section_name(code, part), bytes_of(values));
+  };
+  where_any(emit_levels, octree.emit_levels);
+  where_any(pairs, octree.pairs);
+  where_any(polygon_pairs, octree.polygon_pairs);
+  where_any(sheets_of_edges, octree.skin.sheets_of_edges);
   file_.section(section_name(code, blocks), bytes_of(octree.blocks));
   file_.section(section_name(code, skin_cells), bytes_of(octree.skin.cells));
   file_.section(section_name(code, skin_vertices), bytes_of(octree.skin.vertices));
@@ -148,36 +158,52 @@ bool ShardArtifact::has_brick(std::uint64_t code) const {
 }
 
 void ShardArtifact::add_brick_hashes(std::uint64_t code, KeyHasher& key) const {
-  for (std::uint64_t part = vertices; part <= skin_vertices; ++part)
+  for (std::uint64_t part = vertices; part < end_of_parts; ++part)
     if (const SectionRecord* record = file_.find(section_name(code, part))) key.hash(record->hash);
 }
 
 void ShardArtifact::add_skin_hashes(std::uint64_t code, KeyHasher& key) const {
-  for (const Part part : {skin_cells, skin_vertices})
+  for (const Part part : {skin_cells, skin_vertices, sheets_of_edges})
     if (const SectionRecord* record = file_.find(section_name(code, part))) key.hash(record->hash);
 }
 
 void ShardArtifact::read_brick(std::uint64_t code, BrickOctree& out) const {
   file_.read_array(section_name(code, vertices), out.vertices);
   file_.read_array(section_name(code, polygons), out.polygons);
-  out.emit_levels.clear();
-  if (file_.find(section_name(code, emit_levels)) != nullptr)
-    file_.read_array(section_name(code, emit_levels), out.emit_levels);
+  read_where_any(code, emit_levels, out.emit_levels);
+  read_where_any(code, pairs, out.pairs);
+  read_where_any(code, polygon_pairs, out.polygon_pairs);
   file_.read_array(section_name(code, blocks), out.blocks);
   read_skin(code, out.skin);
+  const auto beside_polygons = [&](std::size_t size) {
+    return size == 0 || size == out.polygons.size();
+  };
+  const auto names_a_pair = [&](std::uint32_t place) { return place < out.pairs.size(); };
   if (out.blocks.empty() || out.blocks.back().polygon_end != out.polygons.size() ||
-      (!out.emit_levels.empty() && out.emit_levels.size() != out.polygons.size()))
+      !beside_polygons(out.emit_levels.size()) || !beside_polygons(out.polygon_pairs.size()) ||
+      !std::all_of(out.polygon_pairs.begin(), out.polygon_pairs.end(), names_a_pair))
     file_.damaged("the parts of a brick contradict each other");
+}
+
+template <class T>
+void ShardArtifact::read_where_any(std::uint64_t code, std::uint64_t part,
+                                   std::vector<T>& out) const {
+  out.clear();
+  if (file_.find(section_name(code, part)) != nullptr)
+    file_.read_array(section_name(code, part), out);
 }
 
 void ShardArtifact::read_skin(std::uint64_t code, Skin& out) const {
   file_.read_array(section_name(code, skin_cells), out.cells);
   file_.read_array(section_name(code, skin_vertices), out.vertices);
+  read_where_any(code, sheets_of_edges, out.sheets_of_edges);
+  if (!out.sheets_of_edges.empty() && out.sheets_of_edges.size() != out.cells.size())
+    file_.damaged("the parts of a skin contradict each other");
 }
 
 std::uint64_t ShardArtifact::brick_bytes(std::uint64_t code) const {
   std::uint64_t sum = 0;
-  for (std::uint64_t part = vertices; part <= skin_vertices; ++part)
+  for (std::uint64_t part = vertices; part < end_of_parts; ++part)
     if (const SectionRecord* record = file_.find(section_name(code, part))) sum += record->size;
   return sum;
 }

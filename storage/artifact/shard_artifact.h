@@ -5,7 +5,9 @@
 //   brick code << 8 | part     of one brick with a surface; the code is the Morton code of the
 //   brick's
 //                              index; part 1 LeafVertex, 2 PolygonRefs, 3 emit levels (u8, only
-//                              under topology = "free"), 4 BlockCount, 5 SkinCell, 6 SkinVertex
+//                              under topology = "free"), 4 BlockCount, 5 SkinCell, 6 SkinVertex;
+//                              between labels (labels.mode = "shared") also 7 MaterialPair, 8 the
+//                              polygons' pairs (u32), 9 the skin cells' sheets (u32)
 //   all ones << 8 | part       part 1 ShardSummaryRecord (one), 2 ShardNodeRecord,
 //                              3 CubeCount, 4 TopLeaf (each node's range is in its record)
 //
@@ -26,7 +28,7 @@ namespace voxweld {
 
 inline constexpr std::array<char, 4> shard_kind = {'o', 'c', 't', 'r'};
 // Goes up whenever build's bytes change: format or mathematics.
-inline constexpr std::uint32_t shard_version = 4;
+inline constexpr std::uint32_t shard_version = 5;
 
 // One shard-sized cube of the octree. A shard at the volume's upper border also builds the layer of
 // bricks above it when that holds nothing but ring cells: such bricks lie in cubes of their own.
@@ -83,6 +85,9 @@ class ShardArtifact {
   std::uint64_t brick_bytes(std::uint64_t code) const;
 
  private:
+  template <class T>
+  void read_where_any(std::uint64_t code, std::uint64_t part, std::vector<T>& out) const;
+
   ArtifactReader file_;
 };
 

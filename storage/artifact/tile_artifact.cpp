@@ -9,7 +9,9 @@ enum Section : std::uint64_t {
   ids,
   normals,
   triangles,
-  corner_clusters
+  corner_clusters,
+  pairs,
+  triangle_pairs
 };
 
 }  // namespace
@@ -32,6 +34,10 @@ Hash128 write_tile(const std::filesystem::path& path, Hash128 key, const TileMes
   file.section(normals, std::as_bytes(std::span(mesh.normals)));
   file.section(triangles, std::as_bytes(std::span(mesh.triangles)));
   file.section(corner_clusters, std::as_bytes(std::span(mesh.corner_clusters)));
+  if (!mesh.pairs.empty()) {
+    file.section(pairs, std::as_bytes(std::span(mesh.pairs)));
+    file.section(triangle_pairs, std::as_bytes(std::span(mesh.triangle_pairs)));
+  }
   return file.commit();
 }
 
@@ -59,6 +65,15 @@ TileMesh TileArtifact::read() const {
   file_.read_array(normals, mesh.normals);
   file_.read_array(triangles, mesh.triangles);
   file_.read_array(corner_clusters, mesh.corner_clusters);
+  if (file_.find(pairs) != nullptr) {
+    file_.read_array(pairs, mesh.pairs);
+    file_.read_array(triangle_pairs, mesh.triangle_pairs);
+    if (mesh.triangle_pairs.size() != mesh.triangles.size())
+      file_.damaged("its sections contradict each other");
+    for (const std::uint32_t pair : mesh.triangle_pairs)
+      if (pair >= mesh.pairs.size())
+        file_.damaged("a triangle names a label pair that is not there");
+  }
   const bool normals_fit =
       mesh.normals.empty() || (mesh.normals.size() == mesh.positions.size() &&
                                mesh.corner_clusters.size() == mesh.triangles.size());

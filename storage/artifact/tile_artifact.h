@@ -1,6 +1,7 @@
 // A tile's mesh between stitch and encode. Kind "tile", a container with these sections:
 //   1 TileHeader (one)   2 positions, i32 x 3      3 vertex ids, u64    4 PackedNormal x 3, or
 //   empty 5 triangles, u32 x 3 6 corner clusters, u8 x 3, or empty
+// and between labels: 7 MaterialPair 8 the triangles' pairs, u32
 #pragma once
 
 #include "storage/artifact/container.h"

@@ -16,7 +16,7 @@
 namespace voxweld {
 
 inline constexpr std::array<char, 4> top_kind = {'t', 'o', 'p', 's'};
-inline constexpr std::uint32_t top_version = 3;
+inline constexpr std::uint32_t top_version = 4;
 
 // What is known of the whole after merge.
 struct MergeCounts {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "storage/types/material.h"
 #include "storage/types/morton.h"
 #include "storage/types/tile_mesh.h"
 
@@ -98,6 +99,9 @@ struct SkinVertex {
 struct Skin {
   std::vector<SkinCell> cells;  // ascending code
   std::vector<SkinVertex> vertices;
+  // Between labels a sign byte does not tell the sheets: beside `cells`, that of edge e in the bits
+  // 2 e and 2 e + 1. Else empty.
+  std::vector<std::uint32_t> sheets_of_edges;
 };
 
 // What an octree node is to its parent.
@@ -114,6 +118,9 @@ struct RootRecord {
   NormalClusters clusters;
   LeafVertex vertex;
   float residual = 0;  // root mean square distance reached (metric rms) or its sum's root (sum)
+  // labels.mode = "shared" only, and then in place of the signs: the corners' materials; those of a
+  // homogeneous node are all its own, and it is `inside` whatever that is but `exterior`.
+  std::array<Material, 8> corners{};
 };
 
 // Figures that add up over bricks (and take the maximum where they are one).
@@ -132,6 +139,10 @@ struct BrickOctree {
   // topology = "free" only, beside polygons: bit l set when the polygon stands if its smallest leaf
   // has level l.
   std::vector<std::uint8_t> emit_levels;
+  // labels.mode = "shared" only: what is on either side of the polygons, as a list, and each
+  // polygon's place in it.
+  std::vector<MaterialPair> pairs;
+  std::vector<std::uint32_t> polygon_pairs;
   std::vector<BlockCount> blocks;
   Skin skin;
   RootRecord root;

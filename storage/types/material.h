@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <compare>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -18,6 +19,12 @@ inline constexpr Material exterior = std::numeric_limits<std::uint64_t>::max();
 // off: samples are compared with an isovalue. each: one closed mesh for every material. shared: one
 // complex of all of them, each polygon between two.
 enum class LabelMode : std::uint8_t { off, each, shared };
+
+// What a polygon separates: its normal points out of `inside`, the smaller of the two.
+struct MaterialPair {
+  Material inside = exterior, outside = exterior;
+  friend constexpr auto operator<=>(const MaterialPair&, const MaterialPair&) = default;
+};
 
 // The values first .. last, both included.
 struct MaterialRange {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "storage/types/material.h"
 #include "storage/types/morton.h"
 #include "storage/types/output_lattice.h"
 
@@ -36,6 +37,11 @@ struct TileMesh {
   // cluster of that vertex it takes its normal from (empty when normals are off).
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::array<std::uint8_t, 3>> corner_clusters;
+
+  // labels.mode = "shared" only: what is on either side of the triangles, ascending, and each
+  // triangle's place in that.
+  std::vector<MaterialPair> pairs;
+  std::vector<std::uint32_t> triangle_pairs;
 
   // Polygons as the dual walk makes them: quads, and triangles where two cells are one leaf.
   std::uint64_t quads = 0;

@@ -84,6 +84,8 @@ TileMesh stitch(const PlannedTile& tile, const Bricks& bricks, const MemoryConto
                      brick.vertices,
                      brick.polygons,
                      brick.emit_levels,
+                     brick.pairs,
+                     brick.polygon_pairs,
                      &brick.skin,
                      {}};
     if (static_cast<int>(tile.level) < level) {
@@ -92,6 +94,7 @@ TileMesh stitch(const PlannedTile& tile, const Bricks& bricks, const MemoryConto
       const std::size_t p0 = b0 == 0 ? 0 : brick.blocks[b0 - 1].polygon_end;
       const std::size_t count = brick.blocks[b1 - 1].polygon_end - p0;
       part.polygons = part.polygons.subspan(p0, count);
+      if (!part.polygon_pairs.empty()) part.polygon_pairs = part.polygon_pairs.subspan(p0, count);
       if (!part.emit_levels.empty()) part.emit_levels = part.emit_levels.subspan(p0, count);
     }
     for (int d = 1; d < 8; ++d) {

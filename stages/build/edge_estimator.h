@@ -1,0 +1,129 @@
+// The crossing and normal of one lattice edge from samples (DESIGN: Hermite edges).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "stages/build/hermite_edge.h"
+#include "stages/geometry/parameters.h"
+#include "storage/types/halo_block.h"
+
+namespace voxweld {
+
+// A line of samples through one sample: p[0] is the sample, p[k * stride] its k-th neighbour.
+template <class T>
+struct Line {
+  const T* p;
+  std::int64_t stride;
+  std::int64_t index;  // of the sample along the axis
+  std::int64_t size;   // samples along the axis
+  double operator[](std::int64_t k) const { return static_cast<double>(p[k * stride]); }
+};
+
+template <class T>
+double central_difference(const Line<T>& f) {
+  if (f.size < 2) return 0;
+  if (f.index > 0 && f.index + 1 < f.size) return 0.5 * (f[1] - f[-1]);
+  if (f.size == 2) return f.index == 0 ? f[1] - f[0] : f[0] - f[-1];
+  // Three points, one-sided: second order up to the border.
+  return f.index == 0 ? 0.5 * (4 * f[1] - 3 * f[0] - f[2]) : 0.5 * (3 * f[0] - 4 * f[-1] + f[-2]);
+}
+
+// Essentially non-oscillatory (Harten, Engquist, Osher, Chakravarthy, 1987): of the three-point
+// stencils that hold the sample, the one with the smallest second difference. Across a crease the
+// smooth side wins, so the two faces' normals do not mix.
+template <class T>
+double eno_difference(const Line<T>& f) {
+  if (f.size < 3) return central_difference(f);
+  double best = std::numeric_limits<double>::infinity(), slope = 0;
+  const auto offer = [&](double second, double first) {
+    if (std::abs(second) < best) {
+      best = std::abs(second);
+      slope = first;
+    }
+  };
+  const double f0 = f[0];
+  if (f.index > 0 && f.index + 1 < f.size) {
+    const double lo = f[-1], hi = f[1];
+    offer(hi - 2 * f0 + lo, 0.5 * (hi - lo));
+  }
+  if (f.index > 1) {
+    const double near = f[-1], far = f[-2];
+    offer(f0 - 2 * near + far, 0.5 * (3 * f0 - 4 * near + far));
+  }
+  if (f.index + 2 < f.size) {
+    const double near = f[1], far = f[2];
+    offer(far - 2 * near + f0, 0.5 * (4 * near - 3 * f0 - far));
+  }
+  return slope;
+}
+
+template <class T>
+class EdgeEstimator {
+ public:
+  EdgeEstimator(const HaloBlock& block, const ContourParameters& parameters)
+      : block_(block),
+        data_(reinterpret_cast<const T*>(block.data)),
+        spacing_(parameters.spacing),
+        isovalue_(parameters.surface.isovalue),
+        outward_(parameters.surface.inside == Inside::above ? -1.0 : 1.0),
+        eno_(parameters.surface.gradient == Gradient::eno) {}
+
+  // The edge along `axis` from sample `s` to the next; low_inside: the sign of its low end.
+  HermiteEdge edge(int axis, Index3 s, bool low_inside) const {
+    if (s[axis] < 0 || s[axis] + 1 >= block_.size[axis]) return edge_of_middle(axis, low_inside);
+    HermiteEdge result;
+    const double out = low_inside ? 1.0 : -1.0;
+    const T* low = sample(s);
+    const double v0 = static_cast<double>(*low), v1 = static_cast<double>(low[stride(axis)]);
+    double t = (isovalue_ - v0) / (v1 - v0);
+    if (!std::isfinite(v0) || !std::isfinite(v1) || !std::isfinite(t)) t = 0.5;
+    // Only a filtered label can fall towards its inside: where that is thinner than the filter.
+    const double rise = outward_ * (v1 - v0);
+    if (low_inside ? rise < 0 : rise > 0) return edge_of_middle(axis, low_inside);
+    t = std::clamp(t, lowest_crossing, highest_crossing);
+    result.t = static_cast<float>(t);
+    Vec3 g;
+    Index3 high = s;
+    ++high[axis];
+    if (eno_)
+      g = t <= 0.5 ? gradient(low, s) : gradient(low + stride(axis), high);
+    else
+      g = gradient(low, s) * (1 - t) + gradient(low + stride(axis), high) * t;
+    const double length = std::sqrt(dot(g, g));
+    if (length > 0 && std::isfinite(length)) {
+      for (int a = 0; a < 3; ++a)
+        result.normal[static_cast<std::size_t>(a)] = static_cast<float>(outward_ * g[a] / length);
+    } else {
+      result.normal[static_cast<std::size_t>(axis)] = static_cast<float>(out);
+    }
+    return result;
+  }
+
+ private:
+  std::int64_t stride(int axis) const {
+    return axis == 0 ? 1 : axis == 1 ? block_.row : block_.slice;
+  }
+  const T* sample(Index3 s) const {
+    const Index3 d = s - block_.samples.lo;
+    return data_ + d.z * block_.slice + d.y * block_.row + d.x;
+  }
+  Vec3 gradient(const T* p, Index3 s) const {
+    Vec3 g;
+    for (int a = 0; a < 3; ++a) {
+      const Line<T> line{p, stride(a), s[a], block_.size[a]};
+      g[a] = (eno_ ? eno_difference(line) : central_difference(line)) / spacing_[a];
+    }
+    return g;
+  }
+
+  const HaloBlock& block_;
+  const T* data_;
+  Vec3 spacing_;
+  double isovalue_, outward_;
+  bool eno_;
+};
+
+}  // namespace voxweld

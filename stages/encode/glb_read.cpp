@@ -1,0 +1,171 @@
+// Based on: as glb.cpp.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "stages/encode/glb.h"
+#include "stages/encode/glb_format.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+using namespace glb;
+
+std::uint32_t get_u32(std::span<const std::byte> bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    value |= std::to_integer<std::uint32_t>(bytes[at + i]) << (8 * i);
+  return value;
+}
+
+struct GlbChunks {
+  Json json;
+  std::span<const std::byte> bin;
+};
+
+std::span<const std::byte> take_chunk(std::span<const std::byte>& rest, std::uint32_t type,
+                                      const std::string& where) {
+  if (rest.size() < chunk_header_size)
+    throw FormatError(where + ": truncated glTF binary: a chunk is missing");
+  const std::uint32_t length = get_u32(rest, 0), found = get_u32(rest, 4);
+  if (found != type)
+    throw FormatError(
+        fmt::format("{}: glTF chunk of type {:#x}, expected {:#x}", where, found, type));
+  if (length > rest.size() - chunk_header_size)
+    throw FormatError(fmt::format("{}: truncated glTF binary: a chunk of {} bytes, {} are left",
+                                  where, length, rest.size() - chunk_header_size));
+  const auto chunk = rest.subspan(chunk_header_size, length);
+  rest = rest.subspan(chunk_header_size + length);
+  return chunk;
+}
+
+GlbChunks parse_glb(std::span<const std::byte> glb, const std::string& where) {
+  if (glb.size() < header_size || get_u32(glb, 0) != magic)
+    throw FormatError(where + ": not a glTF binary: it does not start with \"glTF\"");
+  if (get_u32(glb, 4) != 2)
+    throw FormatError(fmt::format("{}: glTF version {}, expected 2", where, get_u32(glb, 4)));
+  if (get_u32(glb, 8) != glb.size())
+    throw FormatError(fmt::format("{}: glTF binary of {} bytes states {}: truncated or damaged",
+                                  where, glb.size(), get_u32(glb, 8)));
+  std::span<const std::byte> rest = glb.subspan(header_size);
+  const auto text = take_chunk(rest, json_chunk, where);
+  const char* first = reinterpret_cast<const char*>(text.data());
+  GlbChunks chunks;
+  chunks.json = Json::parse(first, first + text.size(), nullptr, false);
+  if (chunks.json.is_discarded())
+    throw FormatError(where + ": damaged glTF binary: its JSON does not parse");
+  chunks.bin = take_chunk(rest, bin_chunk, where);
+  return chunks;
+}
+
+// Calls read(), turning whatever JSON has to say about wrong keys and types into a FormatError.
+template <class Read>
+auto with_json(const std::string& where, Read read) {
+  try {
+    return read();
+  } catch (const Json::exception& e) {
+    throw FormatError(where + ": glTF of another shape than expected: " + e.what());
+  }
+}
+
+const Json& primitives_of(const Json& json) {
+  return json.at("meshes").at(0).at("primitives");
+}
+
+std::span<const std::byte> draco_view(const GlbChunks& chunks, std::size_t primitive,
+                                      const std::string& where) {
+  return with_json(where, [&] {
+    const Json& extension =
+        primitives_of(chunks.json).at(primitive).at("extensions").at(draco_extension);
+    const Json& view =
+        chunks.json.at("bufferViews").at(extension.at("bufferView").get<std::size_t>());
+    const auto offset = view.value("byteOffset", std::uint64_t{0});
+    const auto length = view.at("byteLength").get<std::uint64_t>();
+    if (offset > chunks.bin.size() || length > chunks.bin.size() - offset)
+      throw FormatError(fmt::format("{}: glTF bufferView of {} bytes at {} in a buffer of {}",
+                                    where, length, offset, chunks.bin.size()));
+    return chunks.bin.subspan(offset, length);
+  });
+}
+
+void check_count(const Json& accessor, std::uint64_t expected, const char* what,
+                 const std::string& where) {
+  const auto count = accessor.at("count").get<std::uint64_t>();
+  if (count != expected)
+    throw FormatError(fmt::format("{}: the glTF accessor of {} states {}, decoded are {}", where,
+                                  what, count, expected));
+}
+
+void check_bounds(const Json& accessor, const DecodedMesh& mesh, const std::string& where) {
+  std::array<float, 3> lo = mesh.positions.at(0), hi = lo;
+  for (const auto& p : mesh.positions) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lo[axis] = std::min(lo[axis], p[axis]);
+      hi[axis] = std::max(hi[axis], p[axis]);
+    }
+  }
+  if (accessor.at("min").get<std::array<float, 3>>() != lo ||
+      accessor.at("max").get<std::array<float, 3>>() != hi)
+    throw FormatError(where + ": the glTF accessor's min and max differ from the decoded ones");
+}
+
+}  // namespace
+
+std::span<const std::byte> glb_draco_buffer(std::span<const std::byte> glb,
+                                            const std::string& where) {
+  return draco_view(parse_glb(glb, where), 0, where);
+}
+
+namespace {
+
+DecodedMesh decode_primitive(const GlbChunks& chunks, std::size_t number,
+                             const std::string& where) {
+  DecodedMesh mesh = decode_draco(draco_view(chunks, number, where), where);
+  with_json(where, [&] {
+    const Json& primitive = primitives_of(chunks.json).at(number);
+    const Json& accessors = chunks.json.at("accessors");
+    const Json& attributes = primitive.at("attributes");
+    const Json& position = accessors.at(attributes.at("POSITION").get<std::size_t>());
+    check_count(position, mesh.positions.size(), "positions", where);
+    check_bounds(position, mesh, where);
+    check_count(accessors.at(primitive.at("indices").get<std::size_t>()), 3 * mesh.triangles.size(),
+                "indices", where);
+    if (attributes.contains("NORMAL"))
+      check_count(accessors.at(attributes.at("NORMAL").get<std::size_t>()), mesh.normals.size(),
+                  "normals", where);
+    if (!primitive.contains("extras")) return;
+    const Json& extras = primitive.at("extras");
+    const auto material = [](const Json& label) {
+      return label.is_null() ? exterior : label.get<Material>();
+    };
+    mesh.pairs.push_back({material(extras.at("inside")), material(extras.at("outside"))});
+    mesh.triangle_pairs.assign(mesh.triangles.size(), 0);
+  });
+  return mesh;
+}
+
+void append(const DecodedMesh& part, DecodedMesh& mesh) {
+  const auto points = static_cast<std::uint32_t>(mesh.positions.size());
+  const auto pairs = static_cast<std::uint32_t>(mesh.pairs.size());
+  mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
+  mesh.normals.insert(mesh.normals.end(), part.normals.begin(), part.normals.end());
+  mesh.pairs.insert(mesh.pairs.end(), part.pairs.begin(), part.pairs.end());
+  for (auto triangle : part.triangles) {
+    for (std::uint32_t& corner : triangle) corner += points;
+    mesh.triangles.push_back(triangle);
+  }
+  for (const std::uint32_t pair : part.triangle_pairs) mesh.triangle_pairs.push_back(pairs + pair);
+}
+
+}  // namespace
+
+DecodedMesh decode_glb(std::span<const std::byte> glb, const std::string& where) {
+  const GlbChunks chunks = parse_glb(glb, where);
+  const std::size_t count = with_json(where, [&] { return primitives_of(chunks.json).size(); });
+  DecodedMesh mesh = decode_primitive(chunks, 0, where);
+  for (std::size_t i = 1; i < count; ++i) append(decode_primitive(chunks, i, where), mesh);
+  return mesh;
+}
+
+}  // namespace voxweld
