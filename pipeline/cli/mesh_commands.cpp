@@ -94,6 +94,9 @@ void add_render_command(CLI::App& app, Program& program) {
       ->expected(3);
   command->add_option("--field-of-view", o.field_of_view, "Degrees; 0: orthographic")
       ->capture_default_str();
+  command->add_option("--cut-x", o.cut[0], "Leaves out what lies above this x, to look inside");
+  command->add_option("--cut-y", o.cut[1], "The same for y");
+  command->add_option("--cut-z", o.cut[2], "The same for z");
   command->callback(
       [&program, arguments] { program.run = [arguments] { return render(*arguments); }; });
 }

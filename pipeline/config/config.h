@@ -141,6 +141,7 @@ struct EditConfig {
   Vec3 rotate = {};                         // degrees about x, then y, then z
   std::filesystem::path path = {};          // absolute
   double scale = 1;                         // above 0
+  std::optional<std::uint64_t> material{};  // of label volumes
 
   friend bool operator==(const EditConfig&, const EditConfig&) = default;
 };

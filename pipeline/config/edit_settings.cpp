@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace voxweld {
@@ -12,7 +13,7 @@ using Shapes = std::vector<SolidShape>;
 
 // The order of the names is that of the enumerators.
 const std::vector<std::string>& op_names() {
-  static const std::vector<std::string> names = {"add", "subtract", "intersect"};
+  static const std::vector<std::string> names = {"add", "subtract", "intersect", "replace"};
   return names;
 }
 
@@ -57,6 +58,16 @@ Binding triple(Vec3 EditConfig::*member, TripleRule::Of of = TripleRule::Of::any
           }};
 }
 
+Binding material() {
+  return {IntegerRule{0, std::numeric_limits<std::int64_t>::max()},
+          [](EditConfig& e, const ConfigValue& v) {
+            e.material = static_cast<std::uint64_t>(*v.integer());
+          },
+          [](const EditConfig& e) {
+            return ConfigValue{static_cast<std::int64_t>(e.material.value_or(0))};
+          }};
+}
+
 Binding path(std::filesystem::path EditConfig::*member) {
   return {PathRule{}, [=](EditConfig& e, const ConfigValue& v) { e.*member = *v.text(); },
           [=](const EditConfig& e) { return ConfigValue{(e.*member).string()}; }};
@@ -87,6 +98,14 @@ EditSetting required(EditSetting setting) {
   return setting;
 }
 
+EditSetting unset(const char* note, std::function<bool(const EditConfig&)> is_set,
+                  EditSetting setting) {
+  setting.default_value.reset();
+  setting.default_note = note;
+  setting.is_set = std::move(is_set);
+  return setting;
+}
+
 EditSetting required_but_for(SolidShape shape, EditSetting setting) {
   const std::string value = to_toml(*setting.default_value);
   setting = required(std::move(setting));
@@ -101,9 +120,16 @@ std::vector<EditSetting> make_edit_settings() {
   return {
       row({"op",
            "\"add\" makes the solid material, \"subtract\" takes it away, \"intersect\" takes away "
-           "all but it.",
+           "all but it. Between labels \"add\" gives all of it the label `material`, and "
+           "\"replace\" only what is of some label already.",
            "\"subtract\""},
           choice(&EditConfig::op, op_names())),
+      unset(
+          "none; between labels add and replace need it",
+          [](const EditConfig& e) { return e.material.has_value(); },
+          row({"material", "With labels.mode = \"shared\": the label that add and replace give.",
+               "7"},
+              material())),
       required(row({"shape", "Which solid it is.", ""}, choice(&EditConfig::shape, shape_names()))),
       required(row({"path",
                     "A triangle mesh in an .stl, .off, .obj or .ply file. It has to be closed; "
@@ -202,7 +228,8 @@ std::string_view edit_description() {
 std::vector<EditValue> values_of(const EditConfig& edit) {
   std::vector<EditValue> values;
   for (const EditSetting& setting : edit_settings())
-    if (setting.taken_by(edit.shape)) values.push_back({&setting, setting.get(edit)});
+    if (setting.taken_by(edit.shape) && (!setting.is_set || setting.is_set(edit)))
+      values.push_back({&setting, setting.get(edit)});
   return values;
 }
 

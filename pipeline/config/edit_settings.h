@@ -28,6 +28,8 @@ struct EditSetting : KeyFacts {
   // Precondition: check(rule, value) accepts.
   std::function<void(EditConfig&, const ConfigValue&)> set;
   std::function<ConfigValue(const EditConfig&)> get;
+  // Null: an edit that takes the key always has a value for it.
+  std::function<bool(const EditConfig&)> is_set;
 
   bool taken_by(SolidShape shape) const;
   bool required_by(SolidShape shape) const;

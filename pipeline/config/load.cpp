@@ -238,6 +238,30 @@ class CrossChecks {
       fail({"simplify.topology", "labels.mode"}, "labels are simplified safely only");
   }
 
+  // Edits stand in the file alone, so they are named by their numbers.
+  void edits_of_labels() const {
+    const LabelMode mode = config_.labels.mode;
+    const auto refuse = [&](std::size_t number, const char* problem) {
+      throw InputError(fmt::format("{}: edit {}: {}", file_, number, problem));
+    };
+    for (std::size_t i = 0; i < config_.edits.size(); ++i) {
+      const EditConfig& edit = config_.edits[i];
+      const bool gives = edit.op == EditOp::add || edit.op == EditOp::replace;
+      if (mode == LabelMode::each)
+        refuse(i + 1, "labels.mode = \"each\" takes no edits; \"shared\" does");
+      if (mode == LabelMode::shared && gives && !edit.material)
+        refuse(i + 1, "material is missing: expected the label that the solid gets");
+      if (edit.material && (mode != LabelMode::shared || !gives))
+        refuse(i + 1, mode != LabelMode::shared
+                          ? "material: only labels.mode = \"shared\" has materials; remove it"
+                          : "material: only add and replace give one; remove it");
+      if (mode != LabelMode::shared && edit.op == EditOp::replace)
+        refuse(i + 1,
+               "op = \"replace\": there is one material, so nothing to replace; it is for "
+               "labels.mode = \"shared\"");
+    }
+  }
+
   void work() const {
     const WorkConfig& w = config_.work;
     if (w.chunk <= w.brick * w.shard) return;
@@ -318,6 +342,7 @@ Config parse_config(const std::string& text, const fs::path& path,
   checks.empty();
   checks.label();
   checks.labels();
+  checks.edits_of_labels();
   checks.work();
   checks.output();
   checks.slurm();

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "stages/encode/label_colour.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -129,8 +130,23 @@ Renderer::Projected Renderer::project(const std::array<float, 3>& p) const {
   return {width_ / 2.0 + x * scale_ / ahead, height_ / 2.0 - y * scale_ / ahead, 1 / ahead, true};
 }
 
+bool Renderer::is_cut(const DecodedMesh& mesh, const std::array<std::uint32_t, 3>& triangle) const {
+  for (std::size_t a = 0; a < 3; ++a)
+    for (const std::uint32_t v : triangle)
+      if (options_.cut[a] && static_cast<double>(mesh.positions[v][a]) > *options_.cut[a])
+        return true;
+  return false;
+}
+
 void Renderer::draw(const DecodedMesh& mesh) {
-  for (const auto& t : mesh.triangles) {
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const std::array<std::uint32_t, 3>& t = mesh.triangles[i];
+    if (is_cut(mesh, t)) continue;
+    Colours colours{front_colour, back_colour};
+    if (!mesh.triangle_pairs.empty()) {
+      const auto c = label_colour(mesh.pairs[mesh.triangle_pairs[i]].inside);
+      colours.front = colours.back = {c[0], c[1], c[2]};
+    }
     std::array<Corner, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) {
       Corner& c = corners[k];
@@ -141,11 +157,11 @@ void Renderer::draw(const DecodedMesh& mesh) {
       const Vec3 n = to_vec(mesh.normals[t[k]]);
       c.normal = {dot(n, right_), dot(n, up_), dot(n, back_)};
     }
-    draw_triangle(corners);
+    draw_triangle(corners, colours);
   }
 }
 
-void Renderer::draw_triangle(const std::array<Corner, 3>& c) {
+void Renderer::draw_triangle(const std::array<Corner, 3>& c, const Colours& colours) {
   if (!c[0].at.visible || !c[1].at.visible || !c[2].at.visible) return;
   // Twice the area on the screen; y points down, so a counter-clockwise triangle has a negative
   // one.
@@ -153,10 +169,10 @@ void Renderer::draw_triangle(const std::array<Corner, 3>& c) {
                       (c[2].at.x - c[0].at.x) * (c[1].at.y - c[0].at.y);
   if (area == 0 || !std::isfinite(area)) return;
   const Vec3 face = unit(cross(c[1].position - c[0].position, c[2].position - c[0].position));
-  fill(c, area, face, area > 0);
+  fill(c, {area, face, area > 0}, colours);
 }
 
-void Renderer::fill(const std::array<Corner, 3>& c, double area, Vec3 face, bool back) {
+void Renderer::fill(const std::array<Corner, 3>& c, const Facing& facing, const Colours& colours) {
   const auto clamp_sample = [](double v, int size) {
     return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(size)));
   };
@@ -171,7 +187,7 @@ void Renderer::fill(const std::array<Corner, 3>& c, double area, Vec3 face, bool
       std::array<double, 3> w;  // barycentric on the screen
       for (std::size_t k = 0; k < 3; ++k) {
         const Projected &p = c[(k + 1) % 3].at, &q = c[(k + 2) % 3].at;
-        w[k] = ((q.x - p.x) * (py - p.y) - (q.y - p.y) * (px - p.x)) / area;
+        w[k] = ((q.x - p.x) * (py - p.y) - (q.y - p.y) * (px - p.x)) / facing.area;
       }
       if (w[0] < 0 || w[1] < 0 || w[2] < 0) continue;
       const auto nearness = static_cast<float>(w[0] * c[0].at.nearness + w[1] * c[1].at.nearness +
@@ -180,10 +196,10 @@ void Renderer::fill(const std::array<Corner, 3>& c, double area, Vec3 face, bool
                              static_cast<std::size_t>(x);
       if (!(nearness > depth_[at])) continue;
       depth_[at] = nearness;
-      Vec3 n = face;
+      Vec3 n = facing.normal;
       if (smooth) n = unit(c[0].normal * w[0] + c[1].normal * w[1] + c[2].normal * w[2]);
-      if (back) n = n * -1;
-      colour_[at] = encoded((back ? back_colour : front_colour) * light(n));
+      if (facing.back) n = n * -1;
+      colour_[at] = encoded((facing.back ? colours.back : colours.front) * light(n));
     }
   }
 }

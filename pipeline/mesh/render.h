@@ -21,6 +21,8 @@ struct RenderOptions {
   std::optional<Vec3> centre = std::nullopt;  // looked at; the middle of the bounds by default
   double field_of_view = 30;                  // degrees, of the height; 0: orthographic
   int supersample = 2;                        // samples a side of a pixel, 1 to 4
+  // Only what lies at or below this on an axis is drawn: to look inside.
+  std::array<std::optional<double>, 3> cut = {};
 };
 
 // RGB, 8 bits each, rows from the top.
@@ -36,7 +38,8 @@ MeshBounds bounds_of(std::span<const DecodedMesh> meshes);
 
 // A picture in the making. InputError for a size, sample count or zoom out of range.
 // Fronts are warm grey, lit from the eye and from the upper left; backs are red, so that an
-// inside-out piece, or the inside seen through a crack, shows. Normals of the mesh are used where
+// inside-out piece, or the inside seen through a crack, shows. Between labels both sides have the
+// colour of the label the triangle encloses (label_colour). Normals of the mesh are used where
 // it has them, else each triangle's own.
 class Renderer {
  public:
@@ -51,8 +54,17 @@ class Renderer {
   struct Projected;
   struct Corner;
   Projected project(const std::array<float, 3>& p) const;
-  void draw_triangle(const std::array<Corner, 3>& corners);
-  void fill(const std::array<Corner, 3>& corners, double area, Vec3 face, bool back);
+  struct Colours {
+    Vec3 front, back;
+  };
+  bool is_cut(const DecodedMesh& mesh, const std::array<std::uint32_t, 3>& triangle) const;
+  void draw_triangle(const std::array<Corner, 3>& corners, const Colours& colours);
+  struct Facing {
+    double area;
+    Vec3 normal;
+    bool back;
+  };
+  void fill(const std::array<Corner, 3>& corners, const Facing& facing, const Colours& colours);
 
   RenderOptions options_;
   Vec3 centre_, right_, up_, back_;  // of the eye's frame; back_ points at the eye

@@ -93,6 +93,7 @@ void feed(KeyHasher& key, Vec3 v) {
 void feed(KeyHasher& key, const Edit& edit) {
   const Solid& solid = edit.solid;
   key.integer(static_cast<std::int64_t>(edit.op)).integer(static_cast<std::int64_t>(solid.shape));
+  if (edit.material != exterior) key.integer(static_cast<std::int64_t>(edit.material));
   feed(key, solid.center);
   for (const Vec3& axis : solid.axes) feed(key, axis);
   feed(key, solid.size);

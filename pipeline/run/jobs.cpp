@@ -37,6 +37,11 @@ void check_label(const Config& config, const VolumeInfo& info) {
         "surface.label = {}: labels are integers, the samples of {} are {}; "
         "give a surface.isovalue instead",
         *config.surface.label, config.input.path.string(), sample_type_name(info.type)));
+  if (config.labels.mode != LabelMode::off && real)
+    throw InputError(
+        fmt::format("labels.mode: labels are integers, the samples of {} are {}; remove [labels] "
+                    "and give a surface.isovalue instead",
+                    config.input.path.string(), sample_type_name(info.type)));
 }
 
 }  // namespace

@@ -120,7 +120,9 @@ NodeState ShardBuilder::skip_state(Index3 brick) const {
     case Relation::outside:
       return NodeState::outside;
     case Relation::inside:
-      return meets_ring(brick) ? NodeState::split : NodeState::inside;
+      // Of labels one would have to know which.
+      return meets_ring(brick) || job_.parameters.labels.mode != LabelMode::off ? NodeState::split
+                                                                                : NodeState::inside;
     case Relation::mixed:
       break;
   }

@@ -3,6 +3,7 @@
 #include <type_traits>
 
 #include "stages/build/brick_polygons.h"
+#include "stages/build/label_edits.h"
 #include "stages/build/label_field.h"
 #include "stages/build/label_hermite.h"
 #include "stages/geometry/solid.h"
@@ -81,6 +82,7 @@ struct BrickScratch::Parts {
   MaterialBlock materials;
   LabelGrid label_grid;
   LabelHermite label_edges;
+  LabelEdits label_edits;
   BrickNodes nodes;
   BrickLeaves leaves;
   std::vector<std::uint32_t> vertex_marks;
@@ -171,17 +173,33 @@ HaloBlock part_of(const HaloBlock& block, const Box3& box) {
 
 void build_shared(const HaloBlock& block, const BrickFrame& frame,
                   const ContourParameters& parameters, BrickScratch::Parts& s, BrickOctree& out) {
+  const Bounds bounds = brick_bounds({frame.origin, frame.level}, parameters.spacing);
+  std::vector<const Edit*> edits;
+  std::vector<Material> given;
+  for (const Edit& edit : parameters.edits) {
+    if (!edit_reaches(edit, bounds)) continue;
+    edits.push_back(&edit);
+    given.push_back(edit.material);
+  }
   s.materials.fill(part_of(block, halo_samples({frame.origin, frame.level}, parameters)),
-                   *parameters.labels.rules);
+                   *parameters.labels.rules, given);
   s.label_grid.fill(s.materials, frame.origin, frame.side());
+  if (!edits.empty()) {
+    s.label_edges.compute(s.materials.block(), frame.origin, s.label_grid, parameters.spacing,
+                          s.edges);
+    for (const Edit* edit : edits)
+      s.label_edits.apply(*edit, {block.size, parameters.spacing}, frame.origin, s.label_grid,
+                          s.edges);
+  }
   s.cells.find(s.label_grid);
   out.counts.active_cells = s.cells.size();
   if (s.cells.size() == 0) {
     out.root = whole_brick(s.label_grid);
     return;
   }
-  s.label_edges.compute(s.materials.block(), frame.origin, s.label_grid, parameters.spacing,
-                        s.edges);
+  if (edits.empty())
+    s.label_edges.compute(s.materials.block(), frame.origin, s.label_grid, parameters.spacing,
+                          s.edges);
   build_octree(frame, block.size, s.label_grid, parameters, s, out);
 }
 

@@ -1,10 +1,7 @@
 #include "stages/build/hermite.h"
 
-#include <algorithm>
-
 #include "stages/build/edge_estimator.h"
-#include "stages/geometry/mesh_solid.h"
-#include "stages/geometry/solid.h"
+#include "stages/build/solid_edge.h"
 
 namespace voxweld {
 namespace {
@@ -97,28 +94,11 @@ void HermiteEdges::compute(const HaloBlock& block, Index3 brick, int side, const
 
 namespace {
 
-// The solid's own crossing of the edge from sample s on, and its normal there.
-MeshSolid::Crossing crossing_of(const Solid& solid, const VolumeFrame& frame, int axis, Index3 s,
-                                bool low_in_solid) {
-  if (solid.shape == SolidShape::mesh) return solid.mesh->crossing(axis, s, low_in_solid);
-  const Vec3 low = frame.place_of_sample(s);
-  const double length = frame.spacing[axis];
-  const double t = solid_crossing(solid, low, axis, length);
-  Vec3 place = low;
-  place[axis] += t * length;
-  return {t, solid_normal(solid, place)};
-}
-
 // Outward of what the edit leaves.
-HermiteEdge edge_of_solid(const Edit& edit, const VolumeFrame& frame, int axis, Index3 s,
-                          bool low_in_solid) {
-  const auto crossing = crossing_of(edit.solid, frame, axis, s, low_in_solid);
-  const Vec3 normal = crossing.normal * (edit.op == EditOp::subtract ? -1.0 : 1.0);
-  HermiteEdge edge;
-  edge.t = static_cast<float>(std::clamp(crossing.t, lowest_crossing, highest_crossing));
-  for (int a = 0; a < 3; ++a)
-    edge.normal[static_cast<std::size_t>(a)] = static_cast<float>(normal[a]);
-  return edge;
+HermiteEdge edge_of_edit(const Edit& edit, const VolumeFrame& frame, int axis, Index3 s,
+                         bool low_in_solid) {
+  const HermiteEdge edge = edge_of_solid(edit.solid, frame, axis, s, low_in_solid);
+  return edit.op == EditOp::subtract ? reversed(edge) : edge;
 }
 
 // Both surfaces cross the edge, both in the same direction: of a union the one further out is the
@@ -144,7 +124,7 @@ void HermiteEdges::compute(const Edit& edit, const VolumeFrame& frame, Index3 br
     const bool low_in_solid = solid.inside(x, y, z);
     const bool of_solid = low_in_solid != solid.inside(x + dx, y + dy, z + dz);
     if (!of_solid) return before.at(axis, x, y, z);
-    const HermiteEdge own = edge_of_solid(edit, frame, axis, s, low_in_solid);
+    const HermiteEdge own = edge_of_edit(edit, frame, axis, s, low_in_solid);
     if (!before.has(axis, x, y, z)) return own;
     return surface_of(edit.op, low_inside, before.at(axis, x, y, z), own);
   });

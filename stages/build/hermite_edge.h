@@ -20,4 +20,10 @@ inline HermiteEdge edge_of_middle(int axis, bool low_inside) {
   return edge;
 }
 
+// The same crossing with its normal turned around.
+inline HermiteEdge reversed(HermiteEdge edge) {
+  for (float& n : edge.normal) n = n == 0 ? 0 : -n;  // no negative zeros
+  return edge;
+}
+
 }  // namespace voxweld

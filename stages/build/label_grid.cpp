@@ -24,6 +24,11 @@ void LabelGrid::fill(const MaterialBlock& materials, Index3 brick, int side) {
     }
 }
 
+std::uint32_t LabelGrid::number_of(Material material) const {
+  return static_cast<std::uint32_t>(
+      std::lower_bound(materials_.begin(), materials_.end(), material) - materials_.begin());
+}
+
 CellLabels LabelGrid::cell(int x, int y, int z) const {
   const std::uint32_t* rows[4] = {row(y, z) + x, row(y + 1, z) + x, row(y, z + 1) + x,
                                   row(y + 1, z + 1) + x};

@@ -32,6 +32,14 @@ class LabelGrid : public CollapseRule {
     return labels_allow_collapse(node(x, y, z, node_side));
   }
 
+  void set(int x, int y, int z, std::uint32_t label) {
+    labels_[(static_cast<std::size_t>(z) * points_ + static_cast<std::size_t>(y)) * points_ +
+            static_cast<std::size_t>(x)] = label;
+  }
+  std::uint32_t outside() const { return static_cast<std::uint32_t>(materials_.size()) - 1; }
+  // Precondition: it is among materials().
+  std::uint32_t number_of(Material material) const;
+
   int side() const { return static_cast<int>(points_) - 1; }
   // What the numbers stand for: ascending, the last is `exterior`.
   const std::vector<Material>& materials() const { return materials_; }

@@ -34,7 +34,8 @@ void MaterialBlock::number_values(const HaloBlock& block, const MaterialRules& r
     }
 }
 
-void MaterialBlock::fill(const HaloBlock& block, const MaterialRules& rules) {
+void MaterialBlock::fill(const HaloBlock& block, const MaterialRules& rules,
+                         std::span<const Material> more) {
   numbers_.resize(static_cast<std::size_t>(block.samples.count()));
   seen_.clear();
   found_.clear();
@@ -45,6 +46,7 @@ void MaterialBlock::fill(const HaloBlock& block, const MaterialRules& rules) {
     });
   materials_ = found_;
   materials_.push_back(exterior);
+  materials_.insert(materials_.end(), more.begin(), more.end());
   std::sort(materials_.begin(), materials_.end());
   materials_.erase(std::unique(materials_.begin(), materials_.end()), materials_.end());
   places_.clear();

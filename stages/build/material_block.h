@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -13,8 +14,10 @@ namespace voxweld {
 
 class MaterialBlock {
  public:
+  // more: materials that shall have numbers too, though no sample is of them.
   // Preconditions: the samples of `block` are integers. Values below zero are left out.
-  void fill(const HaloBlock& block, const MaterialRules& rules);
+  void fill(const HaloBlock& block, const MaterialRules& rules,
+            std::span<const Material> more = {});
 
   // The materials there are, ascending, and `exterior` as the last, whether there or not: so
   // numbers compare as materials do.

@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "stages/encode/glb_format.h"
+#include "stages/encode/label_colour.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -109,24 +110,11 @@ std::string label_name(Material material) {
   return material == exterior ? "outside" : fmt::to_string(material);
 }
 
-// Hues a golden angle apart, so that labels close to each other differ.
-Json colour_of(Material material) {
-  const double turn = static_cast<double>(material % 1000003) * 0.6180339887498949;
-  const double hue = 6 * (turn - std::floor(turn));
-  Json colour = Json::array();
-  for (const double offset : {0.0, 4.0, 2.0}) {
-    const double k = std::fmod(hue + offset, 6.0);
-    const double level = std::clamp(std::abs(k - 3) - 1, 0.0, 1.0);
-    colour.push_back(std::round((0.25 + 0.6 * level) * 1000) / 1000);
-  }
-  colour.push_back(1.0);
-  return colour;
-}
-
 Json material(const std::optional<MaterialPair>& pair) {
   Json surface = {{"metallicFactor", 0.0}, {"roughnessFactor", 0.7}};
   if (!pair) return {{"pbrMetallicRoughness", surface}, {"doubleSided", false}};
-  surface["baseColorFactor"] = colour_of(pair->inside);
+  const std::array<double, 3> colour = label_colour(pair->inside);
+  surface["baseColorFactor"] = {colour[0], colour[1], colour[2], 1.0};
   return {{"name", label_name(pair->inside) + " | " + label_name(pair->outside)},
           {"pbrMetallicRoughness", surface},
           {"doubleSided", true}};

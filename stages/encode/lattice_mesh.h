@@ -53,7 +53,7 @@ struct LatticeMesh {
   std::vector<LatticePoint> positions;  // distinct, numbered by first use by the triangles
   std::vector<Triangle> triangles;
   // Of meshes between labels: on either side of each triangle; else empty.
-  std::vector<MaterialPair> pairs;
+  std::vector<MaterialPair> pairs = {};
 };
 
 // Joins the points of equal position: exactly, by lattice coordinates. Unused points are dropped.

@@ -183,6 +183,7 @@ Relation side_after(std::span<const Edit> edits, const Bounds& box, Relation sid
   for (const Edit& edit : edits) {
     const Relation relation = relation_to(edit.solid, box);
     // What the edit makes of points in its solid and of those out of it; the others stay.
+    if (edit.op == EditOp::replace) continue;  // of labels: whatever is inside stays so
     const Relation made = edit.op == EditOp::add ? Relation::inside : Relation::outside;
     const Relation by = edit.op == EditOp::intersect ? Relation::outside : Relation::inside;
     if (relation == by) side = made;

@@ -41,6 +41,7 @@ bool edit_reaches(const Edit& edit, const Bounds& box);
 
 // On which side a box lies after the edits when it lay on `side` before; `mixed` where only its
 // points can tell.
+// Between labels `inside` is any of them.
 Relation side_after(std::span<const Edit> edits, const Bounds& box, Relation side);
 
 }  // namespace voxweld

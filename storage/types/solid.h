@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "storage/types/box.h"
+#include "storage/types/material.h"
 
 namespace voxweld {
 
@@ -36,12 +37,18 @@ struct Solid {
   friend bool operator==(const Solid&, const Solid&) = default;
 };
 
-// Constructive solid geometry, in the order of the list.
-enum class EditOp : std::uint8_t { add, subtract, intersect };
+// Constructive solid geometry, in the order of the list. Between labels (labels.mode = "shared"):
+//   add        what lies in the solid becomes `material`
+//   subtract   what lies in it becomes exterior
+//   intersect  what lies outside it becomes exterior
+//   replace    what lies in it and is not exterior becomes `material`
+// Of one material there is nothing to replace.
+enum class EditOp : std::uint8_t { add, subtract, intersect, replace };
 
 struct Edit {
   EditOp op = EditOp::add;
   Solid solid;
+  Material material = exterior;  // of labels, with add and replace
   friend bool operator==(const Edit&, const Edit&) = default;
 };
 

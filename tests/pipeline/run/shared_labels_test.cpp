@@ -1,0 +1,126 @@
+// labels.mode = "shared", end to end: one complex of all labels of a volume.
+#include <csignal>
+#include <set>
+
+#include "pipeline/mesh/load.h"
+#include "pipeline/mesh/manifest.h"
+#include "pipeline/mesh/verify.h"
+#include "tests/pipeline/run/scene.h"
+
+namespace voxweld::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Columns of labels that lean, some up to the border, 0 around a ball.
+RawVolume foam(SampleType type, Index3 size) {
+  RawVolume volume{size, type, {}, 0};
+  const std::size_t width = sample_bytes(type);
+  for (std::int64_t z = 0; z < size.z; ++z)
+    for (std::int64_t y = 0; y < size.y; ++y)
+      for (std::int64_t x = 0; x < size.x; ++x) {
+        const Index3 d{2 * x - size.x, 2 * y - size.y, 2 * z - size.z};
+        const bool in = d.x * d.x + d.y * d.y + d.z * d.z < size.x * size.x * 5 / 4;
+        std::uint64_t label =
+            in ? static_cast<std::uint64_t>(1 + (x + z / 3) / 13 + 10 * ((y + x / 5) / 11)) : 0;
+        if (width == 8 && in) label += std::uint64_t{1} << 62;
+        for (std::size_t i = 0; i < width; ++i)
+          volume.samples.push_back(static_cast<std::byte>(label >> 8 * i & 255));
+      }
+  return volume;
+}
+
+const Settings shared = {"labels.mode=shared"};
+
+std::set<MaterialPair> pairs_of(const fs::path& mesh) {
+  const DecodedMesh decoded = load_mesh(mesh);
+  return {decoded.pairs.begin(), decoded.pairs.end()};
+}
+
+TEST(SharedLabelsRun, EachLabelsEdgesBalance) {
+  for (const SampleType type : {SampleType::u8, SampleType::i16, SampleType::u64}) {
+    const Scene scene(foam(type, {47, 40, 41}));
+    VOXWELD_EXPECT_DONE(
+        scene.run(shared + Settings{"work.brick=16", "work.shard=2", "output.tile_vertices=1024"}));
+    const VerifyReport report = verify_output(scene.output());
+    EXPECT_TRUE(report.good()) << to_text(report);
+    EXPECT_GT(report.tiles, 1u);
+    EXPECT_GT(report.seam_vertices, 0u);
+    EXPECT_TRUE(report.merged_checked);
+    EXPECT_EQ(read_manifest(scene.output() / manifest_name).labels, LabelMode::shared);
+    EXPECT_EQ(pairs_of(scene.output() / "mesh.drc"), pairs_of(scene.output() / "mesh.glb"));
+    EXPECT_GT(pairs_of(scene.output() / "mesh.drc").size(), 20u);
+  }
+}
+
+TEST(SharedLabelsRun, EveryPartitionGivesTheSameBytes) {
+  for (const Index3 size : {Index3{48, 40, 33}, Index3{32, 32, 32}}) {
+    const Scene scene(foam(SampleType::u16, size));
+    const Settings common = shared + Settings{"output.tile_vertices=1024"};
+    const Tree first = scene.clean_tree(common);
+    for (const Settings& variant :
+         {Settings{"work.brick=16", "work.shard=1", "work.chunk=16"},
+          Settings{"work.brick=16", "work.shard=2", "work.copy=true", "work.chunk=8"},
+          Settings{"work.brick=32", "work.shard=1", "work.copy=true", "run.threads=1"}})
+      EXPECT_EQ(difference(first, scene.clean_tree(common + variant)), "");
+  }
+}
+
+TEST(SharedLabelsRun, NoiseBalancesToo) {
+  RawVolume volume = noise_volume({40, 33, 21}, 7);
+  for (std::byte& sample : volume.samples) sample &= std::byte{7};
+  const Scene scene(volume);
+  for (const char* border : {"surface.border=closed", "surface.border=open"}) {
+    VOXWELD_EXPECT_DONE(
+        scene.run(shared + Settings{"work.brick=16", "output.tile_vertices=4096", border}));
+    const VerifyReport report = verify_output(scene.output());
+    EXPECT_TRUE(report.good()) << to_text(report);
+    EXPECT_EQ(report.boundary_edges > 0, std::string(border).ends_with("open"));
+  }
+}
+
+TEST(SharedLabelsRun, KilledAtAnyMomentItEndsInTheSameBytes) {
+  const Scene scene(foam(SampleType::u16, {60, 50, 44}));
+  const Settings settings =
+      shared + Settings{"work.brick=16", "work.shard=1", "output.tile_vertices=1024"};
+  const Tree clean = scene.clean_tree(settings);
+  const ProgramResult timing = scene.run_in("timing", settings);
+  VOXWELD_EXPECT_DONE(timing);
+  for (const double part : {0.2, 0.5, 0.8}) {
+    const ProgramResult killed = scene.run(settings, Stop{SIGKILL, part * timing.seconds});
+    if (killed.exit_code != 128 + SIGKILL) fs::remove_all(scene.output());
+  }
+  VOXWELD_EXPECT_DONE(scene.run(settings));
+  EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
+}
+
+TEST(SharedLabelsRun, ADamagedFileIsFound) {
+  const Scene scene(foam(SampleType::u8, {40, 36, 33}));
+  VOXWELD_EXPECT_DONE(scene.run(shared + Settings{"output.tile_vertices=1024"}));
+  // Another label on one triangle of a tile: the file decodes, and its hash tells.
+  const fs::path tile = fs::directory_iterator(scene.output() / "tiles")->path();
+  std::vector<std::byte> bytes = read_whole_file(tile);
+  bytes[bytes.size() / 2] ^= std::byte{1};
+  write_whole_file(tile, bytes, Durability::rename_only);
+  EXPECT_FALSE(verify_output(scene.output()).good());
+}
+
+TEST(SharedLabelsRun, WhatCannotBeIsRefused) {
+  const auto refused = [](const RawVolume& volume, const Settings& settings,
+                          const std::string& words) {
+    const Scene scene(volume);
+    const ProgramResult result = scene.run(settings);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+  };
+  const RawVolume volume = foam(SampleType::u8, {20, 20, 20});
+  refused(volume, shared + Settings{"surface.label=3"}, "labels.mode chooses labels too");
+  refused(volume, shared + Settings{"simplify.topology=free"}, "labels are simplified safely");
+  RawVolume real{{8, 8, 8}, SampleType::f32, std::vector<std::byte>(8 * 8 * 8 * 4), 0};
+  refused(real, shared, "labels are integers");
+  RawVolume none{{8, 8, 8}, SampleType::u8, std::vector<std::byte>(8 * 8 * 8), 0};
+  refused(none, shared, "no surface");
+}
+
+}  // namespace
+}  // namespace voxweld::testing

@@ -1,0 +1,165 @@
+// Meshes between labels through Draco and glTF: the pairs come back, and nothing is lost where
+// three triangles meet in an edge.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "stages/encode/glb.h"
+#include "stages/encode/lattice_mesh.h"
+#include "stages/encode/mesh_accumulator.h"
+#include "stages/encode/pair_meshes.h"
+#include "storage/support/error.h"
+#include "storage/support/file_io.h"
+#include "tests/support/shapes.h"
+#include "tests/support/temp_directory.h"
+
+namespace voxweld {
+namespace {
+
+constexpr Material high = 0xfffffffffffffffeu;
+
+// A book: sheets of squares that meet in one row of edges, each sheet between two labels.
+TileMesh book(int sheets, int length) {
+  TileMesh mesh;
+  mesh.lattice = testing::small_lattice();
+  const auto vertex = [&](std::int32_t x, std::int32_t y, std::int32_t z) {
+    mesh.positions.push_back({x, y, z});
+    mesh.ids.push_back(VertexId::make({0, {x, y, z}}, 0));
+    mesh.normals.push_back(
+        {pack_normal({1, 0, 0}), pack_normal({0, 1, 0}), pack_normal({0, 0, 1})});
+    return static_cast<std::uint32_t>(mesh.positions.size() - 1);
+  };
+  std::vector<std::uint32_t> spine;
+  for (int i = 0; i <= length; ++i) spine.push_back(vertex(50, 50, 10 + i));
+  for (int s = 0; s < sheets; ++s) {
+    mesh.pairs.push_back(
+        {static_cast<Material>(s), s == 0 ? exterior : high - static_cast<Material>(s)});
+    std::vector<std::uint32_t> rim;
+    for (int i = 0; i <= length; ++i)
+      rim.push_back(vertex(50 + (s % 3 - 1) * (s + 2), 50 + (s % 2 ? 7 : -9) - s, 10 + i));
+    for (std::size_t i = 0; i < static_cast<std::size_t>(length); ++i)
+      for (const auto& t : {std::array{spine[i], rim[i], spine[i + 1]},
+                            std::array{rim[i], rim[i + 1], spine[i + 1]}}) {
+        mesh.triangles.push_back(t);
+        mesh.corner_clusters.push_back({static_cast<std::uint8_t>(s % 3), 0, 1});
+        mesh.triangle_pairs.push_back(static_cast<std::uint32_t>(s));
+      }
+  }
+  return mesh;
+}
+
+LatticeMesh as_lattice_mesh(const TileMesh& mesh) {
+  LatticeMesh out{mesh.positions, mesh.triangles, {}};
+  for (const std::uint32_t pair : mesh.triangle_pairs) out.pairs.push_back(mesh.pairs[pair]);
+  return out;
+}
+
+std::vector<std::byte> glb_of(const TileMesh& mesh, const EncodeParameters& parameters) {
+  const std::vector<TileMesh> meshes = split_by_pair(mesh);
+  std::vector<GlbPart> parts;
+  for (std::size_t i = 0; i < meshes.size(); ++i)
+    parts.push_back({encode_draco(meshes[i], parameters), mesh.pairs[i]});
+  return wrap_glb(parts, {});
+}
+
+TEST(Pairs, ComeBackFromBothFormats) {
+  for (const int sheets : {1, 2, 3, 5, 40})
+    for (const bool normals : {false, true}) {
+      const TileMesh mesh = book(sheets, 12);
+      EncodeParameters parameters;
+      parameters.normals = normals;
+      const TriangleDigest expected = digest(as_lattice_mesh(mesh));
+      const EncodedMesh encoded = encode_draco(mesh, parameters);
+      EXPECT_GE(encoded.pair_id, 0);
+      const LatticeMesh drc = weld(decode_draco(encoded.bytes), mesh.lattice);
+      EXPECT_EQ(digest(drc), expected) << sheets;
+      EXPECT_EQ(drc.positions.size(), mesh.positions.size());
+      const LatticeMesh glb = weld(decode_glb(glb_of(mesh, parameters)), mesh.lattice);
+      EXPECT_EQ(digest(glb), expected) << sheets;
+      EXPECT_EQ(encode_draco(mesh, parameters).bytes, encoded.bytes);
+    }
+}
+
+TEST(Pairs, TheDigestTellsOtherLabelsApart) {
+  const LatticeMesh mesh = as_lattice_mesh(book(3, 4));
+  LatticeMesh other = mesh;
+  std::swap(other.pairs[0].inside, other.pairs[0].outside);
+  EXPECT_NE(digest(other), digest(mesh));
+  other = mesh;
+  other.pairs[2].inside += 1;
+  EXPECT_NE(digest(other), digest(mesh));
+}
+
+TEST(Pairs, JoinedTilesHaveThePairsOfAll) {
+  const TileMesh whole = book(6, 10);
+  TileMesh parts[2];
+  for (std::size_t p = 0; p < 2; ++p) {
+    TileMesh& part = parts[p];
+    part = whole;
+    part.triangles.clear();
+    part.corner_clusters.clear();
+    part.triangle_pairs.clear();
+    // Each tile has a list of its own.
+    part.pairs.clear();
+    std::map<std::uint32_t, std::uint32_t> place;
+    for (std::size_t i = 0; i < whole.triangles.size(); ++i) {
+      if (i % 7 % 2 != p) continue;
+      const std::uint32_t pair = whole.triangle_pairs[i];
+      if (place.try_emplace(pair, static_cast<std::uint32_t>(part.pairs.size())).second)
+        part.pairs.push_back(whole.pairs[pair]);
+      part.triangles.push_back(whole.triangles[i]);
+      part.corner_clusters.push_back(whole.corner_clusters[i]);
+      part.triangle_pairs.push_back(place[pair]);
+    }
+  }
+  MeshAccumulator accumulator;
+  for (const TileMesh& part : parts) accumulator.append(part);
+  const TileMesh joined = accumulator.take();
+  EXPECT_TRUE(std::is_sorted(joined.pairs.begin(), joined.pairs.end()));
+  EXPECT_EQ(digest(as_lattice_mesh(joined)), digest(as_lattice_mesh(whole)));
+}
+
+TEST(Pairs, DamagedFilesAreRefusedOrReadAsSomethingElse) {
+  const EncodedMesh encoded = encode_draco(book(4, 6), {});
+  std::mt19937 random(5);
+  for (int run = 0; run < 2000; ++run) {
+    std::vector<std::byte> bytes = encoded.bytes;
+    if (run % 4 == 0) bytes.resize(random() % bytes.size());
+    for (unsigned i = 0; i < 1 + random() % 3 && !bytes.empty(); ++i)
+      bytes[random() % std::min<std::size_t>(bytes.size(), run % 2 ? 160 : 100000)] ^=
+          static_cast<std::byte>(1u << random() % 8);
+    try {
+      const DecodedMesh mesh = decode_draco(bytes);
+      EXPECT_TRUE(mesh.triangle_pairs.empty() ||
+                  mesh.triangle_pairs.size() == mesh.triangles.size());
+      for (const std::uint32_t pair : mesh.triangle_pairs) EXPECT_LT(pair, mesh.pairs.size());
+    } catch (const FormatError&) {
+    }
+  }
+}
+
+TEST(Pairs, AreNamedInTheGlb) {
+  const auto glb = glb_of(book(3, 4), {});
+  std::uint32_t length = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    length |= std::to_integer<std::uint32_t>(glb[12 + i]) << (8 * i);
+  const auto doc =
+      nlohmann::json::parse(std::string(reinterpret_cast<const char*>(glb.data()) + 20, length));
+  const auto& primitives = doc["meshes"][0]["primitives"];
+  ASSERT_EQ(primitives.size(), 3u);
+  EXPECT_EQ(primitives[0]["extras"]["inside"], 0);
+  EXPECT_TRUE(primitives[0]["extras"]["outside"].is_null());
+  EXPECT_EQ(primitives[1]["extras"]["outside"], high - 1);
+  EXPECT_EQ(doc["materials"][0]["name"], "0 | outside");
+  EXPECT_EQ(doc["materials"][1]["name"], "1 | " + std::to_string(high - 1));
+  EXPECT_EQ(doc["materials"][1]["doubleSided"], true);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(primitives[i]["material"], i);
+  EXPECT_NE(doc["materials"][0]["pbrMetallicRoughness"],
+            doc["materials"][1]["pbrMetallicRoughness"]);
+}
+
+}  // namespace
+}  // namespace voxweld
