@@ -1,8 +1,5 @@
 #include "tests/support/contour_in_memory.h"
 
-#include <map>
-
-#include "stages/build/build_brick.h"
 #include "stages/merge/octree_reduction.h"
 #include "stages/merge/tile_planner.h"
 #include "stages/stitch/lattice_plan.h"
@@ -25,23 +22,6 @@ struct Collector : ReductionSink {
   void cube(const CubeCount& count) override { planner->push(count); }
 };
 
-using Bricks = std::map<std::uint64_t, BrickOctree>;  // by Morton code of the brick's key
-
-Bricks build_all(const MemoryVolume& volume, const ContourParameters& parameters, int level) {
-  Bricks bricks;
-  BrickScratch scratch;
-  const std::int64_t side = std::int64_t{1} << level;
-  const Index3 count{volume.size.x / side + 1, volume.size.y / side + 1, volume.size.z / side + 1};
-  const HaloBlock block{volume.type,           volume.size,   {{}, volume.size},
-                        volume.samples.data(), volume.size.x, volume.size.x * volume.size.y};
-  for (std::int64_t z = 0; z < count.z; ++z)
-    for (std::int64_t y = 0; y < count.y; ++y)
-      for (std::int64_t x = 0; x < count.x; ++x)
-        build_brick(block, {Index3{x, y, z} * side, level}, parameters, scratch,
-                    bricks[morton_encode({x, y, z})]);
-  return bricks;
-}
-
 void add_counts(const BrickCounts& from, bool root_leaf, BrickCounts& to) {
   to.active_cells += from.active_cells;
   to.crossing_edges += from.crossing_edges;
@@ -52,11 +32,11 @@ void add_counts(const BrickCounts& from, bool root_leaf, BrickCounts& to) {
   to.worst_finest = std::max(to.worst_finest, from.worst_finest);
 }
 
-void reduce_all(const Bricks& bricks, const ContourParameters& parameters, int domain, int level,
-                Collector& sink) {
+void reduce_all(const MemoryBricks& bricks, Collector& sink) {
+  const int level = bricks.options.brick_level, domain = domain_level(bricks.size);
   const CellKey root{std::max(domain, level), {}};
-  OctreeReduction reduction(root, domain, parameters, sink);
-  for (const auto& [code, brick] : bricks) {
+  OctreeReduction reduction(root, domain, bricks.parameters, sink);
+  for (const auto& [code, brick] : bricks.octrees) {
     const CellKey key{level, morton_decode(code)};
     const bool leaf = brick.root.state == NodeState::leaf;
     add_counts(brick.counts, leaf, sink.out->counts);
@@ -73,11 +53,41 @@ void reduce_all(const Bricks& bricks, const ContourParameters& parameters, int d
   sink.out->collapsed_above = reduction.collapsed();
 }
 
-TileMesh stitch(const PlannedTile& tile, const Bricks& bricks, const MemoryContour& contour,
-                int level, const StitchParameters& parameters) {
+}  // namespace
+
+Index3 MemoryBricks::count() const {
+  const std::int64_t side = std::int64_t{1} << options.brick_level;
+  return {size.x / side + 1, size.y / side + 1, size.z / side + 1};
+}
+
+BrickPlace MemoryBricks::place(Index3 brick) const {
+  return {brick * (std::int64_t{1} << options.brick_level), options.brick_level};
+}
+
+MemoryContour plan_in_memory(const MemoryBricks& bricks) {
+  MemoryContour contour;
+  TilePlanner planner(std::max(domain_level(bricks.size), block_level),
+                      bricks.options.tile_vertices,
+                      [&](const PlannedTile& tile) { contour.plan.push_back(tile); });
+  Collector sink;
+  sink.out = &contour;
+  sink.planner = &planner;
+  sink.brick_level = bricks.options.brick_level;
+  reduce_all(bricks, sink);
+  planner.finish();
+  return contour;
+}
+
+TileMesh stitch_in_memory(const MemoryBricks& bricks, const MemoryContour& contour,
+                          const PlannedTile& tile) {
+  const int level = bricks.options.brick_level;
+  StitchParameters parameters;
+  parameters.frame.lattice =
+      plan_lattice({bricks.size, bricks.parameters.spacing, bricks.options.precision});
+  parameters.frame.spacing = bricks.parameters.spacing;
   TileStitcher stitcher(tile.key(), parameters, contour.top);
   const std::uint64_t begin = tile.code, end = begin + (std::uint64_t{1} << (3 * tile.level));
-  for (const auto& [code, brick] : bricks) {
+  for (const auto& [code, brick] : bricks.octrees) {
     const std::uint64_t first = code << (3 * level), last = (code + 1) << (3 * level);
     if (last <= begin || first >= end || brick.vertices.empty()) continue;
     StitchBrick part{{level, morton_decode(code)},
@@ -98,36 +108,30 @@ TileMesh stitch(const PlannedTile& tile, const Bricks& bricks, const MemoryConto
       if (!part.emit_levels.empty()) part.emit_levels = part.emit_levels.subspan(p0, count);
     }
     for (int d = 1; d < 8; ++d) {
-      const auto up = bricks.find(morton_encode(part.key.at + Index3{d & 1, d >> 1 & 1, d >> 2}));
-      if (up != bricks.end()) part.upper[static_cast<std::size_t>(d)] = &up->second.skin;
+      const auto up =
+          bricks.octrees.find(morton_encode(part.key.at + Index3{d & 1, d >> 1 & 1, d >> 2}));
+      if (up != bricks.octrees.end()) part.upper[static_cast<std::size_t>(d)] = &up->second.skin;
     }
     stitcher.add(part);
   }
   return stitcher.finish();
 }
 
-}  // namespace
-
 MemoryContour contour_in_memory(const MemoryVolume& volume, const ContourParameters& parameters,
                                 const MemoryOptions& options) {
-  MemoryContour contour;
-  const Bricks bricks = build_all(volume, parameters, options.brick_level);
-  const int domain = domain_level(volume.size);
-  std::vector<PlannedTile> plan;
-  TilePlanner planner(std::max(domain, block_level), options.tile_vertices,
-                      [&](const PlannedTile& t) { plan.push_back(t); });
-  Collector sink;
-  sink.out = &contour;
-  sink.planner = &planner;
-  sink.brick_level = options.brick_level;
-  reduce_all(bricks, parameters, domain, options.brick_level, sink);
-  planner.finish();
-  StitchParameters stitch_parameters;
-  stitch_parameters.frame.lattice =
-      plan_lattice({volume.size, parameters.spacing, options.precision});
-  stitch_parameters.frame.spacing = parameters.spacing;
-  for (const PlannedTile& tile : plan)
-    contour.tiles.push_back(stitch(tile, bricks, contour, options.brick_level, stitch_parameters));
+  MemoryBricks bricks{volume.size, parameters, options, {}};
+  BrickScratch scratch;
+  const Index3 count = bricks.count();
+  const HaloBlock block{volume.type,           volume.size,   {{}, volume.size},
+                        volume.samples.data(), volume.size.x, volume.size.x * volume.size.y};
+  for (std::int64_t z = 0; z < count.z; ++z)
+    for (std::int64_t y = 0; y < count.y; ++y)
+      for (std::int64_t x = 0; x < count.x; ++x)
+        build_brick(block, bricks.place({x, y, z}), parameters, scratch,
+                    bricks.octrees[morton_encode({x, y, z})]);
+  MemoryContour contour = plan_in_memory(bricks);
+  for (const PlannedTile& tile : contour.plan)
+    contour.tiles.push_back(stitch_in_memory(bricks, contour, tile));
   return contour;
 }
 

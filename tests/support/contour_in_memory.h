@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstring>
+#include <map>
 #include <vector>
 
+#include "stages/build/build_brick.h"
 #include "stages/geometry/parameters.h"
 #include "storage/types/brick_octree.h"
 #include "storage/types/tile_mesh.h"
@@ -28,6 +30,7 @@ struct MemoryVolume {
 
 struct MemoryContour {
   std::vector<TileMesh> tiles;
+  std::vector<PlannedTile> plan;  // of the tiles, in their order
   std::vector<TopLeaf> top;
   BrickCounts counts;  // summed; leaves and vertices of the final octree
   std::uint64_t collapsed_above = 0;
@@ -41,6 +44,20 @@ struct MemoryOptions {
 
 MemoryContour contour_in_memory(const MemoryVolume& volume, const ContourParameters& parameters,
                                 const MemoryOptions& options);
+
+// The same in its parts, for tests that build some of the bricks anew or in a way of their own.
+struct MemoryBricks {
+  Index3 size;  // samples a side of the volume
+  ContourParameters parameters;
+  MemoryOptions options;
+  std::map<std::uint64_t, BrickOctree> octrees;  // by Morton code of the brick's key
+
+  Index3 count() const;  // bricks a side
+  BrickPlace place(Index3 brick) const;
+};
+MemoryContour plan_in_memory(const MemoryBricks& bricks);  // all but the tiles
+TileMesh stitch_in_memory(const MemoryBricks& bricks, const MemoryContour& contour,
+                          const PlannedTile& tile);
 
 // All tiles as one mesh, welded on lattice coordinates; triangle order kept.
 struct LatticeWeld {

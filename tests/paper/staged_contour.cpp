@@ -1,0 +1,180 @@
+#include "tests/paper/staged_contour.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "stages/build/brick_polygons.h"
+#include "stages/build/label_field.h"
+
+namespace voxweld::paper {
+namespace {
+
+using testing::MemoryBricks;
+
+// As pipeline/run/shard_builder.cpp leaves out bricks of empty space.
+bool known_outside(const ModelVolume& model, const BrickPlace& place) {
+  if (!model.empty) return false;
+  const Bounds bounds = brick_bounds(place, model.parameters.spacing);
+  return side_after(model.parameters.edits, bounds, Relation::outside) == Relation::outside;
+}
+
+template <class F>
+void each_brick(const ModelVolume& model, const MemoryBricks& bricks, F&& f) {
+  const Index3 count = bricks.count();
+  for (Index3 at; at.z < count.z; ++at.z)
+    for (at.y = 0; at.y < count.y; ++at.y)
+      for (at.x = 0; at.x < count.x; ++at.x)
+        if (!known_outside(model, bricks.place(at))) f(at);
+}
+
+void sample_edges(const ModelVolume& model, LabelField& labels, HermiteBrick& brick) {
+  const HaloBlock block = model.block();
+  const int side = brick.frame.side();
+  if (!model.parameters.surface.label)
+    return brick.edges.compute(block, brick.frame.origin, side, brick.signs, model.parameters);
+  ContourParameters filtered;
+  filtered.spacing = model.parameters.spacing;
+  filtered.surface.isovalue = LabelField::full / 2.0;
+  filtered.surface.gradient = Gradient::central;
+  const Box3 box = intersect(Box3{brick.frame.origin - splat(1 + gradient_halo),
+                                  brick.frame.origin + splat(side + gradient_halo)},
+                             Box3{{}, block.size});
+  brick.edges.compute(
+      box.empty() ? block : labels.filter(block, *model.parameters.surface.label, box),
+      brick.frame.origin, side, brick.signs, filtered);
+}
+
+RootRecord root_of(const HermiteBrick& brick, const BrickNodes& nodes,
+                   const ContourParameters& parameters, const BrickOctree& octree) {
+  RootRecord root;
+  const int side = brick.frame.side();
+  for (int c = 0; c < 8; ++c)
+    root.corner_signs |= static_cast<std::uint32_t>(brick.signs.inside(
+                             side * (c & 1), side * (c >> 1 & 1), side * (c >> 2)))
+                         << c;
+  const NodeLevel& top = nodes.level(brick.frame.level);
+  root.state = NodeState::split;
+  if (top.leaf[0] == no_leaf || parameters.simplify.topology == Topology::free) return root;
+  const LeafData& leaf = top.leaves[top.leaf[0]];
+  root.state = NodeState::leaf;
+  root.qef = leaf.qef;
+  root.clusters = leaf.clusters;
+  root.vertex = octree.vertices[0];
+  root.residual = leaf.solution.residual;
+  return root;
+}
+
+std::uint64_t bytes_of(const BrickNodes& nodes, int levels) {
+  std::uint64_t bytes = 0;
+  for (int l = 0; l <= levels; ++l) {
+    const NodeLevel& level = nodes.level(l);
+    bytes += 4 * (level.codes.size() + level.first_child.size() + level.leaf.size()) +
+             sizeof(LeafData) * level.leaves.size();
+  }
+  return bytes;
+}
+
+template <class T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+}  // namespace
+
+testing::MemoryBricks no_bricks(const ModelVolume& model) {
+  return {model.volume.size, model.parameters, model.options(), {}};
+}
+
+namespace {
+
+void find_cells(HermiteBrick& brick) {
+  brick.cells.find(brick.signs, brick.frame.side());
+  brick.inside = brick.signs.inside(0, 0, 0);
+}
+
+}  // namespace
+
+void apply(const Edit& edit, const ModelVolume& model, HermiteBrick& brick) {
+  const VolumeFrame volume{model.volume.size, model.parameters.spacing};
+  const int side = brick.frame.side();
+  SignGrid solid;
+  solid.fill(edit.solid, volume, brick.frame.origin, side);
+  brick.signs.combine(edit.op, solid);
+  HermiteEdges before;
+  std::swap(brick.edges, before);
+  brick.edges.compute(edit, volume, brick.frame.origin, side, brick.signs, solid, before);
+  find_cells(brick);
+}
+
+std::vector<HermiteBrick> hermite_data(const ModelVolume& model, Homogeneous homogeneous) {
+  std::vector<HermiteBrick> all;
+  LabelField labels;
+  const MemoryBricks grid = no_bricks(model);
+  each_brick(model, grid, [&](Index3 at) {
+    HermiteBrick& brick = all.emplace_back();
+    const BrickPlace place = grid.place(at);
+    brick.at = at;
+    brick.frame = {place.origin, place.level, domain_level(model.volume.size)};
+    brick.signs.fill(model.block(), place.origin, brick.frame.side(), model.parameters.surface);
+    sample_edges(model, labels, brick);
+    const Bounds bounds = brick_bounds(place, model.parameters.spacing);
+    for (const Edit& edit : model.parameters.edits)
+      if (edit_reaches(edit, bounds)) apply(edit, model, brick);
+    find_cells(brick);
+    if (homogeneous == Homogeneous::forget && brick.cells.size() == 0)
+      brick = {brick.at, brick.frame, {}, {}, {}, brick.inside};
+  });
+  return all;
+}
+
+void Simplifier::simplify(const HermiteBrick& brick, BrickOctree& out) {
+  const int level = brick.frame.level;
+  const ContourParameters& parameters = model_.parameters;
+  out = BrickOctree{};
+  out.blocks.assign(std::size_t{1} << 3 * (level - block_level), BlockCount{});
+  out.counts.active_cells = brick.cells.size();
+  if (brick.cells.size() == 0) {
+    out.root.state = brick.inside ? NodeState::inside : NodeState::outside;
+    out.root.corner_signs = brick.inside ? 255 : 0;
+    return;
+  }
+  nodes_.simplify(brick.frame, brick.signs, brick.cells, brick.edges, parameters);
+  leaves_.collect(brick.frame, brick.cells, nodes_, parameters, out);
+  emit_polygons(brick.frame, model_.volume.size, brick.signs, brick.cells, leaves_, parameters,
+                out);
+  make_skin(brick.cells, leaves_, marks_, out);
+  out.root = root_of(brick, nodes_, parameters, out);
+  node_bytes_ += bytes_of(nodes_, level);
+}
+
+MemoryBricks build_bricks(const ModelVolume& model) {
+  MemoryBricks bricks = no_bricks(model);
+  BrickScratch scratch;
+  each_brick(model, bricks, [&](Index3 at) {
+    build_brick(model.block(), bricks.place(at), model.parameters, scratch,
+                bricks.octrees[morton_encode(at)]);
+  });
+  return bricks;
+}
+
+testing::MemoryContour generate(const MemoryBricks& bricks) {
+  testing::MemoryContour contour = plan_in_memory(bricks);
+  for (const PlannedTile& tile : contour.plan)
+    contour.tiles.push_back(stitch_in_memory(bricks, contour, tile));
+  return contour;
+}
+
+std::string difference(const MemoryBricks& a, const MemoryBricks& b) {
+  if (a.octrees.size() != b.octrees.size()) return "the number of bricks";
+  for (auto i = a.octrees.begin(), j = b.octrees.begin(); i != a.octrees.end(); ++i, ++j) {
+    const BrickOctree &p = i->second, &q = j->second;
+    if (i->first != j->first || !same_bytes(p.vertices, q.vertices) ||
+        !same_bytes(p.polygons, q.polygons) || p.root.state != q.root.state)
+      return fmt::format("brick {}", i->first);
+  }
+  return "";
+}
+
+}  // namespace voxweld::paper
