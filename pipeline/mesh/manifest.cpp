@@ -110,6 +110,7 @@ ordered_json to_json(const VolumeGeometry& frame) {
   return {{"size", to_json(frame.size)},
           {"spacing", to_json(frame.spacing)},
           {"unit", frame.unit},
+          {"first", to_json(frame.first)},
           {"origin", to_json(frame.origin)},
           {"direction", std::move(direction)},
           {"space", frame.space}};
@@ -168,6 +169,7 @@ VolumeGeometry frame_of(const Value& value) {
     frame.spacing[a] = spacing[axis].positive();
     frame.direction[axis] = direction[axis].vector();
   }
+  if (value.has("first")) frame.first = value.at("first").vector();
   frame.origin = value.at("origin").vector();
   frame.unit = value.at("unit").text();
   if (value.has("space")) frame.space = value.at("space").text();

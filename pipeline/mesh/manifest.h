@@ -9,7 +9,9 @@
 //   labels       "each" or "shared"; absent where the surface is at an isovalue. shared: triangles
 //                separate pairs of labels, which the mesh files name; each label's edges balance,
 //                and the mesh is no 2-manifold where labels meet
-//   frame        {size [x, y, z], spacing, unit, origin, direction [3][3], space}
+//   frame        {size [x, y, z], spacing, unit, first, origin, direction [3][3], space}: sample i
+//                lies at first + spacing * i in the files, and what lies at p there at origin +
+//                direction * p in the world; first (optional, 0) is 0 but for meshes as input
 //   counts       {bricks, active_bricks, collapsed_above_bricks, leaves [per level], vertices,
 //   quads, triangles
 //                (polygons), output_triangles = 2 quads + triangles, tiles, collinear,

@@ -16,7 +16,7 @@ Vec3 PointFrame::position(const LatticePoint& q) const {
 }
 
 Index3 PointFrame::cell(const LatticePoint& q) const {
-  const Vec3 p = position(q);
+  const Vec3 p = position(q) - geometry_.first;
   Index3 cell;
   // Samples lie at spacing * index; lattice coordinates are one more (DESIGN: lattice).
   for (int axis = 0; axis < 3; ++axis)
@@ -25,7 +25,7 @@ Index3 PointFrame::cell(const LatticePoint& q) const {
 }
 
 bool PointFrame::on_border(const LatticePoint& q) const {
-  const Vec3 p = position(q);
+  const Vec3 p = position(q) - geometry_.first;
   for (int axis = 0; axis < 3; ++axis) {
     const double last = static_cast<double>(geometry_.size[axis] - 1) * geometry_.spacing[axis];
     if (p[axis] <= slack_ || p[axis] >= last - slack_) return true;

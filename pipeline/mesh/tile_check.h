@@ -15,7 +15,7 @@ class PointFrame {
  public:
   explicit PointFrame(const Manifest& manifest);
 
-  Vec3 position(const LatticePoint& q) const;   // output units, axis-aligned frame
+  Vec3 position(const LatticePoint& q) const;   // output coordinates
   Index3 cell(const LatticePoint& q) const;     // finest octree cell
   bool on_border(const LatticePoint& q) const;  // on or outside the range of the samples
 

@@ -33,10 +33,15 @@ void check_lattice(const OutputLattice& lattice) {
   if (!(lattice.step > 0) || std::frexp(lattice.step, &exponent) != 0.5)
     refuse(fmt::format("its lattice step is {}, expected a power of two", lattice.step));
   for (const double origin : lattice.origin) {
-    if (!(origin <= 0 && origin >= -lattice.range()) || std::fmod(origin, lattice.step) != 0)
-      refuse(fmt::format("its lattice origin {} is no multiple of the step {} in [-{}, 0]", origin,
-                         lattice.step, lattice.range()));
+    if (!(std::fmod(origin, lattice.step) == 0))
+      refuse(
+          fmt::format("its lattice origin {} is no multiple of the step {}", origin, lattice.step));
   }
+  if (!lattice.fits_floats())
+    refuse(
+        fmt::format("its lattice of step {} and origin {}, {}, {} has coordinates that are no "
+                    "floats",
+                    lattice.step, lattice.origin[0], lattice.origin[1], lattice.origin[2]));
 }
 
 void check_triangles(const TileMesh& mesh) {

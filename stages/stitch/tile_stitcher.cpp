@@ -45,7 +45,7 @@ TileStitcher::TileStitcher(CellKey tile, const StitchParameters& parameters,
                            std::span<const TopLeaf> top)
     : parameters_(parameters), top_(top) {
   mesh_.tile = tile;
-  mesh_.lattice = parameters.frame.lattice;
+  mesh_.lattice = moved(parameters.frame.lattice, parameters.first);
 }
 
 const TopLeaf* TileStitcher::leaf_above(CellKey brick) const {

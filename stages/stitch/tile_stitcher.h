@@ -21,6 +21,7 @@ namespace voxweld {
 
 struct StitchParameters {
   SnapFrame frame;
+  Vec3 first{};  // output coordinates of sample (0, 0, 0), multiples of the lattice's step
   bool normals = true;
 };
 

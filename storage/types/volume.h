@@ -14,14 +14,18 @@
 
 namespace voxweld {
 
-// Where the samples lie. The contouring works in the axis-aligned frame spacing * index; direction
-// and origin carry that frame into the scanner's world and are applied by writers only.
+// Where the samples lie. The contouring works in the axis-aligned frame spacing * index; files of
+// meshes hold first + that, and direction and origin carry it into the scanner's world, which is
+// left to writers.
 struct VolumeGeometry {
   Index3 size;            // samples a side
   Vec3 spacing{1, 1, 1};  // distance of neighbouring samples, in `unit`, positive
-  Vec3 origin{0, 0, 0};   // world position of sample (0, 0, 0), in `unit`
+  Vec3 origin{0, 0, 0};   // world position of output coordinate (0, 0, 0), in `unit`
   // direction[a]: the world direction (unit vector) of increasing index along axis a.
   std::array<Vec3, 3> direction{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+  // Output coordinates of sample (0, 0, 0): 0 of volumes; of a mesh as input what makes the
+  // output's coordinates the mesh's own, a multiple of any step the output's lattice may have.
+  Vec3 first{0, 0, 0};
   std::string unit;   // "mm", "um", "nm", "m" ...; empty when the file does not say
   std::string space;  // world convention where known: "LPS", "RAS" ...; else empty
 };

@@ -22,6 +22,7 @@ Manifest sample_manifest() {
   m.border_slack = 0.25;
   m.frame.size = {10, 20, 30};
   m.frame.spacing = {0.1, 0.2, 1.0 / 3};
+  m.frame.first = {-0.5, 1024, 3};
   m.frame.origin = {-1, 2.5, 1e-7};
   m.frame.direction = {Vec3{0, 1, 0}, Vec3{1, 0, 0}, Vec3{0, 0, -1}};
   m.frame.unit = "mm";
@@ -45,6 +46,7 @@ TEST(Manifest, ReadsBackWhatWasWritten) {
   EXPECT_FALSE(read.free_topology);
   EXPECT_EQ(read.frame.size, written.frame.size);
   EXPECT_EQ(read.frame.spacing, written.frame.spacing);
+  EXPECT_EQ(read.frame.first, written.frame.first);
   EXPECT_EQ(read.frame.origin, written.frame.origin);
   EXPECT_EQ(read.frame.direction, written.frame.direction);
   EXPECT_EQ(read.frame.unit, "mm");

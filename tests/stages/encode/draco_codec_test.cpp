@@ -40,19 +40,24 @@ TileMesh random_triangles(const OutputLattice& lattice, std::uint64_t seed) {
   return mesh;
 }
 
+void expect_exact(const OutputLattice& lattice, int speed) {
+  const TileMesh mesh = random_triangles(lattice, static_cast<std::uint64_t>(lattice.bits));
+  const EncodedMesh encoded =
+      encode_draco(mesh, {.normals = false, .encode_speed = speed, .decode_speed = speed});
+  const LatticeMesh decoded = weld(decode_draco(encoded.bytes), lattice);
+  EXPECT_EQ(decoded.positions.size(), mesh.positions.size());
+  EXPECT_EQ(digest(decoded), digest(as_lattice_mesh(mesh))) << lattice.bits << " " << lattice.step;
+}
+
 TEST(DracoCodec, DecodesEveryLatticeCoordinateExactlyFrom16To22Bits) {
   for (int bits = 16; bits <= 22; ++bits) {
     for (const double step : {1.0, 1.0 / 1024, 16.0, std::ldexp(1.0, -20)}) {
       OutputLattice lattice{step, bits, {}};
       lattice.origin = {-lattice.range(), -step * 3, 0};
-      const TileMesh mesh = random_triangles(lattice, static_cast<std::uint64_t>(bits));
-      for (const int speed : {0, 5, 7, 10}) {
-        const EncodedMesh encoded =
-            encode_draco(mesh, {.normals = false, .encode_speed = speed, .decode_speed = speed});
-        const LatticeMesh decoded = weld(decode_draco(encoded.bytes), lattice);
-        EXPECT_EQ(decoded.positions.size(), mesh.positions.size());
-        EXPECT_EQ(digest(decoded), digest(as_lattice_mesh(mesh))) << bits << " " << step;
-      }
+      for (const int speed : {0, 5, 7, 10}) expect_exact(lattice, speed);
+      // As far from 0 as floats go.
+      lattice.origin = {-16777216 * step, 16777216 * step - lattice.range(), step * 12345};
+      for (const int speed : {0, 7}) expect_exact(lattice, speed);
     }
   }
 }
@@ -158,7 +163,8 @@ TEST(DracoCodec, RefusesMeshesItCannotKeep) {
   refused(good, [](TileMesh& m) { m.lattice.bits = 23; });
   refused(good, [](TileMesh& m) { m.lattice.step = 0.3; });
   refused(good, [](TileMesh& m) { m.lattice.origin[0] = -0.3; });
-  refused(good, [](TileMesh& m) { m.lattice.origin[0] = 1; });
+  refused(good, [](TileMesh& m) { m.lattice.origin[0] = 16777216 * m.lattice.step; });
+  refused(good, [](TileMesh& m) { m.lattice.origin[2] = -16777217 * m.lattice.step; });
   refused(good, [](TileMesh& m) { m.normals.pop_back(); });
   refused(good, [](TileMesh& m) { m.corner_clusters[0][0] = 3; });
 }
