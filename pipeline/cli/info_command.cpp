@@ -15,7 +15,9 @@ void add_info_command(CLI::App& app, Program& program) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "info", "Says what a file or directory is: a volume, a mesh, or anything a run leaves");
-  command->add_option("path", arguments->volume.path, "The file, directory or pattern of images")
+  command
+      ->add_option("path", arguments->volume.path,
+                   "The file, directory or pattern of images, or a mesh")
       ->required();
   command->add_flag("--json", arguments->json, "The same as JSON");
   command->add_flag("--check", arguments->options.check,

@@ -7,6 +7,8 @@
 #include "pipeline/cli/config_path.h"
 #include "pipeline/cli/volume_arguments.h"
 #include "pipeline/config/commented.h"
+#include "pipeline/run/closed_mesh.h"
+#include "pipeline/run/mesh_input.h"
 #include "pipeline/run/open_input.h"
 #include "stages/ingest/histogram_bins.h"
 #include "stages/ingest/threshold.h"
@@ -22,7 +24,13 @@ struct InitArguments {
   VolumeArguments volume;
   std::string output;
   bool force = false;
+  // How finely a mesh is sampled.
+  std::optional<std::int64_t> resolution;
+  std::optional<double> cell;
 };
+
+// Cells along a mesh's longest side where nothing is said of it.
+constexpr std::int64_t usual_resolution = 256;
 
 // "scan" for scan.nii.gz, a folder scan/ and a pattern scan/*.tif or scan_*.tif.
 std::string input_stem(const std::string& input) {
@@ -107,8 +115,43 @@ InitSuggestion suggest(const InitArguments& arguments, const fs::path& config,
   return suggestion;
 }
 
+void write_config(const fs::path& config, const std::string& text) {
+  parse_config(text, fs::absolute(config));  // what is written loads
+  write_whole_file(config, as_bytes(text), Durability::fsync);
+}
+
+int init_mesh(const InitArguments& arguments) {
+  const std::string& path = arguments.volume.path;
+  if (!arguments.volume.spacing.empty())
+    throw InputError("--spacing: a mesh has no samples; --cell says how far apart to take them");
+  const fs::path config = config_path(arguments);
+  InputConfig input;
+  input.path = path;
+  input.format = InputConfig::Format::mesh;
+  input.cell = arguments.cell;
+  if (!input.cell) input.resolution = arguments.resolution.value_or(usual_resolution);
+  const MeshFile file = read_closed_mesh(path, Config{}.run.memory);
+  const Bounds bounds = bounds_of(file.mesh);
+  const MeshSuggestion suggestion{
+      path_for_config(path, config), file.format,      file.mesh.vertices.size(),
+      file.mesh.triangles.size(),    bounds.lo,        bounds.hi,
+      mesh_geometry(input, bounds),  input.resolution, input.cell};
+  write_config(config, with_unit(commented_config(suggestion), arguments.volume.unit));
+  const Index3 size = suggestion.geometry.size;
+  fmt::print("{}: {} triangles, closed ({})\n", path, suggestion.triangles, file.format);
+  fmt::print("{}: {} x {} x {} samples, {:g} apart\n", config.string(), size.x, size.y, size.z,
+             suggestion.geometry.spacing.x);
+  fmt::print("next: voxweld run {}\n", config.string());
+  return 0;
+}
+
 int init(const InitArguments& arguments, Program& program) {
   const InputSpec spec = input_spec(arguments.volume);
+  if (spec.format == "auto" && is_mesh_name(spec.path)) return init_mesh(arguments);
+  if (arguments.resolution || arguments.cell)
+    throw InputError(
+        fmt::format("--{}: only meshes take it (.stl, .off, .obj, .ply), and {} is none",
+                    arguments.cell ? "cell" : "resolution", spec.path));
   const fs::path config = config_path(arguments);
   const auto readers = all_readers();
   const std::shared_ptr<SampleSource> source = open_volume(spec, readers);
@@ -117,9 +160,7 @@ int init(const InitArguments& arguments, Program& program) {
   const ScanResult scan = scan_in_order(*source, scan_hooks(program, "histogram"));
   program.console->clear_status();
   const InitSuggestion suggestion = suggest(arguments, config, info, scan);
-  const std::string text = with_unit(commented_config(info, suggestion), arguments.volume.unit);
-  parse_config(text, fs::absolute(config));  // what is written loads
-  write_whole_file(config, as_bytes(text), Durability::fsync);
+  write_config(config, with_unit(commented_config(info, suggestion), arguments.volume.unit));
   const Index3 size = info.geometry.size;
   fmt::print("{}: {} x {} x {} {} ({}), samples {} to {}\n", arguments.volume.path, size.x, size.y,
              size.z, sample_type_name(info.type), info.format, scan.range.lo, scan.range.hi);
@@ -134,13 +175,26 @@ int init(const InitArguments& arguments, Program& program) {
 
 void add_init_command(CLI::App& app, Program& program) {
   auto arguments = std::make_shared<InitArguments>();
-  CLI::App* command = app.add_subcommand(
-      "init", "Writes a commented config for a volume, with an isovalue from its histogram");
-  command->add_option("input", arguments->volume.path, "The file, directory or pattern of images")
+  CLI::App* command = app.add_subcommand("init",
+                                         "Writes a commented config for a volume, with an isovalue "
+                                         "from its histogram, or for a closed "
+                                         "mesh");
+  command
+      ->add_option("input", arguments->volume.path,
+                   "The file, directory or pattern of images; or an .stl, .off, .obj or .ply")
       ->required();
   command->add_option("-o,--output", arguments->output,
                       "The config to write (default: the input's name + .toml, here)");
   command->add_flag("--force", arguments->force, "Writes over a config that is there");
+  auto* resolution =
+      command
+          ->add_option(
+              "--resolution", arguments->resolution,
+              fmt::format("Meshes: cells along the longest side (default: {})", usual_resolution))
+          ->check(CLI::Range(least_resolution, most_resolution));
+  command->add_option("--cell", arguments->cell, "Meshes: the side of a cell, in the mesh's unit")
+      ->check(CLI::PositiveNumber)
+      ->excludes(resolution);
   add_volume_options(*command, arguments->volume);
   command->callback([&program, arguments] {
     program.run = [&program, arguments] { return init(*arguments, program); };

@@ -4,11 +4,6 @@
 #include <limits>
 
 namespace voxweld::binding {
-namespace {
-
-constexpr std::int64_t most_samples = (std::int64_t{1} << 19) - 1;  // a side; see max_levels
-
-}  // namespace
 
 Binding crop() {
   return {IntegerListRule{6, 0, most_samples},
@@ -85,6 +80,8 @@ Binding isovalue() {
             c.surface.isovalue = v.is_number() ? std::optional(v.number()) : std::nullopt;
           },
           [](const Config& c) -> std::optional<ConfigValue> {
+            // A mesh's config may not give one, so what stands for it inside is not told.
+            if (c.input.format == InputConfig::Format::mesh) return std::nullopt;
             if (!c.surface.isovalue) return ConfigValue{std::string("otsu")};
             return ConfigValue{*c.surface.isovalue};
           }};

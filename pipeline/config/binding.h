@@ -173,6 +173,28 @@ Binding texts(Group Config::*group, std::vector<std::string> Group::*member, Rul
           }};
 }
 
+// Without a default: empty unless it is given.
+template <class Group>
+Binding optional(Group Config::*group, std::optional<std::int64_t> Group::*member,
+                 IntegerRule rule) {
+  const Field<Group, std::optional<std::int64_t>> field{group, member};
+  return {rule, [=](Config& c, const ConfigValue& v) { at(c, field) = *v.integer(); },
+          [=](const Config& c) -> std::optional<ConfigValue> {
+            if (!at(c, field)) return std::nullopt;
+            return ConfigValue{*at(c, field)};
+          }};
+}
+
+template <class Group>
+Binding optional_positive(Group Config::*group, std::optional<double> Group::*member) {
+  const Field<Group, std::optional<double>> field{group, member};
+  return {PositiveNumberRule{}, [=](Config& c, const ConfigValue& v) { at(c, field) = v.number(); },
+          [=](const Config& c) -> std::optional<ConfigValue> {
+            if (!at(c, field)) return std::nullopt;
+            return ConfigValue{*at(c, field)};
+          }};
+}
+
 template <class Group>
 Binding positive(Group Config::*group, double Group::*member) {
   const Field<Group, double> field{group, member};

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <map>
+#include <set>
 #include <string_view>
 
 #include "pipeline/config/edit_settings.h"
@@ -32,6 +33,8 @@ std::string sample_value(const Setting& setting) {
       {"input.unit", "\"mm\""},
       {"input.size", "[512, 512, 512]"},
       {"input.type", "\"uint16\""},
+      {"input.resolution", "512"},
+      {"input.cell", "0.1"},
       {"surface.label", "7"},
       {"work.directory", "\"scan.work\""},
       {"output.directory", "\"scan.mesh\""}};
@@ -49,10 +52,25 @@ std::string described(const KeyFacts& key, const std::string& begin, bool tell_d
 // The values of the keys that are active; the others are written as comments.
 using Active = std::map<std::string, std::string>;
 
-std::string table_text(const std::string& table, const Active& active) {
+using Names = std::set<std::string>;  // "table.key"
+
+// Keys that an input of one kind has no use for, and refuses.
+const Names& of_volumes() {
+  static const Names names = {"input.crop",       "input.spacing", "input.size",
+                              "input.type",       "input.endian",  "input.header_bytes",
+                              "surface.isovalue", "surface.label", "surface.inside",
+                              "surface.gradient"};
+  return names;
+}
+const Names& of_meshes() {
+  static const Names names = {"input.resolution", "input.cell", "input.margin"};
+  return names;
+}
+
+std::string table_text(const std::string& table, const Active& active, const Names& left_out = {}) {
   std::string text = fmt::format("\n[{}]\n", table);
   for (const Setting& setting : settings()) {
-    if (setting.table != table) continue;
+    if (setting.table != table || left_out.contains(setting.name())) continue;
     const auto value = active.find(setting.name());
     text += described(setting, "", !setting.default_note.empty());
     text += value == active.end() ? fmt::format("# {} = {}\n\n", setting.key, sample_value(setting))
@@ -95,12 +113,21 @@ std::string facts(const VolumeInfo& info, const InitSuggestion& suggestion) {
   return text;
 }
 
-Active active_for(const VolumeInfo& info, const InitSuggestion& suggestion) {
+// Those one is likely to touch, whatever the input is, at their defaults.
+Active usual_keys() {
   const Config defaults;
   const auto value_of = [&](const char* table, const char* key) {
     return to_toml(*find_setting(table, key)->get(defaults));
   };
   Active active;
+  active["simplify.tolerance"] = value_of("simplify", "tolerance");
+  active["output.formats"] = value_of("output", "formats");
+  active["run.memory"] = value_of("run", "memory");
+  return active;
+}
+
+Active active_for(const VolumeInfo& info, const InitSuggestion& suggestion) {
+  Active active = usual_keys();
   active["input.path"] = toml_string(suggestion.path);
   if (info.format == "raw") {
     const Index3 size = info.geometry.size;
@@ -117,9 +144,6 @@ Active active_for(const VolumeInfo& info, const InitSuggestion& suggestion) {
   active["surface.isovalue"] = real(suggestion.isovalue);
   active["surface.inside"] =
       suggestion.inside == SurfaceConfig::Inside::above ? "\"above\"" : "\"below\"";
-  active["simplify.tolerance"] = value_of("simplify", "tolerance");
-  active["output.formats"] = value_of("output", "formats");
-  active["run.memory"] = value_of("run", "memory");
   return active;
 }
 
@@ -130,7 +154,7 @@ std::string commented_config(const VolumeInfo& info, const InitSuggestion& sugge
   text += facts(info, suggestion);
   const Active active = active_for(info, suggestion);
   for (const std::string& table : table_names()) {
-    text += table_text(table, active);
+    text += table_text(table, active, of_meshes());
     if (table != "surface") continue;
     // Where the number came from belongs beside it.
     const std::string line = "isovalue = ";
@@ -142,6 +166,23 @@ std::string commented_config(const VolumeInfo& info, const InitSuggestion& sugge
   return text;
 }
 
+std::string commented_config(const MeshSuggestion& mesh) {
+  const VolumeGeometry& g = mesh.geometry;
+  std::string text = "# voxweld config. Keys that begin with # are at their defaults.\n";
+  text += fmt::format("# {} triangles and {} vertices, closed, read as {}\n", mesh.triangles,
+                      mesh.vertices, mesh.format);
+  text += fmt::format("# from {}, {}, {} to {}, {}, {}\n", real(mesh.lo.x), real(mesh.lo.y),
+                      real(mesh.lo.z), real(mesh.hi.x), real(mesh.hi.y), real(mesh.hi.z));
+  text += fmt::format("# sampled at {} x {} x {} places, {} apart\n", g.size.x, g.size.y, g.size.z,
+                      real(g.spacing.x));
+  Active active = usual_keys();
+  active["input.path"] = toml_string(mesh.path);
+  if (mesh.resolution) active["input.resolution"] = std::to_string(*mesh.resolution);
+  if (mesh.cell) active["input.cell"] = real(*mesh.cell);
+  for (const std::string& table : table_names()) text += table_text(table, active, of_volumes());
+  return text;
+}
+
 std::string reference_config() {
   const Config defaults;
   Active active;
@@ -149,9 +190,9 @@ std::string reference_config() {
     if (setting.default_note.empty()) active[setting.name()] = to_toml(*setting.get(defaults));
   active["input.path"] = "\"scan.nrrd\"";
   active["surface.isovalue"] = "\"otsu\"";
-  // Only raw files take these.
-  active.erase("input.endian");
-  active.erase("input.header_bytes");
+  // Only raw files and meshes take these.
+  for (const char* name : {"input.endian", "input.header_bytes", "input.margin"})
+    active.erase(name);
   std::string text = "#:schema voxweld.schema.json\n";
   text += "# Every key there is. Those that begin with # have no value unless one is given.\n";
   for (const std::string& table : table_names()) text += table_text(table, active);

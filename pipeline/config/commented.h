@@ -29,6 +29,20 @@ struct InitSuggestion {
 // be recognised. Precondition: suggestion.path is valid UTF-8 without control characters.
 std::string commented_config(const VolumeInfo& info, const InitSuggestion& suggestion);
 
+// What looking at a closed mesh tells.
+struct MeshSuggestion {
+  std::string path;    // as that of InitSuggestion
+  std::string format;  // "stl" ...
+  std::uint64_t vertices = 0, triangles = 0;
+  Vec3 lo, hi;              // of its box
+  VolumeGeometry geometry;  // of the lattice that one of these gives
+  std::optional<std::int64_t> resolution;
+  std::optional<double> cell;
+};
+
+// The same for that mesh. Precondition: one of resolution and cell is set.
+std::string commented_config(const MeshSuggestion& suggestion);
+
 // Every key with its description, accepted values and default; input.path stands for a volume
 // beside the config. configs/example.toml is this text.
 std::string reference_config();

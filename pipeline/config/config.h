@@ -20,8 +20,22 @@ namespace voxweld {
 
 // The order of the enumerators is the order of the names in settings.cpp.
 
+// A side of any volume (see max_levels); of a mesh's lattice with margins, which are small.
+inline constexpr std::int64_t most_samples = (std::int64_t{1} << 19) - 1;
+inline constexpr std::int64_t least_resolution = 4, most_resolution = most_samples - 7;
+
 struct InputConfig {
-  enum class Format : std::uint8_t { automatic, nrrd, metaimage, nifti, raw, stack, zarr, empty };
+  enum class Format : std::uint8_t {
+    automatic,  // never of a mesh: that is known by its name
+    nrrd,
+    metaimage,
+    nifti,
+    raw,
+    stack,
+    zarr,
+    empty,
+    mesh
+  };
   enum class Endian : std::uint8_t { little, big };
 
   std::filesystem::path path;  // absolute; empty with Format::empty
@@ -35,6 +49,13 @@ struct InputConfig {
   std::optional<SampleType> type;
   Endian endian = Endian::little;
   std::int64_t header_bytes = 0;
+  // How finely a mesh is sampled: one of the two with Format::mesh, else none.
+  std::optional<std::int64_t> resolution{};  // cells along the longest side of its box
+  std::optional<double> cell{};              // the spacing, in the mesh's own unit
+  std::int64_t margin = 1;                 // whole cells of empty space around it, and half of one
+
+  // Else all of the surface is made by solids.
+  bool has_samples() const { return format != Format::empty && format != Format::mesh; }
 
   friend bool operator==(const InputConfig&, const InputConfig&) = default;
 };

@@ -222,7 +222,8 @@ std::vector<std::string> edit_key_names(SolidShape shape) {
 std::string_view edit_description() {
   return "Solids that change the volume, one to each [[edit]], applied in the order of the file. "
          "Lengths are in the unit of the spacing; a place is spacing * sample index, before the "
-         "volume's own origin and directions.";
+         "volume's own origin and directions; with a mesh as input, it is in the mesh's own "
+         "coordinates.";
 }
 
 std::vector<EditValue> values_of(const EditConfig& edit) {

@@ -1,18 +1,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <map>
 #include <system_error>
 #include <utility>
 
 #include "pipeline/config/config.h"
+#include "pipeline/config/cross_checks.h"
 #include "pipeline/config/document.h"
 #include "pipeline/config/edit_settings.h"
 #include "pipeline/config/load_edits.h"
 #include "pipeline/config/refuse.h"
 #include "pipeline/config/settings.h"
 #include "pipeline/config/suggest.h"
+#include "storage/readers/mesh_file.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 
@@ -23,9 +23,6 @@ namespace fs = std::filesystem;
 
 // A config is a page of text; a volume given in its place is refused before it is read.
 constexpr std::uint64_t largest_config = std::uint64_t{1} << 20;
-
-// Where each value that was given stands, for the checks that look at several.
-using Places = std::map<std::string, std::string>;  // setting name to "file:line:column"
 
 struct Assignment {
   const Setting* setting;
@@ -158,158 +155,6 @@ void apply_override(const std::string& text, Config& config, Places& places) {
   assign(config, places, {setting, *value, where, fs::current_path()});
 }
 
-// The checks that look at several settings. `where` is the place of the first of the named keys
-// that was given.
-class CrossChecks {
- public:
-  CrossChecks(const Config& config, const Places& places, std::string file)
-      : config_(config), places_(places), file_(std::move(file)) {}
-
-  void required() const {
-    // Empty space is neither read nor cut by an isovalue.
-    if (config_.input.format == InputConfig::Format::empty) return;
-    const bool labels = config_.surface.label || config_.labels.mode != LabelMode::off;
-    for (const Setting& setting : settings())
-      if (setting.required && !places_.contains(setting.name()) &&
-          !(labels && setting.name() == "surface.isovalue"))
-        throw InputError(fmt::format("{}: missing key {} (expected {}): {}", file_, setting.name(),
-                                     accepted_text(setting.rule), setting.description));
-  }
-
-  void crop() const {
-    if (!config_.input.crop || !config_.input.crop->empty()) return;
-    fail({"input.crop"}, "expected [x0, y0, z0, x1, y1, z1] with x0 < x1, y0 < y1 and z0 < z1");
-  }
-
-  void raw() const {
-    const InputConfig& in = config_.input;
-    using Format = InputConfig::Format;
-    // Judged by value, not by presence: canonical configs write the defaults of every key.
-    const std::array<std::pair<const char*, bool>, 4> raw_only = {
-        {{"input.size", in.size.has_value()},
-         {"input.type", in.type.has_value()},
-         {"input.endian", in.endian != InputConfig::Endian::little},
-         {"input.header_bytes", in.header_bytes != 0}}};
-    if (in.format == Format::empty) return;
-    if (in.format != Format::raw && in.format != Format::automatic)
-      for (const auto& [name, set] : raw_only)
-        if (set) fail({name}, "only raw files take it; remove it, or set input.format = \"raw\"");
-    const bool needed = in.format == Format::raw || in.size || in.type;
-    if (needed && !in.size) fail({"input.size", "input.format", "input.type"}, missing_raw("size"));
-    if (needed && !in.type) fail({"input.type", "input.format", "input.size"}, missing_raw("type"));
-  }
-
-  void empty() const {
-    const InputConfig& in = config_.input;
-    if (in.format != InputConfig::Format::empty) return;
-    const std::array<std::pair<const char*, bool>, 5> of_files = {
-        {{"input.path", !in.path.empty()},
-         {"input.crop", in.crop.has_value()},
-         {"input.type", in.type.has_value()},
-         {"input.endian", in.endian != InputConfig::Endian::little},
-         {"input.header_bytes", in.header_bytes != 0}}};
-    for (const auto& [name, set] : of_files)
-      if (set) fail({name}, "empty space has no file; remove it, or input.format = \"empty\"");
-    if (!in.size)
-      fail({"input.size", "input.format"}, "missing, and empty space needs it: expected " +
-                                               accepted_text(find_setting("input", "size")->rule));
-    if (config_.edits.empty())
-      fail({"input.format"}, "empty space and no edits have no surface; add [[edit]] tables");
-  }
-
-  void label() const {
-    const SurfaceConfig& surface = config_.surface;
-    if (!surface.label) return;
-    const auto number = static_cast<double>(*surface.label);
-    if (surface.isovalue && *surface.isovalue != number)
-      fail({"surface.isovalue"}, "a label has no isovalue; remove this one, or surface.label");
-    if (surface.inside == SurfaceConfig::Inside::below)
-      fail({"surface.inside"}, "inside are the samples of surface.label; remove one of the two");
-  }
-
-  void labels() const {
-    const SurfaceConfig& surface = config_.surface;
-    if (config_.labels.mode == LabelMode::off) return;
-    if (surface.label)
-      fail({"surface.label", "labels.mode"}, "labels.mode chooses labels too; remove one of them");
-    if (surface.inside == SurfaceConfig::Inside::below)
-      fail({"surface.inside", "labels.mode"}, "labels have no isovalue; remove this key");
-    if (config_.simplify.topology == SimplifyConfig::Topology::free)
-      fail({"simplify.topology", "labels.mode"}, "labels are simplified safely only");
-  }
-
-  // Edits stand in the file alone, so they are named by their numbers.
-  void edits_of_labels() const {
-    const LabelMode mode = config_.labels.mode;
-    const auto refuse = [&](std::size_t number, const char* problem) {
-      throw InputError(fmt::format("{}: edit {}: {}", file_, number, problem));
-    };
-    for (std::size_t i = 0; i < config_.edits.size(); ++i) {
-      const EditConfig& edit = config_.edits[i];
-      const bool gives = edit.op == EditOp::add || edit.op == EditOp::replace;
-      if (mode == LabelMode::each)
-        refuse(i + 1, "labels.mode = \"each\" takes no edits; \"shared\" does");
-      if (mode == LabelMode::shared && gives && !edit.material)
-        refuse(i + 1, "material is missing: expected the label that the solid gets");
-      if (edit.material && (mode != LabelMode::shared || !gives))
-        refuse(i + 1, mode != LabelMode::shared
-                          ? "material: only labels.mode = \"shared\" has materials; remove it"
-                          : "material: only add and replace give one; remove it");
-      if (mode != LabelMode::shared && edit.op == EditOp::replace)
-        refuse(i + 1,
-               "op = \"replace\": there is one material, so nothing to replace; it is for "
-               "labels.mode = \"shared\"");
-    }
-  }
-
-  void work() const {
-    const WorkConfig& w = config_.work;
-    if (w.chunk <= w.brick * w.shard) return;
-    fail({"work.chunk", "work.shard", "work.brick"},
-         fmt::format("expected at most work.brick * work.shard = {} * {} = {}, so that chunks "
-                     "divide shards; lower work.chunk or raise work.brick or work.shard",
-                     w.brick, w.shard, w.brick * w.shard));
-  }
-
-  void output() const {
-    if (config_.output.tiles || config_.output.merged != OutputConfig::Merged::never) return;
-    fail({"output.tiles", "output.merged"},
-         "with output.merged = false there is nothing to write; set one of the two to true");
-  }
-
-  void slurm() const {
-    const std::uint64_t mem = config_.slurm.mem;
-    if (config_.run.executor != RunConfig::Executor::slurm || mem == 0) return;
-    if (mem < config_.run.memory)
-      fail({"slurm.mem", "run.memory"},
-           fmt::format("expected at least run.memory = {}, which a task's process may use; raise "
-                       "it, or leave it \"auto\"",
-                       bytes_text(config_.run.memory)));
-  }
-
- private:
-  static std::string missing_raw(const std::string& key) {
-    const Setting& setting = *find_setting("input", key);
-    return fmt::format("missing, and raw files need it: expected {}", accepted_text(setting.rule));
-  }
-
-  // The message is about the first name.
-  [[noreturn]] void fail(const std::vector<std::string>& names, const std::string& problem) const {
-    std::string where = file_;
-    for (auto name = names.rbegin(); name != names.rend(); ++name)
-      if (const auto found = places_.find(*name); found != places_.end()) where = found->second;
-    const auto dot = names[0].find('.');
-    const Setting& setting = *find_setting(names[0].substr(0, dot), names[0].substr(dot + 1));
-    const auto value = setting.get(config_);
-    throw InputError(fmt::format("{}: {}{}: {}", where, names[0],
-                                 value ? " = " + to_toml(*value) : std::string(), problem));
-  }
-
-  const Config& config_;
-  const Places& places_;
-  std::string file_;
-};
-
 void check_size(const fs::path& path, std::uint64_t size) {
   if (size > largest_config)
     throw InputError(
@@ -335,19 +180,11 @@ Config parse_config(const std::string& text, const fs::path& path,
   apply_document(text, path, config, places);
   for (const std::string& override_text : overrides) apply_override(override_text, config, places);
 
-  const CrossChecks checks(config, places, path.string());
-  checks.required();
-  checks.crop();
-  checks.raw();
-  checks.empty();
-  checks.label();
-  checks.labels();
-  checks.edits_of_labels();
-  checks.work();
-  checks.output();
-  checks.slurm();
-  if (config.input.format == InputConfig::Format::empty) {
-    config.surface.isovalue = 1;  // above every sample
+  if (config.input.format == InputConfig::Format::automatic && is_mesh_name(config.input.path))
+    config.input.format = InputConfig::Format::mesh;
+  check_across(config, places, path.string());
+  if (!config.input.has_samples()) {
+    config.surface.isovalue = 1;  // above every sample of empty space
     config.surface.inside = SurfaceConfig::Inside::above;
   }
   if (config.surface.label) config.surface.isovalue = static_cast<double>(*config.surface.label);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -158,15 +159,39 @@ Json edits_schema() {
             {"allOf", std::move(shapes)}}}};
 }
 
+Json requires_key(const char* name) {
+  Json json;
+  json["required"] = Json::array({name});
+  return json;
+}
+
+Json has_format(const char* name) {
+  Json json = requires_key("format");
+  json["properties"] = {{"format", {{"const", name}}}};
+  return json;
+}
+
+// By its format, or by its name where none is given.
+Json mesh_input() {
+  const Json by_name = {
+      {"properties",
+       {{"path", {{"pattern", "\\.([sS][tT][lL]|[oO][fF][fF]|[oO][bB][jJ]|[pP][lL][yY])$"}}},
+        {"format", {{"const", "auto"}}}}},
+      {"required", Json::array({"path"})}};
+  return {{"anyOf", Json::array({has_format("mesh"), by_name})}};
+}
+
+Json one_fineness() {
+  return {{"oneOf", Json::array({requires_key("resolution"), requires_key("cell")})}};
+}
+
 // What the loader checks across keys and a schema can say.
 void add_cross_checks(Json& tables) {
   Json& input = tables["input"];
-  input["if"] = {{"properties", {{"format", {{"const", "raw"}}}}},
-                 {"required", Json::array({"format"})}};
+  input["if"] = has_format("raw");
   input["required"] = Json::array();
   input["else"] = {
-      {"if",
-       {{"properties", {{"format", {{"const", "empty"}}}}}, {"required", Json::array({"format"})}}},
+      {"if", has_format("empty")},
       {"then", {{"required", Json::array({"size"})}}},
       {"else",
        {{"required", Json::array({"path"})},
@@ -188,19 +213,25 @@ std::string config_schema_json() {
   }
   add_cross_checks(tables);
   tables[std::string(edit_table)] = edits_schema();
-  // Empty space has no isovalue.
-  const Json empty = {{"properties",
-                       {{"input",
-                         {{"properties", {{"format", {{"const", "empty"}}}}},
-                          {"required", Json::array({"format"})}}}}}};
+  // Neither empty space nor a mesh has an isovalue, and a label stands in its place.
+  required.erase(std::find(required.begin(), required.end(), "surface"));
+  tables["surface"].erase("required");
+  const Json by_samples = {
+      {"required", Json::array({"surface"})},
+      {"properties",
+       {{"surface", {{"anyOf", Json::array({requires_key("isovalue"), requires_key("label")})}}}}}};
+  const Json otherwise = {{"if", {{"properties", {{"input", mesh_input()}}}}},
+                          {"then", {{"properties", {{"input", one_fineness()}}}}},
+                          {"else", by_samples}};
+  const Json empty = {{"properties", {{"input", has_format("empty")}}}};
   const Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"},
                        {"title", "voxweld config"},
                        {"type", "object"},
                        {"additionalProperties", false},
-                       {"required", Json::array({"input"})},
+                       {"required", std::move(required)},
                        {"if", empty},
                        {"then", {{"required", Json::array({"edit"})}}},
-                       {"else", {{"required", std::move(required)}}},
+                       {"else", otherwise},
                        {"properties", std::move(tables)}};
   return schema.dump(2) + "\n";
 }

@@ -30,6 +30,8 @@ constexpr Stages collapse = {Stage::build, Stage::merge};
 // Octrees and root records are relative to the cell, so their bytes need not change with the
 // spacing; the lengths merge and stitch work with do.
 constexpr Stages lengths = {Stage::ingest, Stage::build, Stage::merge, Stage::stitch};
+// The spacing of a mesh's lattice, and where it begins, which is in the files' coordinates.
+constexpr Stages mesh_lengths = {Stage::build, Stage::merge, Stage::stitch};
 // The open result is the closed one less some polygons, and those are made in stitch.
 constexpr Stages border = {Stage::build, Stage::stitch};
 
@@ -65,16 +67,19 @@ std::vector<Setting> input_settings() {
   constexpr auto in = &Config::input;
   return {
       // What the file holds is in the keys by content, so moving it re-runs nothing.
-      required(row({"input", "path",
-                    "The volume: a file, a directory of slices or a Zarr array. What it holds "
-                    "decides what is done again, not its name."},
-                   binding::path(in, &In::path), none)),
+      required(
+          row({"input", "path",
+               "The volume: a file, a directory of slices or a Zarr array; or a closed triangle "
+               "mesh in an .stl, .off, .obj or .ply file. What it holds decides what is done "
+               "again, not its name."},
+              binding::path(in, &In::path), none)),
       row({"input", "format",
            "How to read it. \"auto\" goes by the content and the name. \"empty\" is no file but "
-           "empty "
-           "space of input.size, for what [[edit]] makes in it: it needs no path and no isovalue."},
-          binding::choice(in, &In::format,
-                          {"auto", "nrrd", "metaimage", "nifti", "raw", "stack", "zarr", "empty"}),
+           "empty space of input.size, for what [[edit]] makes in it: it needs no path and no "
+           "isovalue. \"mesh\" needs no isovalue either, but a resolution or cell."},
+          binding::choice(
+              in, &In::format,
+              {"auto", "nrrd", "metaimage", "nifti", "raw", "stack", "zarr", "empty", "mesh"}),
           ingest),
       row({"input", "crop", "The box of samples to use, half-open: [x0, y0, z0, x1, y1, z1].",
            "the whole volume"},
@@ -95,6 +100,27 @@ std::vector<Setting> input_settings() {
           binding::choice(in, &In::endian, {"little", "big"}), ingest_and_build),
       row({"input", "header_bytes", "Raw only: bytes before the first sample."},
           binding::integer(in, &In::header_bytes, IntegerRule{0, no_limit}), ingest_and_build),
+  };
+}
+
+std::vector<Setting> mesh_input_settings() {
+  using In = InputConfig;
+  constexpr auto in = &Config::input;
+  return {
+      row({"input", "resolution",
+           "Meshes only: cells along the longest side of the mesh's bounding box, the margin not "
+           "counted.",
+           "none; meshes need it, or input.cell"},
+          binding::optional(in, &In::resolution, IntegerRule{least_resolution, most_resolution}),
+          mesh_lengths),
+      row({"input", "cell", "Meshes only: the side of a cell, in the mesh's own unit.",
+           "none; meshes need it, or input.resolution"},
+          binding::optional_positive(in, &In::cell), mesh_lengths),
+      row({"input", "margin",
+           "Meshes only: cells of empty space around the mesh's bounding box, and half a cell "
+           "more. "
+           "Solids that [[edit]] adds need room there."},
+          binding::integer(in, &In::margin, IntegerRule{1, 65536}), mesh_lengths),
   };
 }
 
@@ -280,9 +306,9 @@ std::vector<Setting> slurm_array_settings() {
 
 std::vector<Setting> make_settings() {
   std::vector<Setting> all;
-  for (auto make :
-       {input_settings, work_settings, surface_settings, labels_settings, simplify_settings,
-        output_settings, run_settings, slurm_task_settings, slurm_array_settings})
+  for (auto make : {input_settings, mesh_input_settings, work_settings, surface_settings,
+                    labels_settings, simplify_settings, output_settings, run_settings,
+                    slurm_task_settings, slurm_array_settings})
     for (Setting& setting : make()) all.push_back(std::move(setting));
   return all;
 }

@@ -5,6 +5,8 @@
 #include "pipeline/mesh/load.h"
 #include "pipeline/mesh/manifest.h"
 #include "pipeline/mesh/render.h"
+#include "stages/geometry/mesh_boundary.h"
+#include "storage/readers/mesh_file.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -32,6 +34,7 @@ InfoDocument frame_facts(const VolumeGeometry& frame) {
   return {{"size", facts_of(frame.size)},
           {"spacing", facts_of(frame.spacing)},
           {"unit", frame.unit},
+          {"first", facts_of(frame.first)},
           {"origin", facts_of(frame.origin)},
           {"direction", std::move(direction)},
           {"space", frame.space}};
@@ -88,6 +91,37 @@ InfoDocument describe_mesh(const fs::path& path) {
   document["normals"] = !mesh.normals.empty();
   const MeshBounds bounds = bounds_of(std::span(&mesh, 1));
   document["bounds"] = {{"lo", facts_of(bounds.lo)}, {"hi", facts_of(bounds.hi)}};
+  return document;
+}
+
+InfoDocument describe_input_mesh(const InfoOptions& options) {
+  constexpr std::size_t holes_told = 10;
+  const fs::path path = options.input.path;
+  const MeshFile file = read_mesh_file(path);
+  const Bounds bounds = bounds_of(file.mesh);
+  const MeshBoundary boundary = boundary_of(file.mesh);
+  InfoDocument document = new_document("input_mesh", path);
+  document["bytes"] = fs::file_size(path);
+  document["format"] = file.format;
+  document["vertices"] = file.mesh.vertices.size();
+  document["triangles"] = file.mesh.triangles.size();
+  document["bounds"] = {{"lo", facts_of(bounds.lo)}, {"hi", facts_of(bounds.hi)}};
+  document["size"] = facts_of(bounds.hi - bounds.lo);
+  document["volume"] = signed_volume(file.mesh);
+  document["closed"] = boundary.closed();
+  document["boundary_edges"] = boundary.edges;
+  document["holes"] = boundary.holes.size();
+  const std::size_t told = options.verbose ? boundary.holes.size() : holes_told;
+  document["hole_list"] = InfoDocument::array();
+  for (std::size_t i = 0; i < std::min(told, boundary.holes.size()); ++i) {
+    const MeshHole& hole = boundary.holes[i];
+    document["hole_list"].push_back(
+        {{"edges", hole.edges}, {"size", hole.size}, {"center", facts_of(hole.center)}});
+  }
+  if (!options.check) return document;
+  CheckResult check;  // reading it was that: a foreign file has no checksum
+  check.read(document["bytes"].get<std::uint64_t>());
+  document["check"] = check.facts();
   return document;
 }
 

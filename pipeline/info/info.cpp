@@ -7,6 +7,7 @@
 #include "pipeline/info/kinds.h"
 #include "pipeline/mesh/manifest.h"
 #include "pipeline/run/open_input.h"
+#include "storage/readers/mesh_file.h"
 #include "storage/spool/spool_record.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
@@ -21,7 +22,8 @@ std::string known_kinds() {
   for (const ReaderEntry& reader : all_readers())
     text += fmt::format("{}{}: {}", text.back() == '(' ? "" : "; ", reader.name, reader.files);
   return text +
-         "), brick stores, .octree, top.tree, .tile, .record, .shard, histogram and spool files of "
+         "), meshes as input (.stl, .off, .obj, .ply), brick stores, .octree, top.tree, .tile, "
+         ".record, .shard, histogram and spool files of "
          "a work directory, .drc and .glb meshes, output directories, work directories, "
          "manifest.json, tiles.jsonl and config files";
 }
@@ -100,6 +102,7 @@ InfoDocument describe_directory(const fs::path& path, const InfoOptions& options
 std::optional<InfoDocument> describe_by_name(const fs::path& path, const InfoOptions& options) {
   const std::string name = path.filename().string(), extension = path.extension().string();
   if (extension == ".drc" || extension == ".glb") return describe_mesh(path);
+  if (options.input.format == "auto" && is_mesh_name(path)) return describe_input_mesh(options);
   if (name == manifest_name) return describe_output(path, options);
   if (name == tiles_name) return describe_tile_list(path, options);
   if (extension == ".toml") return describe_config(path);

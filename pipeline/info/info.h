@@ -29,7 +29,11 @@
 //   spool_record     key, data_hash, and the volume's keys
 //   zarr_chunk       array
 //   mesh             format, points, vertices (distinct positions), triangles, normals, bounds {lo,
-//                    hi} (in the file's frame: spacing * index)
+//                    hi} (as in the file)
+//   input_mesh       format, vertices (distinct positions), triangles, bounds {lo, hi}, size, volume
+//                    (what it encloses; negative where its triangles face inward), closed,
+//                    boundary_edges (of an odd number of triangles), holes, hole_list [{edges, size,
+//                    center}] (the largest first: verbose all of them, else ten)
 //   output           border, topology, frame, lattice, counts, files {count, bytes}, merged, error,
 //                    input (as manifest.json has them); verbose: file_list
 //   tile_list        tiles, vertices, triangles, files, file_bytes; verbose: tile_list

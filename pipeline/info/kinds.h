@@ -21,6 +21,7 @@ InfoDocument describe_artifact(const std::filesystem::path& path, const Artifact
 
 // Meshes and what lists them.
 InfoDocument describe_mesh(const std::filesystem::path& path);
+InfoDocument describe_input_mesh(const InfoOptions& options);
 InfoDocument describe_output(const std::filesystem::path& manifest, const InfoOptions& options);
 InfoDocument describe_tile_list(const std::filesystem::path& path, const InfoOptions& options);
 

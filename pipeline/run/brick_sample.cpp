@@ -127,8 +127,8 @@ std::optional<BrickSample> sample_bricks(const RunContext& context, const Jobs& 
     config.surface.isovalue = suggestion->threshold.value;
   }
   BrickSample sums;
-  sums.isovalue = *config.surface.isovalue;
-  const ContourParameters parameters = contour_parameters(config, info.geometry);
+  if (config.input.has_samples()) sums.isovalue = config.surface.isovalue;
+  const ContourParameters parameters = contour_parameters(config, *source);
   for (const Index3& brick : chosen) sampler.build(brick, parameters, sums);
   return sums;
 }

@@ -13,7 +13,8 @@ struct BrickSample {
   std::uint64_t vertices = 0, polygons = 0;
   std::uint64_t octree_bytes = 0;  // of the artifact's parts
   double cpu_s = 0;                // building, reading not counted
-  double isovalue = 0;             // the config's, or chosen from the samples seen
+  // The config's, or chosen from the samples seen; of solids alone none.
+  std::optional<double> isovalue;
 };
 
 // The bricks that hold samples, a side: those of the ring alone are left out.

@@ -178,20 +178,23 @@ void prove(RunContext& context, const BuildJob& job, BuildStatus& status) {
   status.unproven.clear();
 }
 
-// What of the volume edits have a say in.
-void report_edits(const BuildJob& job) {
-  const Edits& edits = job.parameters.edits;
-  if (edits.empty()) return;
+// What of the volume the config's edits have a say in; they are the last of all, behind the mesh
+// that may be the input.
+void report_edits(const BuildJob& job, std::size_t count) {
+  if (count == 0) return;
+  const auto edits = std::span(job.parameters.edits).last(count);
   const std::vector<Index3> shards = job.grid.all_shards();
-  const auto reached = probe_which(
-      shards.size(), [&](std::size_t i) { return shard_key(job, shards[i]) != job.key; });
+  const auto reached = probe_which(shards.size(), [&](std::size_t i) {
+    const Bounds bounds = ShardBuilder::shard_bounds(job, shards[i]);
+    return std::ranges::any_of(edits, [&](const Edit& e) { return edit_reaches(e, bounds); });
+  });
   spdlog::info("{} {} in {} of {} shards", edits.size(),
                edits.size() == 1 ? "edit has a say" : "edits have a say", reached.size(),
                shards.size());
 }
 
 void run_build(RunContext& context, const BuildJob& job) {
-  if (context.selection.all()) report_edits(job);
+  if (context.selection.all()) report_edits(job, context.config.edits.size());
   BuildStatus status = build_status(context, job);
   if (context.executor->in_process()) prove(context, job, status);
 

@@ -9,6 +9,7 @@
 #include "pipeline/config/settings.h"
 #include "pipeline/run/edit_meshes.h"
 #include "pipeline/run/encode_stage.h"
+#include "pipeline/run/mesh_input.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/top_artifact.h"
@@ -49,7 +50,25 @@ double smallest_spacing(const VolumeGeometry& geometry) {
   return std::min({geometry.spacing.x, geometry.spacing.y, geometry.spacing.z});
 }
 
-ContourParameters contour_parameters(const Config& config, const VolumeGeometry& geometry) {
+namespace {
+
+// The config's edits are in output coordinates; a mesh as input comes before them.
+Edits make_edits(const Config& config, const SampleSource& source) {
+  const VolumeGeometry& geometry = source.info().geometry;
+  Edits edits = edits_of(config);
+  for (Edit& edit : edits) edit.solid.center = edit.solid.center - geometry.first;
+  load_edit_meshes(config, geometry, edits);
+  const auto* mesh = dynamic_cast<const MeshVolume*>(&source);
+  if (mesh == nullptr) return edits;
+  warn_of_cut_edits(geometry, edits);
+  edits.insert(edits.begin(), {EditOp::add, mesh->solid()});
+  return edits;
+}
+
+}  // namespace
+
+ContourParameters contour_parameters(const Config& config, const SampleSource& source) {
+  const VolumeGeometry& geometry = source.info().geometry;
   // The enumerators of both come in the order of the settings' table.
   ContourParameters p;
   p.spacing = geometry.spacing;
@@ -76,8 +95,7 @@ ContourParameters contour_parameters(const Config& config, const VolumeGeometry&
   p.simplify.topology =
       s.topology == SimplifyConfig::Topology::safe ? Topology::safe : Topology::free;
   p.simplify.qef = s.qef == SimplifyConfig::Qef::qr ? QefForm::qr : QefForm::normal;
-  p.edits = edits_of(config);
-  load_edit_meshes(config, {geometry.size, geometry.spacing}, p.edits);
+  p.edits = make_edits(config, source);
   return p;
 }
 
@@ -88,6 +106,14 @@ BrickGrid brick_grid(const Config& config, const VolumeGeometry& geometry) {
 
 std::string short_hex(Hash128 hash) {
   return to_hex(hash).substr(0, 12);
+}
+
+VolumeGeometry output_geometry(const VolumeGeometry& geometry, const OutputLattice& lattice) {
+  VolumeGeometry output = geometry;
+  if (moved(lattice, geometry.first).fits_floats()) return output;
+  output.origin = geometry.first;
+  output.first = {};
+  return output;
 }
 
 StagePaths stage_paths(const Config& config, const VolumeInfo& info) {
@@ -115,6 +141,12 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info) {
   paths.merge_key = next(Stage::merge, top_version, paths.build_key);
   paths.merge = work / ("merge-" + short_hex(paths.merge_key));
   paths.stitch_key = next(Stage::stitch, tile_version, paths.merge_key);
+  if (g.first != Vec3{}) {
+    KeyHasher stitch;
+    stitch.hash(paths.stitch_key).text("first");
+    vec(stitch, g.first);
+    paths.stitch_key = stitch.finish();
+  }
   paths.stitch = work / ("stitch-" + short_hex(paths.stitch_key));
   KeyHasher encode;
   encode.hash(next(Stage::encode, encode_version, paths.stitch_key));

@@ -15,6 +15,7 @@
 #include "stages/geometry/brick_grid.h"
 #include "stages/geometry/parameters.h"
 #include "storage/support/hash.h"
+#include "storage/types/output_lattice.h"
 #include "storage/types/volume.h"
 
 namespace voxweld {
@@ -71,17 +72,22 @@ struct Volume {
   const VolumeGeometry& geometry() const { return source->info().geometry; }
 };
 
-// The contouring parameters the config asks for on this geometry. Precondition: the isovalue is
+// The contouring parameters the config asks for on this volume. Precondition: the isovalue is
 // resolved.
-ContourParameters contour_parameters(const Config& config, const VolumeGeometry& geometry);
+ContourParameters contour_parameters(const Config& config, const SampleSource& source);
 BrickGrid brick_grid(const Config& config, const VolumeGeometry& geometry);
 double smallest_spacing(const VolumeGeometry& geometry);
+
+// That of the files: as it is where floats hold its coordinates on this lattice; else, of meshes
+// far from 0, such that the volume's first sample is at 0 and the rest is left to `origin`.
+VolumeGeometry output_geometry(const VolumeGeometry& geometry, const OutputLattice& lattice);
 
 // Folders of a run's artifacts, each named for what its stage and those before it read.
 struct StagePaths {
   std::filesystem::path ingest, build, merge, stitch, encode;
   Hash128 build_key, merge_key, stitch_key, encode_key;  // parameters, all stages before included
 };
+// info: with output_geometry; for the ingest folder alone it is not looked at.
 StagePaths stage_paths(const Config& config, const VolumeInfo& info);
 
 std::string short_hex(Hash128 hash);  // 12 digits

@@ -172,7 +172,7 @@ std::uint64_t spooling_bytes(const VolumeInfo& info) {
 class ShardSource {
  public:
   ShardSource(RunContext& context, const IngestJob& job, const std::vector<std::uint64_t>& missing)
-      : input_(job.input ? job.input : open_input(context.config.input)) {
+      : input_(job.input ? job.input : open_input(context.config)) {
     if (input_->info().access == Access::box) return;
     const StoreLayout layout = layout_of(context.config, job);
     const std::vector<Index3> shards = shards_of(layout);
@@ -269,7 +269,7 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder)
   if (known) {
     job.info = *known;
   } else {
-    job.input = open_input(config.input);
+    job.input = open_input(config);
     job.info = job.input->info();
     for (const std::string& warning : job.info.warnings) spdlog::warn("{}", warning);
   }
@@ -284,8 +284,8 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder)
         fmt::format("work.copy = false: {} ({}) can be read by {} only, so a brick store is "
                     "needed; use work.copy = \"auto\"",
                     config.input.path.string(), info.format, access_name(info.access)));
-  job.copy = (config.work.copy == WorkConfig::Copy::always || !by_box) &&
-             config.input.format != InputConfig::Format::empty;
+  job.copy =
+      (config.work.copy == WorkConfig::Copy::always || !by_box) && config.input.has_samples();
   job.histogram = !config.surface.isovalue.has_value();
   return job;
 }

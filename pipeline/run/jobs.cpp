@@ -44,6 +44,15 @@ void check_label(const Config& config, const VolumeInfo& info) {
                     config.input.path.string(), sample_type_name(info.type)));
 }
 
+// Of a mesh as input: what its coordinates are in files that cannot hold them.
+void warn_of_origin(const Config& config, const VolumeGeometry& geometry) {
+  if (config.input.format != InputConfig::Format::mesh || geometry.origin == Vec3{}) return;
+  spdlog::warn(
+      "{}: floats do not hold the mesh's own coordinates at this output.precision: those of the "
+      "files are less by [{}, {}, {}], which is frame.origin in the manifest",
+      config.input.path.string(), geometry.origin.x, geometry.origin.y, geometry.origin.z);
+}
+
 }  // namespace
 
 Jobs::Jobs(const Config& config) {
@@ -54,24 +63,28 @@ Jobs::Jobs(const Config& config) {
 void Jobs::open_volume(Config& config) {
   if (!config.surface.isovalue) config.surface.isovalue = choose_isovalue(config, ingest_);
   const Volume volume = ingested_volume(config, ingest_);
-  const VolumeInfo& info = volume.source->info();
+  VolumeInfo info = volume.source->info();
   check_label(config, info);
+  const OutputLattice lattice =
+      plan_lattice({info.geometry.size, info.geometry.spacing,
+                    config.output.precision * smallest_spacing(info.geometry)});
+  info.geometry = output_geometry(info.geometry, lattice);
+  warn_of_origin(config, info.geometry);
   const StagePaths paths = stage_paths(config, info);
   build_.emplace(BuildJob{volume, brick_grid(config, info.geometry),
-                          contour_parameters(config, info.geometry), paths.build, paths.build_key});
+                          contour_parameters(config, *volume.source), paths.build,
+                          paths.build_key});
   merge_ = {&*build_, paths.merge, paths.merge_key,
             static_cast<std::uint64_t>(config.output.tile_vertices)};
   stitch_.build = &*build_;
   stitch_.merge = &merge_;
   stitch_.parameters.frame.spacing = info.geometry.spacing;
-  stitch_.parameters.frame.lattice =
-      plan_lattice({info.geometry.size, info.geometry.spacing,
-                    config.output.precision * smallest_spacing(info.geometry)});
+  stitch_.parameters.frame.lattice = lattice;
+  stitch_.parameters.first = info.geometry.first;
   stitch_.parameters.normals = config.output.normals;
   stitch_.folder = paths.stitch;
   stitch_.key = paths.stitch_key;
-  encode_ = {&stitch_, ingest_.info.geometry, paths.encode, config.output.directory,
-             paths.encode_key};
+  encode_ = {&stitch_, info.geometry, paths.encode, config.output.directory, paths.encode_key};
 }
 
 void check_budget(const RunContext& context, const Jobs& jobs) {
@@ -119,11 +132,11 @@ Manifest make_manifest(const RunContext& context, const Jobs& jobs) {
   const VolumeInfo& info = jobs.ingest().info;
   const ContourParameters& parameters = jobs.build().parameters;
   Manifest m;
-  m.lattice = jobs.stitch().parameters.frame.lattice;
+  m.lattice = moved(jobs.stitch().parameters.frame.lattice, jobs.stitch().parameters.first);
   m.open_border = parameters.surface.border == Border::open;
   m.free_topology = parameters.simplify.topology == Topology::free;
   m.labels = parameters.labels.mode;
-  m.frame = info.geometry;
+  m.frame = jobs.encode().frame;
   m.counts.bricks = counts.bricks;
   m.counts.active_bricks = counts.active_bricks;
   m.counts.collapsed_above = counts.collapsed_above;

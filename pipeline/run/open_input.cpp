@@ -1,5 +1,6 @@
 #include "pipeline/run/open_input.h"
 
+#include "pipeline/run/mesh_input.h"
 #include "storage/image/stack_source.h"
 #include "storage/readers/empty_source.h"
 #include "storage/readers/open_volume.h"
@@ -42,7 +43,9 @@ std::vector<ReaderEntry> all_readers() {
   return readers;
 }
 
-std::shared_ptr<SampleSource> open_input(const InputConfig& config) {
+std::shared_ptr<SampleSource> open_input(const Config& whole) {
+  const InputConfig& config = whole.input;
+  if (config.format == InputConfig::Format::mesh) return open_mesh_input(whole);
   if (config.format == InputConfig::Format::empty) {
     VolumeGeometry geometry;
     geometry.size = config.size.value();

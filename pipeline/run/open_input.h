@@ -13,6 +13,6 @@ namespace voxweld {
 // The readers of storage, with those for Zarr arrays and image stacks.
 std::vector<ReaderEntry> all_readers();
 
-std::shared_ptr<SampleSource> open_input(const InputConfig& config);
+std::shared_ptr<SampleSource> open_input(const Config& config);
 
 }  // namespace voxweld

@@ -27,6 +27,11 @@ void check_surface(RunContext& context, const Jobs& jobs) {
         "no surface: after the {} of the config all samples are on one side; leave out or change "
         "some of the [[edit]] tables",
         edits == 1 ? "one edit" : fmt::format("{} edits", edits)));
+  if (context.config.input.format == InputConfig::Format::mesh)
+    throw InputError(fmt::format(
+        "{}: no surface: no sample lies inside the mesh; raise input.resolution or lower "
+        "input.cell, which is {:g} now",
+        context.config.input.path.string(), jobs.volume().geometry().spacing.x));
   const ValueRange range = whole_range(context, jobs.volume());
   if (context.config.labels.mode != LabelMode::off)
     throw InputError(fmt::format(

@@ -19,7 +19,7 @@ constexpr std::int64_t bricks_to_look_at = 125;
 
 // Of ordinary scans at the default settings, a brick of 64^3 cells: what a look at the volume's own
 // bricks replaces.
-constexpr BrickSample usual{1, 1, 2500, 2800, 150'000, 0.008, 0};
+constexpr BrickSample usual{1, 1, 2500, 2800, 150'000, 0.008, {}};
 
 // Bytes a vertex: a tile artifact, and one asset with its normals.
 constexpr double tile_bytes = 62, asset_bytes = 6;
@@ -119,9 +119,10 @@ std::string to_text(const WorkPlan& plan) {
   std::string text;
   if (plan.sample)
     text += fmt::format(
-        "Estimated from {} of {} bricks (isovalue {}, {:.0f} % with a surface) and rates measured "
+        "Estimated from {} of {} bricks ({}{:.0f} % with a surface) and rates measured "
         "elsewhere:\n",
-        plan.sample->bricks, plan.bricks, plan.sample->isovalue,
+        plan.sample->bricks, plan.bricks,
+        plan.sample->isovalue ? fmt::format("isovalue {}, ", *plan.sample->isovalue) : "",
         100.0 * static_cast<double>(plan.sample->active) /
             static_cast<double>(plan.sample->bricks));
   else

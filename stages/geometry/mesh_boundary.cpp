@@ -79,6 +79,16 @@ MeshBoundary boundary_of(const TriangleMesh& mesh) {
   return boundary;
 }
 
+Bounds bounds_of(const TriangleMesh& mesh) {
+  Bounds bounds{mesh.vertices.at(0), mesh.vertices.at(0)};
+  for (const Vec3& v : mesh.vertices)
+    for (int a = 0; a < 3; ++a) {
+      bounds.lo[a] = std::min(bounds.lo[a], v[a]);
+      bounds.hi[a] = std::max(bounds.hi[a], v[a]);
+    }
+  return bounds;
+}
+
 double signed_volume(const TriangleMesh& mesh) {
   if (mesh.vertices.empty()) return 0;
   // From a corner of the mesh, so that places far from 0 cancel nothing.

@@ -1,9 +1,10 @@
-// Where a triangle mesh is not closed.
+// Where a triangle mesh is not closed, and how large it is.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "stages/geometry/solid.h"
 #include "storage/types/triangle_mesh.h"
 
 namespace voxweld {
@@ -23,6 +24,9 @@ struct MeshBoundary {
 // Edges of more than two triangles are no boundary as long as their number is even: rows still
 // cross such a mesh an even number of times. Which way triangles wind is not asked.
 MeshBoundary boundary_of(const TriangleMesh& mesh);
+
+// Of its vertices. Precondition: there are any.
+Bounds bounds_of(const TriangleMesh& mesh);
 
 // Of what it encloses; negative where the triangles wind inward.
 double signed_volume(const TriangleMesh& mesh);

@@ -15,12 +15,18 @@ namespace {
 
 using Parser = TriangleMesh (*)(const MeshBytes&);
 
-Parser parser_for(const std::filesystem::path& path) {
+// Null where the name is of no known format.
+Parser parser_by_name(const std::filesystem::path& path) {
   const std::string extension = lower(path.extension().string());
   if (extension == ".stl") return parse_stl;
   if (extension == ".off") return parse_off;
   if (extension == ".obj") return parse_obj;
   if (extension == ".ply") return parse_ply;
+  return nullptr;
+}
+
+Parser parser_for(const std::filesystem::path& path) {
+  if (const Parser parser = parser_by_name(path); parser != nullptr) return parser;
   throw InputError(
       fmt::format("{}: expected a mesh in a file named .stl, .off, .obj or .ply", path.string()));
 }
@@ -132,13 +138,17 @@ void PolygonFans::end(const MeshBytes& file) {
     file.fail(fmt::format("more than {} triangles", most_mesh_triangles));
 }
 
+bool is_mesh_name(const std::filesystem::path& path) {
+  return parser_by_name(path) != nullptr;
+}
+
 MeshFile read_mesh_file(const std::filesystem::path& path) {
   const Parser parse = parser_for(path);
   check_is_there(path);
   const std::string name = path.string();
   const std::vector<std::byte> bytes = read_whole_file(path);
   const MeshBytes file{name, bytes};
-  MeshFile result{parse(file), hash_bytes(bytes)};
+  MeshFile result{parse(file), hash_bytes(bytes), lower(path.extension().string()).substr(1)};
   check_finite(file, result.mesh);
   weld(result.mesh);
   if (result.mesh.triangles.empty()) file.fail("no triangles");

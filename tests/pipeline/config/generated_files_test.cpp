@@ -107,8 +107,13 @@ TEST(GeneratedFiles, ExampleIsTheDefaults) {
 // Every line that is commented out must be right too when its mark is taken away.
 TEST(GeneratedFiles, ExampleLoadsWithEveryKeyActive) {
   std::string text = reference_config();
+  const auto is_of_meshes = [](const Setting& s) {
+    return s.description.starts_with("Meshes only");
+  };
   for (const Setting& setting : settings())
-    if (const auto at = text.find("\n# " + setting.key + " = "); at != std::string::npos)
+    if (is_of_meshes(setting))
+      continue;
+    else if (const auto at = text.find("\n# " + setting.key + " = "); at != std::string::npos)
       text.erase(at + 1, 2);
   for (std::size_t at = text.find("\n# [[edit]]\n"); at != std::string::npos;
        at = text.find("\n# ", at + 1))
@@ -118,6 +123,35 @@ TEST(GeneratedFiles, ExampleLoadsWithEveryKeyActive) {
   for (std::size_t i = 0; i < all_shapes.size(); ++i)
     EXPECT_EQ(config.edits[i].shape, all_shapes[i]);
   EXPECT_TRUE(config.input.crop && config.input.size && config.input.type);
+  for (const char* fineness : {"resolution", "cell"}) {
+    text = reference_config();
+    for (const std::string& key : {std::string(fineness), std::string("margin")})
+      text.erase(text.find("\n# " + key + " = ") + 1, 2);
+    text.replace(text.find("scan.nrrd"), 9, "scan.stl");
+    text.erase(text.find("isovalue = \"otsu\"\n"), 18);
+    EXPECT_EQ(testing::parse(text).input.format, InputConfig::Format::mesh);
+  }
+}
+
+TEST(CommentedConfig, OfAMeshLeavesOutWhatMeshesDoNotTake) {
+  MeshSuggestion mesh;
+  mesh.path = "part.off";
+  mesh.format = "off";
+  mesh.triangles = 12;
+  mesh.vertices = 8;
+  mesh.hi = {1, 2, 3};
+  mesh.geometry.size = {20, 30, 40};
+  mesh.geometry.spacing = {0.1, 0.1, 0.1};
+  mesh.cell = 0.1;
+  const std::string text = commented_config(mesh);
+  EXPECT_EQ(testing::parse(text), testing::parse("input.path = \"part.off\"\ninput.cell = 0.1\n"));
+  EXPECT_THAT(text, HasSubstr("# 12 triangles and 8 vertices, closed, read as off\n"
+                              "# from 0.0, 0.0, 0.0 to 1.0, 2.0, 3.0\n"
+                              "# sampled at 20 x 30 x 40 places, 0.1 apart\n"));
+  EXPECT_THAT(text, HasSubstr("\n# resolution = "));
+  EXPECT_THAT(text, Not(HasSubstr("isovalue = ")));
+  EXPECT_THAT(text, Not(HasSubstr("header_bytes")));
+  EXPECT_THAT(text, Not(HasSubstr("\n\n\n")));
 }
 
 VolumeInfo head() {

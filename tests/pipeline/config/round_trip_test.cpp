@@ -68,6 +68,19 @@ InputConfig any_input() {
   return in;
 }
 
+InputConfig any_mesh() {
+  InputConfig in;
+  in.path = any_path().string() + ".stl";
+  in.format = InputConfig::Format::mesh;
+  if (chance())
+    in.resolution = *rc::gen::inRange<std::int64_t>(4, 500000);
+  else
+    in.cell = any_positive();
+  in.margin = *rc::gen::inRange<std::int64_t>(1, 100);
+  if (chance()) in.unit = "mm";
+  return in;
+}
+
 WorkConfig any_work() {
   WorkConfig work;
   work.directory = any_path();
@@ -115,18 +128,29 @@ SlurmConfig any_slurm() {
   return slurm;
 }
 
+SurfaceConfig any_surface() {
+  SurfaceConfig surface;
+  if (chance()) surface.isovalue = any_finite();
+  surface.inside = any_of<SurfaceConfig::Inside>(2);
+  if (surface.inside == SurfaceConfig::Inside::above && chance()) {
+    surface.label = *rc::gen::inRange<std::uint64_t>(0, std::uint64_t{1} << 63);
+    surface.isovalue = static_cast<double>(*surface.label);
+  }
+  surface.border = any_of<SurfaceConfig::Border>(2);
+  surface.gradient = any_of<SurfaceConfig::Gradient>(2);
+  return surface;
+}
+
 Config any_config() {
   Config config;
   config.input = any_input();
   config.work = any_work();
-  if (chance()) config.surface.isovalue = any_finite();
-  config.surface.inside = any_of<SurfaceConfig::Inside>(2);
-  if (config.surface.inside == SurfaceConfig::Inside::above && chance()) {
-    config.surface.label = *rc::gen::inRange<std::uint64_t>(0, std::uint64_t{1} << 63);
-    config.surface.isovalue = static_cast<double>(*config.surface.label);
+  config.surface = any_surface();
+  if (chance()) {
+    config.input = any_mesh();
+    config.surface = {};
+    config.surface.isovalue = 1;  // what stands for it inside
   }
-  config.surface.border = any_of<SurfaceConfig::Border>(2);
-  config.surface.gradient = any_of<SurfaceConfig::Gradient>(2);
   config.simplify.enabled = chance();
   config.simplify.tolerance = any_positive();
   config.simplify.tolerance_unit = any_of<SimplifyConfig::Unit>(2);
@@ -165,6 +189,9 @@ format = "auto"
 # type: none; raw files need it
 endian = "little"
 header_bytes = 0
+# resolution: none; meshes need it, or input.cell
+# cell: none; meshes need it, or input.resolution
+margin = 1
 
 [work]
 directory = "/data/scan.work"

@@ -37,6 +37,9 @@ const std::map<std::string, KeyChange>& key_changes() {
       {"input.type", {"\"int8\"", {ingest, build}}},
       {"input.endian", {"\"big\"", {ingest, build}}},
       {"input.header_bytes", {"1", {ingest, build}}},
+      {"input.resolution", {"100", {build, merge, stitch}}},
+      {"input.cell", {"0.25", {build, merge, stitch}}},
+      {"input.margin", {"3", {build, merge, stitch}}},
       {"work.directory", {"\"elsewhere\"", {}}},
       {"work.chunk", {"64", {ingest}}},
       {"work.brick", {"32", {ingest, build}}},
@@ -80,22 +83,27 @@ const std::map<std::string, KeyChange>& key_changes() {
   return changes;
 }
 
+// Of an input that takes the key.
+std::string base_text(const std::string& key = {}) {
+  if (key == "input.cell") return "input.path = \"part.stl\"\ninput.cell = 0.5\n";
+  if (key == "input.resolution" || key == "input.margin")
+    return "input.path = \"part.stl\"\ninput.resolution = 50\n";
+  return least_config("input.format = \"raw\"\ninput.size = [8, 8, 8]\ninput.type = \"uint8\"\n");
+}
+
 Config base() {
-  return parse(
-      least_config("input.format = \"raw\"\ninput.size = [8, 8, 8]\n"
-                   "input.type = \"uint8\"\n"));
+  return parse(base_text());
 }
 
 TEST(StageParameters, EveryKeyChangesItsStagesAndNoOther) {
-  const Config before = base();
   EXPECT_EQ(key_changes().size(), settings().size());
   for (const Setting& setting : settings()) {
     const auto found = key_changes().find(setting.name());
     ASSERT_NE(found, key_changes().end()) << setting.name();
     const auto& [value, expected] = found->second;
-    const Config after = parse(least_config("input.format = \"raw\"\ninput.size = [8, 8, 8]\n"
-                                            "input.type = \"uint8\"\n"),
-                               {setting.name() + "=" + value});
+    const std::string text = base_text(setting.name());
+    const Config before = parse(text);
+    const Config after = parse(text, {setting.name() + "=" + value});
     Stages changed;
     for (const Stage stage : all_stages)
       if (parameter_hash(before, stage) != parameter_hash(after, stage)) changed.insert(stage);
@@ -127,14 +135,17 @@ TEST(StageParameters, HowAValueIsWrittenDoesNotMatter) {
 
 TEST(StageParameters, AreNamedInTableOrder) {
   const auto parameters = stage_parameters(base(), Stage::stitch);
-  ASSERT_EQ(parameters.size(), 4U);
+  ASSERT_EQ(parameters.size(), 7U);
   EXPECT_EQ(parameters[0].name, "input.spacing");
   EXPECT_EQ(parameters[0].value, std::nullopt);
-  EXPECT_EQ(parameters[1].name, "surface.border");
-  EXPECT_EQ(parameters[1].value, ConfigValue{std::string("closed")});
-  EXPECT_EQ(parameters[2].name, "output.precision");
-  EXPECT_EQ(parameters[2].value, ConfigValue{0.01});
-  EXPECT_EQ(parameters[3].name, "output.normals");
+  EXPECT_EQ(parameters[1].name, "input.resolution");
+  EXPECT_EQ(parameters[2].name, "input.cell");
+  EXPECT_EQ(parameters[3].name, "input.margin");
+  EXPECT_EQ(parameters[4].name, "surface.border");
+  EXPECT_EQ(parameters[4].value, ConfigValue{std::string("closed")});
+  EXPECT_EQ(parameters[5].name, "output.precision");
+  EXPECT_EQ(parameters[5].value, ConfigValue{0.01});
+  EXPECT_EQ(parameters[6].name, "output.normals");
 }
 
 TEST(StageParameters, ChangesAreToldAsToml) {

@@ -82,8 +82,8 @@ TEST(StructureError, MissingKeys) {
   EXPECT_EQ(
       error_of("[surface]\nisovalue = 3\n"),
       "/data/scan.toml: missing key input.path (expected a path in quotes): The volume: a "
-      "file, a directory of slices or a Zarr array. What it holds decides what is done again, "
-      "not its name.");
+      "file, a directory of slices or a Zarr array; or a closed triangle mesh in an .stl, .off, "
+      ".obj or .ply file. What it holds decides what is done again, not its name.");
   EXPECT_EQ(error_of("[input]\npath = \"a\"\n"),
             "/data/scan.toml: missing key surface.isovalue (expected a finite number or \"otsu\"): "
             "The sample value the surface runs through; \"otsu\" chooses it from the histogram.");

@@ -50,8 +50,8 @@ const std::vector<WrongKey>& wrong_keys() {
          "\"a\\u0009b\" (a string); it holds a control character; write backslashes twice"},
         {"[\"a\"]", "[\"a\"] (a list of 1); write paths in quotes"}}},
       {"input.format",
-       "\"auto\", \"nrrd\", \"metaimage\", \"nifti\", \"raw\", \"stack\", \"zarr\" or \"empty\" "
-       "(default: "
+       "\"auto\", \"nrrd\", \"metaimage\", \"nifti\", \"raw\", \"stack\", \"zarr\", \"empty\" "
+       "or \"mesh\" (default: "
        "\"auto\")",
        {{"\"NRRD\"", "\"NRRD\" (a string); did you mean \"nrrd\"?"},
         {"\"bmp\"", "\"bmp\" (a string)"},
@@ -88,6 +88,13 @@ const std::vector<WrongKey>& wrong_keys() {
       {"input.header_bytes",
        "an integer of at least 0 (default: 0)",
        {{"-1", "-1"}, {"1.0", "1.0"}, {"\"8\"", "\"8\" (a string); write numbers without quotes"}}},
+      {"input.resolution",
+       "an integer from 4 to 524280 (default: none; meshes need it, or input.cell)",
+       {{"3", "3"}, {"524281", "524281"}, {"256.0", "256.0"}}},
+      {"input.cell",
+       "a finite number above 0 (default: none; meshes need it, or input.resolution)",
+       {{"0", "0"}, {"-0.1", "-0.1"}, {"nan", "nan"}}},
+      {"input.margin", "an integer from 1 to 65536 (default: 1)", {{"0", "0"}, {"2.5", "2.5"}}},
       {"work.directory",
        a_path + " (default: \"<config name>.work\" beside the config)",
        {{"false", "false (a boolean); write paths in quotes"}, {"\"\"", "\"\" (a string)"}}},

@@ -6,24 +6,16 @@
 #include <fstream>
 #include <random>
 
-#include "pipeline/mesh/load.h"
 #include "pipeline/mesh/verify.h"
 #include "storage/readers/mesh_file.h"
 #include "storage/support/file_io.h"
-#include "tests/pipeline/run/scene.h"
+#include "tests/pipeline/run/mesh_scene.h"
 #include "tests/support/nearest_triangle.h"
 
 namespace voxweld::testing {
 namespace {
 
 namespace fs = std::filesystem;
-
-void write_off(const fs::path& path, const TriangleMesh& mesh) {
-  std::ofstream out(path);
-  out << fmt::format("OFF\n{} {} 0\n", mesh.vertices.size(), mesh.triangles.size());
-  for (const Vec3& v : mesh.vertices) out << fmt::format("{} {} {}\n", v.x, v.y, v.z);
-  for (const auto& t : mesh.triangles) out << fmt::format("3 {} {} {}\n", t[0], t[1], t[2]);
-}
 
 // Empty space around a mesh, which lies in it by its center alone.
 class MeshScene {
@@ -55,23 +47,7 @@ class MeshScene {
     return to_hex(hash_bytes(read_whole_file(scene_.output() / "mesh.drc")));
   }
   // What came out, in the mesh's own coordinates.
-  TriangleMesh result() const {
-    const DecodedMesh decoded = load_mesh(scene_.output() / "mesh.drc");
-    TriangleMesh mesh;
-    // A vertex with several normals, as on sharp edges, is stored once for each.
-    std::map<std::array<double, 3>, std::uint32_t> known;
-    std::vector<std::uint32_t> becomes;
-    for (const auto& p : decoded.positions) {
-      const Vec3 v = Vec3{p[0], p[1], p[2]} - center;
-      const auto [found, added] =
-          known.try_emplace({v.x, v.y, v.z}, static_cast<std::uint32_t>(mesh.vertices.size()));
-      if (added) mesh.vertices.push_back(v);
-      becomes.push_back(found->second);
-    }
-    for (const auto& t : decoded.triangles)
-      mesh.triangles.push_back({becomes[t[0]], becomes[t[1]], becomes[t[2]]});
-    return mesh;
-  }
+  TriangleMesh result() const { return welded_mesh(scene_.output() / "mesh.drc", Vec3{} - center); }
 
   double cell = 1;
   Index3 size;
@@ -81,37 +57,6 @@ class MeshScene {
   Scene scene_;
 };
 
-struct Spread {
-  double sum = 0, most = 0;
-  std::size_t count = 0, near = 0;
-  void add(double value, double limit) {
-    sum += value;
-    most = std::max(most, value);
-    ++count;
-    near += value <= limit ? 1 : 0;
-  }
-  double mean() const { return sum / static_cast<double>(count); }
-  double share() const { return static_cast<double>(near) / static_cast<double>(count); }
-};
-
-Spread distances(const std::vector<Vec3>& points, const TriangleMesh& mesh, double cell) {
-  const NearestTriangle nearest(mesh, 2 * cell);
-  Spread spread;
-  for (const Vec3& p : points) spread.add(nearest.distance_to(p) / cell, 0.1);
-  return spread;
-}
-
-// Points of edges, half a cell apart.
-std::vector<Vec3> points_on(const TriangleMesh& edges, double cell) {
-  std::vector<Vec3> points;
-  for (const auto& t : edges.triangles) {
-    const Vec3 a = edges.vertices[t[0]], b = edges.vertices[t[1]];
-    const int count = 1 + static_cast<int>(std::sqrt(dot(b - a, b - a)) / (0.5 * cell));
-    for (int i = 0; i < count; ++i) points.push_back(a + (b - a) * ((i + 0.5) / count));
-  }
-  return points;
-}
-
 struct SharedMesh {
   const char* file;
   bool sharp;
@@ -119,8 +64,8 @@ struct SharedMesh {
 class SharedMeshes : public ::testing::TestWithParam<SharedMesh> {};
 
 TEST_P(SharedMeshes, ComeOutAsTheyWentIn) {
-  const fs::path path = fs::path(VOXWELD_SHARED_DATA) / GetParam().file;
-  if (!fs::exists(path)) GTEST_SKIP() << path << " is not there";
+  const fs::path path = shared_mesh(GetParam().file);
+  if (path.empty()) GTEST_SKIP() << GetParam().file << " is not there";
   const TriangleMesh mesh = read_mesh_file(path).mesh;
   const MeshScene space(path, mesh, 256);
   VOXWELD_EXPECT_DONE(space.scene().run());
