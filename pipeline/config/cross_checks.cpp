@@ -118,6 +118,10 @@ class CrossChecks {
   void labels() const {
     const SurfaceConfig& surface = config_.surface;
     if (config_.labels.mode == LabelMode::off) return;
+    if (config_.input.format == InputConfig::Format::mesh)
+      fail({"labels.mode", "input.path"},
+           "a mesh has no labels; for solids of several, give empty space and [[edit]] tables of "
+           "shape mesh");
     if (surface.label)
       fail({"surface.label", "labels.mode"}, "labels.mode chooses labels too; remove one of them");
     if (surface.inside == SurfaceConfig::Inside::below)
