@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "pipeline/config/label_list.h"
+
 namespace voxweld::binding {
 
 Binding crop() {
@@ -95,6 +97,33 @@ Binding label() {
           [](const Config& c) -> std::optional<ConfigValue> {
             if (!c.surface.label) return std::nullopt;
             return ConfigValue{static_cast<std::int64_t>(*c.surface.label)};
+          }};
+}
+
+Binding selected_labels() {
+  using Select = LabelsConfig::Select;
+  static const std::vector<std::string> words = {"all", "mapped"};
+  return {LabelListRule{words},
+          [](Config& c, const ConfigValue& v) {
+            const auto* list = v.list();
+            c.labels.select = list != nullptr      ? Select::listed
+                              : *v.text() == "all" ? Select::all
+                                                   : Select::mapped;
+            c.labels.selected =
+                list == nullptr ? std::vector<LabelRange>() : label_ranges_of(*list);
+          },
+          [](const Config& c) -> std::optional<ConfigValue> {
+            if (c.labels.select == Select::listed)
+              return ConfigValue{label_items(c.labels.selected)};
+            return ConfigValue{words[static_cast<std::size_t>(c.labels.select)]};
+          }};
+}
+
+Binding background() {
+  return {LabelListRule{{}, true},
+          [](Config& c, const ConfigValue& v) { c.labels.background = label_ranges_of(*v.list()); },
+          [](const Config& c) -> std::optional<ConfigValue> {
+            return ConfigValue{label_items(c.labels.background)};
           }};
 }
 

@@ -30,6 +30,8 @@ Binding raw_size();
 Binding raw_type();
 Binding isovalue();
 Binding label();
+Binding selected_labels();
+Binding background();
 
 // Members of a common form, named by their group and member.
 template <class Group, class T>

@@ -35,7 +35,9 @@ std::string sample_value(const Setting& setting) {
       {"input.type", "\"uint16\""},
       {"input.resolution", "512"},
       {"input.cell", "0.1"},
+      {"surface.isovalue", "\"otsu\""},
       {"surface.label", "7"},
+      {"labels.map", "\"labels.csv\""},
       {"work.directory", "\"scan.work\""},
       {"output.directory", "\"scan.mesh\""}};
   const auto found = samples.find(setting.name());
@@ -141,9 +143,14 @@ Active active_for(const VolumeInfo& info, const InitSuggestion& suggestion) {
   if (suggestion.spacing)
     active["input.spacing"] = fmt::format("[{}, {}, {}]", real(suggestion.spacing->x),
                                           real(suggestion.spacing->y), real(suggestion.spacing->z));
-  active["surface.isovalue"] = real(suggestion.isovalue);
-  active["surface.inside"] =
-      suggestion.inside == SurfaceConfig::Inside::above ? "\"above\"" : "\"below\"";
+  if (suggestion.labels) {
+    active["labels.mode"] = "\"each\"";
+    active["labels.background"] = value_of("labels", "background");
+  } else {
+    active["surface.isovalue"] = real(suggestion.isovalue);
+    active["surface.inside"] =
+        suggestion.inside == SurfaceConfig::Inside::above ? "\"above\"" : "\"below\"";
+  }
   return active;
 }
 
@@ -155,7 +162,7 @@ std::string commented_config(const VolumeInfo& info, const InitSuggestion& sugge
   const Active active = active_for(info, suggestion);
   for (const std::string& table : table_names()) {
     text += table_text(table, active, of_meshes());
-    if (table != "surface") continue;
+    if (table != "surface" || suggestion.labels) continue;
     // Where the number came from belongs beside it.
     const std::string line = "isovalue = ";
     text.insert(

@@ -14,6 +14,7 @@ namespace voxweld {
 // What looking at the volume suggests.
 struct InitSuggestion {
   std::string path;     // for input.path: absolute, or relative to where the config will lie
+  bool labels = false;  // mesh them, instead of the surface at an isovalue
   double isovalue = 0;  // finite
   SurfaceConfig::Inside inside = SurfaceConfig::Inside::above;
   double lowest = 0, highest = 0;  // of the samples

@@ -12,6 +12,7 @@
 
 #include "storage/support/hash.h"
 #include "storage/types/box.h"
+#include "storage/types/label_range.h"
 #include "storage/types/material.h"
 #include "storage/types/sample_type.h"
 #include "storage/types/solid.h"
@@ -88,7 +89,15 @@ struct SurfaceConfig {
 };
 
 struct LabelsConfig {
+  enum class Select : std::uint8_t { all, mapped, listed };
+
   LabelMode mode = LabelMode::off;
+  Select select = Select::all;
+  std::vector<LabelRange> selected;  // ascending, apart; empty unless select is `listed`
+  // Left out unless select is `listed`; ascending, apart.
+  std::vector<LabelRange> background = {{0, 0}};
+  std::filesystem::path map;                    // absolute; empty: none
+  std::int64_t min_voxels = 0, max_voxels = 0;  // of a material; 0: no limit
 
   friend bool operator==(const LabelsConfig&, const LabelsConfig&) = default;
 };

@@ -128,6 +128,20 @@ class CrossChecks {
       fail({"surface.inside", "labels.mode"}, "labels have no isovalue; remove this key");
     if (config_.simplify.topology == SimplifyConfig::Topology::free)
       fail({"simplify.topology", "labels.mode"}, "labels are simplified safely only");
+    if (config_.labels.mode == LabelMode::each &&
+        config_.input.format == InputConfig::Format::empty)
+      fail({"labels.mode", "input.format"},
+           "empty space has no labels; \"shared\" has those of the edits");
+  }
+
+  void chosen_labels() const {
+    const LabelsConfig& labels = config_.labels;
+    if (labels.select == LabelsConfig::Select::mapped && labels.map.empty())
+      fail({"labels.select"}, "there is no labels.map that names labels; give one, or a list");
+    if (labels.max_voxels != 0 && labels.min_voxels > labels.max_voxels)
+      fail({"labels.min_voxels", "labels.max_voxels"},
+           fmt::format("expected at most labels.max_voxels = {}; nothing would be left",
+                       labels.max_voxels));
   }
 
   // Edits stand in the file alone, so they are named by their numbers.
@@ -224,6 +238,7 @@ void check_across(const Config& config, const Places& places, const std::string&
   checks.mesh();
   checks.label();
   checks.labels();
+  checks.chosen_labels();
   checks.edits_of_labels();
   checks.work();
   checks.output();

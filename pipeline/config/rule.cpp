@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/config/label_list.h"
 #include "pipeline/config/overloaded.h"
 #include "pipeline/config/suggest.h"
 
@@ -261,7 +262,8 @@ std::string type_text(const Rule& rule) {
           [](const MemoryRule&) { return "string or integer"; },
           [](const NameRule&) { return "string"; }, [](const TimeLimitRule&) { return "string"; },
           [](const OptionListRule&) { return "list of strings"; },
-          [](const LineListRule&) { return "list of strings"; }},
+          [](const LineListRule&) { return "list of strings"; },
+          [](const LabelListRule& r) { return r.words.empty() ? "list" : "string or list"; }},
       rule);
 }
 
@@ -309,7 +311,14 @@ std::string accepted_text(const Rule& rule) {
           [](const OptionListRule&) {
             return std::string("a list of options, each text of one line beginning with -");
           },
-          [](const LineListRule&) { return std::string("a list of texts of one line each"); }},
+          [](const LineListRule&) { return std::string("a list of texts of one line each"); },
+          [](const LabelListRule& r) {
+            const std::string list = "a list of labels and ranges such as [1, 5, \"10-20\"]";
+            std::string words;
+            for (const std::string& word : r.words)
+              words += (words.empty() ? "" : ", ") + toml_string(word);
+            return words.empty() ? list : words + " or " + list;
+          }},
       rule);
 }
 
@@ -343,7 +352,8 @@ Verdict check(const Rule& rule, const ConfigValue& value) {
                  [&](const NameRule&) { return check_name(value); },
                  [&](const TimeLimitRule&) { return check_time_limit(value); },
                  [&](const OptionListRule& r) { return check_options(r.reserved, value); },
-                 [&](const LineListRule&) { return check_lines(value); }},
+                 [&](const LineListRule&) { return check_lines(value); },
+                 [&](const LabelListRule& r) { return check_label_list(r, value); }},
       rule);
 }
 

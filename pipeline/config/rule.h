@@ -49,11 +49,15 @@ struct OptionListRule {               // options of a program, each beginning wi
   std::vector<std::string> reserved;  // those the user may not give: "--array", "-a"
 };
 struct LineListRule {};  // texts of one line each
+struct LabelListRule {   // one of the words, or a list of labels and ranges of them
+  std::vector<std::string> words;
+  bool may_be_empty = false;  // the list
+};
 
-using Rule =
-    std::variant<PathRule, ChoiceRule, ChoiceListRule, FlagRule, SwitchRule, IntegerRule,
-                 PowerOfTwoRule, PositiveNumberRule, NumberOrWordRule, SpacingRule, IntegerListRule,
-                 TripleRule, MemoryRule, NameRule, TimeLimitRule, OptionListRule, LineListRule>;
+using Rule = std::variant<PathRule, ChoiceRule, ChoiceListRule, FlagRule, SwitchRule, IntegerRule,
+                          PowerOfTwoRule, PositiveNumberRule, NumberOrWordRule, SpacingRule,
+                          IntegerListRule, TripleRule, MemoryRule, NameRule, TimeLimitRule,
+                          OptionListRule, LineListRule, LabelListRule>;
 
 // Whether the rule takes one text and nothing else, so that on a command line quotes say nothing.
 // Choices are left out: a number in the place of a name is worth a message.

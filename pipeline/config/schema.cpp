@@ -92,6 +92,14 @@ struct RuleSchema {
   Json operator()(const LineListRule&) const {
     return {{"type", "array"}, {"items", {{"type", "string"}}}};
   }
+  Json operator()(const LabelListRule& rule) const {
+    Json list = {{"type", "array"},
+                 {"items", either(whole(0, std::numeric_limits<std::int64_t>::max()),
+                                  {{"type", "string"}, {"pattern", "^[0-9]+(-[0-9]+)?$"}})}};
+    if (!rule.may_be_empty) list["minItems"] = 1;
+    if (rule.words.empty()) return list;
+    return either({{"enum", rule.words}}, std::move(list));
+  }
 };
 
 Json key_schema(const KeyFacts& setting) {
@@ -197,39 +205,48 @@ void add_cross_checks(Json& tables) {
        {{"required", Json::array({"path"})},
         {"dependencies", {{"size", Json::array({"type"})}, {"type", Json::array({"size"})}}}}}};
   input["then"] = {{"required", Json::array({"path", "size", "type"})}};
+  tables["surface"].erase("required");  // said at the top, since not all configs need it
   tables["output"]["not"] = {
       {"properties", {{"tiles", {{"const", false}}}, {"merged", {{"const", false}}}}},
       {"required", Json::array({"tiles", "merged"})}};
+}
+
+// That the table's key has one of the values.
+Json has_value(const char* table, const char* key, Json values) {
+  const Json keys = {{"properties", {{key, {{"enum", std::move(values)}}}}},
+                     {"required", Json::array({key})}};
+  return {{"properties", {{table, keys}}}, {"required", Json::array({table})}};
+}
+
+// Neither empty space nor labels have an isovalue.
+Json surface_needed() {
+  Json surface;
+  surface["properties"]["surface"] =
+      either({{"required", Json::array({"isovalue"})}}, {{"required", Json::array({"label"})}});
+  surface["required"] = Json::array({"surface"});
+  Json json;
+  json["if"] = has_value("labels", "mode", Json::array({"each", "shared"}));
+  json["then"] = Json::object();
+  json["else"] = std::move(surface);
+  return json;
 }
 
 }  // namespace
 
 std::string config_schema_json() {
   Json tables = Json::object();
-  Json required = Json::array();
-  for (const std::string& table : table_names()) {
-    tables[table] = table_schema(table);
-    if (tables[table].contains("required")) required.push_back(table);
-  }
+  for (const std::string& table : table_names()) tables[table] = table_schema(table);
   add_cross_checks(tables);
   tables[std::string(edit_table)] = edits_schema();
-  // Neither empty space nor a mesh has an isovalue, and a label stands in its place.
-  required.erase(std::find(required.begin(), required.end(), "surface"));
-  tables["surface"].erase("required");
-  const Json by_samples = {
-      {"required", Json::array({"surface"})},
-      {"properties",
-       {{"surface", {{"anyOf", Json::array({requires_key("isovalue"), requires_key("label")})}}}}}};
   const Json otherwise = {{"if", {{"properties", {{"input", mesh_input()}}}}},
                           {"then", {{"properties", {{"input", one_fineness()}}}}},
-                          {"else", by_samples}};
-  const Json empty = {{"properties", {{"input", has_format("empty")}}}};
+                          {"else", surface_needed()}};
   const Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"},
                        {"title", "voxweld config"},
                        {"type", "object"},
                        {"additionalProperties", false},
-                       {"required", std::move(required)},
-                       {"if", empty},
+                       {"required", Json::array({"input"})},
+                       {"if", has_value("input", "format", Json::array({"empty"}))},
                        {"then", {{"required", Json::array({"edit"})}}},
                        {"else", otherwise},
                        {"properties", std::move(tables)}};

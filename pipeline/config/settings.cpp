@@ -62,6 +62,11 @@ Setting required(Setting setting) {
   return setting;
 }
 
+Setting by_effect(Setting setting) {
+  setting.by_effect = true;
+  return setting;
+}
+
 std::vector<Setting> input_settings() {
   using In = InputConfig;
   constexpr auto in = &Config::input;
@@ -182,6 +187,29 @@ std::vector<Setting> labels_settings() {
            "closed mesh for every label; \"shared\": one complex of all of them, in which "
            "neighbours have the same triangles."},
           binding::choice(labels, &Labels::mode, {"off", "each", "shared"}), build),
+      by_effect(row({"labels", "select",
+                     "The labels to mesh: \"all\", \"mapped\" (those that labels.map names) or a "
+                     "list. They are sample values, before labels.map merges any; those above "
+                     "9223372036854775807 are written in quotes."},
+                    binding::selected_labels(), build)),
+      by_effect(row(
+          {"labels", "background", "Labels that are left out, unless labels.select lists them."},
+          binding::background(), build)),
+      by_effect(
+          row({"labels", "map",
+               "A file that merges labels, leaves some out, and gives names and colours: CSV, "
+               "JSON, a colour table of 3D Slicer or label descriptions of ITK-SNAP. Labels "
+               "it does not name are kept. What it holds decides what is done again, not its "
+               "name.",
+               "none"},
+              binding::path(labels, &Labels::map), build)),
+      by_effect(row(
+          {"labels", "min_voxels", "Leave out what has fewer samples, after labels were merged."},
+          binding::integer(labels, &Labels::min_voxels, IntegerRule{0, no_limit}), build)),
+      by_effect(row({"labels", "max_voxels",
+                     "Leave out what has more samples, after labels were merged; 0: no limit."},
+                    binding::integer(labels, &Labels::max_voxels, IntegerRule{0, no_limit}),
+                    build)),
   };
 }
 

@@ -41,6 +41,9 @@ struct Setting : KeyFacts {
   // The stages whose artifact bytes the value may change, beyond what reaches them through their
   // inputs. Empty: no result depends on it.
   std::vector<Stage> stages;
+  // Their artifacts are keyed by what the value comes to (which label stands for what), not by the
+  // value itself: it is in no parameter_hash().
+  bool by_effect = false;
 
   // Precondition: check(rule, value) accepts; a path is absolute.
   std::function<void(Config&, const ConfigValue&)> set;
@@ -66,10 +69,9 @@ struct StageParameter {
   friend bool operator==(const StageParameter&, const StageParameter&) = default;
 };
 
-// The settings a stage reads, in table order, in canonical form: equal for configs that ask the
-// same of the stage, however they are written.
-// A volume's isovalue may be left to "otsu"; keys of artifacts need the number, so callers put it
-// into config.surface.isovalue first.
+// The settings a stage is keyed by, in table order, in canonical form: equal for configs that ask
+// the same of the stage, however they are written. A volume's isovalue may be left to "otsu"; keys
+// of artifacts need the number, so callers put it into config.surface.isovalue first.
 std::vector<StageParameter> stage_parameters(const Config& config, Stage stage);
 // What of the config goes into the keys and paths of the stage's artifacts. Edits do not: each
 // shard of the build is keyed by those that touch it, so that a changed edit rebuilds no other.

@@ -74,7 +74,8 @@ std::string ChangedSetting::text() const {
 std::vector<StageParameter> stage_parameters(const Config& config, Stage stage) {
   std::vector<StageParameter> parameters;
   for (const Setting& setting : settings())
-    if (setting.read_by(stage)) parameters.push_back({setting.name(), setting.get(config)});
+    if (setting.read_by(stage) && !setting.by_effect)
+      parameters.push_back({setting.name(), setting.get(config)});
   return parameters;
 }
 

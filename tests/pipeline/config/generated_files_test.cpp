@@ -187,6 +187,17 @@ TEST(CommentedConfig, SaysWhatWasSuggested) {
   EXPECT_THAT(text, Not(HasSubstr("\n\n\n")));
 }
 
+TEST(CommentedConfig, OfLabels) {
+  InitSuggestion s = suggestion();
+  s.labels = true;
+  const std::string text = commented_config(head(), s);
+  EXPECT_EQ(testing::parse(text),
+            testing::parse("input.path = \"head.nii\"\nlabels.mode = \"each\"\n"));
+  EXPECT_THAT(text, HasSubstr("\n# isovalue = \"otsu\"\n"));
+  EXPECT_THAT(text, HasSubstr("\nbackground = [0]\n"));
+  EXPECT_THAT(text, Not(HasSubstr("Suggested by")));
+}
+
 TEST(CommentedConfig, SaysTheLayoutOfRawFiles) {
   VolumeInfo info = head();
   info.format = "raw";

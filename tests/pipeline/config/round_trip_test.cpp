@@ -92,6 +92,37 @@ WorkConfig any_work() {
   return work;
 }
 
+// Ascending and apart, as they are kept; the first may be empty.
+std::vector<LabelRange> any_ranges() {
+  std::vector<LabelRange> ranges;
+  std::uint64_t next = *rc::gen::inRange<std::uint64_t>(0, 1000);
+  const int count = *rc::gen::inRange(0, 5);
+  for (int i = 0; i < count; ++i) {
+    const std::uint64_t first = next + (chance() ? 0 : std::uint64_t{1} << 60);
+    const std::uint64_t last = first + *rc::gen::inRange<std::uint64_t>(0, 10);
+    ranges.push_back({first, last});
+    next = last + 2 + *rc::gen::inRange<std::uint64_t>(0, 10);
+  }
+  if (chance()) ranges.push_back({std::uint64_t{1} << 63, highest_label});
+  return ranges;
+}
+
+LabelsConfig any_labels() {
+  LabelsConfig labels;
+  labels.mode = any_of<LabelMode>(3);
+  if (chance()) labels.map = any_path();
+  labels.background = any_ranges();
+  labels.selected = any_ranges();
+  using Select = LabelsConfig::Select;
+  if (!labels.selected.empty())
+    labels.select = Select::listed;
+  else if (!labels.map.empty() && chance())
+    labels.select = Select::mapped;
+  labels.min_voxels = *rc::gen::inRange<std::int64_t>(0, 1000);
+  if (chance()) labels.max_voxels = labels.min_voxels + *rc::gen::inRange<std::int64_t>(0, 1000);
+  return labels;
+}
+
 OutputConfig any_output() {
   OutputConfig output;
   output.directory = any_path();
@@ -157,6 +188,14 @@ Config any_config() {
   config.simplify.metric = any_of<SimplifyConfig::Metric>(2);
   config.simplify.topology = any_of<SimplifyConfig::Topology>(2);
   config.simplify.qef = any_of<SimplifyConfig::Qef>(2);
+  // Its modes exclude keys of other tables.
+  config.labels = any_labels();
+  if (config.labels.mode != LabelMode::off) {
+    config.surface.label.reset();
+    config.surface.inside = SurfaceConfig::Inside::above;
+    config.simplify.topology = SimplifyConfig::Topology::safe;
+    config.surface.isovalue = any_finite();
+  }
   config.output = any_output();
   config.run.executor = any_of<RunConfig::Executor>(2);
   config.slurm = any_slurm();

@@ -48,6 +48,12 @@ const std::map<std::string, KeyChange>& key_changes() {
       {"surface.isovalue", {"\"otsu\"", {build}}},
       {"surface.label", {"5", {build}}},  // the isovalue's number: another would contradict it
       {"labels.mode", {"\"each\"", {build}}},
+      // Keyed by what they come to: AreKeyedByEffect.
+      {"labels.select", {"[1]", {}}},
+      {"labels.background", {"[]", {}}},
+      {"labels.map", {"\"labels.csv\"", {}}},
+      {"labels.min_voxels", {"5", {}}},
+      {"labels.max_voxels", {"5", {}}},
       {"surface.inside", {"\"below\"", {build}}},
       {"surface.border", {"\"open\"", {build, stitch}}},
       {"surface.gradient", {"\"central\"", {build}}},
@@ -115,6 +121,17 @@ TEST(StageParameters, EveryKeyChangesItsStagesAndNoOther) {
     EXPECT_NE(differences[0].before, differences[0].after);
     EXPECT_NE(config_fingerprint(before), config_fingerprint(after)) << setting.name();
   }
+}
+
+TEST(StageParameters, AreKeyedByEffect) {
+  std::set<std::string> names;
+  for (const Setting& setting : settings()) {
+    if (!setting.by_effect) continue;
+    names.insert(setting.name());
+    EXPECT_EQ(setting.stages, std::vector{Stage::build}) << setting.name();
+  }
+  EXPECT_EQ(names, (std::set<std::string>{"labels.select", "labels.background", "labels.map",
+                                          "labels.min_voxels", "labels.max_voxels"}));
 }
 
 TEST(StageParameters, HowAValueIsWrittenDoesNotMatter) {

@@ -1,0 +1,24 @@
+// Labels and ranges of them as configs write them: [1, 5, "10-20", "18446744073709551614"].
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "pipeline/config/rule.h"
+#include "storage/types/label_range.h"
+
+namespace voxweld {
+
+// A label as an integer or as digits in quotes, or "first-last"; empty where it is neither.
+std::optional<LabelRange> label_range_of(const ConfigValue& item);
+
+// Ascending and apart: neighbours that touch are one range. Precondition: label_range_of takes
+// every item.
+std::vector<LabelRange> label_ranges_of(const ConfigValue::List& items);
+
+// The one way to write them.
+ConfigValue::List label_items(const std::vector<LabelRange>& ranges);
+
+Verdict check_label_list(const LabelListRule& rule, const ConfigValue& value);
+
+}  // namespace voxweld
