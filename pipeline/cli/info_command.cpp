@@ -24,6 +24,9 @@ void add_info_command(CLI::App& app, Program& program) {
                     "Reads all of it and compares it with its checksums; exit code 1 for damage");
   command->add_flag("--histogram", arguments->options.histogram,
                     "Looks at the samples of a volume however many there are");
+  command->add_flag(
+      "--labels", arguments->options.labels,
+      "Counts the labels of a volume: how many there are, the largest, the background");
   command->add_flag("--verbose", arguments->options.verbose,
                     "Also lists bricks, tiles, shards or files one by one");
   add_volume_options(*command, arguments->volume);

@@ -7,6 +7,7 @@
 #include "pipeline/cli/config_path.h"
 #include "pipeline/cli/volume_arguments.h"
 #include "pipeline/config/commented.h"
+#include "pipeline/info/label_survey.h"
 #include "pipeline/run/closed_mesh.h"
 #include "pipeline/run/mesh_input.h"
 #include "pipeline/run/open_input.h"
@@ -27,6 +28,7 @@ struct InitArguments {
   // How finely a mesh is sampled.
   std::optional<std::int64_t> resolution;
   std::optional<double> cell;
+  bool labels = false;
 };
 
 // Cells along a mesh's longest side where nothing is said of it.
@@ -88,8 +90,8 @@ SurfaceConfig::Inside suggest_inside(const Histogram& border, double isovalue,
   return above > below ? SurfaceConfig::Inside::below : SurfaceConfig::Inside::above;
 }
 
-InitSuggestion suggest(const InitArguments& arguments, const fs::path& config,
-                       const VolumeInfo& info, const ScanResult& scan) {
+void suggest_surface(const InitArguments& arguments, const VolumeInfo& info, const ScanResult& scan,
+                     InitSuggestion& suggestion) {
   const auto isovalue = suggest_isovalue(scan.histogram);
   if (!isovalue) {
     const std::string found = scan.range.empty ? "no sample is a number"
@@ -102,10 +104,16 @@ InitSuggestion suggest(const InitArguments& arguments, const fs::path& config,
   }
   if (isovalue->padding)
     spdlog::info("samples of {} are taken for padding and left out", *isovalue->padding);
-  InitSuggestion suggestion;
-  suggestion.path = path_for_config(arguments.volume.path, config);
   suggestion.isovalue = isovalue->threshold.value;
   suggestion.inside = suggest_inside(scan.border, suggestion.isovalue, isovalue->padding);
+}
+
+InitSuggestion suggest(const InitArguments& arguments, const fs::path& config,
+                       const VolumeInfo& info, const ScanResult& scan) {
+  InitSuggestion suggestion;
+  suggestion.path = path_for_config(arguments.volume.path, config);
+  suggestion.labels = arguments.labels;
+  if (!arguments.labels) suggest_surface(arguments, info, scan, suggestion);
   suggestion.lowest = scan.range.lo;
   suggestion.highest = scan.range.hi;
   suggestion.endian =
@@ -145,6 +153,15 @@ int init_mesh(const InitArguments& arguments) {
   return 0;
 }
 
+std::string found_text(const InitSuggestion& suggestion, const InfoDocument& labels) {
+  if (!suggestion.labels)
+    return fmt::format("surface.isovalue = {}, surface.inside = \"{}\"", suggestion.isovalue,
+                       suggestion.inside == SurfaceConfig::Inside::above ? "above" : "below");
+  return fmt::format("labels.mode = \"each\", of {} labels; {:.3g} % are of label 0",
+                     labels.at("distinct").get<std::uint64_t>(),
+                     100 * labels.at("background_share").get<double>());
+}
+
 int init(const InitArguments& arguments, Program& program) {
   const InputSpec spec = input_spec(arguments.volume);
   if (spec.format == "auto" && is_mesh_name(spec.path)) return init_mesh(arguments);
@@ -157,16 +174,19 @@ int init(const InitArguments& arguments, Program& program) {
   const std::shared_ptr<SampleSource> source = open_volume(spec, readers);
   const VolumeInfo& info = source->info();
   for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
-  const ScanResult scan = scan_in_order(*source, scan_hooks(program, "histogram"));
+  ScanResult scan;
+  InfoDocument labels;
+  if (arguments.labels)
+    labels = label_facts(*source, scan_hooks(program, "labels"), scan);
+  else
+    scan = scan_in_order(*source, scan_hooks(program, "histogram"));
   program.console->clear_status();
   const InitSuggestion suggestion = suggest(arguments, config, info, scan);
   write_config(config, with_unit(commented_config(info, suggestion), arguments.volume.unit));
   const Index3 size = info.geometry.size;
   fmt::print("{}: {} x {} x {} {} ({}), samples {} to {}\n", arguments.volume.path, size.x, size.y,
              size.z, sample_type_name(info.type), info.format, scan.range.lo, scan.range.hi);
-  fmt::print("{}: surface.isovalue = {}, surface.inside = \"{}\"\n", config.string(),
-             suggestion.isovalue,
-             suggestion.inside == SurfaceConfig::Inside::above ? "above" : "below");
+  fmt::print("{}: {}\n", config.string(), found_text(suggestion, labels));
   fmt::print("next: voxweld run {}\n", config.string());
   return 0;
 }
@@ -195,6 +215,8 @@ void add_init_command(CLI::App& app, Program& program) {
   command->add_option("--cell", arguments->cell, "Meshes: the side of a cell, in the mesh's unit")
       ->check(CLI::PositiveNumber)
       ->excludes(resolution);
+  command->add_flag("--labels", arguments->labels,
+                    "The samples are labels: a config that meshes each of them");
   add_volume_options(*command, arguments->volume);
   command->callback([&program, arguments] {
     program.run = [&program, arguments] { return init(*arguments, program); };

@@ -115,16 +115,16 @@ std::string facts(const VolumeInfo& info, const InitSuggestion& suggestion) {
   return text;
 }
 
+std::string default_of(const char* table, const char* key) {
+  return to_toml(*find_setting(table, key)->get(Config{}));
+}
+
 // Those one is likely to touch, whatever the input is, at their defaults.
 Active usual_keys() {
-  const Config defaults;
-  const auto value_of = [&](const char* table, const char* key) {
-    return to_toml(*find_setting(table, key)->get(defaults));
-  };
   Active active;
-  active["simplify.tolerance"] = value_of("simplify", "tolerance");
-  active["output.formats"] = value_of("output", "formats");
-  active["run.memory"] = value_of("run", "memory");
+  active["simplify.tolerance"] = default_of("simplify", "tolerance");
+  active["output.formats"] = default_of("output", "formats");
+  active["run.memory"] = default_of("run", "memory");
   return active;
 }
 
@@ -145,7 +145,7 @@ Active active_for(const VolumeInfo& info, const InitSuggestion& suggestion) {
                                           real(suggestion.spacing->y), real(suggestion.spacing->z));
   if (suggestion.labels) {
     active["labels.mode"] = "\"each\"";
-    active["labels.background"] = value_of("labels", "background");
+    active["labels.background"] = default_of("labels", "background");
   } else {
     active["surface.isovalue"] = real(suggestion.isovalue);
     active["surface.inside"] =

@@ -1,5 +1,6 @@
-// The artifacts of build, merge, stitch and encode, and ingest's histogram.
+// The artifacts of build, merge, stitch and encode, and ingest's histogram and labels.
 #include "pipeline/info/kinds.h"
+#include "pipeline/info/label_survey.h"
 #include "pipeline/run/asset_record.h"
 #include "pipeline/run/histogram_artifact.h"
 #include "storage/artifact/shard_artifact.h"
@@ -143,6 +144,15 @@ InfoDocument describe_histogram(const fs::path& path) {
   return document;
 }
 
+InfoDocument describe_labels(const fs::path& path) {
+  const LabelCounts counts(path);
+  InfoDocument document = artifact_document("label_counts", path);
+  document["key"] = to_hex(counts.key());
+  document["content_hash"] = to_hex(counts.content_hash());
+  document["labels"] = label_facts(counts);
+  return document;
+}
+
 InfoDocument describe_kind(const fs::path& path, const ArtifactHead& head,
                            const InfoOptions& options) {
   const std::string kind = head.name();
@@ -150,6 +160,7 @@ InfoDocument describe_kind(const fs::path& path, const ArtifactHead& head,
   if (kind == "tops") return describe_top(path, options);
   if (kind == "tile") return describe_tile(path);
   if (kind == "hist") return describe_histogram(path);
+  if (kind == "lcnt") return describe_labels(path);
   if (kind == "shrd") return describe_shard_record(path, options);
   if (kind == "spol") {
     const std::string name = path.string(), ending = spool_record_path("").string();

@@ -4,11 +4,13 @@
 #include <algorithm>
 
 #include "pipeline/info/kinds.h"
+#include "pipeline/info/label_survey.h"
 #include "pipeline/run/open_input.h"
 #include "storage/spool/spool.h"
 #include "storage/spool/spool_record.h"
 #include "storage/store/layout.h"
 #include "storage/store/shard_record.h"
+#include "storage/store/store_source.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "storage/types/value_range.h"
@@ -108,9 +110,16 @@ InfoDocument describe_volume(const InfoOptions& options) {
                         {"compression", compression_text(array)}};
   }
   const auto bytes = document["sample_bytes"].get<std::uint64_t>();
-  if (!options.histogram && !options.check && bytes > cheap_bytes) return document;
-  const ScanResult scan = scan_in_order(*source, options.hooks);
+  if (!options.histogram && !options.labels && !options.check && bytes > cheap_bytes)
+    return document;
+  ScanResult scan;
+  InfoDocument labels;
+  if (options.labels)
+    labels = label_facts(*source, options.hooks, scan);
+  else
+    scan = scan_in_order(*source, options.hooks);
   document["values"] = value_facts(scan.histogram, scan.range);
+  if (options.labels) document["labels"] = labels;
   if (options.check) {
     // Reading all of it is the check: a foreign file has no checksum but those of its format.
     document["check"] = CheckResult().facts();
@@ -146,6 +155,7 @@ InfoDocument describe_store(const fs::path& array, const InfoOptions& options) {
   document["compression"] = compression_text(layout.zarr());
   document["shards"] = {{"total", survey.total}, {"present", survey.present}};
   document["values"] = value_facts(survey.histogram, survey.range);
+  if (options.labels) document["labels"] = label_facts(StoreSource(layout), options.hooks);
   if (options.verbose) document["shard_list"] = survey.list;
   if (options.check) document["check"] = survey.check.facts();
   return document;

@@ -23,7 +23,7 @@ std::string known_kinds() {
     text += fmt::format("{}{}: {}", text.back() == '(' ? "" : "; ", reader.name, reader.files);
   return text +
          "), meshes as input (.stl, .off, .obj, .ply), brick stores, .octree, top.tree, .tile, "
-         ".record, .shard, histogram and spool files of "
+         ".record, .shard, .labels, histogram and spool files of "
          "a work directory, .drc and .glb meshes, output directories, work directories, "
          "manifest.json, tiles.jsonl and config files";
 }
@@ -56,9 +56,11 @@ std::string temporary_of(const fs::path& path) {
 
 // Names under which a run leaves artifacts: such a file without an artifact's header is damaged.
 bool named_as_artifact(const fs::path& path) {
-  for (const char* ending : {".octree", ".tile", ".record", ".shard"})
+  for (const char* ending : {".octree", ".tile", ".record", ".shard", ".labels"})
     if (path.extension() == ending) return true;
-  return path.filename() == "top.tree" || path.filename() == "histogram";
+  for (const char* name : {"top.tree", "histogram", "labels.all"})
+    if (path.filename() == name) return true;
+  return false;
 }
 
 InfoDocument small_document(const std::string& kind, const fs::path& path) {

@@ -25,6 +25,7 @@
 //   asset_record     key, vertices, triangles, quads, polygon_triangles, collinear, files [{path,
 //                    format, bytes, xxh3_128}]
 //   histogram        key, type, values
+//   label_counts     key, content_hash, labels
 //   shard_record     key, array, at, shard_bytes, shard_hash, values
 //   spool_record     key, data_hash, and the volume's keys
 //   zarr_chunk       array
@@ -44,6 +45,8 @@
 //
 // "values", where the samples were looked at: {samples, nan_samples, range [lo, hi], quantiles
 // {"1%" ... "99%"}, bins, suggested_isovalue {value, separability, padding} or null}.
+// "labels", where they were counted: {distinct, negative_samples, range [lo, hi], background_share
+// (of label 0), largest [{label, samples, share, from, to (the box that holds them, half-open)}]}.
 #pragma once
 
 #include <functional>
@@ -61,6 +64,7 @@ struct InfoOptions {
   InputSpec input;         // the path, and how to read it where it is headerless
   bool check = false;      // read everything and compare it with its checksums
   bool histogram = false;  // look at the samples of a volume however many there are
+  bool labels = false;     // count the labels of a volume
   bool verbose = false;    // lists of bricks, tiles, shards, files
   ScanHooks hooks;
 };

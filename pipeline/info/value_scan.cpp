@@ -51,6 +51,7 @@ ScanResult scan_in_order(const SampleSource& source, const ScanHooks& hooks) {
       samples.resize(static_cast<std::size_t>(band.count()) * sample_bytes(info.type));
       source.read(band, samples.data());
       result.range = merge(result.range, statistics.add(samples));
+      if (hooks.samples) hooks.samples(band, samples);
       border.clear();
       append_border(band, size, sample_bytes(info.type), samples, border);
       if (!border.empty()) border_statistics.add(border);

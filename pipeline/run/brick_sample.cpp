@@ -128,7 +128,8 @@ std::optional<BrickSample> sample_bricks(const RunContext& context, const Jobs& 
   }
   BrickSample sums;
   if (config.input.has_samples()) sums.isovalue = config.surface.isovalue;
-  const ContourParameters parameters = contour_parameters(config, *source);
+  const ContourParameters parameters =
+      contour_parameters(config, *source, jobs.chosen_labels(config));
   for (const Index3& brick : chosen) sampler.build(brick, parameters, sums);
   return sums;
 }

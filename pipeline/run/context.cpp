@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "pipeline/config/edits.h"
 #include "pipeline/config/settings.h"
 #include "pipeline/run/edit_meshes.h"
 #include "pipeline/run/encode_stage.h"
+#include "pipeline/run/label_rules.h"
 #include "pipeline/run/mesh_input.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
@@ -67,7 +69,8 @@ Edits make_edits(const Config& config, const SampleSource& source) {
 
 }  // namespace
 
-ContourParameters contour_parameters(const Config& config, const SampleSource& source) {
+ContourParameters contour_parameters(const Config& config, const SampleSource& source,
+                                     LabelParameters labels) {
   const VolumeGeometry& geometry = source.info().geometry;
   // The enumerators of both come in the order of the settings' table.
   ContourParameters p;
@@ -80,12 +83,7 @@ ContourParameters contour_parameters(const Config& config, const SampleSource& s
       config.surface.border == SurfaceConfig::Border::closed ? Border::closed : Border::open;
   p.surface.gradient =
       config.surface.gradient == SurfaceConfig::Gradient::eno ? Gradient::eno : Gradient::central;
-  p.labels.mode = config.labels.mode;
-  if (p.labels.mode != LabelMode::off) {
-    MaterialRules rules;
-    rules.ranges.push_back({0, 0, false, exterior});
-    p.labels.rules = std::make_shared<const MaterialRules>(std::move(rules));
-  }
+  p.labels = std::move(labels);
   const SimplifyConfig& s = config.simplify;
   p.simplify.enabled = s.enabled;
   p.simplify.tolerance =
@@ -116,7 +114,8 @@ VolumeGeometry output_geometry(const VolumeGeometry& geometry, const OutputLatti
   return output;
 }
 
-StagePaths stage_paths(const Config& config, const VolumeInfo& info) {
+StagePaths stage_paths(const Config& config, const VolumeInfo& info,
+                       const LabelParameters& labels) {
   const VolumeGeometry& g = info.geometry;
   const auto vec = [](KeyHasher& key, Vec3 v) { key.real(v.x).real(v.y).real(v.z); };
   StagePaths paths;
@@ -130,6 +129,7 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info) {
   build.text(sample_type_name(info.type));
   build.integer(g.size.x).integer(g.size.y).integer(g.size.z);
   vec(build, g.spacing);
+  if (labels.mode != LabelMode::off) build.hash(hash_of(*labels.rules));
   paths.build_key = build.finish();
   paths.build = work / ("build-" + short_hex(paths.build_key));
 

@@ -73,8 +73,9 @@ struct Volume {
 };
 
 // The contouring parameters the config asks for on this volume. Precondition: the isovalue is
-// resolved.
-ContourParameters contour_parameters(const Config& config, const SampleSource& source);
+// resolved; `labels` are of the same config.
+ContourParameters contour_parameters(const Config& config, const SampleSource& source,
+                                     LabelParameters labels);
 BrickGrid brick_grid(const Config& config, const VolumeGeometry& geometry);
 double smallest_spacing(const VolumeGeometry& geometry);
 
@@ -88,7 +89,7 @@ struct StagePaths {
   Hash128 build_key, merge_key, stitch_key, encode_key;  // parameters, all stages before included
 };
 // info: with output_geometry; for the ingest folder alone it is not looked at.
-StagePaths stage_paths(const Config& config, const VolumeInfo& info);
+StagePaths stage_paths(const Config& config, const VolumeInfo& info, const LabelParameters& labels);
 
 std::string short_hex(Hash128 hash);  // 12 digits
 // "<x>-<y>-<z>" and a folder for it that keeps every folder small.

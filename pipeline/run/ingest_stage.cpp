@@ -10,6 +10,8 @@
 #include "pipeline/config/settings.h"
 #include "pipeline/executor/probe.h"
 #include "pipeline/run/histogram_artifact.h"
+#include "pipeline/run/ingest_layout.h"
+#include "pipeline/run/label_ingest.h"
 #include "pipeline/run/open_input.h"
 #include "pipeline/run/recorded_input.h"
 #include "pipeline/run/spooled_input.h"
@@ -27,45 +29,6 @@ namespace {
 
 constexpr std::uint64_t band_bytes = std::uint64_t{8} << 20;  // read at once for a shard
 constexpr std::size_t records_ahead = 64;  // a record of 16-bit samples may take half a megabyte
-
-StoreLayout layout_of(const Config& config, const IngestJob& job) {
-  StoreLayout layout;
-  layout.array = job.folder / "volume.zarr";
-  layout.records = job.folder / "records";
-  layout.type = job.info.type;
-  layout.geometry = job.info.geometry;
-  layout.parameters.chunk = config.work.chunk;
-  layout.parameters.shard = config.work.brick * config.work.shard;
-  return layout;
-}
-
-// Of some of the input's files and how they are read.
-Hash128 files_stamp(const IngestJob& job, std::size_t begin, std::size_t end) {
-  KeyHasher stamp;
-  stamp.hash(job.parameters);
-  for (std::size_t i = begin; i < end; ++i) {
-    const InputFile& file = job.info.files[i];
-    stamp.text(file.path).integer(static_cast<std::int64_t>(file.size)).integer(file.mtime_ns);
-  }
-  return stamp.finish();
-}
-
-// What a store shard was made from.
-Hash128 shard_key(const IngestJob& job, const StoreLayout& layout, Index3 shard) {
-  if (!job.file_per_slice) return job.stamp;
-  const Box3 samples = layout.shard_samples(shard);
-  return files_stamp(job, static_cast<std::size_t>(samples.lo.z),
-                     static_cast<std::size_t>(samples.hi.z));
-}
-
-std::vector<Index3> shards_of(const StoreLayout& layout) {
-  std::vector<Index3> shards;
-  const Index3 grid = layout.shard_grid();
-  for (std::int64_t z = 0; z < grid.z; ++z)
-    for (std::int64_t y = 0; y < grid.y; ++y)
-      for (std::int64_t x = 0; x < grid.x; ++x) shards.push_back({x, y, z});
-  return shards;
-}
 
 Histogram store_histogram(const StoreLayout& layout) {
   Histogram histogram;
@@ -125,13 +88,27 @@ bool histogram_is_current(const IngestJob& job) {
   }
 }
 
+bool shard_is_written(const IngestJob& job, const StoreLayout& layout, Index3 shard) {
+  return !job.copy || shard_is_current(layout, shard, store_shard_key(job, layout, shard));
+}
+
+// Whether nothing is left to do for it. counted: nobody asks for its labels any more.
+bool shard_is_done(const IngestJob& job, const StoreLayout& layout, Index3 shard, bool counted) {
+  return shard_is_written(job, layout, shard) &&
+         (counted || shard_labels_are_counted(job, layout, shard));
+}
+
+bool needs_no_counts(const IngestJob& job) {
+  return !job.labels || labels_are_counted(job);
+}
+
 // Units are numbered as shards_of; ascending.
 std::vector<std::uint64_t> missing_of(const RunContext& context, const StoreLayout& layout,
                                       const IngestJob& job) {
   const std::vector<Index3> shards = shards_of(layout);
+  const bool counted = needs_no_counts(job);
   const auto missing = probe_which(shards.size(), [&](std::size_t i) {
-    return context.selection.contains(i) &&
-           !shard_is_current(layout, shards[i], shard_key(job, layout, shards[i]));
+    return context.selection.contains(i) && !shard_is_done(job, layout, shards[i], counted);
   });
   return {missing.begin(), missing.end()};
 }
@@ -174,7 +151,7 @@ class ShardSource {
   ShardSource(RunContext& context, const IngestJob& job, const std::vector<std::uint64_t>& missing)
       : input_(job.input ? job.input : open_input(context.config)) {
     if (input_->info().access == Access::box) return;
-    const StoreLayout layout = layout_of(context.config, job);
+    const StoreLayout layout = store_layout(context.config, job);
     const std::vector<Index3> shards = shards_of(layout);
     LayerPlan plan{job.folder, job.stamp, layout.parameters.shard, {}};
     for (const std::uint64_t number : missing) ++plan.uses[shards[number].z];
@@ -203,11 +180,65 @@ class ShardSource {
   std::optional<LayerSpools> spools_;
 };
 
-void write_shards(RunContext& context, const IngestJob& job,
-                  const std::vector<std::uint64_t>& missing) {
-  const StoreLayout layout = layout_of(context.config, job);
+// Of some shards those that are not in the store.
+std::vector<std::uint64_t> unwritten_of(const IngestJob& job, const StoreLayout& layout,
+                                        const std::vector<std::uint64_t>& numbers) {
   const std::vector<Index3> shards = shards_of(layout);
-  const bool here = context.executor->in_process();
+  std::vector<std::uint64_t> unwritten;
+  for (const std::size_t i : probe_which(numbers.size(), [&](std::size_t n) {
+         return !shard_is_written(job, layout, shards[numbers[n]]);
+       }))
+    unwritten.push_back(numbers[i]);
+  return unwritten;
+}
+
+// Writes shards and counts their labels, in this process.
+class ShardWork {
+ public:
+  ShardWork(RunContext& context, const IngestJob& job, const StoreLayout& layout,
+            const std::vector<std::uint64_t>& missing)
+      : job_(job),
+        layout_(layout),
+        shards_(shards_of(layout)),
+        unwritten_(unwritten_of(job, layout, missing)),
+        counted_(needs_no_counts(job)),
+        counter_(job, layout) {
+    if (!unwritten_.empty()) source_.emplace(context, job, unwritten_);
+  }
+
+  struct Worker {
+    ShardScratch scratch;
+    HistogramStatistics statistics;
+    explicit Worker(SampleType type) : statistics(type) { scratch.band_bytes = band_bytes; }
+  };
+
+  void run(const Unit& unit, Worker& worker, WorkerContext& context) {
+    const Index3& shard = shards_[unit.key];
+    if (std::binary_search(unwritten_.begin(), unwritten_.end(), unit.key))
+      source_->with_samples(shard, [&](const SampleSource& samples) {
+        write_shard(layout_, shard, store_shard_key(job_, layout_, shard), samples,
+                    worker.statistics, worker.scratch);
+      });
+    if (!counted_ && !shard_labels_are_counted(job_, layout_, shard))
+      counter_.count(shard, context);
+    context.add_bytes(static_cast<std::uint64_t>(layout_.shard_samples(shard).count()) *
+                      sample_bytes(layout_.type));
+  }
+
+ private:
+  const IngestJob& job_;
+  const StoreLayout& layout_;
+  const std::vector<Index3> shards_;
+  const std::vector<std::uint64_t> unwritten_;  // ascending
+  const bool counted_;
+  ShardLabelCounter counter_;
+  std::optional<ShardSource> source_;
+};
+
+void do_shards(RunContext& context, const IngestJob& job,
+               const std::vector<std::uint64_t>& missing) {
+  const StoreLayout layout = store_layout(context.config, job);
+  const std::vector<Index3> shards = shards_of(layout);
   StageRun stage;
   stage.stage = "ingest";
   stage.noun = "shards";
@@ -215,48 +246,35 @@ void write_shards(RunContext& context, const IngestJob& job,
   stage.memory = ingest_memory(context.config, job);
   if (job.info.access != Access::box) stage.order = UnitOrder::as_given;  // slices rise
   stage.identity = job.folder.filename().string();
-  stage.done = [&](const Unit& unit) {
-    return shard_is_current(layout, shards[unit.key], shard_key(job, layout, shards[unit.key]));
+  stage.done = [&, counted = needs_no_counts(job)](const Unit& unit) {
+    return shard_is_done(job, layout, shards[unit.key], counted);
   };
   const int threads = stage_threads(context, stage.memory);
-  std::optional<ShardSource> source;
-  if (here && !missing.empty()) source.emplace(context, job, missing);
-  struct Worker {
-    ShardScratch scratch;
-    HistogramStatistics statistics;
-    explicit Worker(SampleType type) : statistics(type) {}
-  };
-  std::vector<std::unique_ptr<Worker>> workers;
-  for (int i = 0; i < threads; ++i) {
-    workers.push_back(std::make_unique<Worker>(layout.type));
-    workers.back()->scratch.band_bytes = band_bytes;
-  }
-  run_stage(
-      context, stage, units_of(layout, missing, job.info), threads,
-      [&](const Unit& unit, WorkerContext& worker_context) {
-        Worker& worker = *workers[static_cast<std::size_t>(worker_context.slot())];
-        const Index3& shard = shards[unit.key];
-        source->with_samples(shard, [&](const SampleSource& samples) {
-          write_shard(layout, shard, shard_key(job, layout, shard), samples, worker.statistics,
-                      worker.scratch);
-        });
-        worker_context.add_bytes(static_cast<std::uint64_t>(layout.shard_samples(shard).count()) *
-                                 sample_bytes(layout.type));
-      });
+  std::optional<ShardWork> work;
+  if (context.executor->in_process() && !missing.empty())
+    work.emplace(context, job, layout, missing);
+  std::vector<std::unique_ptr<ShardWork::Worker>> workers;
+  for (int i = 0; i < threads; ++i)
+    workers.push_back(std::make_unique<ShardWork::Worker>(layout.type));
+  run_stage(context, stage, units_of(layout, missing, job.info), threads,
+            [&](const Unit& unit, WorkerContext& worker) {
+              work->run(unit, *workers[static_cast<std::size_t>(worker.slot())], worker);
+            });
 }
 
-void run_copy(RunContext& context, const IngestJob& job) {
-  const StoreLayout layout = layout_of(context.config, job);
+void run_shards(RunContext& context, const IngestJob& job) {
+  const StoreLayout layout = store_layout(context.config, job);
   context.selection.check("ingest", "shards", shards_of(layout).size());
-  if (!store_metadata_is_current(layout)) write_store_metadata(layout);
+  if (job.copy && !store_metadata_is_current(layout)) write_store_metadata(layout);
   // From here on no other process has to look at every slice to know what they are.
   if (context.selection.all() && job.input && job.input->info().access != Access::box)
     record_input(job.folder, parameter_hash(context.config, Stage::ingest), job.info);
-  write_shards(context, job, missing_of(context, layout, job));
+  do_shards(context, job, missing_of(context, layout, job));
   if (!context.selection.all()) return;
   remove_spools(job.folder);
   if (job.histogram && !histogram_is_current(job))
     write_histogram_artifact(histogram_path(job), {job.stamp, store_histogram(layout)});
+  if (!needs_no_counts(job)) join_label_counts(context, job, layout);
 }
 
 }  // namespace
@@ -287,41 +305,53 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder)
   job.copy =
       (config.work.copy == WorkConfig::Copy::always || !by_box) && config.input.has_samples();
   job.histogram = !config.surface.isovalue.has_value();
+  job.labels = config.labels.mode != LabelMode::off;
   return job;
 }
 
 IngestStatus ingest_status(const RunContext& context, const IngestJob& job) {
   IngestStatus status;
-  if (job.copy) {
-    const StoreLayout layout = layout_of(context.config, job);
+  if (job.by_shards()) {
+    const StoreLayout layout = store_layout(context.config, job);
     status.units = shards_of(layout).size();
     status.missing = missing_of(context, layout, job).size();
-    status.metadata_missing = !store_metadata_is_current(layout);
+    status.metadata_missing = job.copy && !store_metadata_is_current(layout);
   }
   status.histogram_missing = job.histogram && !histogram_is_current(job);
+  status.labels_missing = !needs_no_counts(job);
   return status;
 }
 
+std::string missing_text(const IngestJob& job, const IngestStatus& status) {
+  if (status.missing > 0)
+    return fmt::format("{} of {} shards {}", status.missing, status.units,
+                       job.copy ? "missing" : "whose labels are not counted");
+  if (status.metadata_missing) return "the store's zarr.json is missing or changed";
+  return status.labels_missing ? "the labels are not counted" : "the histogram is missing";
+}
+
 std::vector<Unit> missing_units(const RunContext& context, const IngestJob& job) {
-  if (!job.copy) return {};
-  const StoreLayout layout = layout_of(context.config, job);
+  if (!job.by_shards()) return {};
+  const StoreLayout layout = store_layout(context.config, job);
   return units_of(layout, missing_of(context, layout, job), job.info);
 }
 
 StageMemory ingest_memory(const Config& config, const IngestJob& job) {
   StageMemory memory{"ingest", 0, 0, fmt::format("one shard (work.chunk = {})", config.work.chunk),
                      "raise run.memory or lower work.chunk"};
+  if (!job.by_shards()) return memory;
+  const StoreLayout layout = store_layout(config, job);
+  if (job.labels) memory.per_unit_bytes = ShardLabelCounter::memory_bytes(job, layout);
   if (!job.copy) return memory;
   const VolumeInfo& info = job.info;
   memory.base_bytes = info.access == Access::box ? info.largest_decode : spooling_bytes(info);
-  memory.per_unit_bytes =
-      shard_writer_bytes(layout_of(config, job), 1, band_bytes) + (std::uint64_t{16} << 20);
+  memory.per_unit_bytes += shard_writer_bytes(layout, 1, band_bytes) + (std::uint64_t{16} << 20);
   return memory;
 }
 
 void run_ingest(RunContext& context, const IngestJob& job) {
-  if (job.copy) {
-    run_copy(context, job);
+  if (job.by_shards()) {
+    run_shards(context, job);
   } else if (job.histogram && !histogram_is_current(job)) {
     write_histogram_artifact(histogram_path(job),
                              {job.stamp, scan_volume(context, *job.input, "ingest").histogram});
@@ -332,7 +362,7 @@ Volume ingested_volume(const Config& config, const IngestJob& job) {
   if (!job.copy)
     return {job.input, dynamic_cast<const RangedSource*>(job.input.get()),
             [stamp = job.stamp](const Box3&) { return stamp; }};
-  const StoreLayout layout = layout_of(config, job);
+  const StoreLayout layout = store_layout(config, job);
   const auto store = std::make_shared<StoreSource>(layout);
   return {store, store.get(),
           [stamps = std::make_shared<StoreStamps>(layout)](const Box3& samples) {

@@ -21,24 +21,34 @@ struct IngestJob {
   std::filesystem::path folder;
   bool copy = false;       // make a brick store
   bool histogram = false;  // needed: the isovalue is to be chosen
+  bool labels = false;     // are to be counted
+
+  // Whether there are units: otherwise the input is read in place, and at once if at all.
+  bool by_shards() const { return copy || labels; }
 };
 
 // Opens the input the config names. Throws InputError where work.copy = false does not fit it.
 IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder);
 
 struct IngestStatus {
-  std::uint64_t units = 0, missing = 0;  // shards of the store; none where nothing is copied
+  std::uint64_t units = 0, missing = 0;  // shards to copy or to count the labels of
   bool metadata_missing = false;         // the store's zarr.json
   bool histogram_missing = false;        // where the isovalue is to be chosen from it
-  bool current() const { return missing == 0 && !metadata_missing && !histogram_missing; }
+  bool labels_missing = false;           // the volume's counts, where labels are meshed
+  bool current() const {
+    return missing == 0 && !metadata_missing && !histogram_missing && !labels_missing;
+  }
 };
 // Of the units context selects, which are numbered x fastest.
 IngestStatus ingest_status(const RunContext& context, const IngestJob& job);
 
-// The missing ones; none where nothing is copied.
+// What is missing, in words; of a status that is not current.
+std::string missing_text(const IngestJob& job, const IngestStatus& status);
+
+// The missing ones; none where the input is read in place.
 std::vector<Unit> missing_units(const RunContext& context, const IngestJob& job);
 
-// What one unit of it takes. No bytes where nothing is copied.
+// What one unit of it takes. No bytes where there are none.
 StageMemory ingest_memory(const Config& config, const IngestJob& job);
 void run_ingest(RunContext& context, const IngestJob& job);
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/config/settings.h"
+#include "pipeline/run/label_choice.h"
 #include "pipeline/run/shard_builder.h"
 #include "stages/encode/draco_codec.h"
 #include "stages/ingest/threshold.h"
@@ -32,16 +34,14 @@ double choose_isovalue(const Config& config, const IngestJob& job) {
 
 void check_label(const Config& config, const VolumeInfo& info) {
   const bool real = info.type == SampleType::f32 || info.type == SampleType::f64;
-  if (config.surface.label && real)
-    throw InputError(fmt::format(
-        "surface.label = {}: labels are integers, the samples of {} are {}; "
-        "give a surface.isovalue instead",
-        *config.surface.label, config.input.path.string(), sample_type_name(info.type)));
-  if (config.labels.mode != LabelMode::off && real)
-    throw InputError(
-        fmt::format("labels.mode: labels are integers, the samples of {} are {}; remove [labels] "
-                    "and give a surface.isovalue instead",
-                    config.input.path.string(), sample_type_name(info.type)));
+  if (!real || (!config.surface.label && config.labels.mode == LabelMode::off)) return;
+  const std::string key =
+      config.surface.label
+          ? fmt::format("surface.label = {}", *config.surface.label)
+          : fmt::format("labels.mode = {}", to_toml(*find_setting("labels", "mode")->get(config)));
+  throw InputError(fmt::format(
+      "{}: labels are integers, the samples of {} are {}; give a surface.isovalue instead", key,
+      config.input.path.string(), sample_type_name(info.type)));
 }
 
 // Of a mesh as input: what its coordinates are in files that cannot hold them.
@@ -57,22 +57,28 @@ void warn_of_origin(const Config& config, const VolumeGeometry& geometry) {
 
 Jobs::Jobs(const Config& config) {
   // The ingest folder depends on the config alone.
-  ingest_ = plan_ingest(config, stage_paths(config, VolumeInfo{}).ingest);
+  ingest_ = plan_ingest(config, stage_paths(config, VolumeInfo{}, {}).ingest);
+  check_label(config, ingest_.info);
+  map_ = read_labels_map(config);
+}
+
+LabelParameters Jobs::chosen_labels(const Config& config) const {
+  return voxweld::chosen_labels(config, map_);
 }
 
 void Jobs::open_volume(Config& config) {
   if (!config.surface.isovalue) config.surface.isovalue = choose_isovalue(config, ingest_);
   const Volume volume = ingested_volume(config, ingest_);
   VolumeInfo info = volume.source->info();
-  check_label(config, info);
+  const LabelParameters labels = final_labels(config, map_, ingest_);
   const OutputLattice lattice =
       plan_lattice({info.geometry.size, info.geometry.spacing,
                     config.output.precision * smallest_spacing(info.geometry)});
   info.geometry = output_geometry(info.geometry, lattice);
   warn_of_origin(config, info.geometry);
-  const StagePaths paths = stage_paths(config, info);
+  const StagePaths paths = stage_paths(config, info, labels);
   build_.emplace(BuildJob{volume, brick_grid(config, info.geometry),
-                          contour_parameters(config, *volume.source), paths.build,
+                          contour_parameters(config, *volume.source, labels), paths.build,
                           paths.build_key});
   merge_ = {&*build_, paths.merge, paths.merge_key,
             static_cast<std::uint64_t>(config.output.tile_vertices)};

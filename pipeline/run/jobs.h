@@ -5,12 +5,14 @@
 
 #include "pipeline/run/encode_stage.h"
 #include "pipeline/run/ingest_stage.h"
+#include "storage/readers/label_map.h"
 
 namespace voxweld {
 
 class Jobs {
  public:
-  // Opens the input; throws what readers throw.
+  // Opens the input and reads labels.map; throws what their readers throw. InputError where labels
+  // are asked of samples that are none.
   explicit Jobs(const Config& config);
   Jobs(const Jobs&) = delete;
   Jobs& operator=(const Jobs&) = delete;
@@ -18,12 +20,17 @@ class Jobs {
   const IngestJob& ingest() const { return ingest_; }
 
   // Once ingest is current: opens its result, puts the chosen isovalue into `config` where it says
-  // "otsu", and makes the later jobs. Throws InputError where no isovalue can be chosen or no
-  // lattice planned.
+  // "otsu", and makes the later jobs. Throws InputError where no isovalue can be chosen, no label
+  // is left, or no lattice planned.
   void open_volume(Config& config);
 
   // After open_volume: part of what ingest leaves is missing.
   void build_what_is_there() { build_->partial_input = true; }
+
+  // Which labels are meshed as far as that is known without counting them: sizes are not asked for.
+  LabelParameters chosen_labels(const Config& config) const;
+  // What labels.map says of materials besides: names and colours.
+  const MaterialTable& materials() const { return map_.materials; }
 
   const Volume& volume() const { return build_->volume; }
   const BuildJob& build() const { return *build_; }
@@ -33,6 +40,7 @@ class Jobs {
 
  private:
   IngestJob ingest_;
+  LabelMap map_;
   std::optional<BuildJob> build_;
   MergeJob merge_;
   StitchJob stitch_;

@@ -11,6 +11,7 @@
 
 #include "pipeline/executor/error_set.h"
 #include "pipeline/run/jobs.h"
+#include "pipeline/run/label_rules.h"
 #include "pipeline/run/last_config.h"
 #include "pipeline/run/output_files.h"
 #include "storage/support/error.h"
@@ -74,7 +75,7 @@ void ingest_or_build_the_rest(RunContext& context, Jobs& jobs) {
   } catch (const Error& error) {
     const IngestStatus status = ingest_status(context, jobs.ingest());
     if (error.exit_code() != 2 || status.missing == status.units ||
-        !context.config.surface.isovalue.has_value())
+        !context.config.surface.isovalue.has_value() || asks_for_sizes(context.config.labels))
       throw;
     spdlog::warn("{} of {} shards of the input cannot be read; building what the others allow",
                  status.missing, status.units);
@@ -208,11 +209,8 @@ std::string dry_run(RunContext& context) {
   Jobs jobs(context.config);
   const IngestStatus ingest = ingest_status(context, jobs.ingest());
   if (!ingest.current()) {
-    say(Stage::ingest,
-        ingest.missing == 0
-            ? "would run: the store's zarr.json is missing or changed"
-            : fmt::format("would run: {} of {} {} missing{}", ingest.missing, ingest.units,
-                          jobs.ingest().copy ? "shards" : "histogram", because(Stage::ingest)));
+    say(Stage::ingest, "would run: " + missing_text(jobs.ingest(), ingest) +
+                           (ingest.missing > 0 ? because(Stage::ingest) : ""));
     later(Stage::build, "waits for ingest");
     return text;
   }

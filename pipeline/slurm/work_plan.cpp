@@ -21,6 +21,9 @@ constexpr std::int64_t bricks_to_look_at = 125;
 // bricks replaces.
 constexpr BrickSample usual{1, 1, 2500, 2800, 150'000, 0.008, {}};
 
+// Of reading an input and counting its labels, against copying it.
+constexpr double counting_cost = 0.25;
+
 // Bytes a vertex: a tile artifact, and one asset with its normals.
 constexpr double tile_bytes = 62, asset_bytes = 6;
 // The tiles of a plan are cubes of the octree, so most hold much less than they may.
@@ -95,10 +98,13 @@ WorkPlan plan_work(const RunContext& context, const Jobs& jobs, std::int64_t slo
     plan.stages.push_back(entry);
   };
   const auto n = static_cast<double>(shards);
-  if (jobs.ingest().copy) {
+  if (jobs.ingest().by_shards()) {
+    const bool copy = jobs.ingest().copy;
     const double size = samples * static_cast<double>(sample_bytes(info.type));
-    add(Stage::ingest, n, 2 * n + 1, size, usual_cost("ingest", samples));
-    if (info.access != Access::box)
+    const double files = (copy ? 2 * n + 1 : 0) + (jobs.ingest().labels ? n + 1 : 0);
+    add(Stage::ingest, n, files, copy ? size : 0,
+        usual_cost("ingest", samples) * (copy ? 1 : counting_cost));
+    if (copy && info.access != Access::box)
       plan.spool_bytes = bytes(size / static_cast<double>(info.geometry.size.z) * side *
                                static_cast<double>(config.work.shard));
   }

@@ -112,6 +112,56 @@ TEST(Info, DescribesVolumesAndStores) {
   EXPECT_EQ(zarr.at("zarr").at("chunk"), nlohmann::json({32, 32, 32}));
 }
 
+TEST(Info, CountsLabelsWhenAsked) {
+  const Workplace place;
+  // Slices of 2 x 2: four of the highest label there may be, two of another, two of 0.
+  std::string samples;
+  for (int i = 0; i < 4; ++i)
+    for (int z = 0; z < 8; ++z)
+      samples += std::string(i < 2 ? 7 : 8, i < 2    ? '\xff'
+                                            : i == 2 ? '\7'
+                                                     : '\0') +
+                 (i < 2 ? "\x7f" : "");
+  write_bytes(place.at("labels.raw"), samples);
+  const std::vector<std::string> layout = {"--size", "2", "2", "8", "--type", "int64"};
+  const auto labels = [&](const std::string& path, std::vector<std::string> more) {
+    more.push_back("--labels");
+    return place.info(path, more).at("labels");
+  };
+  const nlohmann::json facts = labels(place.at("labels.raw"), layout);
+  const std::uint64_t highest = 9223372036854775807;
+  EXPECT_EQ(facts.at("distinct"), 3);
+  EXPECT_EQ(facts.at("range"), nlohmann::json({0, highest}));
+  EXPECT_EQ(facts.at("background_share"), 0.25);
+  EXPECT_EQ(facts.at("largest")[0].at("label"), highest);
+  EXPECT_EQ(facts.at("largest")[0].at("samples"), 16);
+  EXPECT_EQ(facts.at("largest")[1].at("label"), 0) << "of equals the lower comes first";
+  EXPECT_EQ(facts.at("largest")[2].at("from"), nlohmann::json({0, 0, 4}));
+  EXPECT_EQ(facts.at("largest")[2].at("to"), nlohmann::json({2, 2, 6}));
+  EXPECT_FALSE(place.info(place.at("labels.raw"), layout).contains("labels"));
+  // The same in a store, and in what ingest leaves.
+  std::vector<std::string> init = {"init", place.at("labels.raw"), "-o", place.at("scene.toml"),
+                                   "--labels"};
+  init.insert(init.end(), layout.begin(), layout.end());
+  EXPECT_THAT(place.run(init).out, HasSubstr("labels.mode = \"each\", of 3 labels; 25 % are"));
+  place.run({"ingest", place.at("scene.toml"), "--set", "work.copy=true"});
+  EXPECT_EQ(
+      labels(
+          place.info(place.at("scene.work")).at("path").get<std::string>() + "/" +
+              place.info(place.at("scene.work")).at("stages")[0].at("folder").get<std::string>() +
+              "/volume.zarr",
+          {}),
+      facts);
+  for (const char* name : {"/labels.all", ".labels"}) {
+    const nlohmann::json counts = place.info(first_file(place.at("scene.work"), name), {"--check"});
+    EXPECT_EQ(counts.at("kind"), "label_counts");
+    EXPECT_EQ(counts.at("labels"), facts);
+  }
+  expect_refused({"info", place.phantom("scene.nrrd"), "--labels", "--size", "24", "24", "6",
+                  "--type", "float32"},
+                 {"--labels: labels are integers, the samples of", "are float32"});
+}
+
 TEST(Info, TakesTheLayoutOfRawFiles) {
   const Workplace place;
   write_bytes(place.at("scan.bin"), std::string("\0\1\2\3\4\5\6\7", 8));
