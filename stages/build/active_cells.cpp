@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "storage/types/morton.h"
-
 namespace voxweld {
 
 LocalCell decode_local(std::uint32_t code) {
@@ -25,10 +23,18 @@ constexpr LocalCell place_in_block(std::uint32_t code) {
 
 }  // namespace
 
-void ActiveCells::clear(int side) {
+void ActiveCells::clear(int side, const Box3& where) {
   side_ = side;
   row_words_ = static_cast<std::size_t>(side_ + 63) / 64;
   rows_.resize(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_) * row_words_);
+  const auto across = static_cast<std::size_t>(side / 4);
+  blocks_.resize(across * across * across);
+  window_ = intersect(where, Box3{{}, splat(side)});
+  if (window_.empty()) window_ = {};
+  for (int a = 0; a < 3; ++a) {
+    window_.lo[a] &= ~std::int64_t{3};
+    window_.hi[a] = (window_.hi[a] + 3) & ~std::int64_t{3};
+  }
   codes_.clear();
   places_.clear();
   signs_.clear();
@@ -37,30 +43,40 @@ void ActiveCells::clear(int side) {
 }
 
 template <class Add>
-void ActiveCells::each_active(Add&& add) {
-  const auto across = static_cast<std::uint32_t>(side_ / 4);
-  blocks_.assign(static_cast<std::size_t>(across) * across * across, Block{});
-  for (std::uint32_t b = 0; b < blocks_.size(); ++b) {
-    const LocalCell at = decode_local(b);
-    Block& block = blocks_[b];
-    block.first = codes_.size();
-    block.mask = block_mask(at.x, at.y, at.z);
-    for (std::uint64_t rest = block.mask; rest != 0; rest &= rest - 1) {
-      const auto inside = static_cast<std::uint32_t>(std::countr_zero(rest));
-      const LocalCell in = place_in_block(inside);
-      add(b << 6 | inside, LocalCell{at.x * 4 + in.x, at.y * 4 + in.y, at.z * 4 + in.z});
-    }
+void ActiveCells::each_active(const Add& add) {
+  each_active({std::countr_zero(static_cast<unsigned>(side_)) - 2, {}}, add);
+}
+
+// In a cube of blocks: those of the window, in Morton order.
+template <class Add>
+void ActiveCells::each_active(CellKey blocks, const Add& add) {
+  const Box3 cells{blocks.lo() * 4, (blocks.lo() + splat(blocks.side())) * 4};
+  if (intersect(cells, window_).empty()) return;
+  if (blocks.level > 0) {
+    for (int octant = 0; octant < 8; ++octant) each_active(blocks.child(octant), add);
+    return;
+  }
+  const auto b = static_cast<std::uint32_t>(morton_encode(blocks.at));
+  const LocalCell at{static_cast<int>(blocks.at.x), static_cast<int>(blocks.at.y),
+                     static_cast<int>(blocks.at.z)};
+  Block& block = blocks_[b];
+  block.first = codes_.size();
+  block.mask = block_mask(at.x, at.y, at.z);
+  for (std::uint64_t rest = block.mask; rest != 0; rest &= rest - 1) {
+    const auto inside = static_cast<std::uint32_t>(std::countr_zero(rest));
+    const LocalCell in = place_in_block(inside);
+    add(b << 6 | inside, LocalCell{at.x * 4 + in.x, at.y * 4 + in.y, at.z * 4 + in.z});
   }
 }
 
-void ActiveCells::find(const SignGrid& signs, int side) {
-  clear(side);
+void ActiveCells::find(const SignGrid& signs, int side, const Box3& where) {
+  clear(side, where);
   find_rows(signs);
   each_active([&](std::uint32_t code, LocalCell c) { add_cell(signs, code, c); });
 }
 
 void ActiveCells::find(const LabelGrid& labels) {
-  clear(labels.side());
+  clear(labels.side(), Box3{{}, splat(labels.side())});
   find_rows(labels);
   each_active([&](std::uint32_t code, LocalCell c) { add_cell(labels, code, c); });
 }
@@ -68,9 +84,10 @@ void ActiveCells::find(const LabelGrid& labels) {
 // A cell is active unless its eight corners agree: or and and of four rows and of neighbouring
 // bits.
 void ActiveCells::find_rows(const SignGrid& signs) {
-  std::uint64_t* out = rows_.data();
-  for (int z = 0; z < side_; ++z)
-    for (int y = 0; y < side_; ++y)
+  const auto y0 = static_cast<int>(window_.lo.y), y1 = static_cast<int>(window_.hi.y);
+  const auto z0 = static_cast<int>(window_.lo.z), z1 = static_cast<int>(window_.hi.z);
+  for (int z = z0; z < z1; ++z)
+    for (int y = y0; y < y1; ++y)
       for (std::size_t w = 0; w < row_words_; ++w) {
         const std::uint64_t* rows[4] = {signs.row(y, z) + w, signs.row(y + 1, z) + w,
                                         signs.row(y, z + 1) + w, signs.row(y + 1, z + 1) + w};
@@ -85,7 +102,7 @@ void ActiveCells::find_rows(const SignGrid& signs) {
         const std::uint64_t all1 = all[0] >> 1 | all[1] << 63, all2 = all[0] >> 2 | all[1] << 62;
         std::uint64_t active = (any1 | any2) & ~(all1 & all2);
         if (side_ < 64) active &= (std::uint64_t{1} << side_) - 1;
-        *out++ = active;
+        rows_[static_cast<std::size_t>(z * side_ + y) * row_words_ + w] = active;
       }
 }
 

@@ -7,6 +7,7 @@
 
 #include "stages/build/label_grid.h"
 #include "stages/build/sign_grid.h"
+#include "storage/types/morton.h"
 
 namespace voxweld {
 
@@ -27,7 +28,9 @@ constexpr std::uint32_t next_along(std::uint32_t code, int axis) {
 
 class ActiveCells {
  public:
-  void find(const SignGrid& signs, int side);
+  // where: of cells relative to the brick, those that may have a sign change; no other is looked
+  // at.
+  void find(const SignGrid& signs, int side, const Box3& where);
   // Those whose corners are not all of one label. The sign bytes of cells of two labels have the
   // smaller one inside; those of more labels are of no meaning.
   void find(const LabelGrid& labels);
@@ -59,12 +62,14 @@ class ActiveCells {
   }
 
  private:
-  void clear(int side);
+  void clear(int side, const Box3& where);
   void find_rows(const SignGrid& signs);
   void find_rows(const LabelGrid& labels);
   // add(code, place) of every active cell, in Morton order.
   template <class Add>
-  void each_active(Add&& add);
+  void each_active(CellKey blocks, const Add& add);
+  template <class Add>
+  void each_active(const Add& add);
   std::uint64_t block_mask(int bx, int by, int bz) const;
   void add_cell(const SignGrid& signs, std::uint32_t code, LocalCell c);
   void add_cell(const LabelGrid& labels, std::uint32_t code, LocalCell c);
@@ -85,9 +90,10 @@ class ActiveCells {
     std::size_t first = 0;
   };
   int side_ = 0;
+  Box3 window_;  // cells looked at: whole blocks
   std::size_t row_words_ = 0;
-  std::vector<std::uint64_t> rows_;  // active bits, a row for each (y, z)
-  std::vector<Block> blocks_;
+  std::vector<std::uint64_t> rows_;  // active bits, a row for each (y, z) of the window
+  std::vector<Block> blocks_;        // those of the window are of this brick
   std::vector<std::uint32_t> codes_;
   std::vector<std::uint32_t> places_;  // x | y << 8 | z << 16: decoded once
   std::vector<CellSigns> signs_;

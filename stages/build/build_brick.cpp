@@ -89,33 +89,47 @@ struct BrickScratch::Parts {
 };
 namespace {
 
+// What of a brick has to be looked at when all inside samples lie in a box: the cells with a corner
+// there, and the samples that crossings and normals are made of.
+struct Extent {
+  Box3 samples;  // the box
+  Box3 cells;    // relative to the brick, may reach beyond it
+  Extent(const Box3& extent, const BrickFrame& frame)
+      : samples(extent),  // lattice point u is sample u - 1; a cell reaches one point up
+        cells{extent.lo - frame.origin, extent.hi + splat(1) - frame.origin} {}
+};
+
 // Crossings and normals of the volume's own surface.
-void compute_edges(const HaloBlock& block, const BrickFrame& frame,
+void compute_edges(const HaloBlock& block, const BrickFrame& frame, const Extent& extent,
                    const ContourParameters& parameters, BrickScratch::Parts& s) {
   const std::optional<std::uint64_t>& label = parameters.surface.label;
-  if (!label) return s.edges.compute(block, frame.origin, frame.side(), s.signs, parameters);
+  const auto compute = [&](const HaloBlock& field, const ContourParameters& p) {
+    s.edges.compute(field, frame.origin, frame.side(), s.signs, extent.cells, p);
+  };
+  if (!label) return compute(block, parameters);
   ContourParameters filtered;
   filtered.spacing = parameters.spacing;
   filtered.surface.isovalue = LabelField::full / 2.0;
   filtered.surface.gradient = Gradient::central;
   // Samples of the lattice points 0 .. side, and what their gradients read.
-  const Box3 box = intersect(Box3{frame.origin - splat(1 + gradient_halo),
-                                  frame.origin + splat(frame.side() + gradient_halo)},
-                             Box3{{}, block.size});
-  if (box.empty()) return s.edges.compute(block, frame.origin, frame.side(), s.signs, filtered);
-  s.edges.compute(s.labels.filter(block, *label, box), frame.origin, frame.side(), s.signs,
-                  filtered);
+  const Box3 of_brick{frame.origin - splat(1 + gradient_halo),
+                      frame.origin + splat(frame.side() + gradient_halo)};
+  const Box3 of_edges{extent.samples.lo - splat(1 + gradient_halo),
+                      extent.samples.hi + splat(1 + gradient_halo)};
+  const Box3 box = intersect(intersect(of_brick, of_edges), Box3{{}, block.size});
+  if (box.empty()) return compute(block, filtered);
+  compute(s.labels.filter(block, *label, box), filtered);
 }
 
 // Signs and Hermite edges after the edits that reach the brick; true when there are any.
-bool apply_edits(const HaloBlock& block, const BrickFrame& frame,
+bool apply_edits(const HaloBlock& block, const BrickFrame& frame, const Extent& extent,
                  const ContourParameters& parameters, BrickScratch::Parts& s) {
   const VolumeFrame volume{block.size, parameters.spacing};
   const Bounds bounds = brick_bounds({frame.origin, frame.level}, parameters.spacing);
   bool any = false;
   for (const Edit& edit : parameters.edits) {
     if (!edit_reaches(edit, bounds)) continue;
-    if (!any) compute_edges(block, frame, parameters, s);
+    if (!any) compute_edges(block, frame, extent, parameters, s);
     any = true;
     s.solid_signs.fill(edit.solid, volume, frame.origin, frame.side());
     s.signs.combine(edit.op, s.solid_signs);
@@ -207,20 +221,28 @@ void build_shared(const HaloBlock& block, const BrickFrame& frame,
 
 void build_brick(const HaloBlock& block, const BrickPlace& place,
                  const ContourParameters& parameters, BrickScratch& scratch, BrickOctree& out) {
+  build_brick(block, place, block.samples, parameters, scratch, out);
+}
+
+void build_brick(const HaloBlock& block, const BrickPlace& place, const Box3& extent,
+                 const ContourParameters& parameters, BrickScratch& scratch, BrickOctree& out) {
   BrickScratch::Parts& s = scratch.parts();
   const BrickFrame frame{place.origin, place.level, domain_level(block.size)};
   clear(out, place.level);
   if (parameters.labels.mode == LabelMode::shared)
     return build_shared(block, frame, parameters, s, out);
-  s.signs.fill(block, place.origin, frame.side(), parameters.surface);
-  const bool edited = apply_edits(block, frame, parameters, s);
-  s.cells.find(s.signs, frame.side());
+  // Solids may lie anywhere.
+  const Box3 everywhere{place.origin - splat(2), place.origin + splat(frame.side() + 1)};
+  const Extent looked_at(parameters.edits.empty() ? extent : everywhere, frame);
+  s.signs.fill(block, place.origin, frame.side(), parameters.surface, looked_at.samples);
+  const bool edited = apply_edits(block, frame, looked_at, parameters, s);
+  s.cells.find(s.signs, frame.side(), looked_at.cells);
   out.counts.active_cells = s.cells.size();
   if (s.cells.size() == 0) {
     out.root = whole_brick(s.signs);
     return;
   }
-  if (!edited) compute_edges(block, frame, parameters, s);
+  if (!edited) compute_edges(block, frame, looked_at, parameters, s);
   build_octree(frame, block.size, s.signs, parameters, s, out);
 }
 

@@ -43,6 +43,11 @@ class BrickScratch {
 void build_brick(const HaloBlock& block, const BrickPlace& place,
                  const ContourParameters& parameters, BrickScratch& scratch, BrickOctree& out);
 
+// The same where no sample outside `extent` is inside, of those that lattice points -1 .. side + 1
+// of the brick stand for: so long as the config has no edits it looks nowhere else.
+void build_brick(const HaloBlock& block, const BrickPlace& place, const Box3& extent,
+                 const ContourParameters& parameters, BrickScratch& scratch, BrickOctree& out);
+
 // An upper bound on what build_brick and its result hold, in bytes, for the worst volume there is.
 std::uint64_t build_brick_bytes(int level);
 

@@ -13,38 +13,48 @@ std::uint64_t from_zero(const std::uint64_t* row, std::size_t w) {
 
 }  // namespace
 
-void HermiteEdges::find_rows(const SignGrid& signs, int side) {
+template <class F>
+void HermiteEdges::each_row(const F& f) const {
+  for (int axis = 0; axis < 3; ++axis)
+    for (auto z = static_cast<int>(window_.lo.z); z < window_.hi.z; ++z)
+      for (auto y = static_cast<int>(window_.lo.y); y < window_.hi.y; ++y) f(axis, y, z);
+}
+
+void HermiteEdges::find_rows(const SignGrid& signs, int side, const Box3& where) {
   points_ = static_cast<std::size_t>(side) + 1;
   row_words_ = (points_ + 63) / 64;
-  bits_.assign(3 * points_ * points_ * row_words_, 0);
-  for (int z = 0; z <= side; ++z)
-    for (int y = 0; y <= side; ++y)
-      for (std::size_t w = 0; w < row_words_; ++w) {
-        const int last = side - static_cast<int>(w) * 64;  // x = side in this word, or past it
-        const std::uint64_t points =
-            last >= 63 ? ~std::uint64_t{0} : (std::uint64_t{2} << last) - 1;
-        const std::uint64_t starts =
-            last >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << last) - 1;
-        const std::uint64_t* row = signs.row(y, z);
-        const std::uint64_t here = from_zero(row, w);
-        const std::uint64_t next = row[w] >> 2 | row[w + 1] << 62;
-        const int x0 = static_cast<int>(w) * 64;
-        bits_[word_of(0, x0, y, z)] = (here ^ next) & starts;
-        if (y < side)
-          bits_[word_of(1, x0, y, z)] = (here ^ from_zero(signs.row(y + 1, z), w)) & points;
-        if (z < side)
-          bits_[word_of(2, x0, y, z)] = (here ^ from_zero(signs.row(y, z + 1), w)) & points;
-      }
+  window_ = intersect(where, Box3{{}, splat(side + 1)});
+  bits_.resize(3 * points_ * points_ * row_words_);
+  each_row([&](int axis, int y, int z) {
+    for (std::size_t w = 0; w < row_words_; ++w) {
+      const int last = side - static_cast<int>(w) * 64;  // x = side in this word, or past it
+      const std::uint64_t points = last >= 63 ? ~std::uint64_t{0} : (std::uint64_t{2} << last) - 1;
+      const std::uint64_t starts = last >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << last) - 1;
+      const std::uint64_t* row = signs.row(y, z);
+      const std::uint64_t here = from_zero(row, w);
+      std::uint64_t bits = 0;
+      if (axis == 0)
+        bits = (here ^ (row[w] >> 2 | row[w + 1] << 62)) & starts;
+      else if (axis == 1 && y < side)
+        bits = (here ^ from_zero(signs.row(y + 1, z), w)) & points;
+      else if (axis == 2 && z < side)
+        bits = (here ^ from_zero(signs.row(y, z + 1), w)) & points;
+      bits_[word_of(axis, static_cast<int>(w) * 64, y, z)] = bits;
+    }
+  });
   count_rows();
 }
 
 void HermiteEdges::count_rows() {
   first_.resize(bits_.size());
   std::uint32_t count = 0;
-  for (std::size_t w = 0; w < bits_.size(); ++w) {
-    first_[w] = count;
-    count += static_cast<std::uint32_t>(std::popcount(bits_[w]));
-  }
+  each_row([&](int axis, int y, int z) {
+    for (std::size_t w = 0; w < row_words_; ++w) {
+      const std::size_t at = word_of(axis, static_cast<int>(w) * 64, y, z);
+      first_[at] = count;
+      count += static_cast<std::uint32_t>(std::popcount(bits_[at]));
+    }
+  });
   edges_.resize(count);
 }
 
@@ -52,6 +62,7 @@ void HermiteEdges::find(const LabelGrid& labels) {
   const int side = labels.side();
   points_ = static_cast<std::size_t>(side) + 1;
   row_words_ = (points_ + 63) / 64;
+  window_ = {{}, splat(side + 1)};
   bits_.assign(3 * points_ * points_ * row_words_, 0);
   const auto set = [&](int axis, int x, int y, int z, bool crosses) {
     bits_[word_of(axis, x, y, z)] |= std::uint64_t{crosses} << (x & 63);
@@ -70,23 +81,22 @@ void HermiteEdges::find(const LabelGrid& labels) {
 
 // edge_of(axis, x, y, z) of every crossing edge, in the order they are kept.
 template <class F>
-void HermiteEdges::fill_edges(int side, F&& edge_of) {
+void HermiteEdges::fill_edges(const F& edge_of) {
   std::size_t next = 0;
-  for (int axis = 0; axis < 3; ++axis)
-    for (int z = 0; z <= side; ++z)
-      for (int y = 0; y <= side; ++y)
-        for (std::size_t w = 0; w < row_words_; ++w)
-          for (std::uint64_t rest = bits_[word_of(axis, static_cast<int>(w) * 64, y, z)]; rest != 0;
-               rest &= rest - 1)
-            edges_[next++] = edge_of(axis, static_cast<int>(w) * 64 + std::countr_zero(rest), y, z);
+  each_row([&](int axis, int y, int z) {
+    for (std::size_t w = 0; w < row_words_; ++w)
+      for (std::uint64_t rest = bits_[word_of(axis, static_cast<int>(w) * 64, y, z)]; rest != 0;
+           rest &= rest - 1)
+        edges_[next++] = edge_of(axis, static_cast<int>(w) * 64 + std::countr_zero(rest), y, z);
+  });
 }
 
 void HermiteEdges::compute(const HaloBlock& block, Index3 brick, int side, const SignGrid& signs,
-                           const ContourParameters& parameters) {
-  find_rows(signs, side);
+                           const Box3& where, const ContourParameters& parameters) {
+  find_rows(signs, side, where);
   dispatch_sample_type(block.type, [&](auto tag) {
     const EdgeEstimator<typename decltype(tag)::type> estimator(block, parameters);
-    fill_edges(side, [&](int axis, int x, int y, int z) {
+    fill_edges([&](int axis, int x, int y, int z) {
       return estimator.edge(axis, brick + Index3{x, y, z} - splat(1), signs.inside(x, y, z));
     });
   });
@@ -115,8 +125,8 @@ const HermiteEdge& surface_of(EditOp op, bool low_inside, const HermiteEdge& bef
 void HermiteEdges::compute(const Edit& edit, const VolumeFrame& frame, Index3 brick, int side,
                            const SignGrid& signs, const SignGrid& solid,
                            const HermiteEdges& before) {
-  find_rows(signs, side);
-  fill_edges(side, [&](int axis, int x, int y, int z) {
+  find_rows(signs, side, Box3{{}, splat(side + 1)});
+  fill_edges([&](int axis, int x, int y, int z) {
     const Index3 s = brick + Index3{x, y, z} - splat(1);
     const bool low_inside = signs.inside(x, y, z);
     if (s[axis] < 0 || s[axis] + 1 >= frame.size[axis]) return edge_of_middle(axis, low_inside);

@@ -20,8 +20,14 @@ class HermiteEdges {
  public:
   // Halo the block must have around the brick's lattice points 0 .. side:
   // gradient_halo samples, where the volume has them.
+  // where: of lattice points relative to the brick, those crossing edges may begin at; no other is
+  // looked at, and the block needs to reach no further around them.
   void compute(const HaloBlock& block, Index3 brick, int side, const SignGrid& signs,
-               const ContourParameters& parameters);
+               const Box3& where, const ContourParameters& parameters);
+  void compute(const HaloBlock& block, Index3 brick, int side, const SignGrid& signs,
+               const ContourParameters& parameters) {
+    compute(block, brick, side, signs, Box3{{}, splat(side + 1)}, parameters);
+  }
 
   // Takes the edges `edits` makes: those of `before`, the same brick's without the edit, where they
   // are still on the surface, else those of the solid. signs: after the edit; solid: the solid's.
@@ -55,13 +61,17 @@ class HermiteEdges {
     const std::uint64_t below = (std::uint64_t{1} << (x & 63)) - 1;
     return first_[word] + static_cast<std::size_t>(std::popcount(bits_[word] & below));
   }
-  void find_rows(const SignGrid& signs, int side);
+  void find_rows(const SignGrid& signs, int side, const Box3& where);
   void count_rows();
+  // f(axis, y, z) of the rows looked at, in the order edges are kept.
   template <class F>
-  void fill_edges(int side, F&& edge_of);
+  void each_row(const F& f) const;
+  template <class F>
+  void fill_edges(const F& edge_of);
 
   std::size_t points_ = 0;  // side + 1
   std::size_t row_words_ = 0;
+  Box3 window_;  // lattice points looked at: the rows of its y and z
   std::vector<std::uint64_t> bits_;
   std::vector<std::uint32_t> first_;  // edges before each word
   std::vector<HermiteEdge> edges_;

@@ -13,14 +13,7 @@ namespace {
 
 // Bit i: inside(p[i]), for 64 samples: a vectorised comparison to bytes, then eight bytes to eight
 // bits by one multiplication.
-template <class T>
-std::uint64_t pack64(const T* p, const InsideTest<T>& inside) {
-  alignas(64) std::uint8_t flags[64];
-  const T threshold = inside.threshold;
-  if (inside.above)
-    for (int i = 0; i < 64; ++i) flags[i] = p[i] >= threshold;
-  else
-    for (int i = 0; i < 64; ++i) flags[i] = p[i] <= threshold;
+std::uint64_t pack_flags(const std::uint8_t* flags) {
   std::uint64_t bits = 0;
   for (int group = 0; group < 8; ++group) {
     std::uint64_t eight;
@@ -31,10 +24,22 @@ std::uint64_t pack64(const T* p, const InsideTest<T>& inside) {
 }
 
 template <class T>
+std::uint64_t pack64(const T* p, const InsideTest<T>& inside) {
+  alignas(64) std::uint8_t flags[64];
+  const T threshold = inside.threshold;
+  if (inside.above)
+    for (int i = 0; i < 64; ++i) flags[i] = p[i] >= threshold;
+  else
+    for (int i = 0; i < 64; ++i) flags[i] = p[i] <= threshold;
+  return pack_flags(flags);
+}
+
+template <class T>
 std::uint64_t pack64(const T* p, const LabelTest<T>& is_label) {
-  std::uint64_t bits = 0;
-  for (int i = 0; i < 64; ++i) bits |= static_cast<std::uint64_t>(p[i] == is_label.value) << i;
-  return bits;
+  alignas(64) std::uint8_t flags[64];
+  const T value = is_label.value;
+  for (int i = 0; i < 64; ++i) flags[i] = p[i] == value;
+  return pack_flags(flags);
 }
 
 template <class T, class Inside>
@@ -60,13 +65,14 @@ void pack_row(const T* p, int count, int at, const Inside& inside, std::uint64_t
 }  // namespace
 
 void SignGrid::fill(const HaloBlock& block, Index3 brick, int side,
-                    const SurfaceParameters& surface) {
+                    const SurfaceParameters& surface, const Box3& extent) {
   points_ = static_cast<std::size_t>(side) + 3;
   stride_ = (points_ + 63) / 64 + 1;
   bits_.assign(points_ * points_ * stride_, 0);
   // Lattice point u is sample u - 1; the grid's first point is brick - 1, so sample brick - 2.
   const Index3 first = brick - splat(2);
-  const Box3 held = intersect(block.samples, Box3{first, first + splat(side + 3)});
+  const Box3 held =
+      intersect(intersect(block.samples, extent), Box3{first, first + splat(side + 3)});
   if (held.empty()) return;
   dispatch_sample_type(block.type, [&](auto tag) {
     using T = typename decltype(tag)::type;

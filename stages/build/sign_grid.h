@@ -19,9 +19,13 @@ namespace voxweld {
 class SignGrid : public CollapseRule {
  public:
   // brick: lattice point of the brick's lowest corner; side: cells a side.
-  // Points without a sample are outside. Tests run in the sample's own type: equal to the isovalue
-  // is inside, NaN outside.
-  void fill(const HaloBlock& block, Index3 brick, int side, const SurfaceParameters& surface);
+  // Points without a sample are outside, and so are those of samples not in `extent`, which are not
+  // looked at. Tests run in the sample's own type: equal to the isovalue is inside, NaN outside.
+  void fill(const HaloBlock& block, Index3 brick, int side, const SurfaceParameters& surface,
+            const Box3& extent);
+  void fill(const HaloBlock& block, Index3 brick, int side, const SurfaceParameters& surface) {
+    fill(block, brick, side, surface, block.samples);
+  }
 
   // The points of the volume that lie in the solid; all others are outside.
   void fill(const Solid& solid, const VolumeFrame& frame, Index3 brick, int side);
