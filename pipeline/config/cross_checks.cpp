@@ -132,6 +132,17 @@ class CrossChecks {
         config_.input.format == InputConfig::Format::empty)
       fail({"labels.mode", "input.format"},
            "empty space has no labels; \"shared\" has those of the edits");
+    if (config_.labels.mode == LabelMode::each) each();
+  }
+
+  // The meshes of neighbouring labels overlap: they are no one mesh.
+  void each() const {
+    if (config_.output.merged == OutputConfig::Merged::always)
+      fail({"output.merged", "labels.mode"},
+           "labels.mode = \"each\" writes a mesh for each label and none of all; remove this key");
+    if (!config_.output.tiles)
+      fail({"output.tiles", "labels.mode"},
+           "labels.mode = \"each\" has no other meshes to write; remove this key");
   }
 
   void chosen_labels() const {

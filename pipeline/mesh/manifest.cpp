@@ -2,107 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cmath>
-#include <nlohmann/json.hpp>
-
-#include "storage/support/error.h"
+#include "pipeline/mesh/json_value.h"
 
 namespace voxweld {
 namespace {
 
 using nlohmann::json;
 using nlohmann::ordered_json;
+using Value = JsonValue;
 
 constexpr const char* format_name = "voxweld-manifest";
 constexpr int format_version = 2;
-
-// A JSON value and where it stands, so that whatever is wrong with it is named.
-class Value {
- public:
-  Value(const json& value, std::string where, std::string key)
-      : value_(value), where_(std::move(where)), key_(std::move(key)) {}
-
-  [[noreturn]] void wrong(const std::string& expected) const {
-    throw FormatError(fmt::format("{}: {} is {}, expected {}", where_,
-                                  key_.empty() ? "the document" : "\"" + key_ + "\"",
-                                  shortened(value_.dump()), expected));
-  }
-  bool has(const char* key) const { return value_.is_object() && value_.contains(key); }
-  bool is_null() const { return value_.is_null(); }
-  Value at(const char* key) const {
-    if (!value_.is_object()) wrong("an object");
-    const auto found = value_.find(key);
-    if (found == value_.end())
-      throw FormatError(fmt::format("{}: \"{}\" is missing", where_, joined(key)));
-    return {*found, where_, joined(key)};
-  }
-  std::vector<Value> items() const {
-    if (!value_.is_array()) wrong("an array");
-    std::vector<Value> out;
-    for (std::size_t i = 0; i < value_.size(); ++i)
-      out.emplace_back(value_[i], where_, fmt::format("{}[{}]", key_, i));
-    return out;
-  }
-  std::vector<Value> items(std::size_t count) const {
-    if (!value_.is_array() || value_.size() != count) wrong(fmt::format("{} values", count));
-    return items();
-  }
-  std::string text() const {
-    if (!value_.is_string()) wrong("a text");
-    return value_.get<std::string>();
-  }
-  bool choice(const std::string& no, const std::string& yes) const {
-    const std::string found = text();
-    if (found != no && found != yes) wrong(fmt::format("\"{}\" or \"{}\"", no, yes));
-    return found == yes;
-  }
-  std::uint64_t count() const {
-    if (!value_.is_number_unsigned()) wrong("a count");
-    return value_.get<std::uint64_t>();
-  }
-  std::int64_t integer(std::int64_t lo, std::int64_t hi) const {
-    if (!value_.is_number_integer() || value_ < lo || value_ > hi)
-      wrong(fmt::format("an integer from {} to {}", lo, hi));
-    return value_.get<std::int64_t>();
-  }
-  double real() const {
-    if (!value_.is_number() || !std::isfinite(value_.get<double>())) wrong("a number");
-    return value_.get<double>();
-  }
-  double positive() const {
-    if (!(real() > 0)) wrong("a number above 0");
-    return real();
-  }
-  Vec3 vector() const {
-    const auto v = items(3);
-    return {v[0].real(), v[1].real(), v[2].real()};
-  }
-  const json& raw() const { return value_; }
-
- private:
-  static std::string shortened(std::string text) {
-    return text.size() <= 60 ? text : text.substr(0, 57) + "...";
-  }
-  std::string joined(const std::string& key) const { return key_.empty() ? key : key_ + "." + key; }
-  const json& value_;
-  std::string where_, key_;
-};
-
-ordered_json to_json(Vec3 v) {
-  return {v.x, v.y, v.z};
-}
-ordered_json to_json(Index3 v) {
-  return {v.x, v.y, v.z};
-}
-
-ordered_json to_json(const FileRecord& file) {
-  ordered_json out = {{"path", file.path}, {"format", file.format}};
-  if (!file.role.empty()) out["role"] = file.role;
-  out["bytes"] = file.bytes;
-  out["xxh3_128"] = file.xxh3_128;
-  return out;
-}
 
 ordered_json to_json(const VolumeGeometry& frame) {
   ordered_json direction = ordered_json::array();
@@ -131,23 +41,10 @@ ordered_json to_json(const ManifestCounts& c) {
           {"bytes", c.bytes}};
 }
 
-// Relative and inside the directory: a manifest must not send its reader elsewhere.
-std::string relative_path(const Value& value) {
-  const std::filesystem::path path = value.text();
-  bool inside = !path.empty() && path.is_relative();
-  for (const auto& part : path) inside = inside && part != "..";
-  if (!inside) value.wrong("a path inside the output directory");
-  return path.string();
-}
-
-FileRecord file_record(const Value& value, bool with_role) {
-  FileRecord file;
-  file.path = relative_path(value.at("path"));
-  file.format = value.at("format").text();
-  if (with_role) file.role = value.at("role").text();
-  file.bytes = value.at("bytes").count();
-  file.xxh3_128 = value.at("xxh3_128").text();
-  return file;
+ordered_json to_json(const ManifestCounts& c, bool labels) {
+  ordered_json out = to_json(c);
+  if (labels) out["labels"] = c.labels;
+  return out;
 }
 
 OutputLattice lattice_of(const Value& value) {
@@ -190,6 +87,7 @@ ManifestCounts counts_of(const Value& value) {
   c.collinear = value.at("collinear").count();
   c.files = value.at("files").count();
   c.bytes = value.at("bytes").count();
+  if (value.has("labels")) c.labels = value.at("labels").count();
   return c;
 }
 
@@ -203,15 +101,6 @@ std::optional<MergedFiles> merged_of(const Value& value) {
 
 std::unique_ptr<json> section(const Value& document, const char* key) {
   return document.has(key) ? std::make_unique<json>(document.at(key).raw()) : nullptr;
-}
-
-json parse_text(const std::string& text, const std::string& where) {
-  try {
-    return json::parse(text);
-  } catch (const json::parse_error& e) {
-    throw FormatError(fmt::format("{}: not JSON: error at byte {} of {}: truncated or damaged",
-                                  where, e.byte, text.size()));
-  }
 }
 
 }  // namespace
@@ -232,7 +121,7 @@ void write_manifest(const Manifest& manifest, const std::filesystem::path& path,
   if (manifest.labels != LabelMode::off)
     out["labels"] = manifest.labels == LabelMode::each ? "each" : "shared";
   out["frame"] = to_json(manifest.frame);
-  out["counts"] = to_json(manifest.counts);
+  out["counts"] = to_json(manifest.counts, manifest.labels == LabelMode::each);
   out["merged"] = nullptr;
   if (manifest.merged) {
     out["merged"] = ordered_json::object();
@@ -279,52 +168,6 @@ Manifest read_manifest(const std::filesystem::path& path) {
   manifest.error = section(document, "error");
   manifest.made_by = section(document, "made_by");
   return manifest;
-}
-
-std::string to_json_line(const TileRecord& record) {
-  ordered_json out;
-  out["tile"] = {{"level", record.tile.level}, {"at", to_json(record.tile.at)}};
-  out["vertices"] = record.vertices;
-  out["triangles"] = record.triangles;
-  out["quads"] = record.quads;
-  out["polygon_triangles"] = record.polygon_triangles;
-  out["files"] = ordered_json::array();
-  for (const FileRecord& file : record.files) out["files"].push_back(to_json(file));
-  return out.dump() + "\n";
-}
-
-TileRecord parse_tile_record(const std::string& line, const std::string& where) {
-  const json parsed = parse_text(line, where);
-  const Value value(parsed, where, "");
-  TileRecord record;
-  const Value tile = value.at("tile");
-  record.tile.level = static_cast<int>(tile.at("level").integer(0, max_levels));
-  const auto at = tile.at("at").items(3);
-  for (int axis = 0; axis < 3; ++axis)
-    record.tile.at[axis] = at[static_cast<std::size_t>(axis)].integer(
-        0, (std::int64_t{1} << (max_levels - record.tile.level)) - 1);
-  record.vertices = value.at("vertices").count();
-  record.triangles = value.at("triangles").count();
-  record.quads = value.at("quads").count();
-  record.polygon_triangles = value.at("polygon_triangles").count();
-  for (const Value& file : value.at("files").items())
-    record.files.push_back(file_record(file, false));
-  return record;
-}
-
-TileListReader::TileListReader(const std::filesystem::path& path)
-    : path_(path.string()), stream_(path) {
-  if (!stream_) throw_errno("open", path_, errno);
-}
-
-std::optional<TileRecord> TileListReader::next() {
-  std::string line;
-  while (std::getline(stream_, line)) {
-    ++line_;
-    if (!line.empty()) return parse_tile_record(line, fmt::format("{} line {}", path_, line_));
-  }
-  if (stream_.bad()) throw StorageError(fmt::format("cannot read {}", path_));
-  return std::nullopt;
 }
 
 }  // namespace voxweld

@@ -15,19 +15,27 @@
 //   counts       {bricks, active_bricks, collapsed_above_bricks, leaves [per level], vertices,
 //   quads, triangles
 //                (polygons), output_triangles = 2 quads + triangles, tiles, collinear,
-//                files, bytes (mesh files, those of the tiles included)};
+//                files, bytes (mesh files, those of the tiles included), labels (with "labels")};
 //                vertices: of the octree, which with a closed border and safe topology are those
 //                of the welded mesh; else some of them are in no polygon
 //   merged       {drc, glb} paths, or null
-//   files        [{path, format, role "list" or "merged", bytes, xxh3_128}]: the list of tiles and
-//                the merged mesh; a tile's files are in its line of the list
+//   files        [{path, format, role "list", "labels" or "merged", bytes, xxh3_128}]: the list of
+//                tiles, that of labels, and the merged mesh; a tile's files are in its line
 //   input, config, stages, error, made_by   free-form; made_by: program, host, time, Slurm ids
 // tiles.jsonl, one object a line:
-//   {tile {level, at [x, y, z]}, vertices, triangles, quads, polygon_triangles,
-//    files [{format, path, bytes, xxh3_128}]}
+//   {label (with "labels"), tile {level, at [x, y, z]}, vertices, triangles, quads,
+//    polygon_triangles, files [{format, path, bytes, xxh3_128}]}
+//   with labels those of one stand together, and labels ascend
+// labels.jsonl, with "labels", one object a line, ascending:
+//   {label, name (optional), color (optional, [r, g, b] of 0 .. 255), vertices, triangles,
+//    volume (enclosed, output units; null with an open border), area, bounds [lo [x, y, z],
+//    hi [x, y, z]] (null where the label has no triangle), tiles, files [path]}
+//   vertices: as counts.vertices, of the label's octree. Volume, area and bounds are those of the
+//   mesh as written: the volume is exact but for its last rounding, whatever the tiles
 // Paths are relative to the directory. Keys that are not listed are ignored.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -48,13 +56,14 @@ namespace voxweld {
 struct FileRecord {
   std::string path;    // relative to the output directory
   std::string format;  // "drc", "glb" ...
-  std::string role;    // "list", "merged"; empty in tiles.jsonl
+  std::string role;    // "list", "labels", "merged"; empty in tiles.jsonl
   std::uint64_t bytes = 0;
   std::string xxh3_128;  // to_hex of the file's hash
   friend bool operator==(const FileRecord&, const FileRecord&) = default;
 };
 
 struct TileRecord {
+  std::optional<Material> label;
   CellKey tile;
   std::uint64_t vertices = 0;   // of the tile's own mesh
   std::uint64_t triangles = 0;  // output triangles: 2 quads + polygon_triangles
@@ -62,6 +71,24 @@ struct TileRecord {
   std::uint64_t polygon_triangles = 0;
   std::vector<FileRecord> files;
   friend bool operator==(const TileRecord&, const TileRecord&) = default;
+};
+
+// One line of labels.jsonl.
+struct LabelRecord {
+  Material label = exterior;
+  std::string name;  // empty: none
+  std::optional<std::array<std::uint8_t, 3>> color;
+  std::uint64_t vertices = 0, triangles = 0;
+  std::optional<double> volume;
+  double area = 0;
+  struct Bounds {
+    Vec3 lo, hi;
+    friend bool operator==(const Bounds&, const Bounds&) = default;
+  };
+  std::optional<Bounds> bounds;
+  std::uint64_t tiles = 0;
+  std::vector<std::string> files;
+  friend bool operator==(const LabelRecord&, const LabelRecord&) = default;
 };
 
 struct ManifestCounts {
@@ -72,6 +99,7 @@ struct ManifestCounts {
   std::uint64_t quads = 0, triangles = 0, output_triangles = 0;
   std::uint64_t tiles = 0, collinear = 0;
   std::uint64_t files = 0, bytes = 0;  // of meshes
+  std::uint64_t labels = 0;
   friend bool operator==(const ManifestCounts&, const ManifestCounts&) = default;
 };
 
@@ -101,6 +129,7 @@ struct Manifest {
 
 inline constexpr const char* manifest_name = "manifest.json";
 inline constexpr const char* tiles_name = "tiles.jsonl";
+inline constexpr const char* labels_name = "labels.jsonl";
 
 void write_manifest(const Manifest& manifest, const std::filesystem::path& path,
                     Durability durability = Durability::fsync);
@@ -112,17 +141,24 @@ std::string to_json_line(const TileRecord& record);
 // FormatError, starting with `where` (path and line number).
 TileRecord parse_tile_record(const std::string& line, const std::string& where);
 
-// Streams tiles.jsonl.
-class TileListReader {
+// The same of labels.jsonl.
+std::string to_json_line(const LabelRecord& record);
+LabelRecord parse_label_record(const std::string& line, const std::string& where);
+
+// Streams a list, line by line.
+template <class Record>
+class ListReader {
  public:
-  explicit TileListReader(const std::filesystem::path& path);  // StorageError when it cannot open
-  // The next tile, or nothing at the end. FormatError naming path and line.
-  std::optional<TileRecord> next();
+  explicit ListReader(const std::filesystem::path& path);  // StorageError when it cannot open
+  // The next record, or nothing at the end. FormatError naming path and line.
+  std::optional<Record> next();
 
  private:
   std::string path_;
   std::ifstream stream_;
   std::uint64_t line_ = 0;
 };
+using TileListReader = ListReader<TileRecord>;
+using LabelListReader = ListReader<LabelRecord>;
 
 }  // namespace voxweld

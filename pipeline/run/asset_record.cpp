@@ -9,8 +9,8 @@
 namespace voxweld {
 namespace {
 
-// A container of kind "asst", version 1, whose key is the asset's; section 1: the rest as JSON. Its
-// input stamp is of the files' sizes and times.
+// A container of kind "asst", version 1, whose key is the asset's; section 1: the rest as JSON,
+// "labels" only where it has some. Its input stamp is of the files' sizes and times.
 constexpr std::array<char, 4> asset_kind = {'a', 's', 's', 't'};
 constexpr std::uint32_t asset_version = 1;
 
@@ -28,6 +28,47 @@ std::optional<Hash128> files_stamp(const std::vector<FileRecord>& files,
   return stamp.finish();
 }
 
+nlohmann::json to_json(const LabelAsset& asset) {
+  const MeshMeasure& m = asset.measure;
+  return {{"label", asset.label},
+          {"level", asset.tile.level},
+          {"code", asset.tile.code()},
+          {"octree_vertices", asset.octree_vertices},
+          {"vertices", asset.vertices},
+          {"triangles", asset.triangles},
+          {"quads", asset.quads},
+          {"polygon_triangles", asset.polygon_triangles},
+          // The upper half has the sign.
+          {"volume6",
+           {static_cast<std::int64_t>(m.volume6 >> 64), static_cast<std::uint64_t>(m.volume6)}},
+          {"area2", m.area2},
+          {"lo", m.lo},
+          {"hi", m.hi},
+          {"empty", m.empty},
+          {"files", asset.files}};
+}
+
+LabelAsset label_asset_of(const nlohmann::json& value) {
+  LabelAsset asset;
+  asset.label = value.at("label");
+  asset.tile.level = value.at("level");
+  asset.tile.at = morton_decode(value.at("code").get<std::uint64_t>() >> (3 * asset.tile.level));
+  asset.octree_vertices = value.at("octree_vertices");
+  asset.vertices = value.at("vertices");
+  asset.triangles = value.at("triangles");
+  asset.quads = value.at("quads");
+  asset.polygon_triangles = value.at("polygon_triangles");
+  MeshMeasure& m = asset.measure;
+  m.volume6 = static_cast<Wide>(value.at("volume6").at(0).get<std::int64_t>()) << 64 |
+              static_cast<Wide>(value.at("volume6").at(1).get<std::uint64_t>());
+  m.area2 = value.at("area2");
+  m.lo = value.at("lo");
+  m.hi = value.at("hi");
+  m.empty = value.at("empty");
+  asset.files = value.at("files");
+  return asset;
+}
+
 }  // namespace
 
 void write_asset_record(const std::filesystem::path& path, const AssetRecord& record,
@@ -38,10 +79,11 @@ void write_asset_record(const std::filesystem::path& path, const AssetRecord& re
                      {"format", file.format},
                      {"bytes", file.bytes},
                      {"hash", file.xxh3_128}});
-  const nlohmann::json body = {
+  nlohmann::json body = {
       {"vertices", record.vertices},   {"triangles", record.triangles},
       {"quads", record.quads},         {"polygon_triangles", record.polygon_triangles},
       {"collinear", record.collinear}, {"files", files}};
+  for (const LabelAsset& asset : record.labels) body["labels"].push_back(to_json(asset));
   const std::string text = body.dump();
   ArtifactWriter writer(path, {asset_kind, asset_version, record.key});
   writer.section(1, as_bytes(text));
@@ -67,6 +109,8 @@ std::optional<AssetRecord> read_asset_record(const std::filesystem::path& path) 
     for (const auto& file : body.at("files"))
       record.files.push_back(
           {file.at("path"), file.at("format"), "", file.at("bytes"), file.at("hash")});
+    if (body.contains("labels"))
+      for (const auto& asset : body.at("labels")) record.labels.push_back(label_asset_of(asset));
     return record;
   } catch (const DamagedArtifact&) {
     return std::nullopt;

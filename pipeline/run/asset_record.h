@@ -6,15 +6,28 @@
 #include <optional>
 
 #include "pipeline/mesh/manifest.h"
+#include "stages/encode/mesh_measure.h"
 #include "storage/support/hash.h"
+#include "storage/types/material.h"
 
 namespace voxweld {
+
+// One mesh of several that one record is of: a label's, or one tile of it.
+struct LabelAsset {
+  Material label = exterior;
+  CellKey tile;
+  std::uint64_t octree_vertices = 0;  // that lie in the tile
+  std::uint64_t vertices = 0, triangles = 0, quads = 0, polygon_triangles = 0;
+  MeshMeasure measure;
+  std::size_t files = 0;  // how many of the record's, in their order, are its
+};
 
 struct AssetRecord {
   Hash128 key;
   std::uint64_t vertices = 0, triangles = 0, quads = 0, polygon_triangles = 0, collinear = 0;
-  std::vector<FileRecord> files;  // paths relative to the output directory
-  Hash128 files_stamp;            // as read: of their sizes and times when they were last compared
+  std::vector<FileRecord> files;   // paths relative to the output directory
+  std::vector<LabelAsset> labels;  // labels.mode = "each"; the counts above are of all of them
+  Hash128 files_stamp;             // as read: of their sizes and times when they were last compared
 };
 
 // Precondition: the files it names are in place.

@@ -7,8 +7,10 @@
 #include <mutex>
 
 #include "pipeline/executor/probe.h"
+#include "pipeline/run/common_material.h"
 #include "pipeline/run/shard_builder.h"
 #include "stages/geometry/mesh_solid.h"
+#include "storage/artifact/label_shard_artifact.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -34,7 +36,7 @@ ArtifactState state_of(const BuildJob& job, Index3 shard) {
   const auto path = shard_artifact_path(job, shard);
   if (!std::filesystem::exists(path)) return ArtifactState::missing;
   try {
-    const ShardArtifact artifact(path);
+    const ArtifactReader artifact = open_octrees(job, shard);
     if (artifact.key() != shard_key(job, shard)) return ArtifactState::missing;
     return artifact.input_stamp() == volume_stamp(job, shard) ? ArtifactState::current
                                                               : ArtifactState::unproven;
@@ -45,7 +47,9 @@ ArtifactState state_of(const BuildJob& job, Index3 shard) {
 }
 
 StageMemory build_memory(const RunContext& context, const BuildJob& job) {
-  return {"build", 0, ShardBuilder::memory_bytes(job.grid, job.volume.source->info().type),
+  return {"build", 0,
+          ShardBuilder::memory_bytes(job.grid, job.volume.source->info().type,
+                                     job.parameters.labels.mode),
           fmt::format("one brick (work.brick = {})", context.config.work.brick),
           "raise run.memory or lower work.brick"};
 }
@@ -61,6 +65,12 @@ std::vector<Unit> weighed_units(const BuildJob& job, const std::vector<std::uint
   const std::vector<Index3> shards = job.grid.all_shards();
   const std::int64_t side = std::int64_t{1} << job.grid.brick_level();
   const double isovalue = job.parameters.surface.isovalue;
+  const LabelParameters& labels = job.parameters.labels;
+  const auto has_surface = [&](const ValueRange& range) {
+    if (range.empty) return false;
+    if (labels.mode != LabelMode::off) return !common_material(*labels.rules, range).has_value();
+    return range.lo <= isovalue && range.hi >= isovalue;
+  };
   probe_all(units.size(), [&](std::size_t i) {
     const Box3 bricks = job.grid.shard_bricks(shards[units[i].key]);
     double& weight = units[i].weight;
@@ -71,8 +81,7 @@ std::vector<Unit> weighed_units(const BuildJob& job, const std::vector<std::uint
           const Index3 lo = Index3{x, y, z} * side;
           const Box3 samples = intersect({lo, lo + splat(side)}, Box3{{}, job.grid.size()});
           if (samples.empty()) continue;
-          const ValueRange range = job.volume.ranges->range(samples);
-          if (!range.empty && range.lo <= isovalue && range.hi >= isovalue) weight += 1;
+          if (has_surface(job.volume.ranges->range(samples))) weight += 1;
         }
   });
   return units;
@@ -106,7 +115,7 @@ void feed(KeyHasher& key, const Edit& edit) {
 bool proven(const BuildJob& job, Index3 shard, ShardBuilder& builder) {
   const auto path = shard_artifact_path(job, shard);
   const Hash128 stamp = volume_stamp(job, shard);
-  if (builder.input_hash(shard) != ShardArtifact(path).summary().input) return false;
+  if (builder.input_hash(shard) != read_summary(open_octrees(job, shard)).input) return false;
   restamp_artifact(path, stamp);
   return true;
 }
@@ -129,6 +138,12 @@ Hash128 shard_key(const BuildJob& job, Index3 shard) {
 
 std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard) {
   return fanned_out(job.folder, shard, fmt::format("{}-{}-{}.octree", shard.x, shard.y, shard.z));
+}
+
+ArtifactReader open_octrees(const BuildJob& job, Index3 shard) {
+  const bool labels = job.parameters.labels.mode == LabelMode::each;
+  return ArtifactReader(shard_artifact_path(job, shard), labels ? label_shard_kind : shard_kind,
+                        labels ? label_shard_version : shard_version);
 }
 
 std::vector<Unit> shard_units(const BrickGrid& grid, const std::vector<std::uint64_t>& numbers) {

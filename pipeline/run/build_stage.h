@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pipeline/run/context.h"
+#include "storage/artifact/container.h"
 
 namespace voxweld {
 
@@ -20,6 +21,9 @@ struct BuildJob {
 Hash128 shard_key(const BuildJob& job, Index3 shard);
 
 std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard);
+
+// The shard's artifact, whichever kind of octrees it holds.
+ArtifactReader open_octrees(const BuildJob& job, Index3 shard);
 
 // Units are numbered as grid.all_shards().
 std::vector<Unit> shard_units(const BrickGrid& grid, const std::vector<std::uint64_t>& numbers);

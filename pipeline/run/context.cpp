@@ -12,6 +12,8 @@
 #include "pipeline/run/encode_stage.h"
 #include "pipeline/run/label_rules.h"
 #include "pipeline/run/mesh_input.h"
+#include "storage/artifact/label_shard_artifact.h"
+#include "storage/artifact/label_top.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/top_artifact.h"
@@ -125,7 +127,9 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info,
   paths.ingest = work / ("ingest-" + short_hex(ingest.finish()));
 
   KeyHasher build;
+  const bool each = config.labels.mode == LabelMode::each;
   build.text("build").integer(shard_version).hash(parameter_hash(config, Stage::build));
+  if (each) build.integer(label_shard_version);
   build.text(sample_type_name(info.type));
   build.integer(g.size.x).integer(g.size.y).integer(g.size.z);
   vec(build, g.spacing);
@@ -138,7 +142,8 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info,
     key.text(stage_name(stage)).integer(version).hash(before).hash(parameter_hash(config, stage));
     return key.finish();
   };
-  paths.merge_key = next(Stage::merge, top_version, paths.build_key);
+  const std::uint32_t of_labels = each ? label_top_version << 16 : 0;
+  paths.merge_key = next(Stage::merge, top_version | of_labels, paths.build_key);
   paths.merge = work / ("merge-" + short_hex(paths.merge_key));
   paths.stitch_key = next(Stage::stitch, tile_version, paths.merge_key);
   if (g.first != Vec3{}) {

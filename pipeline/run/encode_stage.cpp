@@ -15,6 +15,7 @@
 #include "stages/encode/draco_codec.h"
 #include "stages/encode/glb.h"
 #include "stages/encode/mesh_accumulator.h"
+#include "stages/encode/mesh_measure.h"
 #include "stages/encode/pair_meshes.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/support/error.h"
@@ -22,42 +23,33 @@
 namespace voxweld {
 namespace {
 
-// Tiles keep their name in every run: level and index.
-std::string tile_name(CellKey tile) {
-  return fmt::format("{}-{}-{}-{}", tile.level, tile.at.x, tile.at.y, tile.at.z);
-}
-
-// Relative to the output directory. Folders by z and by y and x / 16, as the artifacts', only when
-// there are too many for one.
-std::string tile_stem(CellKey tile, bool many) {
-  const std::filesystem::path root = "tiles";
-  return (many ? fanned_out(root, tile.at, tile_name(tile)) : root / tile_name(tile)).string();
-}
-
-bool has_many(const std::vector<PlannedTile>& tiles) {
-  return tiles.size() > 200;
-}
-
-std::filesystem::path tile_record_path(const EncodeJob& job, CellKey tile) {
-  return fanned_out(job.folder, tile.at, tile_name(tile) + ".record");
+std::filesystem::path record_path(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit) {
+  return plan.path(job.folder, unit, ".record");
 }
 
 std::filesystem::path merged_record_path(const EncodeJob& job) {
   return job.folder / "merged.record";
 }
 
-Hash128 content_of(const EncodeJob& job, CellKey tile) {
-  return TileArtifact(tile_artifact_path(*job.stitch, tile)).content_hash();
+LabelMode label_mode(const EncodeJob& job) {
+  return job.stitch->build->parameters.labels.mode;
 }
 
-Hash128 asset_key(const EncodeJob& job, Hash128 content) {
-  return KeyHasher().hash(job.key).hash(content).finish();
+Hash128 content_of(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit) {
+  return TileArtifact(tile_artifact_path(*job.stitch, plan, unit)).content_hash();
 }
 
-Hash128 merged_key(const EncodeJob& job, const std::vector<PlannedTile>& tiles) {
+Hash128 asset_key(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit, Hash128 content) {
   KeyHasher key;
-  std::vector<Hash128> contents(tiles.size());
-  probe_all(tiles.size(), [&](std::size_t i) { contents[i] = content_of(job, tiles[i].key()); });
+  key.hash(job.key).hash(content);
+  if (plan.spread(unit)) key.text("spread");
+  return key.finish();
+}
+
+Hash128 merged_key(const EncodeJob& job, const UnitPlan& plan) {
+  KeyHasher key;
+  std::vector<Hash128> contents(plan.size());
+  probe_all(plan.size(), [&](std::size_t i) { contents[i] = content_of(job, plan, i); });
   key.text("merged").hash(job.key);
   for (const Hash128& content : contents) key.hash(content);
   return key.finish();
@@ -97,56 +89,80 @@ std::vector<FileRecord> write_formats(const RunContext& context, const EncodeJob
   return files;
 }
 
-AssetRecord record_of(Hash128 key, const TileMesh& mesh, std::vector<FileRecord> files) {
-  return {key,
+// One more mesh of the record.
+void add_mesh(AssetRecord& record, const TileMesh& mesh, const std::vector<FileRecord>& files) {
+  record.vertices += mesh.positions.size();
+  record.triangles += mesh.triangles.size();
+  record.quads += mesh.quads;
+  record.polygon_triangles += mesh.polygon_triangles;
+  record.collinear += mesh.collinear;
+  record.files.insert(record.files.end(), files.begin(), files.end());
+}
+
+LabelAsset label_asset(Material label, const TileMesh& mesh, std::uint64_t octree_vertices,
+                       std::size_t files) {
+  return {label,
+          mesh.tile,
+          octree_vertices,
           mesh.positions.size(),
           mesh.triangles.size(),
           mesh.quads,
           mesh.polygon_triangles,
-          mesh.collinear,
-          std::move(files),
-          {}};
+          measure(mesh.positions, mesh.triangles),
+          files};
 }
 
-void encode_tile(const RunContext& context, const EncodeJob& job, const PlannedTile& tile,
-                 bool many) {
-  const TileArtifact artifact(tile_artifact_path(*job.stitch, tile.key()));
-  const TileMesh mesh = artifact.read();
-  std::vector<FileRecord> files;
-  // A tile may own polygons none of which has three leaves: it has no mesh, and no files.
-  if (!mesh.triangles.empty() && context.config.output.tiles)
-    files = write_formats(context, job, mesh, tile_stem(tile.key(), many));
-  write_asset_record(tile_record_path(job, tile.key()),
-                     record_of(asset_key(job, artifact.content_hash()), mesh, std::move(files)),
-                     job.output);
+void encode_unit(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
+                 std::uint64_t unit, const WorkerContext& worker) {
+  const TileArtifact artifact(tile_artifact_path(*job.stitch, plan, unit));
+  const std::vector<PlannedMesh> planned = plan.meshes(unit);
+  if (artifact.meshes() != planned.size())
+    throw DamagedArtifact(artifact.path(), "has other meshes than are planned");
+  AssetRecord record;
+  record.key = asset_key(job, plan, unit, artifact.content_hash());
+  for (std::size_t i = 0; i < planned.size(); ++i) {
+    worker.check_interrupt();
+    const TileMesh mesh = artifact.read(i);
+    std::vector<FileRecord> files;
+    // A tile may own polygons none of which has three leaves: it has no mesh, and no files.
+    if (!mesh.triangles.empty() && context.config.output.tiles)
+      files = write_formats(context, job, mesh, planned[i].stem);
+    add_mesh(record, mesh, files);
+    if (!artifact.labels().empty())
+      record.labels.push_back(
+          label_asset(artifact.labels()[i], mesh, planned[i].vertices, files.size()));
+  }
+  write_asset_record(record_path(job, plan, unit), record, job.output);
 }
 
-void encode_merged(const RunContext& context, const EncodeJob& job,
-                   const std::vector<PlannedTile>& tiles) {
+void encode_merged(const RunContext& context, const EncodeJob& job, const UnitPlan& plan) {
   MeshAccumulator accumulator;
-  for (const PlannedTile& tile : tiles) {
+  for (std::uint64_t unit = 0; unit < plan.size(); ++unit) {
     if (context.interrupt != nullptr) context.interrupt->check();
-    const TileMesh mesh = TileArtifact(tile_artifact_path(*job.stitch, tile.key())).read();
+    const TileMesh mesh = TileArtifact(tile_artifact_path(*job.stitch, plan, unit)).read();
     if (!mesh.triangles.empty()) accumulator.append(mesh);
   }
   TileMesh mesh = accumulator.take();
   if (context.config.surface.border == SurfaceConfig::Border::open && mesh.pairs.empty())
     split_fans(mesh);
-  write_asset_record(
-      merged_record_path(job),
-      record_of(merged_key(job, tiles), mesh, write_formats(context, job, mesh, "mesh")),
-      job.output);
+  AssetRecord record;
+  record.key = merged_key(job, plan);
+  add_mesh(record, mesh, write_formats(context, job, mesh, "mesh"));
+  write_asset_record(merged_record_path(job), record, job.output);
 }
 
 // The names of all that the run may write: the same for each of its tasks.
-void add_planned(const RunContext& context, const std::vector<PlannedTile>& tiles, bool merged,
+void add_planned(const RunContext& context, const UnitPlan& plan, bool merged,
                  std::set<std::string>& names) {
-  for (const OutputConfig::Format format : context.config.output.formats) {
-    const char* ending = format == OutputConfig::Format::drc ? ".drc" : ".glb";
-    for (const PlannedTile& tile : tiles)
-      names.insert(tile_stem(tile.key(), has_many(tiles)) + ending);
-    if (merged) names.insert(std::string("mesh") + ending);
-  }
+  std::vector<std::string> endings;
+  for (const OutputConfig::Format format : context.config.output.formats)
+    endings.push_back(format == OutputConfig::Format::drc ? ".drc" : ".glb");
+  for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
+    for (const PlannedMesh& mesh : plan.meshes(unit))
+      for (const std::string& ending : endings) names.insert(mesh.stem + ending);
+  for (const std::string& ending : endings)
+    if (merged) names.insert("mesh" + ending);
+  if (context.config.labels.mode == LabelMode::each) names.insert(labels_name);
 }
 
 Hash128 planned_key(const EncodeJob& job, const TopArtifact& top, bool merged) {
@@ -164,59 +180,59 @@ nlohmann::json stages_json(const RunContext& context) {
   return stages;
 }
 
-void write_listing(const EncodeJob& job, const std::vector<PlannedTile>& tiles, bool merged,
+void write_listing(const EncodeJob& job, const UnitPlan& plan, bool merged,
                    std::set<std::string> before, Manifest manifest) {
   Listing listing;
-  for (const PlannedTile& tile : tiles)
-    listing.tiles.push_back({tile.key(), tile_record_path(job, tile.key())});
+  for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
+    listing.tiles.push_back({plan.largest(unit).key(), record_path(job, plan, unit)});
   if (merged) listing.merged = merged_record_path(job);
+  listing.labels = label_mode(job) == LabelMode::each;
   listing.output = job.output;
   write_listing(listing, std::move(before), std::move(manifest));
 }
 
-bool tile_is_current(const EncodeJob& job, const PlannedTile& tile) {
-  if (!std::filesystem::exists(tile_record_path(job, tile.key()))) return false;
-  return asset_is_current(tile_record_path(job, tile.key()),
-                          asset_key(job, content_of(job, tile.key())), job.output);
+bool unit_is_current(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit) {
+  const std::filesystem::path record = record_path(job, plan, unit);
+  if (!std::filesystem::exists(record)) return false;
+  return asset_is_current(record, asset_key(job, plan, unit, content_of(job, plan, unit)),
+                          job.output);
 }
 
-bool merged_is_current(const EncodeJob& job, const std::vector<PlannedTile>& tiles) {
-  return asset_is_current(merged_record_path(job), merged_key(job, tiles), job.output);
+bool merged_is_current(const EncodeJob& job, const UnitPlan& plan) {
+  return asset_is_current(merged_record_path(job), merged_key(job, plan), job.output);
 }
 
 // The merged mesh takes the memory of the whole process: in this one it is made alone, after the
 // tiles; elsewhere it is one more unit.
-void encode_missing(RunContext& context, const EncodeJob& job,
-                    const std::vector<PlannedTile>& tiles, const EncodeStatus& status,
-                    bool merged_planned) {
+void encode_missing(RunContext& context, const EncodeJob& job, const UnitPlan& plan,
+                    const EncodeStatus& status, bool merged_planned) {
   StageRun stage;
   stage.stage = "encode";
-  stage.noun = "meshes";
+  stage.noun = label_mode(job) == LabelMode::each ? "batches" : "meshes";
   const bool merged_done = merged_planned && !status.merged_missing;
-  stage.reused = context.selection.count(tiles.size()) - status.missing.size() +
-                 (merged_done && context.selection.contains(tiles.size()) ? 1 : 0);
-  stage.memory = encode_memory(context.config, tiles);
+  stage.reused = context.selection.count(plan.size()) - status.missing.size() +
+                 (merged_done && context.selection.contains(plan.size()) ? 1 : 0);
+  stage.memory = encode_memory(context.config, plan.largest_tiles());
   stage.identity = job.folder.filename().string();
   stage.done = [&](const Unit& unit) {
-    return unit.key < tiles.size() ? tile_is_current(job, tiles[unit.key])
-                                   : merged_is_current(job, tiles);
+    return unit.key < plan.size() ? unit_is_current(job, plan, unit.key)
+                                  : merged_is_current(job, plan);
   };
   const bool here = context.executor->in_process();
   std::vector<Unit> units;
   double polygons = 0;
   for (const std::uint64_t number : status.missing) {
-    units.push_back({number, "tile " + tile_name(tiles[number].key()),
-                     static_cast<double>(tiles[number].polygons)});
+    units.push_back({number, plan.name(number), static_cast<double>(plan.total(number).polygons)});
     polygons += units.back().weight;
   }
-  if (status.merged_missing && !here) units.push_back({tiles.size(), "merged mesh", polygons});
+  if (status.merged_missing && !here) units.push_back({plan.size(), "merged mesh", polygons});
   const StageMeter meter;
   run_stage(context, stage, units, stage_threads(context, stage.memory),
-            [&](const Unit& unit, WorkerContext&) {
-              encode_tile(context, job, tiles[unit.key], has_many(tiles));
+            [&](const Unit& unit, WorkerContext& worker) {
+              encode_unit(context, job, plan, unit.key, worker);
             });
   if (!status.merged_missing || !here) return;
-  encode_merged(context, job, tiles);
+  encode_merged(context, job, plan);
   StageReport& report = context.reports.back();
   report.figures = meter.read();
   ++report.ran;
@@ -238,13 +254,16 @@ StageMemory encode_memory(const Config& config, const std::vector<PlannedTile>& 
           "raise run.memory or lower output.tile_vertices; what is finished is kept"};
 }
 
-MergedPlan plan_merged(const Config& config, const std::vector<PlannedTile>& tiles) {
+MergedPlan plan_merged(const Config& config, const UnitPlan& units) {
+  MergedPlan plan;
+  // Closed surfaces of neighbouring labels overlap: they are no one mesh.
+  if (config.labels.mode == LabelMode::each) return plan;
   std::uint64_t vertices = 0, triangles = 0;
-  for (const PlannedTile& tile : tiles) {
+  for (std::uint64_t unit = 0; unit < units.size(); ++unit) {
+    const PlannedTile tile = units.total(unit);
     vertices += tile.vertices;
     triangles += 2 * tile.polygons;
   }
-  MergedPlan plan;
   if (config.output.merged == OutputConfig::Merged::never) return plan;
   plan.bytes = program_bytes() +
                accumulator_memory_bytes(vertices, triangles, config.output.normals) +
@@ -264,32 +283,32 @@ MergedPlan plan_merged(const Config& config, const std::vector<PlannedTile>& til
 EncodeStatus encode_status(const RunContext& context, const EncodeJob& job,
                            const TopArtifact& top) {
   EncodeStatus status;
-  const std::vector<PlannedTile> tiles = top.tiles();
-  const auto missing = probe_which(tiles.size(), [&](std::size_t i) {
-    return context.selection.contains(i) && !tile_is_current(job, tiles[i]);
+  const auto plan = unit_plan(top, label_mode(job));
+  const auto missing = probe_which(plan->size(), [&](std::size_t i) {
+    return context.selection.contains(i) && !unit_is_current(job, *plan, i);
   });
   status.missing.assign(missing.begin(), missing.end());
-  if (context.selection.contains(tiles.size()) && plan_merged(context.config, tiles).write)
-    status.merged_missing = !merged_is_current(job, tiles);
+  if (context.selection.contains(plan->size()) && plan_merged(context.config, *plan).write)
+    status.merged_missing = !merged_is_current(job, *plan);
   return status;
 }
 
 void run_encode(RunContext& context, const EncodeJob& job, Manifest manifest) {
   const TopArtifact top(job.stitch->merge->path());
-  const std::vector<PlannedTile> tiles = top.tiles();
-  context.selection.check("encode", "tiles", tiles.size() + 1);
+  const auto plan = unit_plan(top, label_mode(job));
+  context.selection.check("encode", "tiles", plan->size() + 1);
   const EncodeStatus status = encode_status(context, job, top);
-  const MergedPlan merged = plan_merged(context.config, tiles);
+  const MergedPlan merged = plan_merged(context.config, *plan);
   if (!merged.why_not.empty())
     spdlog::warn("no merged mesh: {}; the tiles are complete", merged.why_not);
 
   if (!status.current())
     begin_output(job.output, planned_key(job, top, merged.write),
-                 [&](auto& names) { add_planned(context, tiles, merged.write, names); });
-  encode_missing(context, job, tiles, status, merged.write);
+                 [&](auto& names) { add_planned(context, *plan, merged.write, names); });
+  encode_missing(context, job, *plan, status, merged.write);
   if (!context.selection.all()) return;
   manifest.stages = std::make_unique<nlohmann::json>(stages_json(context));
-  write_listing(job, tiles, merged.write, files_of_earlier_runs(job.output), std::move(manifest));
+  write_listing(job, *plan, merged.write, files_of_earlier_runs(job.output), std::move(manifest));
 }
 
 }  // namespace voxweld

@@ -17,9 +17,9 @@ struct EncodeJob {
   Hash128 key;
 };
 
-// Units are numbered as TopArtifact::tiles(); the merged mesh comes after them.
+// Units are numbered as UnitPlan has them; the merged mesh comes after them.
 struct EncodeStatus {
-  std::vector<std::uint64_t> missing;  // tiles whose files are missing, changed or of other inputs
+  std::vector<std::uint64_t> missing;  // units whose files are missing, changed or of other inputs
   bool merged_missing = false;
   bool current() const { return missing.empty() && !merged_missing; }
 };
@@ -31,7 +31,7 @@ struct MergedPlan {
   std::uint64_t bytes = 0;  // what it takes in memory
   std::string why_not;      // for the user, when auto leaves it out
 };
-MergedPlan plan_merged(const Config& config, const std::vector<PlannedTile>& tiles);
+MergedPlan plan_merged(const Config& config, const UnitPlan& units);
 
 // What encoding the largest of these tiles takes.
 StageMemory encode_memory(const Config& config, const std::vector<PlannedTile>& tiles);

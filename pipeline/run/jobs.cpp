@@ -98,7 +98,8 @@ void check_budget(const RunContext& context, const Jobs& jobs) {
   const Config& config = context.config;
   std::vector<StageMemory> needs = {
       ingest_memory(config, jobs.ingest()),
-      {"build", 0, ShardBuilder::memory_bytes(brick_grid(config, info.geometry), info.type),
+      {"build", 0,
+       ShardBuilder::memory_bytes(brick_grid(config, info.geometry), info.type, config.labels.mode),
        fmt::format("one brick (work.brick = {})", config.work.brick),
        "raise run.memory or lower work.brick"}};
   // The largest first: the figure it is refused with does for all.
@@ -128,9 +129,10 @@ void warn_of_large_tiles(const RunContext& context) {
 }
 
 void check_plan(const RunContext& context, const Jobs& jobs) {
-  const std::vector<PlannedTile> tiles = TopArtifact(jobs.merge().path()).tiles();
-  stage_threads(context, encode_memory(context.config, tiles));
-  plan_merged(context.config, tiles);
+  const TopArtifact top(jobs.merge().path());
+  const auto plan = unit_plan(top, context.config.labels.mode);
+  stage_threads(context, encode_memory(context.config, plan->largest_tiles()));
+  plan_merged(context.config, *plan);
 }
 
 Manifest make_manifest(const RunContext& context, const Jobs& jobs) {

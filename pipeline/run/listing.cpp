@@ -22,11 +22,115 @@ void count_file(const FileRecord& file, ManifestCounts& counts, std::set<std::st
   leftovers.erase(file.path);
 }
 
-// Writes tiles.jsonl and returns what the manifest says of it.
-FileRecord list_tiles(const Listing& listing, ManifestCounts& counts,
-                      std::set<std::string>& leftovers) {
-  AtomicFile file(listing.output / tiles_name);
-  StreamHasher hash;
+// A list under way: lines to a file and its hash.
+class ListFile {
+ public:
+  ListFile(const std::filesystem::path& output, const char* name)
+      : name_(name), file_(output / name) {}
+  void line(const std::string& text) {
+    hash_.update(as_bytes(text));
+    file_.append(as_bytes(text));
+  }
+  // What the manifest says of it.
+  FileRecord finish(const char* role) {
+    FileRecord entry{name_, "jsonl", role, file_.size(), to_hex(hash_.finish())};
+    file_.commit(Durability::fsync);
+    return entry;
+  }
+
+ private:
+  std::string name_;
+  AtomicFile file_;
+  StreamHasher hash_;
+};
+
+// Lines of labels.jsonl from the meshes of labels, those of one together.
+class LabelLines {
+ public:
+  LabelLines(ListFile& out, const Manifest& manifest)
+      : out_(out), lattice_(manifest.lattice), open_border_(manifest.open_border) {}
+
+  void add(const LabelAsset& mesh, std::span<const FileRecord> files) {
+    if (!open_ || open_->label != mesh.label) close();
+    if (!open_) {
+      open_.emplace();
+      open_->label = mesh.label;
+    }
+    open_->vertices += mesh.octree_vertices;
+    open_->triangles += mesh.triangles;
+    open_->tiles += files.empty() ? 0 : 1;
+    for (const FileRecord& file : files) open_->files.push_back(file.path);
+    measure_ += mesh.measure;
+  }
+  // After the last. Returns how many there were.
+  std::uint64_t finish() {
+    close();
+    return count_;
+  }
+
+ private:
+  void close() {
+    if (!open_) return;
+    if (!open_border_) open_->volume = enclosed_volume(measure_, lattice_);
+    open_->area = surface_area(measure_, lattice_);
+    if (!measure_.empty) open_->bounds = {place(measure_.lo), place(measure_.hi)};
+    out_.line(to_json_line(*open_));
+    ++count_;
+    open_.reset();
+    measure_ = {};
+  }
+  Vec3 place(const LatticePoint& q) const {
+    return {lattice_.coordinate(0, q[0]), lattice_.coordinate(1, q[1]),
+            lattice_.coordinate(2, q[2])};
+  }
+
+  ListFile& out_;
+  OutputLattice lattice_;
+  bool open_border_;
+  std::optional<LabelRecord> open_;
+  MeshMeasure measure_;
+  std::uint64_t count_ = 0;
+};
+
+// The meshes of a record as lines of tiles.jsonl; f(line, its files) of each.
+template <class F>
+void each_mesh(const Listing& listing, const CellKey& tile, AssetRecord& record, F&& f) {
+  if (!listing.labels) {
+    f(TileRecord{{},
+                 tile,
+                 record.vertices,
+                 record.triangles,
+                 record.quads,
+                 record.polygon_triangles,
+                 std::move(record.files)},
+      nullptr);
+    return;
+  }
+  auto file = record.files.begin();
+  for (const LabelAsset& mesh : record.labels) {
+    const auto end = file + static_cast<std::ptrdiff_t>(mesh.files);
+    f(TileRecord{mesh.label,
+                 mesh.tile,
+                 mesh.vertices,
+                 mesh.triangles,
+                 mesh.quads,
+                 mesh.polygon_triangles,
+                 {file, end}},
+      &mesh);
+    file = end;
+  }
+}
+
+// Writes tiles.jsonl and labels.jsonl.
+void list_tiles(const Listing& listing, Manifest& manifest, std::set<std::string>& leftovers) {
+  ManifestCounts& counts = manifest.counts;
+  ListFile tiles(listing.output, tiles_name);
+  std::optional<ListFile> labels;
+  std::optional<LabelLines> lines;
+  if (listing.labels) {
+    labels.emplace(listing.output, labels_name);
+    lines.emplace(*labels, manifest);
+  }
   probe_in_order<AssetRecord>(
       listing.tiles.size(), records_ahead,
       [&](std::size_t i) { return whole_record(listing.tiles[i].record); },
@@ -35,24 +139,25 @@ FileRecord list_tiles(const Listing& listing, ManifestCounts& counts,
         counts.triangles += record.polygon_triangles;
         counts.output_triangles += record.triangles;
         counts.collinear += record.collinear;
-        if (record.files.empty()) return;
-        ++counts.tiles;
-        for (const FileRecord& one : record.files) count_file(one, counts, leftovers);
-        const std::string line =
-            to_json_line({listing.tiles[i].tile, record.vertices, record.triangles, record.quads,
-                          record.polygon_triangles, std::move(record.files)});
-        hash.update(as_bytes(line));
-        file.append(as_bytes(line));
+        each_mesh(listing, listing.tiles[i].tile, record,
+                  [&](const TileRecord& tile, const LabelAsset* mesh) {
+                    if (mesh != nullptr) lines->add(*mesh, tile.files);
+                    if (tile.files.empty()) return;
+                    ++counts.tiles;
+                    for (const FileRecord& one : tile.files) count_file(one, counts, leftovers);
+                    tiles.line(to_json_line(tile));
+                  });
       });
-  FileRecord entry{tiles_name, "jsonl", "list", file.size(), to_hex(hash.finish())};
-  file.commit(Durability::fsync);
-  return entry;
+  manifest.files.push_back(tiles.finish("list"));
+  if (!listing.labels) return;
+  counts.labels = lines->finish();
+  manifest.files.push_back(labels->finish("labels"));
 }
 
 }  // namespace
 
 void write_listing(const Listing& listing, std::set<std::string> earlier, Manifest manifest) {
-  manifest.files.push_back(list_tiles(listing, manifest.counts, earlier));
+  list_tiles(listing, manifest, earlier);
   if (listing.merged) {
     manifest.merged.emplace();
     for (FileRecord file : whole_record(*listing.merged).files) {
@@ -62,7 +167,7 @@ void write_listing(const Listing& listing, std::set<std::string> earlier, Manife
       manifest.files.push_back(file);
     }
   }
-  earlier.erase(tiles_name);
+  for (const FileRecord& file : manifest.files) earlier.erase(file.path);
   for (const std::string& name : earlier) std::filesystem::remove(listing.output / name);
   write_manifest(manifest, listing.output / manifest_name);
   finish_output(listing.output);

@@ -1,5 +1,5 @@
-// The end of encode: tiles.jsonl and manifest.json from the records of the assets, a tile at a
-// time, so that no more than the names of the files is ever held for all of them.
+// The end of encode: tiles.jsonl, of labels labels.jsonl, and manifest.json from the records of the
+// assets, one at a time, so that no more than the names of the files is ever held for all of them.
 #pragma once
 
 #include <filesystem>
@@ -13,18 +13,19 @@
 namespace voxweld {
 
 struct ListedTile {
-  CellKey tile;
+  CellKey tile;                  // not looked at where the record is of labels
   std::filesystem::path record;  // pipeline/run/asset_record.h
 };
 
 struct Listing {
   std::vector<ListedTile> tiles;
+  bool labels = false;  // the records are of labels: those of one together, and they ascend
   std::optional<std::filesystem::path> merged;  // the merged mesh's record, where there is one
   std::filesystem::path output;
 };
 
-// Writes the list of tiles and then the manifest, with counts and files filled in; removes those of
-// the `earlier` files that are not in it. DamagedArtifact where a record is not whole.
+// Writes the lists and then the manifest, with counts and files filled in; removes those of the
+// `earlier` files that are not in it. DamagedArtifact where a record is not whole.
 void write_listing(const Listing& listing, std::set<std::string> earlier, Manifest manifest);
 
 }  // namespace voxweld

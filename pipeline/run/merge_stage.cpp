@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/executor/probe.h"
+#include "pipeline/run/label_merge.h"
 #include "stages/merge/octree_reduction.h"
 #include "stages/merge/tile_planner.h"
 #include "storage/artifact/shard_artifact.h"
@@ -15,9 +16,8 @@ namespace {
 std::vector<Hash128> shard_hashes(const BuildJob& job) {
   const std::vector<Index3> shards = job.grid.all_shards();
   std::vector<Hash128> hashes(shards.size());
-  probe_all(shards.size(), [&](std::size_t i) {
-    hashes[i] = ShardArtifact(shard_artifact_path(job, shards[i])).content_hash();
-  });
+  probe_all(shards.size(),
+            [&](std::size_t i) { hashes[i] = open_octrees(job, shards[i]).content_hash(); });
   return hashes;
 }
 
@@ -40,18 +40,6 @@ struct Sink : ReductionSink {
     out->leaf(leaf);
   }
 };
-
-void add_summary(const ShardSummary& shard, MergeCounts& counts) {
-  counts.bricks += shard.bricks;
-  counts.active_bricks += shard.active_bricks;
-  counts.active_cells += shard.counts.active_cells;
-  counts.crossing_edges += shard.counts.crossing_edges;
-  counts.vertices += shard.counts.vertices;
-  counts.collapsed_above += shard.collapsed_above;
-  counts.worst_residual = std::max(counts.worst_residual, shard.counts.worst_residual);
-  counts.worst_finest = std::max(counts.worst_finest, shard.counts.worst_finest);
-  for (std::size_t l = 0; l < counts.leaves.size(); ++l) counts.leaves[l] += shard.counts.leaves[l];
-}
 
 constexpr std::size_t cubes_ahead = 128;  // up to 100 KiB each
 
@@ -129,7 +117,26 @@ void merge(const MergeJob& job) {
   out.finish(counts, shards.hashes());
 }
 
+// Of the nodes of all labels those that are held at once, beside the program itself.
+std::uint64_t merge_memory(const RunContext& context) {
+  constexpr std::uint64_t least = std::uint64_t{4} << 20, most = std::uint64_t{256} << 20;
+  const std::uint64_t total = context.budget().total, taken = program_bytes();
+  return std::clamp(total > taken ? (total - taken) / 4 : 0, least, most);
+}
+
 }  // namespace
+
+void add_summary(const ShardSummary& shard, MergeCounts& counts) {
+  counts.bricks += shard.bricks;
+  counts.active_bricks += shard.active_bricks;
+  counts.active_cells += shard.counts.active_cells;
+  counts.crossing_edges += shard.counts.crossing_edges;
+  counts.vertices += shard.counts.vertices;
+  counts.collapsed_above += shard.collapsed_above;
+  counts.worst_residual = std::max(counts.worst_residual, shard.counts.worst_residual);
+  counts.worst_finest = std::max(counts.worst_finest, shard.counts.worst_finest);
+  for (std::size_t l = 0; l < counts.leaves.size(); ++l) counts.leaves[l] += shard.counts.leaves[l];
+}
 
 bool merge_is_there(const MergeJob& job) {
   return std::filesystem::exists(job.path()) && TopArtifact(job.path()).key() == job.key;
@@ -156,7 +163,12 @@ void run_merge(RunContext& context, const MergeJob& job) {
   if (!current) units.push_back({0, "top tree", 1});
   stage.identity = job.folder.filename().string();
   stage.done = [&](const Unit&) { return merge_is_current(job); };
-  run_stage(context, stage, units, 1, [&](const Unit&, WorkerContext&) { merge(job); });
+  run_stage(context, stage, units, 1, [&](const Unit&, WorkerContext&) {
+    if (job.build->parameters.labels.mode == LabelMode::each)
+      merge_labels(job, merge_memory(context));
+    else
+      merge(job);
+  });
 }
 
 }  // namespace voxweld

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pipeline/run/build_stage.h"
+#include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/top_artifact.h"
 
 namespace voxweld {
@@ -14,6 +15,9 @@ struct MergeJob {
 
   std::filesystem::path path() const { return folder / "top.tree"; }
 };
+
+// A shard's part of the counts.
+void add_summary(const ShardSummary& shard, MergeCounts& counts);
 
 // Precondition: no shard is missing.
 // Whether there is a top tree of these parameters, without a look at the octrees.

@@ -89,8 +89,8 @@ bool output_is_finished(const std::filesystem::path& output) {
       !std::filesystem::exists(output / tiles_name) || std::filesystem::exists(note_path(output)))
     return false;
   try {
-    read_manifest(output / manifest_name);
-    return true;
+    const Manifest manifest = read_manifest(output / manifest_name);
+    return manifest.labels.empty() || std::filesystem::exists(output / labels_name);
   } catch (const FormatError&) {
     return false;
   }

@@ -91,7 +91,8 @@ void ingest_or_build_the_rest(RunContext& context, Jobs& jobs) {
 void clear_temporaries_of_tasks(const Config& config, const Jobs& jobs) {
   for (const std::filesystem::path& folder :
        {jobs.ingest().folder, jobs.build().folder, jobs.merge().folder, jobs.stitch().folder,
-        jobs.encode().folder, config.output.directory / "tiles"})
+        jobs.encode().folder, config.output.directory / "tiles",
+        config.output.directory / "labels"})
     remove_needless_temporaries(folder, true);
   remove_needless_temporaries(config.output.directory, false);
 }
@@ -116,7 +117,8 @@ void run_stages(RunContext& context) {
 void clear_temporaries(const Config& config) {
   for (const std::filesystem::path& folder : {config.work.directory, config.output.directory})
     remove_stale_temporaries(folder, false);
-  remove_stale_temporaries(config.output.directory / "tiles", true);
+  for (const char* folder : {"tiles", "labels"})
+    remove_stale_temporaries(config.output.directory / folder, true);
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(config.work.directory, error))
     for (const Stage stage : all_stages)
@@ -234,10 +236,11 @@ std::string dry_run(RunContext& context) {
   }
   say(Stage::merge, "up to date");
   const TopArtifact top(jobs.merge().path());
+  const std::uint64_t units = unit_plan(top, context.config.labels.mode)->size();
   const auto tiles = missing_tiles(context, jobs.stitch(), top);
   if (!tiles.empty()) {
-    say(Stage::stitch, fmt::format("would run: {} of {} tiles missing{}", tiles.size(),
-                                   top.tiles().size(), because(Stage::stitch)));
+    say(Stage::stitch, fmt::format("would run: {} of {} tiles missing{}", tiles.size(), units,
+                                   because(Stage::stitch)));
     later(Stage::encode, "waits for stitch");
     return text;
   }
@@ -249,9 +252,8 @@ std::string dry_run(RunContext& context) {
                            : "would run: the manifest or the list of tiles is missing");
   } else {
     say(Stage::encode,
-        fmt::format("would run: {} of {} tiles{} missing{}", status.missing.size(),
-                    top.tiles().size(), status.merged_missing ? " and the merged mesh" : "",
-                    because(Stage::encode)));
+        fmt::format("would run: {} of {} tiles{} missing{}", status.missing.size(), units,
+                    status.merged_missing ? " and the merged mesh" : "", because(Stage::encode)));
   }
   return text;
 }

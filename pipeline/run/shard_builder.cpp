@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "pipeline/run/common_material.h"
+#include "pipeline/run/label_octrees.h"
 #include "stages/geometry/inside_test.h"
 
 namespace voxweld {
@@ -9,24 +11,6 @@ namespace {
 
 // Bricks are read several at a time along x, as long as their samples stay under this.
 constexpr std::uint64_t run_bytes = std::uint64_t{16} << 20;
-
-// What a shard's own reduction finds final.
-struct NodeCollector : ReductionSink {
-  ShardNode* node = nullptr;
-  ShardSummary* summary = nullptr;
-  int brick_level = 0;
-
-  void leaf(CellKey key, const RootRecord& record) override {
-    BrickCounts& counts = summary->counts;
-    ++counts.vertices;
-    ++counts.leaves[static_cast<std::size_t>(key.level)];
-    counts.worst_residual = std::max(counts.worst_residual, static_cast<double>(record.residual));
-    if (key.level > brick_level)
-      node->leaves.push_back(
-          {key.code(), static_cast<std::uint32_t>(key.level), record.vertex, record.residual, 0});
-  }
-  void cube(const CubeCount& count) override { node->cubes.push_back(count); }
-};
 
 Box3 halo(const BuildJob& job, Index3 brick) {
   const int level = job.grid.brick_level();
@@ -37,24 +21,21 @@ Box3 brick_samples(const BuildJob& job, Index3 brick) {
   return intersect(halo(job, brick), Box3{{}, job.grid.size()});
 }
 
-void add(const BrickCounts& from, BrickCounts& to, bool own_leaves) {
-  to.active_cells += from.active_cells;
-  to.crossing_edges += from.crossing_edges;
-  if (!own_leaves) return;
-  to.vertices += from.vertices;
-  for (std::size_t l = 0; l < from.leaves.size(); ++l) to.leaves[l] += from.leaves[l];
-  to.worst_residual = std::max(to.worst_residual, from.worst_residual);
-  to.worst_finest = std::max(to.worst_finest, from.worst_finest);
-}
-
 }  // namespace
 
-std::uint64_t ShardBuilder::memory_bytes(const BrickGrid& grid, SampleType type) {
+ShardBuilder::ShardBuilder(const BuildJob& job) : job_(job), octrees_(make_shard_octrees(job)) {}
+
+std::uint64_t ShardBuilder::memory_bytes(const BrickGrid& grid, SampleType type, LabelMode labels) {
   const std::uint64_t side =
       (std::uint64_t{1} << grid.brick_level()) + 2 + 2 * (gradient_halo + label_halo);
-  const std::uint64_t one = side * side * side * sample_bytes(type);
+  const std::uint64_t one = side * side * side;
+  const std::uint64_t brick = build_brick_bytes(grid.brick_level());
+  if (labels == LabelMode::each) {
+    const std::uint64_t samples = std::max(one, LabelOctrees::run_samples);
+    return samples * sample_bytes(type) + brick + LabelOctrees::memory_bytes(grid, samples);
+  }
   const std::uint64_t side16 = std::uint64_t{1} << (grid.shard_level() - block_level);
-  return std::max(one, run_bytes) + build_brick_bytes(grid.brick_level()) +
+  return std::max(one * sample_bytes(type), run_bytes) + brick +
          side16 * side16 * side16 * 2 * sizeof(CubeCount);
 }
 
@@ -107,9 +88,10 @@ bool ShardBuilder::meets_ring(Index3 brick) const {
 }
 
 // What is known of a brick without reading it: the ranges, then the edits that reach it.
-NodeState ShardBuilder::skip_state(Index3 brick) const {
+ShardBuilder::KnownBrick ShardBuilder::known_of(Index3 brick) const {
+  if (job_.parameters.labels.mode == LabelMode::each) return known_label(brick);
   const NodeState unedited = unedited_state(brick);
-  if (job_.parameters.edits.empty()) return unedited;
+  if (job_.parameters.edits.empty()) return {unedited, exterior};
   const int level = job_.grid.brick_level();
   const BrickPlace place{brick * (std::int64_t{1} << level), level};
   const Bounds bounds = brick_bounds(place, job_.parameters.spacing);
@@ -118,15 +100,30 @@ NodeState ShardBuilder::skip_state(Index3 brick) const {
                                                            : Relation::mixed;
   switch (side_after(job_.parameters.edits, bounds, before)) {
     case Relation::outside:
-      return NodeState::outside;
+      return {NodeState::outside, exterior};
     case Relation::inside:
       // Of labels one would have to know which.
-      return meets_ring(brick) || job_.parameters.labels.mode != LabelMode::off ? NodeState::split
-                                                                                : NodeState::inside;
+      return {meets_ring(brick) || job_.parameters.labels.mode != LabelMode::off
+                  ? NodeState::split
+                  : NodeState::inside,
+              exterior};
     case Relation::mixed:
       break;
   }
-  return NodeState::split;
+  return {NodeState::split, exterior};
+}
+
+// The one material that all samples its cells touch are known to be of, ring apart.
+ShardBuilder::KnownBrick ShardBuilder::known_label(Index3 brick) const {
+  const Box3 touched = touched_samples(brick);
+  const Box3 real = intersect(touched, Box3{{}, job_.grid.size()});
+  if (real.empty()) return {NodeState::outside, exterior};
+  if (job_.volume.ranges == nullptr) return {NodeState::split, exterior};
+  const auto material =
+      common_material(*job_.parameters.labels.rules, job_.volume.ranges->range(real));
+  if (!material || (*material != exterior && real != touched)) return {NodeState::split, exterior};
+  if (*material == exterior) return {NodeState::outside, exterior};
+  return {NodeState::inside, *material};
 }
 
 // Whether the known ranges say that no cell of the brick has a sign change: all samples its cells
@@ -154,15 +151,17 @@ NodeState ShardBuilder::unedited_state(Index3 brick) const {
 // The bricks row, row + 1 .. end - 1 along x: maximal runs of those that must be read, cut where
 // the samples would become too many.
 std::vector<ShardBuilder::Run> ShardBuilder::runs_of(Index3 row, std::int64_t end) const {
-  const std::uint64_t size = sample_bytes(job_.volume.source->info().type);
+  const bool labels = job_.parameters.labels.mode == LabelMode::each;
+  const std::uint64_t most = labels ? LabelOctrees::run_samples
+                                    : run_bytes / sample_bytes(job_.volume.source->info().type);
   std::vector<Run> runs;
   for (Index3 brick = row; brick.x < end; ++brick.x) {
-    if (skip_state(brick) != NodeState::split) continue;
+    if (known_of(brick).state != NodeState::split) continue;
     const Box3 samples = brick_samples(job_, brick);
     if (!runs.empty() && runs.back().first.x + runs.back().count == brick.x) {
       Box3 joined = runs.back().samples;
       joined.hi.x = samples.hi.x;
-      if (static_cast<std::uint64_t>(joined.count()) * size <= run_bytes) {
+      if (static_cast<std::uint64_t>(joined.count()) <= most) {
         runs.back().samples = joined;
         ++runs.back().count;
         continue;
@@ -181,15 +180,21 @@ void ShardBuilder::each_run(Index3 shard, F&& f) {
       for (const Run& run : runs_of({bricks.lo.x, y, z}, bricks.hi.x)) f(run);
 }
 
-// A brick that is not read may change sides without a sample changing in those that are.
-void ShardBuilder::note_sides(Index3 shard, StreamHasher& hash) const {
+template <class F>
+void ShardBuilder::each_brick(Index3 shard, F&& f) const {
   const Box3 bricks = job_.grid.shard_bricks(shard);
   for (std::int64_t z = bricks.lo.z; z < bricks.hi.z; ++z)
     for (std::int64_t y = bricks.lo.y; y < bricks.hi.y; ++y)
-      for (std::int64_t x = bricks.lo.x; x < bricks.hi.x; ++x) {
-        const NodeState state = skip_state({x, y, z});
-        hash.update(std::as_bytes(std::span(&state, 1)));
-      }
+      for (std::int64_t x = bricks.lo.x; x < bricks.hi.x; ++x) f(Index3{x, y, z});
+}
+
+// A brick that is not read may change sides without a sample changing in those that are.
+void ShardBuilder::note_sides(Index3 shard, StreamHasher& hash) const {
+  each_brick(shard, [&](Index3 brick) {
+    const KnownBrick known = known_of(brick);
+    hash.update(std::as_bytes(std::span(&known.state, 1)));
+    if (known.material != exterior) hash.update(std::as_bytes(std::span(&known.material, 1)));
+  });
 }
 
 void ShardBuilder::read(const Run& run, StreamHasher& hash) {
@@ -208,89 +213,25 @@ Hash128 ShardBuilder::input_hash(Index3 shard) {
 }
 
 void ShardBuilder::build(Index3 shard, const WorkerContext& worker) {
-  roots_.clear();
-  summary_ = ShardSummary{};
   StreamHasher hash;
   note_sides(shard, hash);
-  ShardArtifactWriter out(shard_artifact_path(job_, shard), shard_key(job_, shard),
-                          job_.volume.stamp(shard_samples(job_, shard)));
+  octrees_->begin(shard, job_.volume.stamp(shard_samples(job_, shard)));
   each_run(shard, [&](const Run& run) {
     read(run, hash);
-    build_run(run, out, worker);
+    const Index3 extent = run.samples.size();
+    const HaloBlock block{job_.volume.source->info().type,
+                          job_.grid.size(),
+                          run.samples,
+                          samples_.data(),
+                          extent.x,
+                          extent.x * extent.y};
+    octrees_->build(block, run.first, run.count, worker);
   });
-  summary_.input = hash.finish();
-  const std::vector<ShardNode> nodes = reduce(shard);
-  out.finish(summary_, nodes);
-}
-
-void ShardBuilder::build_run(const Run& run, ShardArtifactWriter& out,
-                             const WorkerContext& worker) {
-  const Index3 extent = run.samples.size();
-  const HaloBlock block{job_.volume.source->info().type,
-                        job_.grid.size(),
-                        run.samples,
-                        samples_.data(),
-                        extent.x,
-                        extent.x * extent.y};
-  for (std::int64_t i = 0; i < run.count; ++i) {
-    worker.check_interrupt();
-    const CellKey key{job_.grid.brick_level(), run.first + Index3{i, 0, 0}};
-    build_brick(block, {key.lo(), key.level}, job_.parameters, scratch_, brick_);
-    const bool leaf = brick_.root.state == NodeState::leaf;
-    add(brick_.counts, summary_.counts, !leaf);
-    if (brick_.root.state == NodeState::outside) continue;
-    roots_.push_back({{key, brick_.root, leaf ? brick_.polygons.size() : 0}, {}});
-    if (brick_.root.state == NodeState::inside) continue;
-    ++summary_.active_bricks;
-    if (!leaf) roots_.back().blocks = brick_.blocks;
-    out.brick(morton_encode(key.at), brick_);
-  }
-}
-
-std::vector<ShardNode> ShardBuilder::reduce(Index3 shard) {
-  const Box3 bricks = job_.grid.shard_bricks(shard);
-  summary_.bricks = static_cast<std::uint64_t>(bricks.count());
-  for (std::int64_t z = bricks.lo.z; z < bricks.hi.z; ++z)  // those never read
-    for (std::int64_t y = bricks.lo.y; y < bricks.hi.y; ++y)
-      for (std::int64_t x = bricks.lo.x; x < bricks.hi.x; ++x) {
-        if (skip_state({x, y, z}) != NodeState::inside) continue;
-        RootRecord inside;
-        inside.state = NodeState::inside;
-        inside.corner_signs = 255;
-        roots_.push_back({{{job_.grid.brick_level(), {x, y, z}}, inside, 0}, {}});
-      }
-  std::sort(roots_.begin(), roots_.end(),
-            [](const Root& a, const Root& b) { return a.node.key.code() < b.node.key.code(); });
-
-  std::vector<ShardNode> nodes;
-  auto root = roots_.begin();
-  for (const BrickGrid::Cube& cube : job_.grid.shard_cubes(shard)) {
-    ShardNode node;
-    node.key = cube.key;
-    NodeCollector sink;
-    sink.node = &node;
-    sink.summary = &summary_;
-    sink.brick_level = job_.grid.brick_level();
-    OctreeReduction reduction(cube.key, job_.grid.domain_level(), job_.parameters, sink);
-    for (; root != roots_.end() && cube.key.cells().contains(root->node.key.cells()); ++root) {
-      reduction.push(root->node);
-      if (root->node.record.state != NodeState::split) continue;
-      std::uint32_t begin = 0;
-      for (std::size_t b = 0; b < root->blocks.size(); ++b) {
-        const BlockCount& block = root->blocks[b];
-        if (block.vertices != 0 || block.polygon_end != begin)
-          sink.cube({root->node.key.code() + (b << (3 * block_level)), block_level, block.vertices,
-                     block.polygon_end - begin});
-        begin = block.polygon_end;
-      }
-    }
-    const NodeSummary reduced = reduction.finish();
-    summary_.collapsed_above += reduction.collapsed();
-    node.record = reduced.record;
-    node.polygons = reduced.polygons;
-    nodes.push_back(std::move(node));
-  }
-  return nodes;
+  each_brick(shard, [&](Index3 brick) {
+    const KnownBrick known = known_of(brick);
+    if (known.state == NodeState::inside) octrees_->inside(brick, known.material);
+  });
+  octrees_->finish(hash.finish());
 }
 
 }  // namespace voxweld

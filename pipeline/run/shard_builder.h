@@ -1,16 +1,13 @@
 // One shard from samples to octree artifact, brick by brick.
 #pragma once
 
-#include "pipeline/run/build_stage.h"
-#include "stages/build/build_brick.h"
-#include "stages/merge/octree_reduction.h"
-#include "storage/artifact/shard_artifact.h"
+#include "pipeline/run/shard_octrees.h"
 
 namespace voxweld {
 
 class ShardBuilder {
  public:
-  explicit ShardBuilder(const BuildJob& job) : job_(job) {}
+  explicit ShardBuilder(const BuildJob& job);
 
   // Reads, builds and writes the artifact. `worker` is asked to stop between bricks.
   void build(Index3 shard, const WorkerContext& worker);
@@ -25,7 +22,7 @@ class ShardBuilder {
   static Bounds shard_bounds(const BuildJob& job, Index3 shard);
 
   // Bytes of one builder at work on one shard, whatever the samples.
-  static std::uint64_t memory_bytes(const BrickGrid& grid, SampleType type);
+  static std::uint64_t memory_bytes(const BrickGrid& grid, SampleType type, LabelMode labels);
 
  private:
   struct Run {  // bricks along x that are read together
@@ -33,28 +30,26 @@ class ShardBuilder {
     std::int64_t count = 0;
     Box3 samples;
   };
-  struct Root {
-    NodeSummary node;
-    std::vector<BlockCount> blocks;
+  struct KnownBrick {
+    NodeState state = NodeState::split;  // split: it has to be read
+    Material material = exterior;        // of labels, where it is inside
   };
   template <class F>
   void each_run(Index3 shard, F&& f);
+  template <class F>
+  void each_brick(Index3 shard, F&& f) const;
   std::vector<Run> runs_of(Index3 row, std::int64_t end) const;
   Box3 touched_samples(Index3 brick) const;
   bool meets_ring(Index3 brick) const;
   NodeState unedited_state(Index3 brick) const;
-  NodeState skip_state(Index3 brick) const;
+  KnownBrick known_label(Index3 brick) const;
+  KnownBrick known_of(Index3 brick) const;
   void note_sides(Index3 shard, StreamHasher& hash) const;
   void read(const Run& run, StreamHasher& hash);
-  void build_run(const Run& run, ShardArtifactWriter& out, const WorkerContext& worker);
-  std::vector<ShardNode> reduce(Index3 shard);
 
   const BuildJob& job_;
   std::vector<std::byte> samples_;
-  BrickScratch scratch_;
-  BrickOctree brick_;
-  std::vector<Root> roots_;
-  ShardSummary summary_;
+  std::unique_ptr<ShardOctrees> octrees_;
 };
 
 }  // namespace voxweld

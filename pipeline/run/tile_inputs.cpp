@@ -6,18 +6,21 @@
 
 namespace voxweld {
 
-ShardFiles::ShardFiles(const BuildJob& job, const TopArtifact& top)
+template <class Artifact>
+OpenShards<Artifact>::OpenShards(const BuildJob& job, const TopArtifact& top)
     : job_(job), top_path_(top.path()), merged_(top.shards()) {
   for (const Index3& shard : job.grid.all_shards()) codes_.push_back(morton_encode(shard));
   if (merged_.size() != codes_.size()) throw DamagedArtifact(top_path_, "is of other shards");
 }
 
-Hash128 ShardFiles::merged_hash(Index3 shard) const {
+template <class Artifact>
+Hash128 OpenShards<Artifact>::merged_hash(Index3 shard) const {
   const auto at = std::lower_bound(codes_.begin(), codes_.end(), morton_encode(shard));
   return merged_[static_cast<std::size_t>(at - codes_.begin())];
 }
 
-std::shared_ptr<const ShardArtifact> ShardFiles::of_brick(Index3 brick) {
+template <class Artifact>
+std::shared_ptr<const Artifact> OpenShards<Artifact>::of_brick(Index3 brick) {
   if (!Box3{{}, job_.grid.bricks()}.contains(brick)) return nullptr;
   const Index3 shard = job_.grid.shard_of(brick);
   const std::uint64_t code = morton_encode(shard);
@@ -26,7 +29,7 @@ std::shared_ptr<const ShardArtifact> ShardFiles::of_brick(Index3 brick) {
     if (const auto found = open_.find(code); found != open_.end()) return found->second;
   }
   // Outside the lock: others shall not wait for this file. Two may open it; one is kept.
-  auto file = std::make_shared<const ShardArtifact>(shard_artifact_path(job_, shard));
+  auto file = std::make_shared<const Artifact>(shard_artifact_path(job_, shard));
   if (file->content_hash() != merged_hash(shard))
     throw DamagedArtifact(top_path_, "was merged from another " + file->path() + " than is there");
   const std::scoped_lock lock(mutex_);
@@ -39,6 +42,9 @@ std::shared_ptr<const ShardArtifact> ShardFiles::of_brick(Index3 brick) {
   }
   return file;
 }
+
+template class OpenShards<ShardArtifact>;
+template class OpenShards<LabelShardArtifact>;
 
 std::vector<CellKey> tile_bricks(const BuildJob& job, CellKey tile, ShardFiles& files) {
   const int level = job.grid.brick_level();
@@ -63,8 +69,16 @@ std::vector<CellKey> tile_bricks(const BuildJob& job, CellKey tile, ShardFiles& 
 
 std::vector<TopLeaf> leaves_above(const BuildJob& job, const std::vector<CellKey>& bricks,
                                   const TopArtifact& top) {
+  return leaves_above(job.grid, bricks, [&](std::uint64_t begin, std::uint64_t end) {
+    return top.leaves(begin, end);
+  });
+}
+
+std::vector<TopLeaf> leaves_above(
+    const BrickGrid& grid, const std::vector<CellKey>& bricks,
+    const std::function<std::vector<TopLeaf>(std::uint64_t, std::uint64_t)>& leaves) {
   std::vector<TopLeaf> found;
-  const std::uint64_t cells = std::uint64_t{1} << (3 * job.grid.brick_level());
+  const std::uint64_t cells = std::uint64_t{1} << (3 * grid.brick_level());
   std::vector<std::uint64_t> codes;
   for (const CellKey& brick : bricks)
     for (int d = 0; d < 8; ++d)
@@ -75,7 +89,7 @@ std::vector<TopLeaf> leaves_above(const BuildJob& job, const std::vector<CellKey
   for (std::size_t i = 0; i < codes.size();) {
     std::size_t j = i + 1;
     while (j < codes.size() && codes[j] == codes[j - 1] + cells) ++j;
-    for (const TopLeaf& leaf : top.leaves(codes[i], codes[j - 1] + cells))
+    for (const TopLeaf& leaf : leaves(codes[i], codes[j - 1] + cells))
       if (found.empty() || found.back().code < leaf.code) found.push_back(leaf);
     i = j;
   }

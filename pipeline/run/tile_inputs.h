@@ -2,23 +2,26 @@
 // tree.
 #pragma once
 
+#include <functional>
 #include <list>
 #include <map>
 #include <memory>
 #include <mutex>
 
 #include "pipeline/run/stitch_stage.h"
+#include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/shard_artifact.h"
 
 namespace voxweld {
 
 // Opened octree artifacts, a bounded number of them. Thread-safe.
-class ShardFiles {
+template <class Artifact>
+class OpenShards {
  public:
-  ShardFiles(const BuildJob& job, const TopArtifact& top);
+  OpenShards(const BuildJob& job, const TopArtifact& top);
   // The artifact of the shard that builds this brick; null when the brick is not in the grid.
   // DamagedArtifact naming the top tree when that was merged from another than lies there now.
-  std::shared_ptr<const ShardArtifact> of_brick(Index3 brick);
+  std::shared_ptr<const Artifact> of_brick(Index3 brick);
 
  private:
   static constexpr std::size_t most_open = 128;
@@ -29,9 +32,11 @@ class ShardFiles {
   std::vector<std::uint64_t> codes_;  // of the shards, ascending
   std::vector<Hash128> merged_;       // beside them: the content hashes the top tree has
   std::mutex mutex_;
-  std::map<std::uint64_t, std::shared_ptr<const ShardArtifact>> open_;
+  std::map<std::uint64_t, std::shared_ptr<const Artifact>> open_;
   std::list<std::uint64_t> order_;  // oldest first
 };
+using ShardFiles = OpenShards<ShardArtifact>;
+using LabelShardFiles = OpenShards<LabelShardArtifact>;
 
 // The brick one further on each axis whose bit is set in `direction` (1 .. 7).
 constexpr Index3 upper_neighbour(Index3 brick, int direction) {
@@ -42,7 +47,11 @@ constexpr Index3 upper_neighbour(Index3 brick, int direction) {
 std::vector<CellKey> tile_bricks(const BuildJob& job, CellKey tile, ShardFiles& files);
 
 // The Morton range of finest cells that the tile's bricks and their upper neighbours lie in is not
-// one interval: the leaves above them are looked up brick by brick.
+// one interval: the leaves above them are looked up brick by brick. leaves(begin, end): those that
+// meet the range, in order.
+std::vector<TopLeaf> leaves_above(
+    const BrickGrid& grid, const std::vector<CellKey>& bricks,
+    const std::function<std::vector<TopLeaf>(std::uint64_t, std::uint64_t)>& leaves);
 std::vector<TopLeaf> leaves_above(const BuildJob& job, const std::vector<CellKey>& bricks,
                                   const TopArtifact& top);
 

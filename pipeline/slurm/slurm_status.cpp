@@ -42,7 +42,7 @@ void look_at_results(RunContext& context, RunStatus& status) {
     return;
   if (!set(Stage::merge, 1, merge_is_current(jobs.merge()) ? 0 : 1)) return;
   const TopArtifact top(jobs.merge().path());
-  const std::uint64_t tiles = top.tiles().size();
+  const std::uint64_t tiles = unit_plan(top, context.config.labels.mode)->size();
   if (!set(Stage::stitch, tiles, missing_tiles(context, jobs.stitch(), top).size())) return;
   const EncodeStatus encode = encode_status(context, jobs.encode(), top);
   status.finished = set(Stage::encode, tiles, encode.missing.size()) && encode.current() &&

@@ -173,6 +173,14 @@ void ArtifactReader::read_checked(const SectionRecord& record, std::span<std::by
     damaged(fmt::format("the checksum of section {:#x} is wrong", record.name));
 }
 
+void ArtifactReader::read_part(std::uint64_t name, std::uint64_t offset,
+                               std::span<std::byte> out) const {
+  const SectionRecord& record = required(name);
+  if (offset > record.size || out.size() > record.size - offset)
+    damaged(fmt::format("section {:#x} is shorter than what refers to it", name));
+  file_.read(record.offset + offset, out);
+}
+
 void ArtifactReader::damaged(const std::string& what) const {
   throw DamagedArtifact(file_.path(), what);
 }

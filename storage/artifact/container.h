@@ -92,6 +92,9 @@ class ArtifactReader {
   template <class T>
   void read_array(std::uint64_t name, std::vector<T>& out) const;
 
+  // Reads part of a section, unchecked: for sections whose parts have checksums of their own.
+  void read_part(std::uint64_t name, std::uint64_t offset, std::span<std::byte> out) const;
+
   [[noreturn]] void damaged(const std::string& what) const;
 
  private:

@@ -77,7 +77,7 @@ void ShardArtifactWriter::brick(std::uint64_t code, const BrickOctree& octree) {
   file_.section(section_name(code, skin_vertices), bytes_of(octree.skin.vertices));
 }
 
-Hash128 ShardArtifactWriter::finish(const ShardSummary& s, std::span<const ShardNode> nodes) {
+void write_summary(ArtifactWriter& file, const ShardSummary& s) {
   const ShardSummaryRecord record{s.counts.active_cells,
                                   s.counts.crossing_edges,
                                   s.counts.vertices,
@@ -88,6 +88,10 @@ Hash128 ShardArtifactWriter::finish(const ShardSummary& s, std::span<const Shard
                                   s.counts.worst_finest,
                                   s.input,
                                   s.counts.leaves};
+  file.section(section_name(summary_code, summary_part), std::as_bytes(std::span(&record, 1)));
+}
+
+Hash128 ShardArtifactWriter::finish(const ShardSummary& summary, std::span<const ShardNode> nodes) {
   std::vector<ShardNodeRecord> node_records;
   std::vector<CubeCount> cubes;
   std::vector<TopLeaf> leaves;
@@ -97,7 +101,7 @@ Hash128 ShardArtifactWriter::finish(const ShardSummary& s, std::span<const Shard
     cubes.insert(cubes.end(), node.cubes.begin(), node.cubes.end());
     leaves.insert(leaves.end(), node.leaves.begin(), node.leaves.end());
   }
-  file_.section(section_name(summary_code, summary_part), std::as_bytes(std::span(&record, 1)));
+  write_summary(file_, summary);
   file_.section(section_name(summary_code, nodes_part), bytes_of(node_records));
   file_.section(section_name(summary_code, cubes_part), bytes_of(cubes));
   file_.section(section_name(summary_code, leaves_part), bytes_of(leaves));
@@ -108,9 +112,13 @@ ShardArtifact::ShardArtifact(const std::filesystem::path& path)
     : file_(path, shard_kind, shard_version) {}
 
 ShardSummary ShardArtifact::summary() const {
+  return read_summary(file_);
+}
+
+ShardSummary read_summary(const ArtifactReader& file) {
   std::vector<ShardSummaryRecord> records;
-  file_.read_array(section_name(summary_code, summary_part), records);
-  if (records.size() != 1) file_.damaged("has no summary");
+  file.read_array(section_name(summary_code, summary_part), records);
+  if (records.size() != 1) file.damaged("has no summary");
   const ShardSummaryRecord& r = records[0];
   ShardSummary s;
   s.counts.active_cells = r.active_cells;

@@ -48,6 +48,10 @@ struct ShardSummary {
   Hash128 input;                      // content hash of the samples read, and of unread sides
 };
 
+// The section of the summary.
+void write_summary(ArtifactWriter& file, const ShardSummary& summary);
+ShardSummary read_summary(const ArtifactReader& file);
+
 class ShardArtifactWriter {
  public:
   // input_stamp: of what the samples come from (container.h).

@@ -2,9 +2,13 @@
 //   1 TileHeader (one)   2 positions, i32 x 3      3 vertex ids, u64    4 PackedNormal x 3, or
 //   empty 5 triangles, u32 x 3 6 corner clusters, u8 x 3, or empty
 // and between labels: 7 MaterialPair 8 the triangles' pairs, u32
+// With labels.mode = "each" a file has a mesh for each of some labels: those of mesh i are
+// i << 8 | the numbers above, and
+//   9                    the label of each mesh, u64
 #pragma once
 
 #include "storage/artifact/container.h"
+#include "storage/types/material.h"
 #include "storage/types/tile_mesh.h"
 
 namespace voxweld {
@@ -26,17 +30,35 @@ struct TileHeader {
 
 Hash128 write_tile(const std::filesystem::path& path, Hash128 key, const TileMesh& mesh);
 
+// The meshes of several labels, one at a time.
+class LabelTilesWriter {
+ public:
+  LabelTilesWriter(const std::filesystem::path& path, Hash128 key);
+  void add(Material label, const TileMesh& mesh);
+  Hash128 finish();
+
+ private:
+  ArtifactWriter file_;
+  std::vector<Material> labels_;
+};
+
 class TileArtifact {
  public:
   explicit TileArtifact(const std::filesystem::path& path);
   const Hash128& key() const { return file_.key(); }
   const Hash128& content_hash() const { return file_.content_hash(); }
   const std::string& provenance() const { return file_.provenance(); }
-  TileHeader header() const;
-  TileMesh read() const;
+  const std::string& path() const { return file_.path(); }
+
+  // The labels of the meshes; empty where there is one mesh, of no label.
+  const std::vector<Material>& labels() const { return labels_; }
+  std::size_t meshes() const { return labels_.empty() ? 1 : labels_.size(); }
+  TileHeader header(std::size_t mesh = 0) const;
+  TileMesh read(std::size_t mesh = 0) const;
 
  private:
   ArtifactReader file_;
+  std::vector<Material> labels_;
 };
 
 }  // namespace voxweld

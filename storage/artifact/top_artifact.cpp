@@ -5,8 +5,7 @@
 namespace voxweld {
 namespace {
 
-constexpr std::uint64_t counts_section = 1, tiles_section = 2, codes_section = 3,
-                        shards_section = 4;
+constexpr std::uint64_t tiles_section = 2, codes_section = 3;
 constexpr std::uint64_t first_leaf_section = 0x1000000;
 constexpr std::size_t leaves_per_section = 4096;
 
@@ -35,20 +34,20 @@ void TopArtifactWriter::tile(const PlannedTile& tile) {
 
 Hash128 TopArtifactWriter::finish(const MergeCounts& counts, std::span<const Hash128> shards) {
   flush_leaves();
-  file_.section(counts_section, std::as_bytes(std::span(&counts, 1)));
+  file_.section(top_counts_section, std::as_bytes(std::span(&counts, 1)));
   file_.section(tiles_section, std::as_bytes(std::span(tiles_)));
   file_.section(codes_section, std::as_bytes(std::span(first_codes_)));
-  file_.section(shards_section, std::as_bytes(shards));
+  file_.section(top_shards_section, std::as_bytes(shards));
   return file_.commit();
 }
 
 TopArtifact::TopArtifact(const std::filesystem::path& path) : file_(path, top_kind, top_version) {
-  file_.read_array(codes_section, first_codes_);
+  if (file_.find(codes_section) != nullptr) file_.read_array(codes_section, first_codes_);
 }
 
 MergeCounts TopArtifact::counts() const {
   std::vector<MergeCounts> counts;
-  file_.read_array(counts_section, counts);
+  file_.read_array(top_counts_section, counts);
   if (counts.size() != 1) file_.damaged("has no counts");
   return counts[0];
 }
@@ -61,7 +60,7 @@ std::vector<PlannedTile> TopArtifact::tiles() const {
 
 std::vector<Hash128> TopArtifact::shards() const {
   std::vector<Hash128> shards;
-  file_.read_array(shards_section, shards);
+  file_.read_array(top_shards_section, shards);
   return shards;
 }
 

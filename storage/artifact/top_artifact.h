@@ -5,6 +5,8 @@
 //   3              code of the first leaf of each leaf section, u64
 //   4              content hashes of the octree artifacts merged, in the Morton order of the shards
 //   0x1000000 + i  TopLeaf, in Morton order, leaves_per_section in each but the last
+// With labels.mode = "each" there is one tree for each label: sections 1 and 4 are the same, the
+// others as label_top.h has them, and tiles() and leaves() are not for that.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +19,8 @@ namespace voxweld {
 
 inline constexpr std::array<char, 4> top_kind = {'t', 'o', 'p', 's'};
 inline constexpr std::uint32_t top_version = 4;
+
+inline constexpr std::uint64_t top_counts_section = 1, top_shards_section = 4;
 
 // What is known of the whole after merge.
 struct MergeCounts {
@@ -58,6 +62,7 @@ class TopArtifact {
   std::vector<Hash128> shards() const;  // content hashes of what was merged
   // The leaves whose cubes meet the Morton range [begin, end), in order.
   std::vector<TopLeaf> leaves(std::uint64_t begin, std::uint64_t end) const;
+  const ArtifactReader& file() const { return file_; }
 
  private:
   ArtifactReader file_;

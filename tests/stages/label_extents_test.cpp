@@ -5,8 +5,8 @@
 #include <rapidcheck/gtest.h>
 
 #include <cstring>
-#include <map>
 #include <random>
+#include <set>
 #include <sstream>
 
 #include "stages/build/material_block.h"
@@ -81,21 +81,19 @@ void expect_same(const Labels& volume, const BrickPlace& place, const ContourPar
   const HaloBlock block = volume.block();
   std::uint32_t labels = 0;
   for (const std::uint32_t label : volume.samples) labels = std::max(labels, label + 1);
-  std::map<std::uint32_t, LabelExtent> found;
-  for (const LabelExtent& extent : w.extents.find(block, place, labels, labels))
-    found.emplace(extent.label, extent);
+  const auto span = w.extents.find(block, place, labels, labels);
+  const std::set<std::uint32_t> found(span.begin(), span.end());
   ContourParameters parameters = common;
   for (std::uint32_t label = 0; label < labels; ++label) {
     parameters.surface.label = label;
     build_brick(block, place, parameters, w.whole_scratch, w.whole);
-    const auto at = found.find(label);
-    if (at == found.end()) {
+    if (!found.contains(label)) {
       EXPECT_EQ(w.whole.root.state, NodeState::outside) << "label " << label;
       continue;
     }
-    build_brick(block, place, at->second.samples, parameters, w.scratch, w.part);
+    build_brick(block, place, w.extents.samples(label), parameters, w.scratch, w.part);
     ASSERT_EQ(bytes_of(w.part), bytes_of(w.whole)) << "label " << label;
-    if (at->second.everywhere) {
+    if (w.extents.everywhere(label)) {
       EXPECT_EQ(w.whole.root.state, NodeState::inside);
     }
   }
@@ -150,14 +148,14 @@ TEST(LabelExtents, AreOfTheCellsAlone) {
   LabelExtents extents;
   const auto found = extents.find(volume.block(), {{}, 4}, 4, 0);
   ASSERT_EQ(found.size(), 2u);
-  EXPECT_EQ(found[0].label, 1u);
-  EXPECT_EQ(found[0].samples, (Box3{{0, 0, 0}, {17, 17, 17}}));
-  EXPECT_FALSE(found[0].everywhere);
-  EXPECT_EQ(found[1].label, 3u);
-  EXPECT_EQ(found[1].samples, (Box3{{15, 8, 8}, {16, 9, 9}}));
+  EXPECT_EQ(found[0], 1u);
+  EXPECT_EQ(extents.samples(1), (Box3{{0, 0, 0}, {17, 17, 17}}));
+  EXPECT_FALSE(extents.everywhere(1));
+  EXPECT_EQ(found[1], 3u);
+  EXPECT_EQ(extents.samples(3), (Box3{{15, 8, 8}, {16, 9, 9}}));
   const auto inner = extents.find(volume.block(), {{16, 16, 16}, 4}, 4, 0);
   ASSERT_EQ(inner.size(), 1u);
-  EXPECT_TRUE(inner[0].everywhere);
+  EXPECT_TRUE(extents.everywhere(1));
   EXPECT_TRUE(extents.find(volume.block(), {{16, 16, 16}, 4}, 4, 1).empty());
 }
 

@@ -59,8 +59,13 @@ struct OutputDirectory {
   std::string line(const std::filesystem::path& directory, std::size_t i,
                    ManifestCounts& counts) const {
     TileMesh mesh = tiles[i];
-    TileRecord record{mesh.tile,  mesh.positions.size(),  mesh.triangles.size(),
-                      mesh.quads, mesh.polygon_triangles, {}};
+    TileRecord record{{},
+                      mesh.tile,
+                      mesh.positions.size(),
+                      mesh.triangles.size(),
+                      mesh.quads,
+                      mesh.polygon_triangles,
+                      {}};
     counts.quads += mesh.quads;
     counts.output_triangles += mesh.triangles.size();
     counts.tiles += 1;

@@ -3,29 +3,11 @@
 
 #include "pipeline/mesh/load.h"
 #include "pipeline/mesh/verify.h"
+#include "tests/pipeline/run/label_volumes.h"
 #include "tests/pipeline/run/scene.h"
 
 namespace voxweld::testing {
 namespace {
-
-// Cells of a lattice of balls, each of its own label, 0 between them; some touch, some the border.
-RawVolume cells(SampleType type, Index3 size) {
-  RawVolume volume{size, type, {}, 0};
-  const std::size_t width = sample_bytes(type);
-  for (std::int64_t z = 0; z < size.z; ++z)
-    for (std::int64_t y = 0; y < size.y; ++y)
-      for (std::int64_t x = 0; x < size.x; ++x) {
-        const Index3 at{x, y, z}, cell{x / 16, y / 16, z / 16};
-        const Index3 d = at - cell * 16 - splat(8);
-        const bool in = d.x * d.x + d.y * d.y + d.z * d.z < 81;
-        std::uint64_t label =
-            in ? static_cast<std::uint64_t>(1 + cell.x + 10 * cell.y + 100 * cell.z) : 0;
-        if (width == 8 && in) label += std::uint64_t{1} << 40;
-        for (std::size_t i = 0; i < width; ++i)
-          volume.samples.push_back(static_cast<std::byte>(label >> 8 * i & 255));
-      }
-  return volume;
-}
 
 Settings label(std::uint64_t value) {
   return {"surface.label=" + std::to_string(value), "surface.isovalue=" + std::to_string(value)};
@@ -33,7 +15,7 @@ Settings label(std::uint64_t value) {
 
 TEST(Label, IsAClosedMeshOfItsVolume) {
   for (const SampleType type : {SampleType::u16, SampleType::i32, SampleType::u64}) {
-    const Scene scene(cells(type, {40, 36, 33}));
+    const Scene scene(ball_labels(type, {40, 36, 33}));
     const std::uint64_t more = type == SampleType::u64 ? std::uint64_t{1} << 40 : 0;
     VOXWELD_EXPECT_DONE(scene.run(label(112 + more)));
     const VerifyReport report = verify_output(scene.output());
@@ -47,7 +29,7 @@ TEST(Label, IsAClosedMeshOfItsVolume) {
 
 TEST(Label, EveryPartitionGivesTheSameBytes) {
   for (const Index3 size : {Index3{48, 40, 33}, Index3{32, 32, 32}}) {
-    const Scene scene(cells(SampleType::u16, size));
+    const Scene scene(ball_labels(SampleType::u16, size));
     const Settings common = label(12) + Settings{"output.tile_vertices=1024"};
     const Tree first = scene.clean_tree(common);
     for (const Settings& variant :
@@ -68,7 +50,7 @@ TEST(Label, NoiseIsClosedToo) {
 }
 
 TEST(Label, WhatCannotBeIsRefused) {
-  const Scene scene(cells(SampleType::u16, {20, 20, 20}));
+  const Scene scene(ball_labels(SampleType::u16, {20, 20, 20}));
   const auto refused = [&](const Settings& settings, const std::string& words) {
     const ProgramResult result = scene.run(settings);
     EXPECT_EQ(result.exit_code, 2);

@@ -1,0 +1,195 @@
+#include "pipeline/run/label_octrees.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace voxweld {
+namespace {
+
+// Notes held before they go to disk.
+constexpr std::uint64_t notes_bytes = std::uint64_t{8} << 20;
+
+// What the reduction and the directory need of one label in one brick; then, where the brick is
+// split, a PieceBlock for each block that holds anything.
+struct Note {
+  RootRecord root;
+  std::uint64_t polygons = 0;  // where the brick is one leaf
+  std::uint64_t blocks = 0;
+  std::uint64_t has_piece = 0;
+  PieceRecord piece;
+};
+
+template <class T>
+void append(std::vector<std::byte>& out, const T* values, std::size_t count) {
+  const std::size_t at = out.size();
+  out.resize(at + count * sizeof(T));
+  if (count > 0) std::memcpy(out.data() + at, values, count * sizeof(T));
+}
+
+}  // namespace
+
+LabelOctrees::LabelOctrees(const BuildJob& job)
+    : job_(job), parameters_(job.parameters), notes_(job.folder, notes_bytes) {}
+
+std::uint64_t LabelOctrees::memory_bytes(const BrickGrid& grid, std::uint64_t samples) {
+  // Of MaterialBlock: the number of each sample, and of each value an entry of the table and of
+  // three lists that may have grown to twice their content.
+  constexpr std::uint64_t of_value = 48 + 2 * (8 + 8 + 4);
+  const std::uint64_t side16 = std::uint64_t{1} << (grid.shard_level() - block_level);
+  return samples * (4 + of_value) + LabelExtents::memory_bytes(samples) + 2 * notes_bytes +
+         side16 * side16 * side16 * 4 * sizeof(CubeCount) + (std::uint64_t{1} << 20);
+}
+
+void LabelOctrees::begin(Index3 shard, Hash128 input_stamp) {
+  shard_ = shard;
+  notes_.clear();
+  summary_ = ShardSummary{};
+  out_ = std::make_unique<LabelShardWriter>(shard_artifact_path(job_, shard),
+                                            shard_key(job_, shard), input_stamp);
+}
+
+void LabelOctrees::build(const HaloBlock& block, Index3 first, std::int64_t count,
+                         const WorkerContext& worker) {
+  materials_.fill(block, *job_.parameters.labels.rules);
+  for (std::int64_t i = 0; i < count; ++i)
+    build_labels({job_.grid.brick_level(), first + Index3{i, 0, 0}}, worker);
+}
+
+void LabelOctrees::build_labels(const CellKey& brick, const WorkerContext& worker) {
+  const BrickPlace place{brick.lo(), brick.level};
+  const HaloBlock& block = materials_.block();
+  const auto labels = static_cast<std::uint32_t>(materials_.materials().size());
+  bool any = false;
+  for (const std::uint32_t label : extents_.find(block, place, labels, materials_.outside())) {
+    worker.check_interrupt();
+    const Material material = materials_.materials()[label];
+    if (extents_.everywhere(label)) {
+      inside(brick.at, material);
+      continue;
+    }
+    parameters_.surface.label = label;
+    build_brick(block, place, extents_.samples(label), parameters_, scratch_, brick_);
+    add_piece(brick, material, any);
+  }
+  if (!any) return;
+  out_->end_brick();
+  ++summary_.active_bricks;
+}
+
+// any: whether the brick has a piece already.
+void LabelOctrees::add_piece(const CellKey& brick, Material material, bool& any) {
+  const NodeState state = brick_.root.state;
+  add_counts(brick_.counts, summary_.counts, state != NodeState::leaf);
+  if (state == NodeState::outside) return;
+  if (state == NodeState::inside) return note(brick, material, brick_.root, nullptr);
+  if (!any) out_->begin_brick(morton_encode(brick.at));
+  any = true;
+  const PieceRecord piece = out_->piece(material, brick_);
+  note(brick, material, brick_.root, &piece);
+}
+
+void LabelOctrees::inside(Index3 brick, Material material) {
+  RootRecord root;
+  root.state = NodeState::inside;
+  root.corner_signs = 255;
+  note({job_.grid.brick_level(), brick}, material, root, nullptr);
+}
+
+void LabelOctrees::note(const CellKey& brick, Material material, const RootRecord& root,
+                        const PieceRecord* piece) {
+  std::vector<PieceBlock> blocks;
+  if (root.state == NodeState::split) blocks = filled_blocks(brick_);
+  Note note;
+  note.root = root;
+  note.blocks = blocks.size();
+  if (root.state == NodeState::leaf) note.polygons = brick_.polygons.size();
+  if (piece != nullptr) {
+    note.has_piece = 1;
+    note.piece = *piece;
+  }
+  note_.clear();
+  append(note_, &note, 1);
+  append(note_, blocks.data(), blocks.size());
+  notes_.push({material, morton_encode(brick.at)}, note_);
+}
+
+// The nodes of one label after the other, and in each its cubes, as the notes come.
+class LabelOctrees::NodeWriter {
+ public:
+  NodeWriter(const BuildJob& job, ShardSummary& summary, LabelShardWriter& out)
+      : job_(job), summary_(summary), out_(out) {
+    sink_.node = &node_.node;
+    sink_.summary = &summary;
+    sink_.brick_level = job.grid.brick_level();
+  }
+
+  void add(Material material, const CellKey& brick, std::span<const std::byte> bytes) {
+    open(material, brick);
+    Note note;
+    std::memcpy(&note, bytes.data(), sizeof note);
+    std::vector<PieceBlock> blocks(note.blocks);
+    if (note.blocks > 0)
+      std::memcpy(blocks.data(), bytes.data() + sizeof note, note.blocks * sizeof(PieceBlock));
+    if (note.has_piece != 0) add_piece(note.piece);
+    reduction_->push({brick, note.root, note.polygons});
+    for (const PieceBlock& block : blocks)
+      sink_.cube({brick.code() + (std::uint64_t{block.block} << (3 * block_level)), block_level,
+                  block.vertices, block.polygons});
+  }
+
+  // After the last, and between one cube and the next.
+  void close() {
+    if (!reduction_) return;
+    const NodeSummary reduced = reduction_->finish();
+    summary_.collapsed_above += reduction_->collapsed();
+    node_.node.record = reduced.record;
+    node_.node.polygons = reduced.polygons;
+    content_->bytes(std::as_bytes(std::span(node_.node.leaves)));
+    node_.content = content_->finish();
+    out_.node(node_);
+    reduction_.reset();
+  }
+
+ private:
+  void open(Material material, const CellKey& brick) {
+    const int up = job_.grid.shard_level() - brick.level;
+    const CellKey cube{job_.grid.shard_level(),
+                       {brick.at.x >> up, brick.at.y >> up, brick.at.z >> up}};
+    if (reduction_ && node_.material == material && node_.node.key == cube) return;
+    close();
+    node_ = {};
+    node_.material = material;
+    node_.node.key = cube;
+    content_.emplace();
+    reduction_.emplace(cube, job_.grid.domain_level(), job_.parameters, sink_);
+  }
+
+  void add_piece(const PieceRecord& piece) {
+    out_.directory(piece);
+    node_.largest_piece = std::max(node_.largest_piece, piece.body_bytes() + piece.skin_bytes());
+    content_->integer(static_cast<std::int64_t>(piece.key.brick)).hash(piece.body).hash(piece.skin);
+  }
+
+  const BuildJob& job_;
+  ShardSummary& summary_;
+  LabelShardWriter& out_;
+  LabelNode node_;  // under way
+  NodeCollector sink_;
+  std::optional<KeyHasher> content_;
+  std::optional<OctreeReduction> reduction_;
+};
+
+void LabelOctrees::finish(Hash128 input) {
+  summary_.bricks = static_cast<std::uint64_t>(job_.grid.shard_bricks(shard_).count());
+  summary_.input = input;
+  NodeWriter nodes(job_, summary_, *out_);
+  SortKey key;
+  while (notes_.next(key, note_))
+    nodes.add(key.major, {job_.grid.brick_level(), morton_decode(key.minor)}, note_);
+  nodes.close();
+  out_->finish(summary_);
+  out_.reset();
+  notes_.clear();
+}
+
+}  // namespace voxweld

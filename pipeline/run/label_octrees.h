@@ -1,0 +1,51 @@
+// labels.mode = "each": every label of a shard has an octree of its own, built from the samples of
+// all of them at once.
+#pragma once
+
+#include <optional>
+
+#include "pipeline/run/shard_octrees.h"
+#include "stages/build/label_extents.h"
+#include "stages/build/material_block.h"
+#include "storage/artifact/label_shard_artifact.h"
+#include "storage/support/record_sorter.h"
+
+namespace voxweld {
+
+class LabelOctrees : public ShardOctrees {
+ public:
+  explicit LabelOctrees(const BuildJob& job);
+
+  void begin(Index3 shard, Hash128 input_stamp) override;
+  void build(const HaloBlock& block, Index3 first, std::int64_t count,
+             const WorkerContext& worker) override;
+  void inside(Index3 brick, Material material) override;
+  void finish(Hash128 input) override;
+
+  // Samples of several bricks are read together as long as they are no more than this.
+  static constexpr std::uint64_t run_samples = std::uint64_t{1} << 18;
+  // Bytes beside those samples and what build_brick takes, whatever the labels: each of `samples`
+  // samples may be another.
+  static std::uint64_t memory_bytes(const BrickGrid& grid, std::uint64_t samples);
+
+ private:
+  class NodeWriter;
+  void build_labels(const CellKey& brick, const WorkerContext& worker);
+  void add_piece(const CellKey& brick, Material material, bool& any);
+  void note(const CellKey& brick, Material material, const RootRecord& root,
+            const PieceRecord* piece);
+
+  const BuildJob& job_;
+  ContourParameters parameters_;  // the job's, with the label under way
+  MaterialBlock materials_;
+  LabelExtents extents_;
+  BrickScratch scratch_;
+  BrickOctree brick_;
+  Index3 shard_;
+  std::unique_ptr<LabelShardWriter> out_;
+  RecordSorter notes_;  // of all pieces, by label and brick
+  std::vector<std::byte> note_;
+  ShardSummary summary_;
+};
+
+}  // namespace voxweld

@@ -1,0 +1,134 @@
+#include "pipeline/run/shard_octrees.h"
+
+#include <algorithm>
+
+#include "pipeline/run/label_octrees.h"
+
+namespace voxweld {
+
+void NodeCollector::leaf(CellKey key, const RootRecord& record) {
+  BrickCounts& counts = summary->counts;
+  ++counts.vertices;
+  ++counts.leaves[static_cast<std::size_t>(key.level)];
+  counts.worst_residual = std::max(counts.worst_residual, static_cast<double>(record.residual));
+  if (key.level > brick_level)
+    node->leaves.push_back(
+        {key.code(), static_cast<std::uint32_t>(key.level), record.vertex, record.residual, 0});
+}
+
+void add_counts(const BrickCounts& from, BrickCounts& to, bool own_leaves) {
+  to.active_cells += from.active_cells;
+  to.crossing_edges += from.crossing_edges;
+  if (!own_leaves) return;
+  to.vertices += from.vertices;
+  for (std::size_t l = 0; l < from.leaves.size(); ++l) to.leaves[l] += from.leaves[l];
+  to.worst_residual = std::max(to.worst_residual, from.worst_residual);
+  to.worst_finest = std::max(to.worst_finest, from.worst_finest);
+}
+
+namespace {
+
+// Of one surface: its octree is the shard's.
+class SurfaceOctrees : public ShardOctrees {
+ public:
+  explicit SurfaceOctrees(const BuildJob& job) : job_(job) {}
+
+  void begin(Index3 shard, Hash128 input_stamp) override {
+    shard_ = shard;
+    roots_.clear();
+    summary_ = ShardSummary{};
+    out_ = std::make_unique<ShardArtifactWriter>(shard_artifact_path(job_, shard),
+                                                 shard_key(job_, shard), input_stamp);
+  }
+  void build(const HaloBlock& block, Index3 first, std::int64_t count,
+             const WorkerContext& worker) override;
+  void inside(Index3 brick, Material) override {
+    RootRecord inside;
+    inside.state = NodeState::inside;
+    inside.corner_signs = 255;
+    roots_.push_back({{{job_.grid.brick_level(), brick}, inside, 0}, {}});
+  }
+  void finish(Hash128 input) override {
+    summary_.input = input;
+    const std::vector<ShardNode> nodes = reduce();
+    out_->finish(summary_, nodes);
+    out_.reset();
+  }
+
+ private:
+  struct Root {
+    NodeSummary node;
+    std::vector<BlockCount> blocks;
+  };
+  std::vector<ShardNode> reduce();
+
+  const BuildJob& job_;
+  BrickScratch scratch_;
+  BrickOctree brick_;
+  Index3 shard_;
+  std::unique_ptr<ShardArtifactWriter> out_;
+  std::vector<Root> roots_;
+  ShardSummary summary_;
+};
+
+void SurfaceOctrees::build(const HaloBlock& block, Index3 first, std::int64_t count,
+                           const WorkerContext& worker) {
+  for (std::int64_t i = 0; i < count; ++i) {
+    worker.check_interrupt();
+    const CellKey key{job_.grid.brick_level(), first + Index3{i, 0, 0}};
+    build_brick(block, {key.lo(), key.level}, job_.parameters, scratch_, brick_);
+    const bool leaf = brick_.root.state == NodeState::leaf;
+    add_counts(brick_.counts, summary_.counts, !leaf);
+    if (brick_.root.state == NodeState::outside) continue;
+    roots_.push_back({{key, brick_.root, leaf ? brick_.polygons.size() : 0}, {}});
+    if (brick_.root.state == NodeState::inside) continue;
+    ++summary_.active_bricks;
+    if (!leaf) roots_.back().blocks = brick_.blocks;
+    out_->brick(morton_encode(key.at), brick_);
+  }
+}
+
+std::vector<ShardNode> SurfaceOctrees::reduce() {
+  summary_.bricks = static_cast<std::uint64_t>(job_.grid.shard_bricks(shard_).count());
+  std::sort(roots_.begin(), roots_.end(),
+            [](const Root& a, const Root& b) { return a.node.key.code() < b.node.key.code(); });
+
+  std::vector<ShardNode> nodes;
+  auto root = roots_.begin();
+  for (const BrickGrid::Cube& cube : job_.grid.shard_cubes(shard_)) {
+    ShardNode node;
+    node.key = cube.key;
+    NodeCollector sink;
+    sink.node = &node;
+    sink.summary = &summary_;
+    sink.brick_level = job_.grid.brick_level();
+    OctreeReduction reduction(cube.key, job_.grid.domain_level(), job_.parameters, sink);
+    for (; root != roots_.end() && cube.key.cells().contains(root->node.key.cells()); ++root) {
+      reduction.push(root->node);
+      if (root->node.record.state != NodeState::split) continue;
+      std::uint32_t begin = 0;
+      for (std::size_t b = 0; b < root->blocks.size(); ++b) {
+        const BlockCount& block = root->blocks[b];
+        if (block.vertices != 0 || block.polygon_end != begin)
+          sink.cube({root->node.key.code() + (b << (3 * block_level)), block_level, block.vertices,
+                     block.polygon_end - begin});
+        begin = block.polygon_end;
+      }
+    }
+    const NodeSummary reduced = reduction.finish();
+    summary_.collapsed_above += reduction.collapsed();
+    node.record = reduced.record;
+    node.polygons = reduced.polygons;
+    nodes.push_back(std::move(node));
+  }
+  return nodes;
+}
+
+}  // namespace
+
+std::unique_ptr<ShardOctrees> make_shard_octrees(const BuildJob& job) {
+  if (job.parameters.labels.mode == LabelMode::each) return std::make_unique<LabelOctrees>(job);
+  return std::make_unique<SurfaceOctrees>(job);
+}
+
+}  // namespace voxweld

@@ -1,0 +1,51 @@
+// What merge has planned, as stitch and encode take it: in units. A unit is a tile; of labels
+// (labels.mode = "each") one tile of a label that has several, or several labels of one tile each,
+// so that a million of them are not a million units and artifacts.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "storage/artifact/top_artifact.h"
+#include "storage/types/material.h"
+
+namespace voxweld {
+
+struct PlannedMesh {
+  std::string stem;  // of its files: relative to the output directory, without their endings
+  std::uint64_t vertices = 0;  // of the octree that lie in its tile
+};
+
+class UnitPlan {
+ public:
+  virtual ~UnitPlan() = default;
+
+  // Units are numbered in Morton order, those of labels by label first.
+  virtual std::uint64_t size() const = 0;
+  virtual std::string name(std::uint64_t unit) const = 0;  // "tile 7-0-0-0", "labels from 12 on"
+  // Vertices and polygons of its largest tile, and of all it has.
+  virtual PlannedTile largest(std::uint64_t unit) const = 0;
+  virtual PlannedTile total(std::uint64_t unit) const = 0;
+  // Where its artifact or record is, below `root`: in folders that stay small.
+  virtual std::filesystem::path path(const std::filesystem::path& root, std::uint64_t unit,
+                                     const std::string& ending) const = 0;
+  // Its meshes, in their order.
+  virtual std::vector<PlannedMesh> meshes(std::uint64_t unit) const = 0;
+  // Of a label: its files are spread over folders, since it has so many.
+  virtual bool spread(std::uint64_t unit) const = 0;
+  // The largest tile of each unit.
+  std::vector<PlannedTile> largest_tiles() const;
+};
+
+// mode: of the run that made the top tree, which the plan refers to.
+std::unique_ptr<UnitPlan> unit_plan(const TopArtifact& top, LabelMode mode);
+
+std::string cube_name(CellKey tile);  // "7-0-0-0": level and index, the same in every run
+
+// For a label's files: a folder for each 128 labels, named by the higher bytes of their numbers.
+std::filesystem::path label_folder(const std::filesystem::path& root, Material label);
+
+}  // namespace voxweld

@@ -1,0 +1,284 @@
+#include "storage/artifact/label_shard_artifact.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace voxweld {
+namespace {
+
+constexpr std::uint64_t page_of_directory = std::uint64_t{2} << 56;
+constexpr std::uint64_t page_of_nodes = std::uint64_t{3} << 56;
+constexpr std::uint64_t tables_section = std::uint64_t{4} << 56;
+constexpr std::uint64_t first_pieces_section = tables_section | 1;
+constexpr std::uint64_t first_nodes_section = tables_section | 2;
+
+constexpr std::uint64_t node_page_bytes = std::uint64_t{1} << 18;
+
+constexpr std::uint64_t pieces_of(std::uint64_t brick) {
+  return brick << 8 | 1;
+}
+
+struct LabelShardTables {
+  std::uint64_t pieces = 0, nodes = 0;
+};
+
+struct LabelNodeRecord {
+  std::uint64_t material = 0, code = 0, level = 0;
+  std::uint64_t polygons = 0, cubes = 0, leaves = 0, largest_piece = 0;
+  Hash128 content;
+  RootRecord record;
+
+  std::uint64_t bytes() const {
+    return sizeof(LabelNodeRecord) + cubes * sizeof(CubeCount) + leaves * sizeof(TopLeaf);
+  }
+};
+static_assert(sizeof(LabelNodeRecord) == 56 + 16 + sizeof(RootRecord) &&
+              sizeof(PieceRecord) == 24 + 24 + 32);
+
+template <class T>
+std::span<const std::byte> bytes_of(const std::vector<T>& values) {
+  return std::as_bytes(std::span(values));
+}
+
+template <class T>
+void take(std::span<const std::byte>& bytes, std::size_t count, std::vector<T>& out) {
+  out.resize(count);
+  if (count > 0) std::memcpy(out.data(), bytes.data(), count * sizeof(T));
+  bytes = bytes.subspan(count * sizeof(T));
+}
+
+void put(std::span<std::byte>& out, std::span<const std::byte> bytes) {
+  if (!bytes.empty()) std::memcpy(out.data(), bytes.data(), bytes.size());
+  out = out.subspan(bytes.size());
+}
+
+}  // namespace
+
+std::uint64_t PieceRecord::body_bytes() const {
+  return std::uint64_t{vertices} * sizeof(LeafVertex) +
+         std::uint64_t{polygons} * sizeof(PolygonRefs) + std::uint64_t{blocks} * sizeof(PieceBlock);
+}
+
+std::uint64_t PieceRecord::skin_bytes() const {
+  return std::uint64_t{skin_cells} * sizeof(SkinCell) +
+         std::uint64_t{skin_vertices} * sizeof(SkinVertex);
+}
+
+std::vector<PieceBlock> filled_blocks(const BrickOctree& octree) {
+  std::vector<PieceBlock> blocks;
+  std::uint32_t begin = 0;
+  for (std::uint32_t b = 0; b < octree.blocks.size(); ++b) {
+    const BlockCount& block = octree.blocks[b];
+    if (block.vertices != 0 || block.polygon_end != begin)
+      blocks.push_back({b, block.vertices, block.polygon_end - begin});
+    begin = block.polygon_end;
+  }
+  return blocks;
+}
+
+std::vector<std::byte> to_bytes(const LabelNode& n) {
+  LabelNodeRecord record;
+  record.material = n.material;
+  record.code = n.node.key.code();
+  record.level = static_cast<std::uint64_t>(n.node.key.level);
+  record.polygons = n.node.polygons;
+  record.cubes = n.node.cubes.size();
+  record.leaves = n.node.leaves.size();
+  record.largest_piece = n.largest_piece;
+  record.content = n.content;
+  record.record = n.node.record;
+  std::vector<std::byte> bytes(record.bytes());
+  std::span<std::byte> rest = bytes;
+  put(rest, std::as_bytes(std::span(&record, 1)));
+  put(rest, bytes_of(n.node.cubes));
+  put(rest, bytes_of(n.node.leaves));
+  return bytes;
+}
+
+LabelNode label_node_of(std::span<const std::byte> bytes) {
+  LabelNodeRecord record;
+  std::memcpy(&record, bytes.data(), sizeof record);
+  bytes = bytes.subspan(sizeof record);
+  LabelNode n;
+  n.material = record.material;
+  n.node.key = {static_cast<int>(record.level), morton_decode(record.code >> (3 * record.level))};
+  n.node.record = record.record;
+  n.node.polygons = record.polygons;
+  n.largest_piece = record.largest_piece;
+  n.content = record.content;
+  take(bytes, record.cubes, n.node.cubes);
+  take(bytes, record.leaves, n.node.leaves);
+  return n;
+}
+
+LabelShardWriter::LabelShardWriter(const std::filesystem::path& path, Hash128 key,
+                                   Hash128 input_stamp)
+    : file_(path, {label_shard_kind, label_shard_version, key}),
+      directory_(file_, page_of_directory) {
+  file_.set_input_stamp(input_stamp);
+}
+
+void LabelShardWriter::begin_brick(std::uint64_t code) {
+  brick_ = code;
+  brick_bytes_ = 0;
+  file_.begin_section(pieces_of(code));
+}
+
+void LabelShardWriter::end_brick() {
+  file_.end_section();
+}
+
+PieceRecord LabelShardWriter::piece(Material material, const BrickOctree& octree) {
+  const std::vector<PieceBlock> blocks = filled_blocks(octree);
+  const auto size = [](const auto& values) { return static_cast<std::uint32_t>(values.size()); };
+  PieceRecord record;
+  record.key = {material, brick_};
+  record.offset = brick_bytes_;
+  record.vertices = size(octree.vertices);
+  record.polygons = size(octree.polygons);
+  record.blocks = size(blocks);
+  record.skin_cells = size(octree.skin.cells);
+  record.skin_vertices = size(octree.skin.vertices);
+  const auto part = [&](auto... values) {
+    StreamHasher hash;
+    ((file_.append(values), hash.update(values), brick_bytes_ += values.size()), ...);
+    return hash.finish();
+  };
+  record.body = part(bytes_of(octree.vertices), bytes_of(octree.polygons), bytes_of(blocks));
+  record.skin = part(bytes_of(octree.skin.cells), bytes_of(octree.skin.vertices));
+  return record;
+}
+
+void LabelShardWriter::directory(const PieceRecord& record) {
+  if (directory_.size() % page_records == 0) first_pieces_.push_back(record.key);
+  directory_.push(record);
+}
+
+void LabelShardWriter::node(const LabelNode& node) {
+  if (nodes_.empty()) first_nodes_.push_back(node.material);
+  const std::vector<std::byte> bytes = to_bytes(node);
+  nodes_.insert(nodes_.end(), bytes.begin(), bytes.end());
+  ++node_count_;
+  if (nodes_.size() >= node_page_bytes) flush_nodes();
+}
+
+void LabelShardWriter::flush_nodes() {
+  file_.section(page_of_nodes + first_nodes_.size() - 1, nodes_);
+  nodes_.clear();
+}
+
+Hash128 LabelShardWriter::finish(const ShardSummary& summary) {
+  const LabelShardTables tables{directory_.size(), node_count_};
+  directory_.finish();
+  if (!nodes_.empty()) flush_nodes();
+  file_.section(tables_section, std::as_bytes(std::span(&tables, 1)));
+  file_.section(first_pieces_section, bytes_of(first_pieces_));
+  file_.section(first_nodes_section, bytes_of(first_nodes_));
+  write_summary(file_, summary);
+  return file_.commit();
+}
+
+LabelShardArtifact::LabelShardArtifact(const std::filesystem::path& path)
+    : file_(path, label_shard_kind, label_shard_version) {
+  std::vector<LabelShardTables> tables;
+  file_.read_array(tables_section, tables);
+  file_.read_array(first_pieces_section, first_pieces_);
+  file_.read_array(first_nodes_section, first_nodes_);
+  if (tables.size() != 1) file_.damaged("has no tables");
+  pieces_ = tables[0].pieces;
+  nodes_ = tables[0].nodes;
+  if (first_pieces_.size() != (pieces_ + page_records - 1) / page_records)
+    file_.damaged("its directory contradicts itself");
+}
+
+std::vector<PieceRecord> LabelShardArtifact::pieces(Material material) const {
+  // The page before the first that begins with the label, or behind it, may end with it.
+  auto page = std::lower_bound(first_pieces_.begin(), first_pieces_.end(), PieceKey{material, 0});
+  if (page != first_pieces_.begin()) --page;
+  const PagedTable<PieceRecord> directory(file_, page_of_directory, pieces_);
+  std::vector<PieceRecord> found;
+  for (; page != first_pieces_.end() && page->material <= material; ++page) {
+    const auto first = static_cast<std::uint64_t>(page - first_pieces_.begin()) * page_records;
+    for (const PieceRecord& record : directory.read(first, std::min(page_records, pieces_ - first)))
+      if (record.key.material == material) found.push_back(record);
+  }
+  return found;
+}
+
+void LabelShardArtifact::each_piece(const std::function<void(const PieceRecord&)>& f) const {
+  const PagedTable<PieceRecord> directory(file_, page_of_directory, pieces_);
+  for (std::uint64_t first = 0; first < pieces_; first += page_records)
+    for (const PieceRecord& record : directory.read(first, std::min(page_records, pieces_ - first)))
+      f(record);
+}
+
+namespace {
+
+// A part of a piece, checked.
+std::vector<std::byte> read_part(const ArtifactReader& file, const PieceRecord& piece,
+                                 std::uint64_t offset, std::uint64_t size, const Hash128& hash) {
+  std::vector<std::byte> bytes(size);
+  file.read_part(pieces_of(piece.key.brick), offset, bytes);
+  if (hash_bytes(bytes) != hash)
+    file.damaged("the checksum of a piece of label " + std::to_string(piece.key.material) +
+                 " is wrong");
+  return bytes;
+}
+
+}  // namespace
+
+void LabelShardArtifact::read_piece(const PieceRecord& piece, int brick_level,
+                                    BrickOctree& out) const {
+  const auto bytes = read_part(file_, piece, piece.offset, piece.body_bytes(), piece.body);
+  std::span<const std::byte> rest = bytes;
+  take(rest, piece.vertices, out.vertices);
+  take(rest, piece.polygons, out.polygons);
+  out.emit_levels.clear();
+  out.pairs.clear();
+  out.polygon_pairs.clear();
+  std::vector<PieceBlock> blocks;
+  take(rest, piece.blocks, blocks);
+  out.blocks.assign(std::size_t{1} << (3 * (brick_level - block_level)), BlockCount{});
+  auto block = blocks.begin();
+  std::uint32_t end = 0;
+  for (std::uint32_t b = 0; b < out.blocks.size(); ++b) {
+    if (block != blocks.end() && block->block == b) {
+      end += block->polygons;
+      out.blocks[b].vertices = block->vertices;
+      ++block;
+    }
+    out.blocks[b].polygon_end = end;
+  }
+  if (block != blocks.end() || end != piece.polygons)
+    file_.damaged("the parts of a piece contradict each other");
+  read_skin(piece, out.skin);
+}
+
+void LabelShardArtifact::read_skin(const PieceRecord& piece, Skin& out) const {
+  const auto bytes =
+      read_part(file_, piece, piece.offset + piece.body_bytes(), piece.skin_bytes(), piece.skin);
+  std::span<const std::byte> rest = bytes;
+  take(rest, piece.skin_cells, out.cells);
+  take(rest, piece.skin_vertices, out.vertices);
+  out.sheets_of_edges.clear();
+}
+
+void LabelShardArtifact::each_node(
+    std::uint64_t page,
+    const std::function<void(const LabelNode&, std::span<const std::byte>)>& f) const {
+  std::vector<std::byte> bytes;
+  file_.read(page_of_nodes + page, bytes);
+  for (std::span<const std::byte> rest = bytes; !rest.empty();) {
+    LabelNodeRecord record;
+    if (rest.size() < sizeof record) file_.damaged("a page of nodes ends within one");
+    std::memcpy(&record, rest.data(), sizeof record);
+    if (record.level > max_levels || record.cubes > rest.size() || record.leaves > rest.size() ||
+        record.bytes() > rest.size())
+      file_.damaged("a page of nodes contradicts itself");
+    const std::span<const std::byte> own = rest.first(record.bytes());
+    f(label_node_of(own), own);
+    rest = rest.subspan(record.bytes());
+  }
+}
+
+}  // namespace voxweld

@@ -1,0 +1,136 @@
+// The octree artifact of a label volume (labels.mode = "each"): what build makes of one shard,
+// where every label has an octree of its own. An octree's part in one brick is a piece. Kind
+// "octl", a container (container.h) with these sections:
+//
+//   name                content
+//   brick code << 8 | 1 the pieces of one brick, back to back; the code is the Morton code of the
+//                       brick's index. A piece is its body (LeafVertex, PolygonRefs, and of
+//                       PieceBlock those that hold anything) and its skin (SkinCell, SkinVertex);
+//                       each has a checksum of its own in its PieceRecord, so it is read alone
+//   2 << 56 | i         page i of the directory: PieceRecord, by material, then by brick
+//   3 << 56 | i         page i of the nodes, by material, then in Morton order: of each a
+//                       LabelNodeRecord, then its CubeCount, then its TopLeaf
+//   4 << 56             LabelShardTables (one)
+//   4 << 56 | 1         PieceKey of the first piece of each page of the directory
+//   4 << 56 | 2         material of the first node of each page of nodes, u64
+//   as shard_artifact.h the summary: of all labels together
+//
+// There is no index of pieces but the directory, so a reader holds a few bytes a thousand of them,
+// however many labels a shard has.
+#pragma once
+
+#include <functional>
+
+#include "storage/artifact/paged_table.h"
+#include "storage/artifact/shard_artifact.h"
+#include "storage/types/material.h"
+
+namespace voxweld {
+
+inline constexpr std::array<char, 4> label_shard_kind = {'o', 'c', 't', 'l'};
+// Goes up whenever the bytes that build makes of labels change: format or mathematics.
+inline constexpr std::uint32_t label_shard_version = 1;
+
+struct PieceKey {
+  Material material = exterior;
+  std::uint64_t brick = 0;  // Morton code of its index
+  friend auto operator<=>(const PieceKey&, const PieceKey&) = default;
+};
+
+struct PieceRecord {
+  PieceKey key;
+  std::uint64_t offset = 0;  // of the body in the brick's section; the skin comes behind it
+  std::uint32_t vertices = 0, polygons = 0, blocks = 0, skin_cells = 0, skin_vertices = 0;
+  std::uint32_t reserved = 0;
+  Hash128 body, skin;
+
+  std::uint64_t body_bytes() const;
+  std::uint64_t skin_bytes() const;
+};
+
+// One 16^3 block of a brick that owns a polygon or a vertex of the piece.
+struct PieceBlock {
+  std::uint32_t block = 0;  // in Morton order
+  std::uint32_t vertices = 0;
+  std::uint32_t polygons = 0;
+};
+
+// Of a brick's octree, in Morton order.
+std::vector<PieceBlock> filled_blocks(const BrickOctree& octree);
+
+// One shard-sized cube of one label's octree. Cubes that are outside have none.
+struct LabelNode {
+  Material material = exterior;
+  ShardNode node;
+  std::uint64_t largest_piece = 0;  // bytes that reading one of its pieces takes, at most
+  Hash128 content;                  // of all its pieces and of node.leaves
+};
+
+std::vector<std::byte> to_bytes(const LabelNode& node);
+// Precondition: bytes of to_bytes.
+LabelNode label_node_of(std::span<const std::byte> bytes);
+
+class LabelShardWriter {
+ public:
+  // input_stamp: of what the samples come from (container.h).
+  LabelShardWriter(const std::filesystem::path& path, Hash128 key, Hash128 input_stamp);
+
+  // The pieces of one brick, in any order: between begin_brick and end_brick. Returns what the
+  // directory is to have of it.
+  void begin_brick(std::uint64_t code);
+  PieceRecord piece(Material material, const BrickOctree& octree);
+  void end_brick();
+
+  // After the last piece, each in the order of the file.
+  void directory(const PieceRecord& record);
+  void node(const LabelNode& node);
+  // Returns the artifact's content hash.
+  Hash128 finish(const ShardSummary& summary);
+
+ private:
+  std::uint64_t append(std::span<const std::byte> bytes, StreamHasher& hash);
+  void flush_nodes();
+
+  ArtifactWriter file_;
+  std::uint64_t brick_ = 0, brick_bytes_ = 0;
+  PagedTableWriter<PieceRecord> directory_;
+  std::vector<PieceKey> first_pieces_;
+  std::vector<std::byte> nodes_;  // of the page under way
+  std::vector<std::uint64_t> first_nodes_;
+  std::uint64_t node_count_ = 0;
+};
+
+// Reads are thread-safe.
+class LabelShardArtifact {
+ public:
+  explicit LabelShardArtifact(const std::filesystem::path& path);
+  const Hash128& key() const { return file_.key(); }
+  const Hash128& content_hash() const { return file_.content_hash(); }
+  const std::string& provenance() const { return file_.provenance(); }
+  const std::string& path() const { return file_.path(); }
+
+  ShardSummary summary() const { return read_summary(file_); }
+  std::uint64_t piece_count() const { return pieces_; }
+  std::uint64_t node_count() const { return nodes_; }
+
+  // The directory's part of one label, by brick: its pieces in this shard.
+  std::vector<PieceRecord> pieces(Material material) const;
+  // f of every piece, in the order of the directory.
+  void each_piece(const std::function<void(const PieceRecord&)>& f) const;
+  // All but root and counts. brick_level: log2 of the cells a side of the shard's bricks.
+  void read_piece(const PieceRecord& piece, int brick_level, BrickOctree& out) const;
+  void read_skin(const PieceRecord& piece, Skin& out) const;
+
+  // Pages of the nodes, and the bytes of each node of one: by material, then in Morton order.
+  std::uint64_t node_pages() const { return first_nodes_.size(); }
+  void each_node(std::uint64_t page,
+                 const std::function<void(const LabelNode&, std::span<const std::byte>)>& f) const;
+
+ private:
+  ArtifactReader file_;
+  std::uint64_t pieces_ = 0, nodes_ = 0;
+  std::vector<PieceKey> first_pieces_;
+  std::vector<std::uint64_t> first_nodes_;
+};
+
+}  // namespace voxweld

@@ -1,0 +1,112 @@
+#include "storage/artifact/label_top.h"
+
+namespace voxweld {
+namespace {
+
+constexpr std::uint64_t tables_section = 5, batches_section = 6;
+constexpr std::uint64_t page_of(std::uint64_t table) {
+  return table << 56;
+}
+constexpr std::uint64_t tiles_table = 2, surfaces_table = 3, nodes_table = 4, leaves_table = 5;
+
+struct LabelTopTables {
+  std::uint64_t tiles = 0, surfaces = 0, nodes = 0, leaves = 0;
+};
+
+static_assert(std::has_unique_object_representations_v<PlannedTile> &&
+              std::has_unique_object_representations_v<SurfaceRecord> &&
+              std::has_unique_object_representations_v<SurfaceNode> &&
+              std::has_unique_object_representations_v<BatchRecord> && sizeof(TopLeaf) == 48);
+
+LabelTopTables read_tables(const ArtifactReader& file) {
+  std::vector<LabelTopTables> tables;
+  file.read_array(tables_section, tables);
+  if (tables.size() != 1) file.damaged("has no tables");
+  return tables[0];
+}
+
+}  // namespace
+
+LabelTopWriter::LabelTopWriter(const std::filesystem::path& path, Hash128 key)
+    : file_(path, {top_kind, top_version, key}),
+      tiles_(file_, page_of(tiles_table)),
+      surfaces_(file_, page_of(surfaces_table)),
+      nodes_(file_, page_of(nodes_table)),
+      leaves_(file_, page_of(leaves_table)) {}
+
+void LabelTopWriter::leaf(const TopLeaf& leaf) {
+  leaves_.push(leaf);
+  ++open_.leaves;
+}
+
+void LabelTopWriter::tile(const PlannedTile& tile) {
+  tiles_.push(tile);
+  ++open_.tiles;
+  open_.vertices += tile.vertices;
+  open_.polygons += tile.polygons;
+}
+
+void LabelTopWriter::node(const SurfaceNode& node) {
+  nodes_.push(node);
+  ++open_.nodes;
+}
+
+void LabelTopWriter::end_surface(Material material) {
+  open_.material = material;
+  surfaces_.push(open_);
+  open_ = {};
+  open_.first_tile = tiles_.size();
+  open_.first_node = nodes_.size();
+  open_.first_leaf = leaves_.size();
+}
+
+void LabelTopWriter::batch(const BatchRecord& batch) {
+  batches_.push_back(batch);
+}
+
+Hash128 LabelTopWriter::finish(const MergeCounts& counts, std::span<const Hash128> shards) {
+  const LabelTopTables tables{tiles_.size(), surfaces_.size(), nodes_.size(), leaves_.size()};
+  tiles_.finish();
+  surfaces_.finish();
+  nodes_.finish();
+  leaves_.finish();
+  file_.section(top_counts_section, std::as_bytes(std::span(&counts, 1)));
+  file_.section(top_shards_section, std::as_bytes(shards));
+  file_.section(tables_section, std::as_bytes(std::span(&tables, 1)));
+  file_.section(batches_section, std::as_bytes(std::span(batches_)));
+  return file_.commit();
+}
+
+LabelTop::LabelTop(const TopArtifact& top)
+    : file_(top.file()),
+      tiles_(file_, page_of(tiles_table), read_tables(file_).tiles),
+      surfaces_(file_, page_of(surfaces_table), read_tables(file_).surfaces),
+      nodes_(file_, page_of(nodes_table), read_tables(file_).nodes),
+      leaves_(file_, page_of(leaves_table), read_tables(file_).leaves) {}
+
+std::vector<BatchRecord> LabelTop::batches() const {
+  std::vector<BatchRecord> batches;
+  file_.read_array(batches_section, batches);
+  return batches;
+}
+
+std::vector<SurfaceNode> LabelTop::nodes(const SurfaceRecord& surface, int cube_level,
+                                         std::uint64_t begin, std::uint64_t end) const {
+  const std::uint64_t cells = std::uint64_t{1} << (3 * cube_level);
+  return nodes_.between(
+      surface.first_node, surface.nodes,
+      [&](const SurfaceNode& node) { return node.code + cells <= begin; },
+      [&](const SurfaceNode& node) { return node.code >= end; });
+}
+
+std::vector<TopLeaf> LabelTop::leaves(const SurfaceRecord& surface, std::uint64_t begin,
+                                      std::uint64_t end) const {
+  return leaves_.between(
+      surface.first_leaf, surface.leaves,
+      [&](const TopLeaf& leaf) {
+        return leaf.code + (std::uint64_t{1} << (3 * leaf.level)) <= begin;
+      },
+      [&](const TopLeaf& leaf) { return leaf.code >= end; });
+}
+
+}  // namespace voxweld

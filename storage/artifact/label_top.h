@@ -1,0 +1,109 @@
+// The top trees and tile plans of a label volume (labels.mode = "each"), one for each label, in one
+// artifact of kind "tops" (top_artifact.h), which has these sections beside the counts and the
+// hashes of the octree artifacts:
+//   5            LabelTopTables (one)
+//   6            BatchRecord
+//   2 << 56 | i  page i of the tiles: PlannedTile, by label, then in Morton order
+//   3 << 56 | i  page i of the surfaces: SurfaceRecord, one a label, ascending
+//   4 << 56 | i  page i of the nodes: SurfaceNode, by label, then in Morton order
+//   5 << 56 | i  page i of the leaves: TopLeaf, by label, then in Morton order
+// Pages as paged_table.h has them: of a million labels only the batches are ever held together.
+#pragma once
+
+#include "storage/artifact/paged_table.h"
+#include "storage/artifact/top_artifact.h"
+#include "storage/types/material.h"
+
+namespace voxweld {
+
+// Goes up whenever the bytes that merge makes of labels change.
+inline constexpr std::uint32_t label_top_version = 1;
+
+// One label: where its parts of the tables are.
+struct SurfaceRecord {
+  Material material = exterior;
+  std::uint64_t first_tile = 0, tiles = 0;
+  std::uint64_t first_node = 0, nodes = 0;
+  std::uint64_t first_leaf = 0, leaves = 0;
+  std::uint64_t vertices = 0;  // of its octree
+  std::uint64_t polygons = 0;  // before those of fewer than three leaves are dropped
+};
+
+// A shard-sized cube in which the label has a surface.
+struct SurfaceNode {
+  std::uint64_t code = 0;  // Morton code of its lowest finest cell
+  Hash128 content;         // LabelNode::content
+};
+
+// What stitch and encode take as one unit, and leave as one artifact: one tile of a label that has
+// several, or several labels of one tile each.
+struct BatchRecord {
+  Material material = exterior;  // of its first label: names it
+  std::uint64_t first_surface = 0, surfaces = 0;
+  std::uint64_t first_tile = 0, tiles = 0;  // as many as surfaces, or one
+  std::uint64_t surface_tiles = 0;          // that its label has: 1 where there are several labels
+  std::uint64_t tile_code = 0, tile_level = 0;         // of its first tile
+  std::uint64_t vertices = 0, polygons = 0;            // of all its tiles
+  std::uint64_t most_vertices = 0, most_polygons = 0;  // of one tile
+  std::uint64_t largest_piece = 0;                     // bytes, of what its tiles read
+  Hash128 inputs;                                      // of all that stitching it reads
+
+  CellKey tile() const {
+    return {static_cast<int>(tile_level), morton_decode(tile_code >> (3 * tile_level))};
+  }
+};
+
+class LabelTopWriter {
+ public:
+  LabelTopWriter(const std::filesystem::path& path, Hash128 key);
+  // Of one label, each kind in Morton order; then the label itself. Labels ascend.
+  void leaf(const TopLeaf& leaf);
+  void tile(const PlannedTile& tile);
+  void node(const SurfaceNode& node);
+  void end_surface(Material material);
+  void batch(const BatchRecord& batch);  // in the order of their tiles
+  // So far: numbers for the next batch to begin with.
+  std::uint64_t surfaces() const { return surfaces_.size(); }
+  std::uint64_t tiles() const { return tiles_.size(); }
+  Hash128 finish(const MergeCounts& counts, std::span<const Hash128> shards);
+
+ private:
+  ArtifactWriter file_;
+  PagedTableWriter<PlannedTile> tiles_;
+  PagedTableWriter<SurfaceRecord> surfaces_;
+  PagedTableWriter<SurfaceNode> nodes_;
+  PagedTableWriter<TopLeaf> leaves_;
+  std::vector<BatchRecord> batches_;
+  SurfaceRecord open_;  // the label under way
+};
+
+// Reads the tables of an artifact that outlives it. Thread-safe.
+class LabelTop {
+ public:
+  explicit LabelTop(const TopArtifact& top);
+
+  std::uint64_t surface_count() const { return surfaces_.size(); }
+  std::uint64_t tile_count() const { return tiles_.size(); }
+  std::vector<BatchRecord> batches() const;
+  std::vector<SurfaceRecord> surfaces(std::uint64_t first, std::uint64_t count) const {
+    return surfaces_.read(first, count);
+  }
+  std::vector<PlannedTile> tiles(std::uint64_t first, std::uint64_t count) const {
+    return tiles_.read(first, count);
+  }
+  // Those of a label whose cubes meet the Morton range [begin, end), in order. cube_level: of
+  // nodes.
+  std::vector<SurfaceNode> nodes(const SurfaceRecord& surface, int cube_level, std::uint64_t begin,
+                                 std::uint64_t end) const;
+  std::vector<TopLeaf> leaves(const SurfaceRecord& surface, std::uint64_t begin,
+                              std::uint64_t end) const;
+
+ private:
+  const ArtifactReader& file_;
+  PagedTable<PlannedTile> tiles_;
+  PagedTable<SurfaceRecord> surfaces_;
+  PagedTable<SurfaceNode> nodes_;
+  PagedTable<TopLeaf> leaves_;
+};
+
+}  // namespace voxweld

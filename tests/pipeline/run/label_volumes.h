@@ -1,0 +1,21 @@
+// Label volumes for tests.
+#pragma once
+
+#include <set>
+
+#include "tests/pipeline/run/scene.h"
+
+namespace voxweld::testing {
+
+// A lattice of balls, each of its own label, 0 between them; some touch, some the border. 64-bit
+// labels are above 2^40.
+RawVolume ball_labels(SampleType type, Index3 size);
+
+// u16: the regions 1 .. labels of random points, and this part of the samples of any of the labels
+// from 0 on.
+RawVolume cell_labels(Index3 size, std::uint32_t labels, double noise, unsigned seed);
+
+// The values a volume has.
+std::set<std::uint64_t> labels_of(const RawVolume& volume);
+
+}  // namespace voxweld::testing
