@@ -23,15 +23,18 @@
 //                tiles, that of labels, and the merged mesh; a tile's files are in its line
 //   input, config, stages, error, made_by   free-form; made_by: program, host, time, Slurm ids
 // tiles.jsonl, one object a line:
-//   {label (with "labels"), tile {level, at [x, y, z]}, vertices, triangles, quads,
+//   {label (with "labels" = "each"), tile {level, at [x, y, z]}, vertices, triangles, quads,
 //    polygon_triangles, files [{format, path, bytes, xxh3_128}]}
-//   with labels those of one stand together, and labels ascend
+//   of each label those of one stand together, and labels ascend
 // labels.jsonl, with "labels", one object a line, ascending:
 //   {label, name (optional), color (optional, [r, g, b] of 0 .. 255), vertices, triangles,
 //    volume (enclosed, output units; null with an open border), area, bounds [lo [x, y, z],
 //    hi [x, y, z]] (null where the label has no triangle), tiles, files [path]}
 //   vertices: as counts.vertices, of the label's octree. Volume, area and bounds are those of the
-//   mesh as written: the volume is exact but for its last rounding, whatever the tiles
+//   mesh as written: the volume is exact but for its last rounding, whatever the tiles.
+//   Where labels are "shared" all these are of the label's boundary, the triangles that have it on
+//   either side; vertices then counts those on seams once for each tile, and files is empty: every
+//   file may have a part of it
 // Paths are relative to the directory. Keys that are not listed are ignored.
 #pragma once
 

@@ -12,7 +12,8 @@
 
 namespace voxweld {
 
-// One mesh of several that one record is of: a label's, or one tile of it.
+// One mesh of several that one record is of: a label's, or one tile of it. Between labels (shared):
+// a label's boundary in the tile, all of them in the tile's files.
 struct LabelAsset {
   Material label = exterior;
   CellKey tile;
@@ -26,7 +27,7 @@ struct AssetRecord {
   Hash128 key;
   std::uint64_t vertices = 0, triangles = 0, quads = 0, polygon_triangles = 0, collinear = 0;
   std::vector<FileRecord> files;   // paths relative to the output directory
-  std::vector<LabelAsset> labels;  // labels.mode = "each"; the counts above are of all of them
+  std::vector<LabelAsset> labels;  // of label volumes; the counts above are of all of them
   Hash128 files_stamp;             // as read: of their sizes and times when they were last compared
 };
 

@@ -112,6 +112,17 @@ LabelAsset label_asset(Material label, const TileMesh& mesh, std::uint64_t octre
           files};
 }
 
+void add_boundaries(AssetRecord& record, const TileMesh& mesh) {
+  for (const LabelBoundary& boundary : measure_labels(mesh)) {
+    LabelAsset& asset = record.labels.emplace_back();
+    asset.label = boundary.label;
+    asset.tile = mesh.tile;
+    asset.octree_vertices = asset.vertices = boundary.vertices;
+    asset.triangles = boundary.triangles;
+    asset.measure = boundary.measure;
+  }
+}
+
 void encode_unit(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
                  std::uint64_t unit, const WorkerContext& worker) {
   const TileArtifact artifact(tile_artifact_path(*job.stitch, plan, unit));
@@ -128,6 +139,7 @@ void encode_unit(const RunContext& context, const EncodeJob& job, const UnitPlan
     if (!mesh.triangles.empty() && context.config.output.tiles)
       files = write_formats(context, job, mesh, planned[i].stem);
     add_mesh(record, mesh, files);
+    if (!mesh.pairs.empty()) add_boundaries(record, mesh);
     if (!artifact.labels().empty())
       record.labels.push_back(
           label_asset(artifact.labels()[i], mesh, planned[i].vertices, files.size()));
@@ -162,7 +174,7 @@ void add_planned(const RunContext& context, const UnitPlan& plan, bool merged,
       for (const std::string& ending : endings) names.insert(mesh.stem + ending);
   for (const std::string& ending : endings)
     if (merged) names.insert("mesh" + ending);
-  if (context.config.labels.mode == LabelMode::each) names.insert(labels_name);
+  if (context.config.labels.mode != LabelMode::off) names.insert(labels_name);
 }
 
 Hash128 planned_key(const EncodeJob& job, const TopArtifact& top, bool merged) {
@@ -186,7 +198,7 @@ void write_listing(const EncodeJob& job, const UnitPlan& plan, bool merged,
   for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
     listing.tiles.push_back({plan.largest(unit).key(), record_path(job, plan, unit)});
   if (merged) listing.merged = merged_record_path(job);
-  listing.labels = label_mode(job) == LabelMode::each;
+  listing.labels = label_mode(job);
   listing.output = job.output;
   write_listing(listing, std::move(before), std::move(manifest));
 }

@@ -1,5 +1,7 @@
 #include "pipeline/run/listing.h"
 
+#include <map>
+
 #include "pipeline/executor/probe.h"
 #include "pipeline/run/asset_record.h"
 #include "pipeline/run/output_files.h"
@@ -44,22 +46,21 @@ class ListFile {
   StreamHasher hash_;
 };
 
-// Lines of labels.jsonl from the meshes of labels, those of one together.
+// Lines of labels.jsonl from the meshes of labels: each is written when another one comes, so those
+// of one have to come together.
 class LabelLines {
  public:
   LabelLines(ListFile& out, const Manifest& manifest)
       : out_(out), lattice_(manifest.lattice), open_border_(manifest.open_border) {}
 
-  void add(const LabelAsset& mesh, std::span<const FileRecord> files) {
-    if (!open_ || open_->label != mesh.label) close();
-    if (!open_) {
-      open_.emplace();
-      open_->label = mesh.label;
-    }
-    open_->vertices += mesh.octree_vertices;
-    open_->triangles += mesh.triangles;
-    open_->tiles += files.empty() ? 0 : 1;
-    for (const FileRecord& file : files) open_->files.push_back(file.path);
+  void add(const LabelAsset& mesh, std::uint64_t tiles, std::span<const FileRecord> files) {
+    if (any_ && open_.label != mesh.label) close();
+    any_ = true;
+    open_.label = mesh.label;
+    open_.vertices += mesh.octree_vertices;
+    open_.triangles += mesh.triangles;
+    open_.tiles += tiles;
+    for (const FileRecord& file : files) open_.files.push_back(file.path);
     measure_ += mesh.measure;
   }
   // After the last. Returns how many there were.
@@ -70,13 +71,14 @@ class LabelLines {
 
  private:
   void close() {
-    if (!open_) return;
-    if (!open_border_) open_->volume = enclosed_volume(measure_, lattice_);
-    open_->area = surface_area(measure_, lattice_);
-    if (!measure_.empty) open_->bounds = {place(measure_.lo), place(measure_.hi)};
-    out_.line(to_json_line(*open_));
+    if (!any_) return;
+    if (!open_border_) open_.volume = enclosed_volume(measure_, lattice_);
+    open_.area = surface_area(measure_, lattice_);
+    if (!measure_.empty) open_.bounds = {place(measure_.lo), place(measure_.hi)};
+    out_.line(to_json_line(open_));
     ++count_;
-    open_.reset();
+    any_ = false;
+    open_ = {};
     measure_ = {};
   }
   Vec3 place(const LatticePoint& q) const {
@@ -87,15 +89,41 @@ class LabelLines {
   ListFile& out_;
   OutputLattice lattice_;
   bool open_border_;
-  std::optional<LabelRecord> open_;
+  bool any_ = false;  // open_ is under way
+  LabelRecord open_;
   MeshMeasure measure_;
   std::uint64_t count_ = 0;
+};
+
+// Labels that may have a part in any tile: about 150 bytes for each of them.
+class LabelSums {
+ public:
+  void add(const AssetRecord& record) {
+    for (const LabelAsset& part : record.labels) {
+      auto& [sum, tiles] = sums_[part.label];
+      tiles += record.files.empty() ? 0 : 1;
+      sum.label = part.label;
+      sum.octree_vertices += part.octree_vertices;
+      sum.triangles += part.triangles;
+      sum.measure += part.measure;
+    }
+  }
+  void write(LabelLines& lines) const {
+    for (const auto& [label, sum] : sums_) lines.add(sum.asset, sum.tiles, {});
+  }
+
+ private:
+  struct Sum {
+    LabelAsset asset;
+    std::uint64_t tiles = 0;
+  };
+  std::map<Material, Sum> sums_;
 };
 
 // The meshes of a record as lines of tiles.jsonl; f(line, its files) of each.
 template <class F>
 void each_mesh(const Listing& listing, const CellKey& tile, AssetRecord& record, F&& f) {
-  if (!listing.labels) {
+  if (listing.labels != LabelMode::each) {
     f(TileRecord{{},
                  tile,
                  record.vertices,
@@ -127,7 +155,8 @@ void list_tiles(const Listing& listing, Manifest& manifest, std::set<std::string
   ListFile tiles(listing.output, tiles_name);
   std::optional<ListFile> labels;
   std::optional<LabelLines> lines;
-  if (listing.labels) {
+  LabelSums sums;
+  if (listing.labels != LabelMode::off) {
     labels.emplace(listing.output, labels_name);
     lines.emplace(*labels, manifest);
   }
@@ -139,9 +168,10 @@ void list_tiles(const Listing& listing, Manifest& manifest, std::set<std::string
         counts.triangles += record.polygon_triangles;
         counts.output_triangles += record.triangles;
         counts.collinear += record.collinear;
+        if (listing.labels == LabelMode::shared) sums.add(record);
         each_mesh(listing, listing.tiles[i].tile, record,
                   [&](const TileRecord& tile, const LabelAsset* mesh) {
-                    if (mesh != nullptr) lines->add(*mesh, tile.files);
+                    if (mesh != nullptr) lines->add(*mesh, tile.files.empty() ? 0 : 1, tile.files);
                     if (tile.files.empty()) return;
                     ++counts.tiles;
                     for (const FileRecord& one : tile.files) count_file(one, counts, leftovers);
@@ -149,7 +179,8 @@ void list_tiles(const Listing& listing, Manifest& manifest, std::set<std::string
                   });
       });
   manifest.files.push_back(tiles.finish("list"));
-  if (!listing.labels) return;
+  if (listing.labels == LabelMode::off) return;
+  sums.write(*lines);
   counts.labels = lines->finish();
   manifest.files.push_back(labels->finish("labels"));
 }

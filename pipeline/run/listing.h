@@ -19,7 +19,9 @@ struct ListedTile {
 
 struct Listing {
   std::vector<ListedTile> tiles;
-  bool labels = false;  // the records are of labels: those of one together, and they ascend
+  // each: the records are of labels, those of one together, and they ascend. shared: every record
+  // may be of any.
+  LabelMode labels = LabelMode::off;
   std::optional<std::filesystem::path> merged;  // the merged mesh's record, where there is one
   std::filesystem::path output;
 };

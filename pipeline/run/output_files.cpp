@@ -90,7 +90,7 @@ bool output_is_finished(const std::filesystem::path& output) {
     return false;
   try {
     const Manifest manifest = read_manifest(output / manifest_name);
-    return manifest.labels.empty() || std::filesystem::exists(output / labels_name);
+    return manifest.labels == LabelMode::off || std::filesystem::exists(output / labels_name);
   } catch (const FormatError&) {
     return false;
   }

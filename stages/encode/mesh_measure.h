@@ -13,7 +13,7 @@ struct MeshMeasure {
   // Six times the signed volume between the triangles and the lattice's origin, exact: the sum over
   // the tiles of a closed mesh is six times what it encloses, however it is cut.
   Wide volume6 = 0;
-  double area2 = 0;  // twice the area, summed in the order of the triangles
+  double area2 = 0;         // twice the area, summed in the order of the triangles
   LatticePoint lo{}, hi{};  // of the corners of triangles; both zero where there are none
   bool empty = true;        // no triangle
 

@@ -1,9 +1,10 @@
-// One mesh for each pair of labels of a mesh between labels.
+// The parts of a mesh between labels.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "stages/encode/mesh_measure.h"
 #include "storage/types/tile_mesh.h"
 
 namespace voxweld {
@@ -11,5 +12,16 @@ namespace voxweld {
 // The triangles of mesh.pairs[i], for each i; vertices in the order of first use, triangles in
 // theirs; quads and polygon_triangles are not told apart and left 0. Each is empty of pairs itself.
 std::vector<TileMesh> split_by_pair(const TileMesh& mesh);
+
+// The boundary of one label: all triangles that have it on either side, turned so that they face
+// out of it.
+struct LabelBoundary {
+  Material label = exterior;
+  std::uint64_t vertices = 0, triangles = 0;
+  MeshMeasure measure;
+};
+
+// Of every label but `exterior`, ascending.
+std::vector<LabelBoundary> measure_labels(const TileMesh& mesh);
 
 }  // namespace voxweld

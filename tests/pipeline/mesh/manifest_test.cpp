@@ -115,8 +115,8 @@ TEST(Manifest, RefusesEveryTruncation) {
 }
 
 TEST(TileList, ReadsBackLinesAndNamesBadOnes) {
-  const TileRecord a{{3, {1, 0, 7}}, 10, 20, 9, 2, {{"tiles/a.drc", "drc", "", 99, "ab"}}};
-  const TileRecord b{{0, {5, 6, 7}}, 1, 2, 1, 0, {}};
+  const TileRecord a{{}, {3, {1, 0, 7}}, 10, 20, 9, 2, {{"tiles/a.drc", "drc", "", 99, "ab"}}};
+  const TileRecord b{{}, {0, {5, 6, 7}}, 1, 2, 1, 0, {}};
   const testing::TempDirectory directory;
   const auto path = directory / "tiles.jsonl";
   write_whole_file(path, as_bytes(to_json_line(a) + to_json_line(b) + "{\"tile\":3}\n"),

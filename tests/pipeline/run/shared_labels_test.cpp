@@ -1,5 +1,6 @@
 // labels.mode = "shared", end to end: one complex of all labels of a volume.
 #include <csignal>
+#include <map>
 #include <set>
 
 #include "pipeline/mesh/load.h"
@@ -92,6 +93,40 @@ TEST(SharedLabelsRun, KilledAtAnyMomentItEndsInTheSameBytes) {
   }
   VOXWELD_EXPECT_DONE(scene.run(settings));
   EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
+}
+
+TEST(SharedLabelsRun, LabelsAreListedWithWhatTheyEnclose) {
+  const Scene scene(foam(SampleType::u16, {47, 40, 41}));
+  VOXWELD_EXPECT_DONE(scene.run(shared + Settings{"output.tile_vertices=1024"}));
+  std::map<Material, std::uint64_t> voxels;
+  const RawVolume volume = foam(SampleType::u16, {47, 40, 41});
+  for (std::size_t i = 0; i < volume.samples.size(); i += 2)
+    ++voxels[std::to_integer<unsigned>(volume.samples[i]) |
+             std::to_integer<unsigned>(volume.samples[i + 1]) << 8];
+  voxels.erase(0);
+  LabelListReader labels(scene.output() / labels_name);
+  double sum = 0, expected = 0;
+  Material last = 0;
+  std::size_t count = 0;
+  while (const auto label = labels.next()) {
+    EXPECT_GT(label->label, last);
+    last = label->label;
+    ASSERT_TRUE(voxels.contains(label->label));
+    ASSERT_TRUE(label->volume.has_value());
+    const auto size = static_cast<double>(voxels[label->label]);
+    EXPECT_NEAR(*label->volume, size, 0.1 * size + 30) << label->label;
+    EXPECT_GT(label->area, 0);
+    EXPECT_GT(label->vertices, 3u);
+    EXPECT_GT(label->tiles, 0u);
+    ASSERT_TRUE(label->bounds.has_value());
+    for (int a = 0; a < 3; ++a) EXPECT_LT(label->bounds->lo[a], label->bounds->hi[a]);
+    sum += *label->volume;
+    expected += size;
+    ++count;
+  }
+  EXPECT_EQ(count, voxels.size());
+  EXPECT_EQ(read_manifest(scene.output() / manifest_name).counts.labels, count);
+  EXPECT_NEAR(sum, expected, 0.01 * expected);
 }
 
 TEST(SharedLabelsRun, ADamagedFileIsFound) {

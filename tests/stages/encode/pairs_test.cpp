@@ -122,6 +122,48 @@ TEST(Pairs, JoinedTilesHaveThePairsOfAll) {
   EXPECT_EQ(digest(as_lattice_mesh(joined)), digest(as_lattice_mesh(whole)));
 }
 
+// A cube of two halves: each half's boundary is closed, the wall in it counts for both.
+TEST(Pairs, BoundariesOfLabelsAreMeasured) {
+  TileMesh mesh;
+  mesh.lattice = testing::small_lattice();
+  mesh.pairs = {{3, 8}, {3, exterior}, {8, exterior}};
+  const auto vertex = [](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return x * 4 + y * 2 + z;
+  };
+  for (std::int32_t x = 0; x < 3; ++x)
+    for (std::int32_t y = 0; y < 2; ++y)
+      for (std::int32_t z = 0; z < 2; ++z) mesh.positions.push_back({100 + 10 * x, 20 * y, 30 * z});
+  const auto quad = [&](std::array<std::uint32_t, 4> v, std::uint32_t pair) {
+    mesh.triangles.push_back({v[0], v[1], v[2]});
+    mesh.triangles.push_back({v[0], v[2], v[3]});
+    mesh.triangle_pairs.insert(mesh.triangle_pairs.end(), {pair, pair});
+  };
+  // Facing up x: of 3 the wall and of 8 its end; of 3 the other end faces down.
+  for (std::uint32_t x = 0; x < 3; ++x) {
+    std::array v{vertex(x, 0, 0), vertex(x, 1, 0), vertex(x, 1, 1), vertex(x, 0, 1)};
+    if (x == 0) std::swap(v[1], v[3]);
+    quad(v, x == 0 ? 1 : x == 1 ? 0 : 2);
+  }
+  for (std::uint32_t x = 0; x < 2; ++x) {
+    const std::uint32_t pair = x + 1;
+    quad({vertex(x, 0, 0), vertex(x + 1, 0, 0), vertex(x + 1, 0, 1), vertex(x, 0, 1)}, pair);
+    quad({vertex(x, 1, 1), vertex(x + 1, 1, 1), vertex(x + 1, 1, 0), vertex(x, 1, 0)}, pair);
+    quad({vertex(x, 1, 0), vertex(x + 1, 1, 0), vertex(x + 1, 0, 0), vertex(x, 0, 0)}, pair);
+    quad({vertex(x, 0, 1), vertex(x + 1, 0, 1), vertex(x + 1, 1, 1), vertex(x, 1, 1)}, pair);
+  }
+  const std::vector<LabelBoundary> boundaries = measure_labels(mesh);
+  ASSERT_EQ(boundaries.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(boundaries[i].label, i == 0 ? 3u : 8u);
+    EXPECT_EQ(boundaries[i].vertices, 8u);
+    EXPECT_EQ(boundaries[i].triangles, 12u);
+    EXPECT_TRUE(boundaries[i].measure.volume6 == 6 * 10 * 20 * 30);
+    EXPECT_EQ(boundaries[i].measure.area2, 4 * (10 * 20 + 20 * 30 + 10 * 30));
+  }
+  EXPECT_EQ(boundaries[1].measure.lo, (LatticePoint{110, 0, 0}));
+  EXPECT_EQ(boundaries[1].measure.hi, (LatticePoint{120, 20, 30}));
+}
+
 TEST(Pairs, DamagedFilesAreRefusedOrReadAsSomethingElse) {
   const EncodedMesh encoded = encode_draco(book(4, 6), {});
   std::mt19937 random(5);
