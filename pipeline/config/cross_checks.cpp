@@ -168,10 +168,6 @@ class CrossChecks {
         refuse(i + 1, "labels.mode = \"each\" takes no edits; \"shared\" does");
       if (mode == LabelMode::shared && gives && !edit.material)
         refuse(i + 1, "material is missing: expected the label that the solid gets");
-      if (edit.material && (mode != LabelMode::shared || !gives))
-        refuse(i + 1, mode != LabelMode::shared
-                          ? "material: only labels.mode = \"shared\" has materials; remove it"
-                          : "material: only add and replace give one; remove it");
       if (mode != LabelMode::shared && edit.op == EditOp::replace)
         refuse(i + 1,
                "op = \"replace\": there is one material, so nothing to replace; it is for "

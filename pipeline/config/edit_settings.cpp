@@ -127,7 +127,9 @@ std::vector<EditSetting> make_edit_settings() {
       unset(
           "none; between labels add and replace need it",
           [](const EditConfig& e) { return e.material.has_value(); },
-          row({"material", "With labels.mode = \"shared\": the label that add and replace give.",
+          row({"material",
+               "With labels.mode = \"shared\": the label that add and replace give. Else not "
+               "looked at.",
                "7"},
               material())),
       required(row({"shape", "Which solid it is.", ""}, choice(&EditConfig::shape, shape_names()))),

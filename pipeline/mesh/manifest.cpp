@@ -121,7 +121,7 @@ void write_manifest(const Manifest& manifest, const std::filesystem::path& path,
   if (manifest.labels != LabelMode::off)
     out["labels"] = manifest.labels == LabelMode::each ? "each" : "shared";
   out["frame"] = to_json(manifest.frame);
-  out["counts"] = to_json(manifest.counts, manifest.labels == LabelMode::each);
+  out["counts"] = to_json(manifest.counts, manifest.labels != LabelMode::off);
   out["merged"] = nullptr;
   if (manifest.merged) {
     out["merged"] = ordered_json::object();

@@ -21,6 +21,11 @@ Frame3 side_frame(int side) {
   return {{}, {cross(up, out), up, out}};
 }
 
+// The cube's own is 1.
+std::uint8_t material_of_side(int side) {
+  return side < 4 ? 2 : 3;
+}
+
 struct Side {
   Frame3 frame;
   Outline outline;
@@ -35,7 +40,7 @@ bool in_character(const Side& side, Vec3 p) {
 
 std::uint8_t label_at(const std::vector<Side>& sides, Vec3 p) {
   for (std::size_t i = 0; i < sides.size(); ++i)
-    if (in_character(sides[i], p)) return i < 4 ? 2 : 3;
+    if (in_character(sides[i], p)) return material_of_side(static_cast<int>(i));
   const bool in_cube = std::abs(p.x) <= half && std::abs(p.y) <= half && std::abs(p.z) <= half;
   return in_cube ? 1 : 0;
 }
@@ -57,8 +62,10 @@ void write_labels(const Scene& scene, const std::vector<Side>& sides) {
 }  // namespace
 
 void write_cube(const CubeSpec& spec) {
-  Scene cube(spec.folder, {spec.cells, 128, {}}), characters = cube;
+  Scene cube(spec.folder, {spec.cells, 128, {}}), characters = cube, materials = cube;
   cube.box(add, {}, {half, half, half});
+  materials.of_material(1);
+  materials.box(add, {}, {half, half, half});
   std::vector<Side> sides;
   for (int i = 0; i < 6; ++i) {
     const auto character = spec.characters[static_cast<std::size_t>(i)];
@@ -68,9 +75,12 @@ void write_cube(const CubeSpec& spec) {
               extrude(sides.back().outline, half - sunk, half + raised, sides.back().frame));
     cube.mesh(add, name, {});
     characters.mesh(add, name, {});
+    materials.of_material(material_of_side(i));
+    materials.mesh(add, name, {});
   }
   cube.write("cube", "A cube with a character standing out of each side, of exact solids");
   characters.write("characters", "The characters of the cube alone, of exact solids");
+  materials.write("cube_materials", "The cube and its characters, of three materials");
   write_labels(cube, sides);
 }
 

@@ -59,6 +59,8 @@ class Ribbons {
 
 DecodedMesh shaded(const TileMesh& mesh) {
   DecodedMesh out;
+  out.pairs = mesh.pairs;
+  out.triangle_pairs = mesh.triangle_pairs;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     std::array<std::uint32_t, 3> corners{};
     for (std::size_t k = 0; k < 3; ++k) {

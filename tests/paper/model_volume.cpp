@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "pipeline/run/context.h"
+#include "pipeline/run/label_choice.h"
 #include "pipeline/run/open_input.h"
 #include "storage/support/error.h"
 
@@ -24,9 +25,10 @@ ModelVolume load_model(const std::filesystem::path& config,
   model.config = load_config(config, overrides);
   if (!model.config.surface.isovalue)
     throw InputError(config.string() + ": surface.isovalue has to be a number here");
-  const auto source = open_input(model.config.input);
+  const auto source = open_input(model.config);
   const VolumeInfo& info = source->info();
-  model.parameters = contour_parameters(model.config, info.geometry);
+  model.parameters = contour_parameters(model.config, *source,
+                                        chosen_labels(model.config, read_labels_map(model.config)));
   model.empty = model.config.input.format == InputConfig::Format::empty;
   model.volume.type = info.type;
   model.volume.size = info.geometry.size;

@@ -31,9 +31,11 @@ struct MeshSpec : ModelSpec {
 void write_mesh_model(const MeshSpec& spec);
 
 // A cube with a character standing out of each side. Meant for 128 cells. Writes
-//   cube.toml        the cube and its characters as one solid
-//   characters.toml  the characters alone, each of its parts a solid of its own
-//   cube.nrrd        labels: 1 the cube, 2 the characters of four sides, 3 those of the last two
+//   cube.toml            the cube and its characters as one solid
+//   characters.toml      the characters alone, each of its parts a solid of its own
+//   cube_materials.toml  of three materials: 1 the cube, 2 the characters of four sides, 3 those of
+//                        the last two
+//   cube.nrrd            the same as labels of voxels
 // InputError where the font cannot be read.
 struct CubeSpec : ModelSpec {
   std::filesystem::path font;

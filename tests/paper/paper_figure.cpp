@@ -1,7 +1,9 @@
 // Contours a config's model, counts what comes out and draws it.
 // usage: paper_figure [OPTION...] CONFIG
 // Prints "polygons N triangles N", and with --parts "components N euler N defects N"; defects are
-// edges and vertices that are not 2-manifold.
+// edges and vertices that are not 2-manifold. Of several materials with --parts "components" are
+// those of the materials' boundaries from the second on, added up: of what is put on or into the
+// first.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -15,6 +17,23 @@ namespace {
 using namespace voxweld;
 using namespace voxweld::paper;
 
+std::size_t components_of_materials(const std::vector<TileMesh>& tiles) {
+  const testing::LatticeWeld welded = testing::weld_tiles(tiles);
+  std::map<Material, std::vector<testing::Triangle>> boundaries;
+  std::size_t next = 0;  // of the welded triangles, which keep their order
+  for (const TileMesh& tile : tiles)
+    for (const std::uint32_t pair : tile.triangle_pairs) {
+      boundaries[tile.pairs[pair].inside].push_back(welded.triangles[next]);
+      boundaries[tile.pairs[pair].outside].push_back(welded.triangles[next++]);
+    }
+  boundaries.erase(exterior);
+  boundaries.erase(boundaries.begin());
+  std::size_t components = 0;
+  for (const auto& [material, triangles] : boundaries)
+    components += testing::connected_components(triangles);
+  return components;
+}
+
 void print_counts(const std::vector<TileMesh>& tiles, bool parts) {
   std::uint64_t polygons = 0, triangles = 0;
   for (const TileMesh& tile : tiles) {
@@ -22,7 +41,9 @@ void print_counts(const std::vector<TileMesh>& tiles, bool parts) {
     triangles += tile.triangles.size();
   }
   fmt::print("polygons {} triangles {}", polygons, triangles);
-  if (parts) {
+  if (parts && !tiles.empty() && !tiles[0].pairs.empty()) {
+    fmt::print(" components {}", components_of_materials(tiles));
+  } else if (parts) {
     const auto summary = testing::summarize(testing::weld_tiles(tiles).triangles);
     fmt::print(" components {} euler {} defects {}", summary.components, summary.euler,
                summary.boundary_edges + summary.duplicated_edges + summary.nonmanifold_vertices);

@@ -50,10 +50,16 @@ Vec3 Scene::unplace(Vec3 p) const {
   return {dot(d, axes_[0]), dot(d, axes_[1]), dot(d, axes_[2])};
 }
 
-void Scene::box(EditOp op, Vec3 centre, Vec3 half) {
+EditConfig Scene::solid(EditOp op, SolidShape shape) const {
   EditConfig edit;
   edit.op = op;
-  edit.shape = SolidShape::box;
+  edit.shape = shape;
+  if (op == EditOp::add) edit.material = material_;
+  return edit;
+}
+
+void Scene::box(EditOp op, Vec3 centre, Vec3 half) {
+  EditConfig edit = solid(op, SolidShape::box);
   edit.center = place(centre);
   edit.size = half * (2 * scale_);
   edit.rotate = degrees_;
@@ -61,9 +67,7 @@ void Scene::box(EditOp op, Vec3 centre, Vec3 half) {
 }
 
 void Scene::cylinder(EditOp op, Vec3 centre, Vec3 axis, double radius, double height) {
-  EditConfig edit;
-  edit.op = op;
-  edit.shape = SolidShape::cylinder;
+  EditConfig edit = solid(op, SolidShape::cylinder);
   edit.center = place(centre);
   edit.axis = turned(axis);
   edit.radius = radius * scale_;
@@ -72,9 +76,7 @@ void Scene::cylinder(EditOp op, Vec3 centre, Vec3 axis, double radius, double he
 }
 
 void Scene::mesh(EditOp op, const std::filesystem::path& file, Vec3 origin) {
-  EditConfig edit;
-  edit.op = op;
-  edit.shape = SolidShape::mesh;
+  EditConfig edit = solid(op, SolidShape::mesh);
   edit.path = file;
   edit.center = place(origin);
   edit.scale = scale_;
@@ -84,9 +86,10 @@ void Scene::mesh(EditOp op, const std::filesystem::path& file, Vec3 origin) {
 
 void Scene::write(const std::string& name, const std::string& title) const {
   std::string text = fmt::format(
-      "# {0}\n[input]\nformat = \"empty\"\nsize = [{1}, {1}, {1}]\n\n[simplify]\ntolerance = 0.01\n"
+      "# {0}\n[input]\nformat = \"empty\"\nsize = [{1}, {1}, {1}]\n{2}\n[simplify]\ntolerance = "
+      "0.01\n"
       "metric = \"sum\"\n\n[output]\nformats = [\"drc\"]\n\n[run]\nthreads = 1\n",
-      title, samples());
+      title, samples(), material_ ? "\n[labels]\nmode = \"shared\"\n" : "");
   for (const EditConfig& edit : edits_) {
     text += "\n[[edit]]\n";
     for (const EditValue& value : values_of(edit))

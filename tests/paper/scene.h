@@ -21,6 +21,9 @@ class Scene {
  public:
   Scene(std::filesystem::path folder, const Place& place);
 
+  // All solids added from here on are of this material, and those in place are overwritten.
+  void of_material(std::uint64_t material) { material_ = material; }
+
   void box(EditOp op, Vec3 centre, Vec3 half);
   void cylinder(EditOp op, Vec3 centre, Vec3 axis, double radius, double height);
   // file: in the scene's folder, or absolute; its own origin comes to lie at `origin`.
@@ -44,6 +47,9 @@ class Scene {
   double scale_;
   Vec3 degrees_, centre_;
   std::array<Vec3, 3> axes_;  // of the model, in the grid's frame
+  EditConfig solid(EditOp op, SolidShape shape) const;
+
+  std::optional<std::uint64_t> material_;
   std::vector<EditConfig> edits_;
 };
 

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <type_traits>
 
 #include "stages/build/brick_polygons.h"
+#include "stages/build/label_edits.h"
 #include "stages/build/label_field.h"
+#include "stages/build/label_hermite.h"
 
 namespace voxweld::paper {
 namespace {
@@ -45,15 +48,40 @@ void sample_edges(const ModelVolume& model, LabelField& labels, HermiteBrick& br
       brick.frame.origin, side, brick.signs, filtered);
 }
 
-RootRecord root_of(const HermiteBrick& brick, const BrickNodes& nodes,
+bool between_labels(const ModelVolume& model) {
+  return model.parameters.labels.mode == LabelMode::shared;
+}
+
+RootRecord root_of_homogeneous(const SignGrid& signs) {
+  RootRecord root;
+  root.state = signs.inside(0, 0, 0) ? NodeState::inside : NodeState::outside;
+  root.corner_signs = root.state == NodeState::inside ? 255 : 0;
+  return root;
+}
+RootRecord root_of_homogeneous(const LabelGrid& labels) {
+  RootRecord root;
+  root.corners.fill(labels.materials()[labels.at(0, 0, 0)]);
+  root.state = root.corners[0] == exterior ? NodeState::outside : NodeState::inside;
+  return root;
+}
+
+void set_corner(const SignGrid& signs, int x, int y, int z, std::size_t corner, RootRecord& root) {
+  root.corner_signs |= static_cast<std::uint32_t>(signs.inside(x, y, z)) << corner;
+}
+void set_corner(const LabelGrid& labels, int x, int y, int z, std::size_t corner,
+                RootRecord& root) {
+  root.corners[corner] = labels.materials()[labels.at(x, y, z)];
+}
+
+template <class Grid>
+RootRecord root_of(const Grid& grid, const BrickFrame& frame, const BrickNodes& nodes,
                    const ContourParameters& parameters, const BrickOctree& octree) {
   RootRecord root;
-  const int side = brick.frame.side();
+  const int side = frame.side();
   for (int c = 0; c < 8; ++c)
-    root.corner_signs |= static_cast<std::uint32_t>(brick.signs.inside(
-                             side * (c & 1), side * (c >> 1 & 1), side * (c >> 2)))
-                         << c;
-  const NodeLevel& top = nodes.level(brick.frame.level);
+    set_corner(grid, side * (c & 1), side * (c >> 1 & 1), side * (c >> 2),
+               static_cast<std::size_t>(c), root);
+  const NodeLevel& top = nodes.level(frame.level);
   root.state = NodeState::split;
   if (top.leaf[0] == no_leaf || parameters.simplify.topology == Topology::free) return root;
   const LeafData& leaf = top.leaves[top.leaf[0]];
@@ -89,64 +117,104 @@ testing::MemoryBricks no_bricks(const ModelVolume& model) {
 
 namespace {
 
-void find_cells(HermiteBrick& brick) {
-  brick.cells.find(brick.signs, brick.frame.side());
-  brick.inside = brick.signs.inside(0, 0, 0);
+void find_cells(const ModelVolume& model, HermiteBrick& brick) {
+  if (between_labels(model)) {
+    brick.cells.find(brick.labels);
+    brick.root = root_of_homogeneous(brick.labels);
+  } else {
+    brick.cells.find(brick.signs, brick.frame.side(), {{}, splat(brick.frame.side())});
+    brick.root = root_of_homogeneous(brick.signs);
+  }
 }
 
-}  // namespace
+void sample_labels(const ModelVolume& model, MaterialBlock& materials, LabelHermite& edges,
+                   HermiteBrick& brick) {
+  std::vector<Material> given;
+  for (const Edit& edit : model.parameters.edits) given.push_back(edit.material);
+  const BrickPlace place{brick.frame.origin, brick.frame.level};
+  HaloBlock block = model.block();
+  block.samples = intersect(block.samples, halo_samples(place, model.parameters));
+  const Index3 lo = block.samples.lo;
+  if (!block.samples.empty())
+    block.data += static_cast<std::size_t>(lo.z * block.slice + lo.y * block.row + lo.x) *
+                  sample_bytes(block.type);
+  materials.fill(block, *model.parameters.labels.rules, given);
+  brick.labels.fill(materials, place.origin, brick.frame.side());
+  edges.compute(materials.block(), place.origin, brick.labels, model.parameters.spacing,
+                brick.edges);
+}
 
-void apply(const Edit& edit, const ModelVolume& model, HermiteBrick& brick) {
+// The edit, but for the cells.
+void apply_to_edges(const Edit& edit, const ModelVolume& model, HermiteBrick& brick) {
   const VolumeFrame volume{model.volume.size, model.parameters.spacing};
   const int side = brick.frame.side();
+  if (between_labels(model))
+    return LabelEdits().apply(edit, volume, brick.frame.origin, brick.labels, brick.edges);
   SignGrid solid;
   solid.fill(edit.solid, volume, brick.frame.origin, side);
   brick.signs.combine(edit.op, solid);
   HermiteEdges before;
   std::swap(brick.edges, before);
   brick.edges.compute(edit, volume, brick.frame.origin, side, brick.signs, solid, before);
-  find_cells(brick);
+}
+
+}  // namespace
+
+void apply(const Edit& edit, const ModelVolume& model, HermiteBrick& brick) {
+  apply_to_edges(edit, model, brick);
+  find_cells(model, brick);
 }
 
 std::vector<HermiteBrick> hermite_data(const ModelVolume& model, Homogeneous homogeneous) {
   std::vector<HermiteBrick> all;
-  LabelField labels;
+  LabelField field;
+  MaterialBlock materials;
+  LabelHermite label_edges;
   const MemoryBricks grid = no_bricks(model);
   each_brick(model, grid, [&](Index3 at) {
     HermiteBrick& brick = all.emplace_back();
     const BrickPlace place = grid.place(at);
     brick.at = at;
     brick.frame = {place.origin, place.level, domain_level(model.volume.size)};
-    brick.signs.fill(model.block(), place.origin, brick.frame.side(), model.parameters.surface);
-    sample_edges(model, labels, brick);
+    if (between_labels(model)) {
+      sample_labels(model, materials, label_edges, brick);
+    } else {
+      brick.signs.fill(model.block(), place.origin, brick.frame.side(), model.parameters.surface);
+      sample_edges(model, field, brick);
+    }
     const Bounds bounds = brick_bounds(place, model.parameters.spacing);
     for (const Edit& edit : model.parameters.edits)
-      if (edit_reaches(edit, bounds)) apply(edit, model, brick);
-    find_cells(brick);
+      if (edit_reaches(edit, bounds)) apply_to_edges(edit, model, brick);
+    find_cells(model, brick);
     if (homogeneous == Homogeneous::forget && brick.cells.size() == 0)
-      brick = {brick.at, brick.frame, {}, {}, {}, brick.inside};
+      brick = {brick.at, brick.frame, {}, {}, {}, {}, brick.root};
   });
   return all;
 }
 
 void Simplifier::simplify(const HermiteBrick& brick, BrickOctree& out) {
   const int level = brick.frame.level;
-  const ContourParameters& parameters = model_.parameters;
   out = BrickOctree{};
   out.blocks.assign(std::size_t{1} << 3 * (level - block_level), BlockCount{});
   out.counts.active_cells = brick.cells.size();
-  if (brick.cells.size() == 0) {
-    out.root.state = brick.inside ? NodeState::inside : NodeState::outside;
-    out.root.corner_signs = brick.inside ? 255 : 0;
-    return;
-  }
-  nodes_.simplify(brick.frame, brick.signs, brick.cells, brick.edges, parameters);
+  if (brick.cells.size() == 0)
+    out.root = brick.root;
+  else if (between_labels(model_))
+    simplify(brick, brick.labels, out);
+  else
+    simplify(brick, brick.signs, out);
+}
+
+// As stages/build/build_brick.cpp, from the active cells on.
+template <class Grid>
+void Simplifier::simplify(const HermiteBrick& brick, const Grid& grid, BrickOctree& out) {
+  const ContourParameters& parameters = model_.parameters;
+  nodes_.simplify(brick.frame, grid, brick.cells, brick.edges, parameters);
   leaves_.collect(brick.frame, brick.cells, nodes_, parameters, out);
-  emit_polygons(brick.frame, model_.volume.size, brick.signs, brick.cells, leaves_, parameters,
-                out);
-  make_skin(brick.cells, leaves_, marks_, out);
-  out.root = root_of(brick, nodes_, parameters, out);
-  node_bytes_ += bytes_of(nodes_, level);
+  emit_polygons(brick.frame, model_.volume.size, grid, brick.cells, leaves_, parameters, out);
+  make_skin(brick.cells, leaves_, std::is_same_v<Grid, LabelGrid>, marks_, out);
+  out.root = root_of(grid, brick.frame, nodes_, parameters, out);
+  node_bytes_ += bytes_of(nodes_, brick.frame.level);
 }
 
 MemoryBricks build_bricks(const ModelVolume& model) {

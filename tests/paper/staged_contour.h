@@ -12,10 +12,11 @@ namespace voxweld::paper {
 struct HermiteBrick {
   Index3 at;
   BrickFrame frame;
-  SignGrid signs;
-  ActiveCells cells;  // none: all is `inside`, or outside
+  SignGrid signs;     // of one material
+  LabelGrid labels;   // of several (labels.mode = "shared"), in place of the signs
+  ActiveCells cells;  // none: the brick is homogeneous
   HermiteEdges edges;
-  bool inside = false;  // the lowest corner
+  RootRecord root;  // as that of a homogeneous brick
 };
 
 // Of bricks without a sign change: whether their signs are kept, for edits to come.
@@ -34,6 +35,9 @@ class Simplifier {
   std::uint64_t node_bytes() const { return node_bytes_; }
 
  private:
+  template <class Grid>
+  void simplify(const HermiteBrick& brick, const Grid& grid, BrickOctree& out);
+
   const ModelVolume& model_;
   BrickNodes nodes_;
   BrickLeaves leaves_;

@@ -149,6 +149,7 @@ Vec3 any_vector() {
 EditConfig any_edit() {
   EditConfig edit;
   edit.op = static_cast<EditOp>(*rc::gen::inRange(0, 3));
+  if (*rc::gen::inRange(0, 2) == 1) edit.material = *rc::gen::inRange<std::uint64_t>(0, 1000);
   edit.shape = *rc::gen::elementOf(all_shapes);
   edit.center = any_vector();
   const auto has = [&](const char* key) { return find_edit_setting(key)->taken_by(edit.shape); };
@@ -178,7 +179,7 @@ RC_GTEST_PROP(EditConfig, CanonicalTomlReadsBackEqual, ()) {
 const std::map<std::string, std::string> other_values = {
     {"op", "\"intersect\""}, {"shape", ""},           {"path", "\"other.stl\""}, {"scale", "2"},
     {"center", "[1, 2, 4]"}, {"radius", "3"},         {"height", "11"},          {"tube", "0.5"},
-    {"size", "[4, 5, 7]"},   {"axis", "[0, 0.5, 1]"}, {"rotate", "[0, 0, 31]"}};
+    {"size", "[4, 5, 7]"},   {"axis", "[0, 0.5, 1]"}, {"rotate", "[0, 0, 31]"},  {"material", "8"}};
 
 std::string sample(SolidShape shape, const std::string& changed_key = {}) {
   std::string text = "[[edit]]\n";

@@ -51,11 +51,15 @@ const std::vector<WrongKey>& wrong_keys() {
   static const std::vector<WrongKey> all = {
       {sphere,
        "op",
-       "\"add\", \"subtract\" or \"intersect\" (default: \"add\")",
+       "\"add\", \"subtract\", \"intersect\" or \"replace\" (default: \"add\")",
        {{"\"substract\"", "\"substract\" (a string); did you mean \"subtract\"?"},
         {"\"Add\"", "\"Add\" (a string); did you mean \"add\"?"},
         {"\"xor\"", "\"xor\" (a string)"},
         {"1", "1"}}},
+      {sphere,
+       "material",
+       "an integer of at least 0 (default: none; between labels add and replace need it)",
+       {{"-1", "-1"}, {"1.5", "1.5"}, {"\"7\"", "\"7\" (a string); write numbers without quotes"}}},
       {sphere,
        "shape",
        "\"sphere\", \"box\", \"cylinder\", \"cone\", \"torus\", \"plane\" or \"mesh\"",
@@ -111,22 +115,25 @@ TEST(EditError, NamesPlaceEditKeyExpectedAndFound) {
 TEST(EditError, UnknownKeys) {
   EXPECT_EQ(error_of(least_config(sphere + "raduis = 3\n")),
             "/data/scan.toml:7:1: edit 1: unknown key raduis; did you mean radius? A sphere takes "
-            "op, shape, center, radius");
-  EXPECT_EQ(error_of(least_config("[[edit]]\nshape = \"plane\"\n  color = 3\n")),
-            "/data/scan.toml:5:3: edit 1: unknown key color. A plane takes op, shape, center, "
-            "axis");
+            "op, material, shape, center, radius");
+  EXPECT_EQ(
+      error_of(least_config("[[edit]]\nshape = \"plane\"\n  color = 3\n")),
+      "/data/scan.toml:5:3: edit 1: unknown key color. A plane takes op, material, shape, center, "
+      "axis");
   EXPECT_EQ(error_of(least_config("[[edit]]\nshpae = \"plane\"\n")),
             "/data/scan.toml:4:1: edit 1: unknown key shpae; did you mean shape? An edit takes op, "
-            "shape, path, center, radius, height, tube, size, axis, scale, rotate");
-  EXPECT_EQ(error_of(least_config(sphere + sphere + "[edit.more]\na = 1\n")),
-            "/data/scan.toml:11:7: edit 2: unknown key more. A sphere takes op, shape, center, "
-            "radius");
+            "material, shape, path, center, radius, height, tube, size, axis, scale, rotate");
+  EXPECT_EQ(
+      error_of(least_config(sphere + sphere + "[edit.more]\na = 1\n")),
+      "/data/scan.toml:11:7: edit 2: unknown key more. A sphere takes op, material, shape, center, "
+      "radius");
 }
 
 TEST(EditError, KeysOfOtherShapes) {
-  EXPECT_EQ(error_of(least_config("[[edit]]\nheight = 3\nshape = \"sphere\"\n")),
-            "/data/scan.toml:4:1: edit 1: a sphere has no height. A sphere takes op, shape, "
-            "center, radius");
+  EXPECT_EQ(
+      error_of(least_config("[[edit]]\nheight = 3\nshape = \"sphere\"\n")),
+      "/data/scan.toml:4:1: edit 1: a sphere has no height. A sphere takes op, material, shape, "
+      "center, radius");
   for (const SolidShape shape : all_shapes) {
     for (const EditSetting& setting : edit_settings()) {
       if (setting.taken_by(shape)) continue;
@@ -181,14 +188,14 @@ TEST(EditError, OneTableIsNoEdit) {
   EXPECT_EQ(error_of(least_config("[edit]\nshape = \"sphere\"\n")),
             "/data/scan.toml:3:2: " + advice);
   EXPECT_EQ(error_of(least_config("edit.shape = \"sphere\"\n")), "/data/scan.toml:3:1: " + advice);
-  EXPECT_EQ(
-      error_of(least_config("edit = 3\n")),
-      "/data/scan.toml:3:1: expected tables [[edit]] with keys op, shape, path, center, radius, "
-      "height, tube, size, axis, scale, rotate, found 3");
-  EXPECT_EQ(
-      error_of(least_config("edit = [1, 2]\n")),
-      "/data/scan.toml:3:1: expected tables [[edit]] with keys op, shape, path, center, radius, "
-      "height, tube, size, axis, scale, rotate, found [1, 2] (a list of 2)");
+  EXPECT_EQ(error_of(least_config("edit = 3\n")),
+            "/data/scan.toml:3:1: expected tables [[edit]] with keys op, material, shape, path, "
+            "center, radius, "
+            "height, tube, size, axis, scale, rotate, found 3");
+  EXPECT_EQ(error_of(least_config("edit = [1, 2]\n")),
+            "/data/scan.toml:3:1: expected tables [[edit]] with keys op, material, shape, path, "
+            "center, radius, "
+            "height, tube, size, axis, scale, rotate, found [1, 2] (a list of 2)");
 }
 
 TEST(EditError, OtherTablesAreNotLists) {

@@ -190,6 +190,7 @@ Config any_config() {
   config.simplify.qef = any_of<SimplifyConfig::Qef>(2);
   // Its modes exclude keys of other tables.
   config.labels = any_labels();
+  if (config.input.format == InputConfig::Format::mesh) config.labels.mode = LabelMode::off;
   if (config.labels.mode != LabelMode::off) {
     config.surface.label.reset();
     config.surface.inside = SurfaceConfig::Inside::above;
@@ -197,6 +198,10 @@ Config any_config() {
     config.surface.isovalue = any_finite();
   }
   config.output = any_output();
+  if (config.labels.mode == LabelMode::each) {
+    config.output.merged = OutputConfig::Merged::automatic;
+    config.output.tiles = true;
+  }
   config.run.executor = any_of<RunConfig::Executor>(2);
   config.slurm = any_slurm();
   config.run.threads = *rc::gen::inRange<std::int64_t>(0, 4097);

@@ -214,7 +214,7 @@ TEST(MeshInput, RefusedMeshes) {
   EXPECT_THAT(error("resolution = 520000\nmargin = 10000"),
               HasSubstr("input.resolution = 520000: the mesh is 100 across, which takes 540004"));
   EXPECT_THAT(error("cell = 4"), HasSubstr("no sample lies inside the mesh; raise "
-                                             "input.resolution or lower input.cell, which is 4"));
+                                           "input.resolution or lower input.cell, which is 4"));
   // Two triangles back to back enclose nothing.
   std::ofstream(space.at("a.off")) << "OFF\n3 2 0\n0 0 0\n0 9 0\n0 0 9\n3 0 1 2\n3 0 2 1\n";
   EXPECT_THAT(error("resolution = 50"), HasSubstr("no sample lies inside the mesh"));

@@ -82,8 +82,8 @@ TEST(SharedLabelsRun, NoiseBalancesToo) {
 
 TEST(SharedLabelsRun, KilledAtAnyMomentItEndsInTheSameBytes) {
   const Scene scene(foam(SampleType::u16, {60, 50, 44}));
-  const Settings settings =
-      shared + Settings{"work.brick=16", "work.shard=1", "output.tile_vertices=1024"};
+  const Settings settings = shared + Settings{"work.brick=16", "work.shard=1", "work.chunk=16",
+                                              "output.tile_vertices=1024"};
   const Tree clean = scene.clean_tree(settings);
   const ProgramResult timing = scene.run_in("timing", settings);
   VOXWELD_EXPECT_DONE(timing);
@@ -149,12 +149,13 @@ TEST(SharedLabelsRun, WhatCannotBeIsRefused) {
     EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
   };
   const RawVolume volume = foam(SampleType::u8, {20, 20, 20});
-  refused(volume, shared + Settings{"surface.label=3"}, "labels.mode chooses labels too");
+  refused(volume, shared + Settings{"surface.label=3", "surface.isovalue=3"},
+          "labels.mode chooses labels too");
   refused(volume, shared + Settings{"simplify.topology=free"}, "labels are simplified safely");
   RawVolume real{{8, 8, 8}, SampleType::f32, std::vector<std::byte>(8 * 8 * 8 * 4), 0};
   refused(real, shared, "labels are integers");
   RawVolume none{{8, 8, 8}, SampleType::u8, std::vector<std::byte>(8 * 8 * 8), 0};
-  refused(none, shared, "no surface");
+  refused(none, shared, "none of the 1 labels");
 }
 
 }  // namespace

@@ -38,8 +38,7 @@ TileMesh book(int sheets, int length) {
     mesh.pairs.push_back(
         {static_cast<Material>(s), s == 0 ? exterior : high - static_cast<Material>(s)});
     std::vector<std::uint32_t> rim;
-    for (int i = 0; i <= length; ++i)
-      rim.push_back(vertex(50 + (s % 3 - 1) * (s + 2), 50 + (s % 2 ? 7 : -9) - s, 10 + i));
+    for (int i = 0; i <= length; ++i) rim.push_back(vertex(60 + s, 20 + s * 7 % 23, 10 + i));
     for (std::size_t i = 0; i < static_cast<std::size_t>(length); ++i)
       for (const auto& t : {std::array{spine[i], rim[i], spine[i + 1]},
                             std::array{rim[i], rim[i + 1], spine[i + 1]}}) {
