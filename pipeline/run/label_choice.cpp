@@ -42,11 +42,17 @@ void warn_of_labels(const Config& config, const LabelMap& map) {
         labels.map.string(), left_out);
 }
 
+// What they give needs no label in the volume.
+bool edits_give_labels(const Config& config) {
+  return std::any_of(config.edits.begin(), config.edits.end(),
+                     [](const EditConfig& edit) { return edit.op == EditOp::add; });
+}
+
 // That there is something to mesh and nothing that cannot be.
 void check_labels(const Config& config, const MaterialRules& chosen, const LabelCounts& counts) {
   const std::string path = config.input.path.string();
   const LabelSummary& all = counts.summary();
-  if (all.labels == 0)
+  if (all.labels == 0 && !edits_give_labels(config))
     throw InputError(path + ": no sample is a label: all of them are below zero");
   LabelCount first, last;
   bool any = false;
@@ -65,7 +71,7 @@ void check_labels(const Config& config, const MaterialRules& chosen, const Label
         "labels end at {}: give them another",
         path, last.voxels, exterior, last.lo[2], highest_label));
   }
-  if (!any)
+  if (!any && !edits_give_labels(config))
     throw InputError(fmt::format(
         "labels.select, labels.background{}: none of the {} labels of {} is left, which run from "
         "{} to {}; choose some of them",
@@ -78,7 +84,7 @@ MaterialRules sized(const Config& config, const MaterialRules& chosen, const Lab
   const std::uint64_t memory = config.run.memory;
   MaterialRules rules =
       sized_rules(config.labels, chosen, counts, (memory - std::min(memory, program_bytes())) / 4);
-  if (!rules.ranges.empty()) return rules;
+  if (!rules.ranges.empty() || edits_give_labels(config)) return rules;
   std::uint64_t materials = 0, least = highest_label, most = 0;
   each_material(chosen, counts, [&](const LabelCount& count) {
     ++materials;

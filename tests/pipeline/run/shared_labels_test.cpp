@@ -140,6 +140,47 @@ TEST(SharedLabelsRun, ADamagedFileIsFound) {
   EXPECT_FALSE(verify_output(scene.output()).good());
 }
 
+// Solid modelling with materials: a run with edits gives the bytes of one from scratch, and an edit
+// builds the shards it reaches alone.
+TEST(SharedLabelsRun, EditsOfEmptySpaceAndOfLabels) {
+  const std::string edits =
+      "[[edit]]\nshape = \"box\"\nmaterial = 3\ncenter = [30, 30, 30]\nsize = [31, 25, 22]\n"
+      "[[edit]]\nop = \"replace\"\nshape = \"sphere\"\nmaterial = 9\ncenter = [40, 38, 36]\n"
+      "radius = 9.5\n";
+  const std::string cut =
+      "[[edit]]\nop = \"subtract\"\nshape = \"sphere\"\ncenter = [19, 20, 22]\nradius = 4\n";
+  const TempDirectory folder;
+  const auto run = [&](const std::string& name, const std::string& input, const std::string& text) {
+    const fs::path config = folder / (name + ".toml");
+    const std::string all = "[input]\n" + input +
+                            "[labels]\nmode = \"shared\"\n[work]\nbrick = 16\nshard = 1\n"
+                            "chunk = 16\n[output]\ntile_vertices = 1024\n" +
+                            text;
+    write_whole_file(config, as_bytes(all), Durability::rename_only);
+    const ProgramResult result = run_voxweld({"run", config.string()});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const VerifyReport report = verify_output(folder / (name + ".mesh"));
+    EXPECT_TRUE(report.good()) << to_text(report);
+    return output_tree(folder / (name + ".mesh"));
+  };
+  const RawVolume volume = foam(SampleType::u8, {62, 62, 62});
+  write_whole_file(folder / "foam.raw", volume.samples, Durability::rename_only);
+  const std::string empty = "format = \"empty\"\nsize = [62, 62, 62]\n";
+  const std::string labels =
+      "path = \"foam.raw\"\nformat = \"raw\"\nsize = [62, 62, 62]\ntype = \"uint8\"\n";
+  for (const std::string& input : {empty, labels}) {
+    const Tree before = run("edited", input, edits), after = run("edited", input, edits + cut);
+    EXPECT_NE(difference(before, after), "");
+    fs::remove_all(folder / "fresh.work");
+    fs::remove_all(folder / "fresh.mesh");
+    EXPECT_EQ(difference(run("fresh", input, edits + cut), after), "");
+    EXPECT_EQ(difference(before, run("edited", input, edits)), "");
+    EXPECT_TRUE(pairs_of(folder / "edited.mesh" / "mesh.drc").contains({3, 9}));
+    fs::remove_all(folder / "edited.work");
+    fs::remove_all(folder / "edited.mesh");
+  }
+}
+
 TEST(SharedLabelsRun, WhatCannotBeIsRefused) {
   const auto refused = [](const RawVolume& volume, const Settings& settings,
                           const std::string& words) {
