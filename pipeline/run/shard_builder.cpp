@@ -35,7 +35,9 @@ std::uint64_t ShardBuilder::memory_bytes(const BrickGrid& grid, SampleType type,
     return samples * sample_bytes(type) + brick + LabelOctrees::memory_bytes(grid, samples);
   }
   const std::uint64_t side16 = std::uint64_t{1} << (grid.shard_level() - block_level);
-  return std::max(one * sample_bytes(type), run_bytes) + brick +
+  const std::uint64_t of_labels =
+      labels == LabelMode::shared ? build_labels_bytes(grid.brick_level()) : 0;
+  return std::max(one * sample_bytes(type), run_bytes) + brick + of_labels +
          side16 * side16 * side16 * 2 * sizeof(CubeCount);
 }
 

@@ -259,4 +259,17 @@ std::uint64_t build_brick_bytes(int level) {
   return points / 2 + 2 * filtered * sizeof(std::int32_t) + 3 * cells * per_edge + cells * per_cell;
 }
 
+std::uint64_t build_labels_bytes(int level) {
+  const std::uint64_t side = std::uint64_t{1} << level;
+  const std::uint64_t samples = (side + 10) * (side + 10) * (side + 10);
+  const std::uint64_t points = (side + 1) * (side + 1) * (side + 1), cells = side * side * side;
+  // Of a sample: its number, its label in a table of nodes, and its places in two lists; of a point
+  // its label before and after an edit. A cell has its sheets, and three polygons with a pair each,
+  // listed and in a table; vectors may have grown to twice their content.
+  const std::uint64_t per_sample = 4 + 64 + 2 * (8 + 8 + 4);
+  const std::uint64_t per_cell = 2 * 40 + std::uint64_t{3} * (2 * (4 + sizeof(MaterialPair)) + 56);
+  return samples * per_sample + 2 * points * sizeof(std::uint32_t) + cells * per_cell +
+         LabelHermite::memory_bytes();
+}
+
 }  // namespace voxweld

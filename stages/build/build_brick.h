@@ -50,5 +50,7 @@ void build_brick(const HaloBlock& block, const BrickPlace& place, const Box3& ex
 
 // An upper bound on what build_brick and its result hold, in bytes, for the worst volume there is.
 std::uint64_t build_brick_bytes(int level);
+// And what it holds beyond that between labels (labels.mode = "shared"), each sample being another.
+std::uint64_t build_labels_bytes(int level);
 
 }  // namespace voxweld

@@ -21,6 +21,9 @@ class LabelHermite {
   void compute(const HaloBlock& samples, Index3 brick, const LabelGrid& labels, Vec3 spacing,
                HermiteEdges& out);
 
+  // What it holds at most: of one block of lattice points a field for each of its points.
+  static std::uint64_t memory_bytes();
+
  private:
   struct Edge {
     std::uint32_t low, high;  // labels
