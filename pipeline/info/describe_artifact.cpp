@@ -77,7 +77,6 @@ InfoDocument describe_octree(const fs::path& path, const InfoOptions& options) {
 InfoDocument describe_top(const fs::path& path, const InfoOptions& options) {
   const TopArtifact artifact(path);
   const MergeCounts counts = artifact.counts();
-  const std::vector<PlannedTile> tiles = artifact.tiles();
   InfoDocument document = artifact_document("top_tree", path);
   add_hashes(document, artifact, top_version);
   document["bricks"] = counts.bricks;
@@ -89,6 +88,11 @@ InfoDocument describe_top(const fs::path& path, const InfoOptions& options) {
   document["top_leaves"] = counts.top_leaves;
   document["worst_residual"] = counts.worst_residual;
   document["leaves"] = level_facts(counts.leaves);
+  if (artifact.of_labels()) {
+    add_label_plan(document, artifact, options.verbose);
+    return document;
+  }
+  const std::vector<PlannedTile> tiles = artifact.tiles();
   document["tiles"] = tiles.size();
   if (!options.verbose) return document;
   document["tile_list"] = InfoDocument::array();
@@ -102,9 +106,13 @@ InfoDocument describe_top(const fs::path& path, const InfoOptions& options) {
 
 InfoDocument describe_tile(const fs::path& path) {
   const TileArtifact artifact(path);
-  const TileHeader header = artifact.header();
   InfoDocument document = artifact_document("tile", path);
   add_hashes(document, artifact, tile_version);
+  if (!artifact.labels().empty()) {
+    add_label_tiles(document, artifact);
+    return document;
+  }
+  const TileHeader header = artifact.header();
   document["level"] = header.level;
   document["at"] = facts_of(header.key().at);
   document["vertices"] = header.vertices;
@@ -126,6 +134,7 @@ InfoDocument describe_asset(const fs::path& path) {
   document["quads"] = record->quads;
   document["polygon_triangles"] = record->polygon_triangles;
   document["collinear"] = record->collinear;
+  for (const LabelAsset& asset : record->labels) document["labels"].push_back(asset.label);
   document["files"] = InfoDocument::array();
   for (const FileRecord& file : record->files)
     document["files"].push_back({{"path", file.path},
@@ -156,6 +165,7 @@ InfoDocument describe_labels(const fs::path& path) {
 InfoDocument describe_kind(const fs::path& path, const ArtifactHead& head,
                            const InfoOptions& options) {
   const std::string kind = head.name();
+  if (kind == "octl") return describe_label_octrees(path, options);
   if (kind == "octr") return describe_octree(path, options);
   if (kind == "tops") return describe_top(path, options);
   if (kind == "tile") return describe_tile(path);

@@ -40,17 +40,19 @@ InfoDocument frame_facts(const VolumeGeometry& frame) {
           {"space", frame.space}};
 }
 
-InfoDocument count_facts(const ManifestCounts& counts) {
-  return {{"bricks", counts.bricks},
-          {"active_bricks", counts.active_bricks},
-          {"collapsed_above_bricks", counts.collapsed_above},
-          {"leaves", counts.leaves},
-          {"vertices", counts.vertices},
-          {"quads", counts.quads},
-          {"triangles", counts.triangles},
-          {"output_triangles", counts.output_triangles},
-          {"tiles", counts.tiles},
-          {"collinear", counts.collinear}};
+InfoDocument count_facts(const ManifestCounts& counts, bool labels) {
+  InfoDocument facts = {{"bricks", counts.bricks},
+                        {"active_bricks", counts.active_bricks},
+                        {"collapsed_above_bricks", counts.collapsed_above},
+                        {"leaves", counts.leaves},
+                        {"vertices", counts.vertices},
+                        {"quads", counts.quads},
+                        {"triangles", counts.triangles},
+                        {"output_triangles", counts.output_triangles},
+                        {"tiles", counts.tiles},
+                        {"collinear", counts.collinear}};
+  if (labels) facts["labels"] = counts.labels;
+  return facts;
 }
 
 // f of every file the directory lists: those of the manifest, then each tile's.
@@ -134,7 +136,7 @@ InfoDocument describe_output(const fs::path& manifest_path, const InfoOptions& o
   document["topology"] = manifest.free_topology ? "free" : "safe";
   document["frame"] = frame_facts(manifest.frame);
   document["lattice"] = facts_of(manifest.lattice);
-  document["counts"] = count_facts(manifest.counts);
+  document["counts"] = count_facts(manifest.counts, manifest.labels == LabelMode::each);
   document["files"] = {{"count", manifest.counts.files}, {"bytes", manifest.counts.bytes}};
   document["merged"] = nullptr;
   if (manifest.merged) {

@@ -25,7 +25,7 @@ std::string known_kinds() {
          "), meshes as input (.stl, .off, .obj, .ply), brick stores, .octree, top.tree, .tile, "
          ".record, .shard, .labels, histogram and spool files of "
          "a work directory, .drc and .glb meshes, output directories, work directories, "
-         "manifest.json, tiles.jsonl and config files";
+         "manifest.json, tiles.jsonl, labels.jsonl and config files";
 }
 
 [[noreturn]] void unknown(const std::string& path, const std::string& why) {
@@ -107,6 +107,7 @@ std::optional<InfoDocument> describe_by_name(const fs::path& path, const InfoOpt
   if (options.input.format == "auto" && is_mesh_name(path)) return describe_input_mesh(options);
   if (name == manifest_name) return describe_output(path, options);
   if (name == tiles_name) return describe_tile_list(path, options);
+  if (name == labels_name) return describe_label_list(path, options);
   if (extension == ".toml") return describe_config(path);
   if (fs::exists(spool_record_path(path))) return describe_spool(path, options);
   if (name == "zarr.json") return describe_array(array_above(path), options);

@@ -17,13 +17,20 @@
 //                    crossing_edges, vertices, collapsed_above, worst_residual, leaves (by level),
 //                    nodes {outside, inside, leaf, split}; verbose: brick_list [{at, vertices,
 //                    polygons, skin_cells, bytes}]
+//   label_octrees    (labels.mode = "each") as octree, but pieces and nodes are counts, of all
+//   labels
+//                    together; verbose: piece_list [{label, brick, vertices, polygons, skin_cells,
+//                    bytes}]
 //   top_tree         key, content_hash, version, made_by, bricks, active_bricks, active_cells,
 //                    crossing_edges, vertices, collapsed_above, top_leaves, worst_residual, leaves
-//                    (by level), tiles; verbose: tile_list [{level, at, vertices, polygons}]
+//                    (by level), tiles; verbose: tile_list [{level, at, vertices, polygons}]; with
+//                    labels.mode = "each" also labels and batches, and verbose batch_list [{label
+//                    (the first), labels, tiles, vertices, polygons}] in place of the tiles
 //   tile             key, content_hash, version, made_by, level, at, vertices, triangles, quads,
-//                    polygon_triangles, collinear, lattice {step, bits, origin}
+//                    polygon_triangles, collinear, lattice {step, bits, origin}; with labels.mode =
+//                    "each" in place of these meshes [{label, level, at, vertices, triangles}]
 //   asset_record     key, vertices, triangles, quads, polygon_triangles, collinear, files [{path,
-//                    format, bytes, xxh3_128}]
+//                    format, bytes, xxh3_128}]; with labels.mode = "each" labels
 //   histogram        key, type, values
 //   label_counts     key, content_hash, labels
 //   shard_record     key, array, at, shard_bytes, shard_hash, values
@@ -31,13 +38,16 @@
 //   zarr_chunk       array
 //   mesh             format, points, vertices (distinct positions), triangles, normals, bounds {lo,
 //                    hi} (as in the file)
-//   input_mesh       format, vertices (distinct positions), triangles, bounds {lo, hi}, size, volume
+//   input_mesh       format, vertices (distinct positions), triangles, bounds {lo, hi}, size,
+//   volume
 //                    (what it encloses; negative where its triangles face inward), closed,
-//                    boundary_edges (of an odd number of triangles), holes, hole_list [{edges, size,
-//                    center}] (the largest first: verbose all of them, else ten)
+//                    boundary_edges (of an odd number of triangles), holes, hole_list [{edges,
+//                    size, center}] (the largest first: verbose all of them, else ten)
 //   output           border, topology, frame, lattice, counts, files {count, bytes}, merged, error,
 //                    input (as manifest.json has them); verbose: file_list
 //   tile_list        tiles, vertices, triangles, files, file_bytes; verbose: tile_list
+//   label_list       labels, tiles, vertices, triangles, volume, area (sums); verbose: label_list
+//                    [{label, name, triangles, volume, area}]
 //   config           settings {table {key: value}}
 //   temporary        of: the file it would have become
 //   work_directory   files, stages [{stage, folder, files, bytes}]

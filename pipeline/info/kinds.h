@@ -4,6 +4,8 @@
 #include <filesystem>
 
 #include "pipeline/info/facts.h"
+#include "storage/artifact/tile_artifact.h"
+#include "storage/artifact/top_artifact.h"
 
 namespace voxweld {
 
@@ -18,6 +20,12 @@ InfoDocument describe_spool(const std::filesystem::path& samples, const InfoOpti
 // Artifacts of the stages.
 InfoDocument describe_artifact(const std::filesystem::path& path, const ArtifactHead& head,
                                const InfoOptions& options);
+
+// Of labels.mode = "each"; what `add` adds is in place of what there is without labels.
+InfoDocument describe_label_octrees(const std::filesystem::path& path, const InfoOptions& options);
+void add_label_plan(InfoDocument& document, const TopArtifact& artifact, bool verbose);
+void add_label_tiles(InfoDocument& document, const TileArtifact& artifact);
+InfoDocument describe_label_list(const std::filesystem::path& path, const InfoOptions& options);
 
 // Meshes and what lists them.
 InfoDocument describe_mesh(const std::filesystem::path& path);

@@ -14,7 +14,8 @@ std::string tile_name(const CellKey& tile) {
 
 std::string SeamCheck::place(std::uint32_t tile, std::uint32_t point) const {
   const Vec3 p = frame_.position(index_.points()[point]);
-  return fmt::format("{} at ({}, {}, {})", tile_name(tiles_[tile]), p.x, p.y, p.z);
+  const std::string label = rules_.label ? fmt::format("label {} ", *rules_.label) : "";
+  return fmt::format("{}{} at ({}, {}, {})", label, tile_name(tiles_[tile]), p.x, p.y, p.z);
 }
 
 void SeamCheck::add_points(std::uint32_t tile, const TileSeams& seams,

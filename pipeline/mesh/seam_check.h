@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -18,6 +19,7 @@ struct SeamRules {
   bool open_border = false;    // boundary edges may lie on the border
   bool free_topology = false;  // edges balanced, and nothing said about vertices
   bool labels = false;         // each label's edges balanced, and nothing said about vertices
+  std::optional<Material> label = {};  // whose tiles these are, for messages
 };
 
 class SeamCheck {

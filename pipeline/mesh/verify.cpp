@@ -5,6 +5,7 @@
 #include <tbb/info.h>
 #include <tbb/parallel_pipeline.h>
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <unordered_map>
@@ -12,163 +13,12 @@
 #include "pipeline/mesh/manifest.h"
 #include "pipeline/mesh/openmesh_check.h"
 #include "pipeline/mesh/seam_check.h"
-#include "pipeline/mesh/tile_check.h"
-#include "stages/encode/glb.h"
-#include "storage/support/error.h"
-#include "storage/support/file_io.h"
-#include "storage/support/hash.h"
+#include "pipeline/mesh/verify_tiles.h"
 
 namespace voxweld {
 namespace {
 
 namespace fs = std::filesystem;
-using Problems = std::vector<Problem>;
-
-// One file, checked against its record. Empty when it cannot be read.
-std::vector<std::byte> checked_file(const fs::path& directory, const FileRecord& record,
-                                    Problems& problems) {
-  std::vector<std::byte> bytes;
-  try {
-    bytes = read_whole_file(directory / record.path);
-  } catch (const Error& e) {
-    problems.push_back({record.path, e.what()});
-    return bytes;
-  }
-  if (bytes.size() != record.bytes) {
-    problems.push_back({record.path, fmt::format("has {} bytes, {} are listed: write it again",
-                                                 bytes.size(), record.bytes)});
-  } else if (const std::string hash = to_hex(hash_bytes(bytes)); hash != record.xxh3_128) {
-    problems.push_back({record.path, fmt::format("damaged: its hash is {}, {} is listed: write it "
-                                                 "again",
-                                                 hash, record.xxh3_128)});
-  }
-  return bytes;
-}
-
-std::optional<LatticeMesh> decoded(std::span<const std::byte> bytes, bool glb,
-                                   const std::string& path, const OutputLattice& lattice,
-                                   Problems& problems) {
-  if (bytes.empty()) return std::nullopt;
-  try {
-    return weld(glb ? decode_glb(bytes, path) : decode_draco(bytes, path), lattice, path);
-  } catch (const Error& e) {
-    problems.push_back({path, e.what()});
-    return std::nullopt;
-  }
-}
-
-// The .drc and the .glb of one mesh hold the same Draco buffer; where they do not, they must at
-// least hold the same triangles.
-struct MeshFiles {
-  std::vector<std::byte> drc, glb;
-  std::string drc_path, glb_path;
-
-  std::optional<LatticeMesh> decode(const OutputLattice& lattice, Problems& problems) const {
-    auto mesh = decoded(drc, false, drc_path, lattice, problems);
-    if (glb.empty()) return mesh;
-    auto other = decoded(glb, true, glb_path, lattice, problems);
-    if (!mesh) return other;
-    if (other && digest(*other) != digest(*mesh))
-      problems.push_back({glb_path, "its triangles differ from those of " + drc_path});
-    return mesh;
-  }
-};
-
-struct TileResult {
-  TileRecord record;
-  Problems problems;
-  TileSeams seams;
-  TriangleDigest triangles;
-  std::uint64_t files = 0, bytes = 0;
-};
-
-class TileReader {
- public:
-  TileReader(const fs::path& directory, const Manifest& manifest)
-      : directory_(directory), manifest_(manifest), frame_(manifest) {}
-
-  TileResult check(TileRecord record) const {
-    TileResult result;
-    result.record = std::move(record);
-    std::optional<LatticeMesh> mesh = read(result);
-    check_listing(result);
-    if (mesh) check_mesh(*mesh, result);
-    return result;
-  }
-
-  // Those of `points` that the tile has.
-  Problems use_of(const TileRecord& record, const std::vector<LatticePoint>& points) const {
-    TileResult result;
-    result.record = record;
-    const std::optional<LatticeMesh> mesh = read(result);
-    Problems problems;
-    if (!mesh) return problems;  // said before
-    PointIndex index;
-    for (const LatticePoint& q : mesh->positions) index.add(q);
-    for (const LatticePoint& q : points) {
-      if (index.find(q) == PointIndex::none) continue;
-      const Vec3 p = frame_.position(q);
-      problems.push_back(
-          {fmt::format("{} at ({}, {}, {})", tile_name(record.tile), p.x, p.y, p.z),
-           "not 2-manifold: this vertex is surrounded in its tile and used by another one too"});
-    }
-    return problems;
-  }
-
- private:
-  std::optional<LatticeMesh> read(TileResult& result) const {
-    MeshFiles files;
-    bool any = false;
-    for (const FileRecord& file : result.record.files) {
-      auto bytes = checked_file(directory_, file, result.problems);
-      ++result.files;
-      result.bytes += bytes.size();
-      if (file.format != "drc" && file.format != "glb") continue;
-      any = true;
-      (file.format == "drc" ? files.drc : files.glb) = std::move(bytes);
-      (file.format == "drc" ? files.drc_path : files.glb_path) = file.path;
-    }
-    if (!any)
-      result.problems.push_back({tile_name(result.record.tile),
-                                 "lists no .drc or .glb file: its mesh cannot be checked"});
-    return files.decode(manifest_.lattice, result.problems);
-  }
-
-  static void expect(TileResult& result, const char* what, std::uint64_t found,
-                     std::uint64_t listed) {
-    if (found != listed)
-      result.problems.push_back({tile_name(result.record.tile),
-                                 fmt::format("has {} {}, {} are listed", found, what, listed)});
-  }
-
-  static void check_listing(TileResult& result) {
-    const TileRecord& r = result.record;
-    expect(result, "triangles by its quads and polygon triangles",
-           2 * r.quads + r.polygon_triangles, r.triangles);
-  }
-
-  void check_mesh(LatticeMesh& mesh, TileResult& result) const {
-    expect(result, "vertices", mesh.positions.size(), result.record.vertices);
-    expect(result, "triangles", mesh.triangles.size(), result.record.triangles);
-    result.triangles = digest(mesh);
-    const std::uint64_t degenerate = drop_degenerate(mesh);
-    if (degenerate > 0)
-      result.problems.push_back(
-          {tile_name(result.record.tile),
-           fmt::format("has {} triangles with two equal corners", degenerate)});
-    const bool shared = manifest_.labels == LabelMode::shared;
-    if (shared && mesh.pairs.empty() && !mesh.triangles.empty())
-      result.problems.push_back(
-          {tile_name(result.record.tile), "does not say which labels its triangles separate"});
-    result.seams = shared && !mesh.pairs.empty()
-                       ? find_label_seams(mesh, result.record.tile, frame_)
-                       : find_seams(mesh, result.record.tile, frame_);
-  }
-
-  const fs::path& directory_;
-  const Manifest& manifest_;
-  const PointFrame frame_;
-};
 
 // Calls work for each listed tile on many threads, and then fold for each, in the list's order.
 template <class Result, class Work, class Fold>
@@ -192,17 +42,31 @@ void for_each_tile(const fs::path& list, int threads, Work work, Fold fold) {
           tbb::make_filter<Out, void>(serial, [&](const Out& result) { fold(*result); }));
 }
 
+// The tiles of one surface: all of them, or with labels.mode = "each" those of one label.
+struct Surface {
+  Surface(const PointFrame& frame, const SeamRules& rules) : seams(frame, rules) {}
+
+  SeamCheck seams;
+  std::uint64_t tiles = 0, triangles = 0;
+  std::uint64_t counted_twice = 0;  // vertices inside their tile, and kept by another
+  // Of a label.
+  std::vector<TileRecord> records;
+  MeshMeasure measure;
+};
+
 class Verifier {
  public:
   Verifier(const fs::path& directory, const VerifyOptions& options)
       : directory_(directory),
         options_(options),
         manifest_(read_manifest(directory / manifest_name)),
+        each_(manifest_.labels == LabelMode::each),
         frame_(manifest_),
         tiles_(directory_, manifest_),
-        seams_(frame_, {manifest_.open_border, manifest_.free_topology,
-                        manifest_.labels == LabelMode::shared}),
-        threads_(options.threads > 0 ? options.threads : tbb::info::default_concurrency()) {}
+        threads_(options.threads > 0 ? options.threads : tbb::info::default_concurrency()) {
+    if (each_) labels_.emplace(directory / labels_name);
+    if (!each_) open_surface({});
+  }
 
   VerifyReport run() {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
@@ -211,8 +75,8 @@ class Verifier {
         directory_ / tiles_name, threads_,
         [&](TileRecord record) { return tiles_.check(std::move(record)); },
         [&](const TileResult& result) { fold(result); });
-    seams_.finish([&](Problem problem) { note(std::move(problem)); });
-    check_doubtful();
+    close_surface();
+    if (each_) check_labels_to_end();
     check_totals();
     check_merged();
     return std::move(report_);
@@ -232,28 +96,132 @@ class Verifier {
 
   void fold(const TileResult& result) {
     note_all(result.problems);
-    seams_.add(result.record.tile, result.seams);
+    if (each_) turn_to_label(result.record);
+    Surface& surface = *surface_;
+    surface.seams.add(result.record.tile, result.seams);
+    surface.triangles += result.triangles.count;
+    ++surface.tiles;
+    if (each_) {
+      surface.records.push_back(result.record);
+      surface.measure += result.measure;
+    }
     triangles_ += result.triangles;
     quads_ += result.record.quads;
     polygon_triangles_ += result.record.polygon_triangles;
-    ++report_.tiles;
     report_.files += result.files;
     report_.bytes += result.bytes;
   }
 
-  void check_doubtful() {
-    const auto doubtful = seams_.doubtful();
+  void open_surface(std::optional<Material> label) {
+    const bool shared = manifest_.labels == LabelMode::shared;
+    surface_.emplace(frame_,
+                     SeamRules{manifest_.open_border, manifest_.free_topology, shared, label});
+  }
+
+  // Tiles of different labels have nothing to do with each other.
+  void turn_to_label(const TileRecord& record) {
+    if (!record.label) {
+      note({record_name(record), "is of no label: tiles.jsonl is not of this run"});
+      if (!surface_) open_surface({});
+      return;
+    }
+    if (surface_ && surface_->records.front().label == record.label) return;
+    if (surface_ && surface_->records.front().label > record.label)
+      note({record_name(record), "comes after a label of a higher number: labels must ascend"});
+    close_surface();
+    open_surface(record.label);
+  }
+
+  void close_surface() {
+    if (!surface_) return;
+    Surface& surface = *surface_;
+    surface.seams.finish([&](Problem problem) { note(std::move(problem)); });
+    check_doubtful(surface);
+    const std::uint64_t vertices = surface.seams.vertices() - surface.counted_twice;
+    report_.tiles += surface.tiles;
+    report_.vertices += vertices;
+    report_.seam_vertices += surface.seams.seam_vertices();
+    report_.boundary_edges += surface.seams.boundary_edges();
+    if (each_ && !surface.records.empty()) check_label(surface, vertices);
+    surface_.reset();
+  }
+
+  void check_doubtful(Surface& surface) {
+    const auto doubtful = surface.seams.doubtful();
     if (doubtful.empty()) return;
-    for_each_tile<Problems>(
-        directory_ / tiles_name, threads_,
-        [&](const TileRecord& record) {
-          const auto found = doubtful.find(tile_name(record.tile));
-          return found == doubtful.end() ? Problems{} : tiles_.use_of(record, found->second);
-        },
-        [&](const Problems& problems) {
-          counted_twice_ += problems.size();
-          if (promises_manifold()) note_all(problems);
-        });
+    const auto work = [&](const TileRecord& record) {
+      const auto found = doubtful.find(tile_name(record.tile));
+      return found == doubtful.end() ? Problems{} : tiles_.use_of(record, found->second);
+    };
+    const auto fold_in = [&](const Problems& problems) {
+      surface.counted_twice += problems.size();
+      if (promises_manifold()) note_all(problems);
+    };
+    if (!each_) return for_each_tile<Problems>(directory_ / tiles_name, threads_, work, fold_in);
+    for (const TileRecord& record : surface.records) fold_in(work(record));
+  }
+
+  // The next line of labels.jsonl that has tiles.
+  std::optional<LabelRecord> next_label() {
+    while (auto label = labels_->next()) {
+      ++report_.labels;
+      if (label->tiles > 0) return label;
+      if (label->triangles != 0 || !label->files.empty())
+        note({label_name(*label), "has triangles, and no tile is listed"});
+    }
+    return std::nullopt;
+  }
+  static std::string label_name(const LabelRecord& label) {
+    return fmt::format("{} label {}", labels_name, label.label);
+  }
+
+  void check_label(const Surface& surface, std::uint64_t vertices) {
+    const Material label = surface.records.front().label.value_or(exterior);
+    const std::optional<LabelRecord> listed = next_label();
+    if (!listed || listed->label != label)
+      return note(
+          {labels_name, fmt::format("lists label {} where the tiles have label {}",
+                                    listed ? std::to_string(listed->label) : "none", label)});
+    LabelRecord found;
+    found.label = label;
+    found.vertices = manifest_.open_border ? listed->vertices : vertices;
+    found.triangles = surface.triangles;
+    found.tiles = surface.tiles;
+    for (const TileRecord& record : surface.records)
+      for (const FileRecord& file : record.files) found.files.push_back(file.path);
+    if (!manifest_.open_border) found.volume = enclosed_volume(surface.measure, manifest_.lattice);
+    found.area = surface_area(surface.measure, manifest_.lattice);
+    if (!surface.measure.empty)
+      found.bounds = {frame_.position(surface.measure.lo), frame_.position(surface.measure.hi)};
+    compare(*listed, found);
+  }
+
+  void compare(const LabelRecord& listed, const LabelRecord& found) {
+    const auto count = [&](const char* what, std::uint64_t is, std::uint64_t says) {
+      if (is != says)
+        note({label_name(listed), fmt::format("has {} {}, {} are listed", is, what, says)});
+    };
+    count("vertices", found.vertices, listed.vertices);
+    count("triangles", found.triangles, listed.triangles);
+    count("tiles", found.tiles, listed.tiles);
+    if (found.files != listed.files)
+      note({label_name(listed), "its files are not those of its tiles"});
+    if (found.volume != listed.volume)
+      note({label_name(listed),
+            fmt::format("encloses a volume of {}, {} is listed", found.volume.value_or(0),
+                        listed.volume ? fmt::format("{}", *listed.volume) : "none")});
+    // Draco gives the triangles in another order than they were summed in.
+    if (std::abs(found.area - listed.area) > 1e-9 * found.area)
+      note({label_name(listed),
+            fmt::format("has an area of {}, {} is listed", found.area, listed.area)});
+    if (found.bounds != listed.bounds)
+      note({label_name(listed), "does not lie where its bounds say"});
+  }
+
+  void check_labels_to_end() {
+    if (const auto label = next_label()) note({label_name(*label), "has no tile in tiles.jsonl"});
+    while (next_label()) continue;
+    expect("labels", report_.labels, manifest_.counts.labels);
   }
 
   void expect(const char* key, std::uint64_t found, std::uint64_t stated) {
@@ -262,10 +230,7 @@ class Verifier {
   }
 
   void check_totals() {
-    report_.vertices = seams_.vertices() - counted_twice_;
     report_.triangles = triangles_.count;
-    report_.seam_vertices = seams_.seam_vertices();
-    report_.boundary_edges = seams_.boundary_edges();
     const ManifestCounts& counts = manifest_.counts;
     expect("tiles", report_.tiles, counts.tiles);
     // An open border and a free topology leave out polygons, and vertices with them.
@@ -276,13 +241,16 @@ class Verifier {
     expect("triangles", polygon_triangles_, counts.triangles);
   }
 
-  // Files that are no tile's: those of the merged mesh, the list of tiles.
+  // Files that are no tile's: those of the merged mesh, and the lists.
   void check_merged() {
     Problems problems;
     MeshFiles merged;
     for (const FileRecord& file : manifest_.files) {
+      if (file.role != "merged") {
+        check_file(directory_, file, problems);
+        continue;
+      }
       auto bytes = checked_file(directory_, file, problems);
-      if (file.role != "merged") continue;
       ++report_.files;
       report_.bytes += bytes.size();
       if (!manifest_.merged || !options_.merged) continue;
@@ -319,13 +287,14 @@ class Verifier {
   const fs::path directory_;
   const VerifyOptions options_;
   const Manifest manifest_;
+  const bool each_;  // labels are surfaces of their own
   const PointFrame frame_;
   const TileReader tiles_;
-  SeamCheck seams_;
+  std::optional<LabelListReader> labels_;  // of labels
   const int threads_;
+  std::optional<Surface> surface_;  // under way
   TriangleDigest triangles_;
   std::uint64_t quads_ = 0, polygon_triangles_ = 0;
-  std::uint64_t counted_twice_ = 0;  // inside their tile, and kept by another
   VerifyReport report_;
 };
 

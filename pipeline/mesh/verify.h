@@ -1,10 +1,12 @@
 // Checks an output directory against its manifest and against what voxweld promises: files whole,
-// tiles that weld without a crack into a closed (or, on the border, open) 2-manifold.
+// tiles that weld without a crack into a closed (or, on the border, open) 2-manifold. With
+// labels.mode = "each" that is so for each label by itself, one after the other, and its volume,
+// area and bounds are those that labels.jsonl says.
 //
 // One tile at a time is decoded and checked for each thread; of a tile only what touches others
 // stays: its seam vertices, the half-edges between them and the fans around them. So the memory
-// taken is a tile for each thread plus all seams, whatever the size of the mesh. The merged mesh,
-// where there is one, is held whole.
+// taken is a tile for each thread plus all seams (of one label), whatever the size of the mesh. The
+// merged mesh, where there is one, is held whole.
 #pragma once
 
 #include <cstdint>
@@ -32,6 +34,7 @@ struct VerifyReport {
   std::uint64_t triangles = 0;
   std::uint64_t seam_vertices = 0;   // in more than one tile, equal in all to the bit
   std::uint64_t boundary_edges = 0;  // of the welded mesh
+  std::uint64_t labels = 0;          // with a mesh of their own, all of the above their sum
   bool merged_checked = false;
   std::uint64_t problem_count = 0;
   std::vector<Problem> problems;  // the first of them

@@ -3,6 +3,7 @@
 #include <ctime>
 
 #include "stages/build/build_brick.h"
+#include "stages/build/label_bricks.h"
 #include "stages/ingest/statistics.h"
 #include "stages/ingest/threshold.h"
 #include "storage/support/error.h"
@@ -68,21 +69,30 @@ class Sampler {
   void build(Index3 brick, const ContourParameters& parameters, BrickSample& sums) {
     const HaloBlock block = read(brick);
     const double before = thread_seconds();
-    build_brick(block, place_of(brick), parameters, scratch_, octree_);
+    const std::uint64_t vertices = sums.vertices;
+    if (parameters.labels.mode == LabelMode::each) {
+      labels_.fill(block, *parameters.labels.rules);
+      labels_.each(place_of(brick), parameters,
+                   [&](Material, const BrickOctree& octree) { add(octree, sums); });
+    } else {
+      build_brick(block, place_of(brick), parameters, scratch_, octree_);
+      add(octree_, sums);
+    }
     sums.cpu_s += thread_seconds() - before;
     ++sums.bricks;
-    if (octree_.counts.active_cells == 0) return;
-    ++sums.active;
-    sums.vertices += octree_.vertices.size();
-    sums.polygons += octree_.polygons.size();
-    sums.octree_bytes += octree_.vertices.size() * sizeof(LeafVertex) +
-                         octree_.polygons.size() * sizeof(PolygonRefs) +
-                         octree_.blocks.size() * sizeof(BlockCount) +
-                         octree_.skin.cells.size() * sizeof(SkinCell) +
-                         octree_.skin.vertices.size() * sizeof(SkinVertex);
+    if (sums.vertices > vertices) ++sums.active;
   }
 
  private:
+  static void add(const BrickOctree& octree, BrickSample& sums) {
+    if (octree.counts.active_cells == 0) return;
+    sums.vertices += octree.vertices.size();
+    sums.polygons += octree.polygons.size();
+    sums.octree_bytes +=
+        octree.vertices.size() * sizeof(LeafVertex) + octree.polygons.size() * sizeof(PolygonRefs) +
+        octree.blocks.size() * sizeof(BlockCount) + octree.skin.cells.size() * sizeof(SkinCell) +
+        octree.skin.vertices.size() * sizeof(SkinVertex);
+  }
   BrickPlace place_of(Index3 brick) const {
     return {brick * (std::int64_t{1} << grid_.brick_level()), grid_.brick_level()};
   }
@@ -93,6 +103,7 @@ class Sampler {
   std::vector<std::byte> samples_;
   BrickScratch scratch_;
   BrickOctree octree_;
+  LabelBricks labels_;
 };
 
 }  // namespace

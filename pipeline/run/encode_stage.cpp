@@ -199,6 +199,7 @@ void write_listing(const EncodeJob& job, const UnitPlan& plan, bool merged,
     listing.tiles.push_back({plan.largest(unit).key(), record_path(job, plan, unit)});
   if (merged) listing.merged = merged_record_path(job);
   listing.labels = label_mode(job);
+  listing.materials = job.materials;
   listing.output = job.output;
   write_listing(listing, std::move(before), std::move(manifest));
 }

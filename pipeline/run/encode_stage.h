@@ -3,6 +3,7 @@
 
 #include "pipeline/mesh/manifest.h"
 #include "pipeline/run/stitch_stage.h"
+#include "storage/types/material_table.h"
 
 namespace voxweld {
 
@@ -15,6 +16,7 @@ struct EncodeJob {
   std::filesystem::path folder;  // of the sidecar records
   std::filesystem::path output;
   Hash128 key;
+  const MaterialTable* materials = nullptr;  // for the list of labels
 };
 
 // Units are numbered as UnitPlan has them; the merged mesh comes after them.

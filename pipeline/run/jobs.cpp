@@ -91,6 +91,7 @@ void Jobs::open_volume(Config& config) {
   stitch_.folder = paths.stitch;
   stitch_.key = paths.stitch_key;
   encode_ = {&stitch_, info.geometry, paths.encode, config.output.directory, paths.encode_key};
+  encode_.materials = &map_.materials;
 }
 
 void check_budget(const RunContext& context, const Jobs& jobs) {

@@ -28,15 +28,11 @@ void append(std::vector<std::byte>& out, const T* values, std::size_t count) {
 
 }  // namespace
 
-LabelOctrees::LabelOctrees(const BuildJob& job)
-    : job_(job), parameters_(job.parameters), notes_(job.folder, notes_bytes) {}
+LabelOctrees::LabelOctrees(const BuildJob& job) : job_(job), notes_(job.folder, notes_bytes) {}
 
 std::uint64_t LabelOctrees::memory_bytes(const BrickGrid& grid, std::uint64_t samples) {
-  // Of MaterialBlock: the number of each sample, and of each value an entry of the table and of
-  // three lists that may have grown to twice their content.
-  constexpr std::uint64_t of_value = 48 + 2 * (8 + 8 + 4);
   const std::uint64_t side16 = std::uint64_t{1} << (grid.shard_level() - block_level);
-  return samples * (4 + of_value) + LabelExtents::memory_bytes(samples) + 2 * notes_bytes +
+  return LabelBricks::memory_bytes(samples) + 2 * notes_bytes +
          side16 * side16 * side16 * 4 * sizeof(CubeCount) + (std::uint64_t{1} << 20);
 }
 
@@ -50,59 +46,48 @@ void LabelOctrees::begin(Index3 shard, Hash128 input_stamp) {
 
 void LabelOctrees::build(const HaloBlock& block, Index3 first, std::int64_t count,
                          const WorkerContext& worker) {
-  materials_.fill(block, *job_.parameters.labels.rules);
+  labels_.fill(block, *job_.parameters.labels.rules);
   for (std::int64_t i = 0; i < count; ++i)
-    build_labels({job_.grid.brick_level(), first + Index3{i, 0, 0}}, worker);
+    build_brick({job_.grid.brick_level(), first + Index3{i, 0, 0}}, worker);
 }
 
-void LabelOctrees::build_labels(const CellKey& brick, const WorkerContext& worker) {
-  const BrickPlace place{brick.lo(), brick.level};
-  const HaloBlock& block = materials_.block();
-  const auto labels = static_cast<std::uint32_t>(materials_.materials().size());
+void LabelOctrees::build_brick(const CellKey& brick, const WorkerContext& worker) {
   bool any = false;
-  for (const std::uint32_t label : extents_.find(block, place, labels, materials_.outside())) {
-    worker.check_interrupt();
-    const Material material = materials_.materials()[label];
-    if (extents_.everywhere(label)) {
-      inside(brick.at, material);
-      continue;
-    }
-    parameters_.surface.label = label;
-    build_brick(block, place, extents_.samples(label), parameters_, scratch_, brick_);
-    add_piece(brick, material, any);
-  }
+  labels_.each({brick.lo(), brick.level}, job_.parameters,
+               [&](Material material, const BrickOctree& octree) {
+                 worker.check_interrupt();
+                 add_piece(brick, material, octree, any);
+               });
   if (!any) return;
   out_->end_brick();
   ++summary_.active_bricks;
 }
 
 // any: whether the brick has a piece already.
-void LabelOctrees::add_piece(const CellKey& brick, Material material, bool& any) {
-  const NodeState state = brick_.root.state;
-  add_counts(brick_.counts, summary_.counts, state != NodeState::leaf);
+void LabelOctrees::add_piece(const CellKey& brick, Material material, const BrickOctree& octree,
+                             bool& any) {
+  const NodeState state = octree.root.state;
+  add_counts(octree.counts, summary_.counts, state != NodeState::leaf);
   if (state == NodeState::outside) return;
-  if (state == NodeState::inside) return note(brick, material, brick_.root, nullptr);
+  if (state == NodeState::inside) return note(brick, material, octree, nullptr);
   if (!any) out_->begin_brick(morton_encode(brick.at));
   any = true;
-  const PieceRecord piece = out_->piece(material, brick_);
-  note(brick, material, brick_.root, &piece);
+  const PieceRecord piece = out_->piece(material, octree);
+  note(brick, material, octree, &piece);
 }
 
 void LabelOctrees::inside(Index3 brick, Material material) {
-  RootRecord root;
-  root.state = NodeState::inside;
-  root.corner_signs = 255;
-  note({job_.grid.brick_level(), brick}, material, root, nullptr);
+  note({job_.grid.brick_level(), brick}, material, filled_brick(), nullptr);
 }
 
-void LabelOctrees::note(const CellKey& brick, Material material, const RootRecord& root,
+void LabelOctrees::note(const CellKey& brick, Material material, const BrickOctree& octree,
                         const PieceRecord* piece) {
   std::vector<PieceBlock> blocks;
-  if (root.state == NodeState::split) blocks = filled_blocks(brick_);
+  if (octree.root.state == NodeState::split) blocks = filled_blocks(octree);
   Note note;
-  note.root = root;
+  note.root = octree.root;
   note.blocks = blocks.size();
-  if (root.state == NodeState::leaf) note.polygons = brick_.polygons.size();
+  if (octree.root.state == NodeState::leaf) note.polygons = octree.polygons.size();
   if (piece != nullptr) {
     note.has_piece = 1;
     note.piece = *piece;

@@ -5,8 +5,7 @@
 #include <optional>
 
 #include "pipeline/run/shard_octrees.h"
-#include "stages/build/label_extents.h"
-#include "stages/build/material_block.h"
+#include "stages/build/label_bricks.h"
 #include "storage/artifact/label_shard_artifact.h"
 #include "storage/support/record_sorter.h"
 
@@ -30,17 +29,13 @@ class LabelOctrees : public ShardOctrees {
 
  private:
   class NodeWriter;
-  void build_labels(const CellKey& brick, const WorkerContext& worker);
-  void add_piece(const CellKey& brick, Material material, bool& any);
-  void note(const CellKey& brick, Material material, const RootRecord& root,
+  void build_brick(const CellKey& brick, const WorkerContext& worker);
+  void add_piece(const CellKey& brick, Material material, const BrickOctree& octree, bool& any);
+  void note(const CellKey& brick, Material material, const BrickOctree& octree,
             const PieceRecord* piece);
 
   const BuildJob& job_;
-  ContourParameters parameters_;  // the job's, with the label under way
-  MaterialBlock materials_;
-  LabelExtents extents_;
-  BrickScratch scratch_;
-  BrickOctree brick_;
+  LabelBricks labels_;
   Index3 shard_;
   std::unique_ptr<LabelShardWriter> out_;
   RecordSorter notes_;  // of all pieces, by label and brick

@@ -50,13 +50,15 @@ class ListFile {
 // of one have to come together.
 class LabelLines {
  public:
-  LabelLines(ListFile& out, const Manifest& manifest)
-      : out_(out), lattice_(manifest.lattice), open_border_(manifest.open_border) {}
+  LabelLines(ListFile& out, const Manifest& manifest, const MaterialTable* materials)
+      : out_(out),
+        lattice_(manifest.lattice),
+        open_border_(manifest.open_border),
+        materials_(materials) {}
 
   void add(const LabelAsset& mesh, std::uint64_t tiles, std::span<const FileRecord> files) {
     if (any_ && open_.label != mesh.label) close();
-    any_ = true;
-    open_.label = mesh.label;
+    if (!any_) open(mesh.label);
     open_.vertices += mesh.octree_vertices;
     open_.triangles += mesh.triangles;
     open_.tiles += tiles;
@@ -70,6 +72,14 @@ class LabelLines {
   }
 
  private:
+  void open(Material label) {
+    any_ = true;
+    open_.label = label;
+    const MaterialEntry* entry = materials_ == nullptr ? nullptr : materials_->find(label);
+    if (entry == nullptr) return;
+    open_.name = entry->name;
+    if (const auto& color = entry->color) open_.color = {color->red, color->green, color->blue};
+  }
   void close() {
     if (!any_) return;
     if (!open_border_) open_.volume = enclosed_volume(measure_, lattice_);
@@ -89,6 +99,7 @@ class LabelLines {
   ListFile& out_;
   OutputLattice lattice_;
   bool open_border_;
+  const MaterialTable* materials_;
   bool any_ = false;  // open_ is under way
   LabelRecord open_;
   MeshMeasure measure_;
@@ -158,7 +169,7 @@ void list_tiles(const Listing& listing, Manifest& manifest, std::set<std::string
   LabelSums sums;
   if (listing.labels != LabelMode::off) {
     labels.emplace(listing.output, labels_name);
-    lines.emplace(*labels, manifest);
+    lines.emplace(*labels, manifest, listing.materials);
   }
   probe_in_order<AssetRecord>(
       listing.tiles.size(), records_ahead,

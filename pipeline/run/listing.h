@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pipeline/mesh/manifest.h"
+#include "storage/types/material_table.h"
 
 namespace voxweld {
 
@@ -19,6 +20,7 @@ struct ListedTile {
 
 struct Listing {
   std::vector<ListedTile> tiles;
+  const MaterialTable* materials = nullptr;  // names and colours of labels, where there are some
   // each: the records are of labels, those of one together, and they ascend. shared: every record
   // may be of any.
   LabelMode labels = LabelMode::off;

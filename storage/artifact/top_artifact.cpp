@@ -5,7 +5,7 @@
 namespace voxweld {
 namespace {
 
-constexpr std::uint64_t tiles_section = 2, codes_section = 3;
+constexpr std::uint64_t tiles_section = 2;
 constexpr std::uint64_t first_leaf_section = 0x1000000;
 constexpr std::size_t leaves_per_section = 4096;
 
@@ -36,13 +36,13 @@ Hash128 TopArtifactWriter::finish(const MergeCounts& counts, std::span<const Has
   flush_leaves();
   file_.section(top_counts_section, std::as_bytes(std::span(&counts, 1)));
   file_.section(tiles_section, std::as_bytes(std::span(tiles_)));
-  file_.section(codes_section, std::as_bytes(std::span(first_codes_)));
+  file_.section(top_codes_section, std::as_bytes(std::span(first_codes_)));
   file_.section(top_shards_section, std::as_bytes(shards));
   return file_.commit();
 }
 
 TopArtifact::TopArtifact(const std::filesystem::path& path) : file_(path, top_kind, top_version) {
-  if (file_.find(codes_section) != nullptr) file_.read_array(codes_section, first_codes_);
+  if (!of_labels()) file_.read_array(top_codes_section, first_codes_);
 }
 
 MergeCounts TopArtifact::counts() const {

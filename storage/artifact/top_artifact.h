@@ -20,7 +20,8 @@ namespace voxweld {
 inline constexpr std::array<char, 4> top_kind = {'t', 'o', 'p', 's'};
 inline constexpr std::uint32_t top_version = 4;
 
-inline constexpr std::uint64_t top_counts_section = 1, top_shards_section = 4;
+inline constexpr std::uint64_t top_counts_section = 1, top_codes_section = 3,
+                               top_shards_section = 4;
 
 // What is known of the whole after merge.
 struct MergeCounts {
@@ -57,6 +58,7 @@ class TopArtifact {
   const std::string& provenance() const { return file_.provenance(); }
   const std::string& path() const { return file_.path(); }
 
+  bool of_labels() const { return file_.find(top_codes_section) == nullptr; }
   MergeCounts counts() const;
   std::vector<PlannedTile> tiles() const;
   std::vector<Hash128> shards() const;  // content hashes of what was merged
