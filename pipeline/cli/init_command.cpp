@@ -29,6 +29,7 @@ struct InitArguments {
   std::optional<std::int64_t> resolution;
   std::optional<double> cell;
   bool labels = false;
+  std::string close = "no";
 };
 
 // Cells along a mesh's longest side where nothing is said of it.
@@ -138,15 +139,23 @@ int init_mesh(const InitArguments& arguments) {
   input.format = InputConfig::Format::mesh;
   input.cell = arguments.cell;
   if (!input.cell) input.resolution = arguments.resolution.value_or(usual_resolution);
-  const MeshFile file = read_closed_mesh(path, Config{}.run.memory);
+  if (arguments.close == "winding") input.close = MeshClosing::winding;
+  const MeshFile file = read_closed_mesh(path, Config{}.run.memory, input.close);
   const Bounds bounds = bounds_of(file.mesh);
-  const MeshSuggestion suggestion{
-      path_for_config(path, config), file.format,      file.mesh.vertices.size(),
-      file.mesh.triangles.size(),    bounds.lo,        bounds.hi,
-      mesh_geometry(input, bounds),  input.resolution, input.cell};
+  const MeshSuggestion suggestion{path_for_config(path, config),
+                                  file.format,
+                                  file.mesh.vertices.size(),
+                                  file.mesh.triangles.size(),
+                                  bounds.lo,
+                                  bounds.hi,
+                                  mesh_geometry(input, bounds),
+                                  input.resolution,
+                                  input.cell,
+                                  input.close};
   write_config(config, with_unit(commented_config(suggestion), arguments.volume.unit));
   const Index3 size = suggestion.geometry.size;
-  fmt::print("{}: {} triangles, closed ({})\n", path, suggestion.triangles, file.format);
+  fmt::print("{}: {} triangles, closed{} ({})\n", path, suggestion.triangles,
+             input.close == MeshClosing::no ? "" : " by winding number", file.format);
   fmt::print("{}: {} x {} x {} samples, {:g} apart\n", config.string(), size.x, size.y, size.z,
              suggestion.geometry.spacing.x);
   fmt::print("next: voxweld run {}\n", config.string());
@@ -217,6 +226,11 @@ void add_init_command(CLI::App& app, Program& program) {
       ->excludes(resolution);
   command->add_flag("--labels", arguments->labels,
                     "The samples are labels: a config that meshes each of them");
+  command
+      ->add_option("--close", arguments->close,
+                   "Meshes: \"winding\" closes holes by the winding number")
+      ->check(CLI::IsMember({"no", "winding"}))
+      ->capture_default_str();
   add_volume_options(*command, arguments->volume);
   command->callback([&program, arguments] {
     program.run = [&program, arguments] { return init(*arguments, program); };

@@ -65,7 +65,7 @@ const Names& of_volumes() {
   return names;
 }
 const Names& of_meshes() {
-  static const Names names = {"input.resolution", "input.cell", "input.margin"};
+  static const Names names = {"input.resolution", "input.cell", "input.margin", "input.close"};
   return names;
 }
 
@@ -176,8 +176,9 @@ std::string commented_config(const VolumeInfo& info, const InitSuggestion& sugge
 std::string commented_config(const MeshSuggestion& mesh) {
   const VolumeGeometry& g = mesh.geometry;
   std::string text = "# voxweld config. Keys that begin with # are at their defaults.\n";
-  text += fmt::format("# {} triangles and {} vertices, closed, read as {}\n", mesh.triangles,
-                      mesh.vertices, mesh.format);
+  text += fmt::format("# {} triangles and {} vertices, closed{}, read as {}\n", mesh.triangles,
+                      mesh.vertices, mesh.close == MeshClosing::no ? "" : " by winding number",
+                      mesh.format);
   text += fmt::format("# from {}, {}, {} to {}, {}, {}\n", real(mesh.lo.x), real(mesh.lo.y),
                       real(mesh.lo.z), real(mesh.hi.x), real(mesh.hi.y), real(mesh.hi.z));
   text += fmt::format("# sampled at {} x {} x {} places, {} apart\n", g.size.x, g.size.y, g.size.z,
@@ -186,6 +187,7 @@ std::string commented_config(const MeshSuggestion& mesh) {
   active["input.path"] = toml_string(mesh.path);
   if (mesh.resolution) active["input.resolution"] = std::to_string(*mesh.resolution);
   if (mesh.cell) active["input.cell"] = real(*mesh.cell);
+  if (mesh.close == MeshClosing::winding) active["input.close"] = "\"winding\"";
   for (const std::string& table : table_names()) text += table_text(table, active, of_volumes());
   return text;
 }
@@ -198,7 +200,7 @@ std::string reference_config() {
   active["input.path"] = "\"scan.nrrd\"";
   active["surface.isovalue"] = "\"otsu\"";
   // Only raw files and meshes take these.
-  for (const char* name : {"input.endian", "input.header_bytes", "input.margin"})
+  for (const char* name : {"input.endian", "input.header_bytes", "input.margin", "input.close"})
     active.erase(name);
   std::string text = "#:schema voxweld.schema.json\n";
   text += "# Every key there is. Those that begin with # have no value unless one is given.\n";

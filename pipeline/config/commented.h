@@ -30,7 +30,7 @@ struct InitSuggestion {
 // be recognised. Precondition: suggestion.path is valid UTF-8 without control characters.
 std::string commented_config(const VolumeInfo& info, const InitSuggestion& suggestion);
 
-// What looking at a closed mesh tells.
+// What looking at a mesh tells.
 struct MeshSuggestion {
   std::string path;    // as that of InitSuggestion
   std::string format;  // "stl" ...
@@ -39,6 +39,7 @@ struct MeshSuggestion {
   VolumeGeometry geometry;  // of the lattice that one of these gives
   std::optional<std::int64_t> resolution;
   std::optional<double> cell;
+  MeshClosing close = MeshClosing::no;  // else it is open, or may be
 };
 
 // The same for that mesh. Precondition: one of resolution and cell is set.

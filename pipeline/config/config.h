@@ -25,6 +25,10 @@ namespace voxweld {
 inline constexpr std::int64_t most_samples = (std::int64_t{1} << 19) - 1;
 inline constexpr std::int64_t least_resolution = 4, most_resolution = most_samples - 7;
 
+// What becomes of a mesh that is not closed: it is refused, or has its sides told by its winding
+// number.
+enum class MeshClosing : std::uint8_t { no, winding };
+
 struct InputConfig {
   enum class Format : std::uint8_t {
     automatic,  // never of a mesh: that is known by its name
@@ -53,7 +57,8 @@ struct InputConfig {
   // How finely a mesh is sampled: one of the two with Format::mesh, else none.
   std::optional<std::int64_t> resolution{};  // cells along the longest side of its box
   std::optional<double> cell{};              // the spacing, in the mesh's own unit
-  std::int64_t margin = 1;                 // whole cells of empty space around it, and half of one
+  std::int64_t margin = 1;  // whole cells of empty space around it, and half of one
+  MeshClosing close = MeshClosing::no;
 
   // Else all of the surface is made by solids.
   bool has_samples() const { return format != Format::empty && format != Format::mesh; }
@@ -172,6 +177,7 @@ struct EditConfig {
   std::filesystem::path path = {};          // absolute
   double scale = 1;                         // above 0
   std::optional<std::uint64_t> material{};  // of label volumes
+  MeshClosing close = MeshClosing::no;
 
   friend bool operator==(const EditConfig&, const EditConfig&) = default;
 };

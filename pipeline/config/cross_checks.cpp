@@ -73,10 +73,11 @@ class CrossChecks {
 
   void mesh() const {
     const InputConfig& in = config_.input;
-    const std::array<std::pair<const char*, bool>, 3> of_meshes = {
+    const std::array<std::pair<const char*, bool>, 4> of_meshes = {
         {{"input.resolution", in.resolution.has_value()},
          {"input.cell", in.cell.has_value()},
-         {"input.margin", in.margin != InputConfig{}.margin}}};
+         {"input.margin", in.margin != InputConfig{}.margin},
+         {"input.close", in.close != MeshClosing::no}}};
     if (in.format != InputConfig::Format::mesh) {
       for (const auto& [name, set] : of_meshes)
         if (set)

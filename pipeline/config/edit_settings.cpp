@@ -23,6 +23,11 @@ const std::vector<std::string>& shape_names() {
   return names;
 }
 
+const std::vector<std::string>& closing_names() {
+  static const std::vector<std::string> names = {"no", "winding"};
+  return names;
+}
+
 struct Binding {
   Rule rule;
   std::function<void(EditConfig&, const ConfigValue&)> set;
@@ -168,6 +173,12 @@ std::vector<EditSetting> make_edit_settings() {
            "towards z, y turns z towards x, z turns x towards y.",
            "[0.0, 0.0, 30.0]"},
           triple(&EditConfig::rotate), {box, mesh}),
+      row({"close",
+           "\"no\" refuses a mesh that is not closed; \"winding\" closes its holes, and makes one "
+           "of "
+           "what overlaps: inside is where its triangles wind around at least half.",
+           "\"winding\""},
+          choice(&EditConfig::close, closing_names()), {mesh}),
   };
 }
 

@@ -126,6 +126,12 @@ std::vector<Setting> mesh_input_settings() {
            "more. "
            "Solids that [[edit]] adds need room there."},
           binding::integer(in, &In::margin, IntegerRule{1, 65536}), mesh_lengths),
+      row({"input", "close",
+           "Meshes only: \"no\" refuses a mesh that is not closed; \"winding\" closes its holes, "
+           "and "
+           "makes one of what overlaps: inside is where its triangles wind around at least half "
+           "(generalized winding number)."},
+          binding::choice(in, &In::close, {"no", "winding"}), build),
   };
 }
 

@@ -9,7 +9,7 @@
 #include "pipeline/executor/probe.h"
 #include "pipeline/run/common_material.h"
 #include "pipeline/run/shard_builder.h"
-#include "stages/geometry/mesh_solid.h"
+#include "stages/geometry/lattice_solid.h"
 #include "storage/artifact/label_shard_artifact.h"
 #include "storage/support/error.h"
 

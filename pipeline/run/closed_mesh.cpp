@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "pipeline/run/context.h"
+#include "stages/geometry/mesh_solid.h"
+#include "stages/geometry/wound_mesh.h"
 #include "storage/readers/text_fields.h"
 #include "storage/support/error.h"
 
@@ -16,16 +18,18 @@ namespace fs = std::filesystem;
 
 // Of memory at most, for each byte of a mesh's file, while it is read, checked and indexed: a
 // triangle of a binary STL has 50 bytes there and up to 200 here; in a binary PLY, with its share
-// of the vertices, 19 and up to 95.
-std::uint64_t bytes_per_file_byte(const fs::path& path) {
-  return lower(path.extension().string()) == ".ply" ? 5 : 4;
+// of the vertices, 19 and up to 95. Winding numbers take 140 more.
+std::uint64_t bytes_per_file_byte(const fs::path& path, MeshClosing closing) {
+  const bool ply = lower(path.extension().string()) == ".ply";
+  const std::uint64_t read = ply ? 5 : 4, wound = ply ? 8 : 3;
+  return closing == MeshClosing::winding ? read + wound : read;
 }
 
-void check_memory(const fs::path& path, std::uint64_t budget) {
+void check_memory(const fs::path& path, std::uint64_t budget, MeshClosing closing) {
   std::error_code error;
   const std::uintmax_t size = fs::file_size(path, error);
   if (error) return;  // the reader says it better
-  const std::uint64_t need = program_bytes() + bytes_per_file_byte(path) * size;
+  const std::uint64_t need = program_bytes() + bytes_per_file_byte(path, closing) * size;
   if (need <= budget) return;
   throw InputError(fmt::format(
       "{}: run.memory = {} is not enough for this mesh of {}, which takes up to {}; raise "
@@ -49,19 +53,30 @@ std::string holes_text(const MeshBoundary& boundary) {
                      boundary.holes.size(), boundary.holes.size() == 1 ? "hole" : "holes", text);
 }
 
-MeshFile read_closed_mesh(const fs::path& path, std::uint64_t budget) {
-  check_memory(path, budget);
+MeshFile read_closed_mesh(const fs::path& path, std::uint64_t budget, MeshClosing closing) {
+  check_memory(path, budget, closing);
   MeshFile file = read_mesh_file(path);
   const MeshBoundary boundary = boundary_of(file.mesh);
+  if (closing == MeshClosing::winding) {
+    if (!boundary.closed())
+      spdlog::info("{}: closed by winding number: {}", path.string(), holes_text(boundary));
+    return file;
+  }
   if (!boundary.closed())
     throw InputError(fmt::format(
         "{}: the mesh is not closed, so it has no inside: {} of its edges have an odd number of "
-        "triangles, in {}; close it in a mesh editor",
+        "triangles, in {}; close it in a mesh editor, or with close = \"winding\"",
         path.string(), boundary.edges, holes_text(boundary)));
   if (signed_volume(file.mesh) < 0)
     spdlog::warn("{}: its triangles face inward; the solid is what they enclose all the same",
                  path.string());
   return file;
+}
+
+std::shared_ptr<const LatticeSolid> make_solid(const TriangleMesh& mesh, const VolumeFrame& frame,
+                                               Hash128 content, MeshClosing closing) {
+  if (closing == MeshClosing::no) return std::make_shared<MeshSolid>(mesh, frame, content);
+  return std::make_shared<WoundMesh>(mesh, frame, content);
 }
 
 }  // namespace voxweld

@@ -56,18 +56,19 @@ void warn_outside(const fs::path& path, const Solid& solid, const VolumeGeometry
 
 void load_edit_meshes(const Config& config, const VolumeGeometry& geometry, Edits& edits) {
   const VolumeFrame frame{geometry.size, geometry.spacing};
-  std::map<fs::path, MeshFile> files;  // one may stand in several places
+  std::map<std::pair<fs::path, MeshClosing>, MeshFile> files;  // one may stand in several places
   for (std::size_t i = 0; i < edits.size(); ++i) {
     Solid& solid = edits[i].solid;
     if (solid.shape != SolidShape::mesh) continue;
-    const fs::path& path = config.edits[i].path;
-    auto found = files.find(path);
+    const EditConfig& edit = config.edits[i];
+    const auto key = std::pair(edit.path, edit.close);
+    auto found = files.find(key);
     if (found == files.end())
-      found = files.emplace(path, read_closed_mesh(path, config.run.memory)).first;
+      found = files.emplace(key, read_closed_mesh(edit.path, config.run.memory, edit.close)).first;
     const TriangleMesh mesh = placed(found->second.mesh, solid);
-    check_reach(path, mesh, frame);
-    solid.mesh = std::make_shared<MeshSolid>(mesh, frame, found->second.content);
-    warn_outside(path, solid, geometry);
+    check_reach(edit.path, mesh, frame);
+    solid.mesh = make_solid(mesh, frame, found->second.content, edit.close);
+    warn_outside(edit.path, solid, geometry);
   }
 }
 

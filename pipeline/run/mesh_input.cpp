@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "pipeline/run/closed_mesh.h"
-#include "stages/geometry/mesh_solid.h"
 #include "storage/readers/empty_source.h"
 #include "storage/support/error.h"
 
@@ -96,14 +95,14 @@ void warn_of_cut_edits(const VolumeGeometry& geometry, const Edits& edits) {
 }
 
 std::shared_ptr<SampleSource> open_mesh_input(const Config& config) {
-  MeshFile file = read_closed_mesh(config.input.path, config.run.memory);
-  const VolumeGeometry geometry = mesh_geometry(config.input, bounds_of(file.mesh));
+  const InputConfig& input = config.input;
+  MeshFile file = read_closed_mesh(input.path, config.run.memory, input.close);
+  const VolumeGeometry geometry = mesh_geometry(input, bounds_of(file.mesh));
   Solid solid;
   solid.shape = SolidShape::mesh;
   solid.center = Vec3{} - geometry.first;
   for (Vec3& v : file.mesh.vertices) v = v + solid.center;
-  solid.mesh = std::make_shared<MeshSolid>(file.mesh, VolumeFrame{geometry.size, geometry.spacing},
-                                           file.content);
+  solid.mesh = make_solid(file.mesh, {geometry.size, geometry.spacing}, file.content, input.close);
   return std::make_shared<MeshVolume>(geometry, std::move(solid));
 }
 

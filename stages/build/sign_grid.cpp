@@ -5,7 +5,7 @@
 
 #include "stages/build/label_field.h"
 #include "stages/geometry/inside_test.h"
-#include "stages/geometry/mesh_solid.h"
+#include "stages/geometry/lattice_solid.h"
 #include "stages/geometry/solid.h"
 
 namespace voxweld {
@@ -153,8 +153,8 @@ void SignGrid::fill_shape(const Solid& solid, const VolumeFrame& frame, Index3 f
     }
 }
 
-void SignGrid::fill_mesh(const MeshSolid& mesh, Index3 first, const Box3& held) {
-  mesh.each_flip(held, [&](const MeshSolid::Flip& flip) {
+void SignGrid::fill_mesh(const LatticeSolid& mesh, Index3 first, const Box3& held) {
+  mesh.each_flip(held, [&](const LatticeSolid::Flip& flip) {
     flip_bits(row_at(flip.y - first.y, flip.z - first.z), flip.x - first.x, held.hi.x - first.x);
   });
 }

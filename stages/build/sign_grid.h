@@ -58,7 +58,7 @@ class SignGrid : public CollapseRule {
 
  private:
   void fill_shape(const Solid& solid, const VolumeFrame& frame, Index3 first, const Box3& held);
-  void fill_mesh(const MeshSolid& mesh, Index3 first, const Box3& held);
+  void fill_mesh(const LatticeSolid& mesh, Index3 first, const Box3& held);
   std::uint64_t* row_at(std::int64_t y, std::int64_t z) {  // counted from the grid's first
     return bits_.data() +
            (static_cast<std::size_t>(z) * points_ + static_cast<std::size_t>(y)) * stride_;

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
-#include "stages/geometry/mesh_solid.h"
+#include "stages/geometry/lattice_solid.h"
 #include "stages/geometry/solid.h"
 
 namespace voxweld {
 namespace {
 
-MeshSolid::Crossing crossing_of(const Solid& solid, const VolumeFrame& frame, int axis, Index3 s,
-                                bool low_in_solid) {
+LatticeSolid::Crossing crossing_of(const Solid& solid, const VolumeFrame& frame, int axis, Index3 s,
+                                   bool low_in_solid) {
   if (solid.shape == SolidShape::mesh) return solid.mesh->crossing(axis, s, low_in_solid);
   const Vec3 low = frame.place_of_sample(s);
   const double length = frame.spacing[axis];

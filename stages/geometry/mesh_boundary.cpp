@@ -80,12 +80,14 @@ MeshBoundary boundary_of(const TriangleMesh& mesh) {
 }
 
 Bounds bounds_of(const TriangleMesh& mesh) {
-  Bounds bounds{mesh.vertices.at(0), mesh.vertices.at(0)};
-  for (const Vec3& v : mesh.vertices)
-    for (int a = 0; a < 3; ++a) {
-      bounds.lo[a] = std::min(bounds.lo[a], v[a]);
-      bounds.hi[a] = std::max(bounds.hi[a], v[a]);
-    }
+  const Vec3 first = mesh.vertices[mesh.triangles.at(0)[0]];
+  Bounds bounds{first, first};
+  for (const auto& t : mesh.triangles)
+    for (const std::uint32_t corner : t)
+      for (int a = 0; a < 3; ++a) {
+        bounds.lo[a] = std::min(bounds.lo[a], mesh.vertices[corner][a]);
+        bounds.hi[a] = std::max(bounds.hi[a], mesh.vertices[corner][a]);
+      }
   return bounds;
 }
 

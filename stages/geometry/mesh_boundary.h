@@ -25,7 +25,7 @@ struct MeshBoundary {
 // cross such a mesh an even number of times. Which way triangles wind is not asked.
 MeshBoundary boundary_of(const TriangleMesh& mesh);
 
-// Of its vertices. Precondition: there are any.
+// Of its triangles. Precondition: there are any.
 Bounds bounds_of(const TriangleMesh& mesh);
 
 // Of what it encloses; negative where the triangles wind inward.

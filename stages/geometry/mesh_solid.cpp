@@ -9,8 +9,8 @@ namespace {
 // With places within 2^20 cells, points are of at most 2^40 steps, their differences 2^41, areas
 // 2^83, and an area times a difference, three times, 2^126: nothing overflows.
 using Wide = __int128;
-constexpr int cell_bits = 20;
-constexpr std::int64_t cell = std::int64_t{1} << cell_bits;
+constexpr int cell_bits = mesh_cell_bits;
+constexpr std::int64_t cell = mesh_cell;
 
 struct Plane {  // of a triangle: normal.(p - point) is 0 on it
   std::array<Wide, 3> normal;
@@ -83,10 +83,6 @@ std::int64_t first_beyond(const Plane& plane, Index3 p) {
   return static_cast<std::int64_t>(whole * step < need ? whole + 1 : whole);
 }
 
-std::int64_t snapped(double place, double spacing) {
-  return std::llround(place / spacing * static_cast<double>(cell));
-}
-
 std::array<MeshRowIndex::Rows, 3> reached_rows(const std::array<Index3, 3>& c, Index3 size) {
   std::array<MeshRowIndex::Rows, 3> reached;
   for (int axis = 0; axis < 3; ++axis) {
@@ -106,9 +102,7 @@ std::array<MeshRowIndex::Rows, 3> reached_rows(const std::array<Index3, 3>& c, I
 MeshSolid::MeshSolid(const TriangleMesh& mesh, const VolumeFrame& frame, Hash128 source)
     : triangles_(mesh.triangles), spacing_(frame.spacing), source_(source) {
   points_.reserve(mesh.vertices.size());
-  for (const Vec3& v : mesh.vertices)
-    points_.push_back(
-        {snapped(v.x, spacing_.x), snapped(v.y, spacing_.y), snapped(v.z, spacing_.z)});
+  for (const Vec3& v : mesh.vertices) points_.push_back(snapped_corner(v, spacing_));
   if (points_.empty()) return;
   Index3 lo = points_[0], hi = points_[0];
   for (const Index3& p : points_) {

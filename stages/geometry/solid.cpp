@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "stages/geometry/mesh_solid.h"
+#include "stages/geometry/lattice_solid.h"
 
 namespace voxweld {
 namespace {

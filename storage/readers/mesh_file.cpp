@@ -54,7 +54,7 @@ bool before(Vec3 a, Vec3 b) {
   return false;
 }
 
-// Vertices at equal places become one, in order of place; those of no triangle go.
+// Vertices at equal places become one, in order of place; those of no triangle stay.
 void weld(TriangleMesh& mesh) {
   std::vector<std::uint32_t> order(mesh.vertices.size());
   std::iota(order.begin(), order.end(), 0U);

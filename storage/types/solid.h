@@ -12,7 +12,7 @@
 
 namespace voxweld {
 
-class MeshSolid;  // stages/geometry/mesh_solid.h
+class LatticeSolid;  // stages/geometry/lattice_solid.h
 
 enum class SolidShape : std::uint8_t { sphere, box, cylinder, cone, torus, plane, mesh };
 
@@ -23,7 +23,8 @@ enum class SolidShape : std::uint8_t { sphere, box, cylinder, cone, torus, plane
 //   cone      base of `radius` at z = -height / 2, tip at z = height / 2
 //   torus     within `tube` of the circle of `radius` in the plane z = 0
 //   plane     the half space z <= 0
-//   mesh      what a row out of q crosses an odd number of times, of triangles * scale
+//   mesh      what a row out of q crosses an odd number of times, or what they wind around, of
+//             triangles * scale
 // Points on the surface are inside; those on a mesh's where a step to higher x, y, z leads in.
 struct Solid {
   SolidShape shape = SolidShape::sphere;
@@ -33,7 +34,7 @@ struct Solid {
   double radius = 0, height = 0, tube = 0;
   double scale = 1;
   // Of a mesh alone, in its place already; compared as a pointer.
-  std::shared_ptr<const MeshSolid> mesh;
+  std::shared_ptr<const LatticeSolid> mesh;
   friend bool operator==(const Solid&, const Solid&) = default;
 };
 

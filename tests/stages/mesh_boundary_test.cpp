@@ -55,6 +55,13 @@ TEST(MeshBoundary, TellsHolesTheLargestFirst) {
   EXPECT_EQ(boundary.holes[1].center.x, 4);
 }
 
+TEST(MeshBoundary, BoundsAreOfTriangles) {
+  TriangleMesh box = box_mesh({-1, 2, 3}, {4, 5, 6});
+  box.vertices.push_back({100, 0, 0});
+  EXPECT_EQ(bounds_of(box).lo, (Vec3{-1, 2, 3}));
+  EXPECT_EQ(bounds_of(box).hi, (Vec3{4, 5, 6}));
+}
+
 TEST(MeshBoundary, SignedVolume) {
   TriangleMesh box = box_mesh({1e6, 1e6, 1e6}, {1e6 + 1, 1e6 + 2, 1e6 + 3});
   EXPECT_NEAR(signed_volume(box), 6, 1e-9);

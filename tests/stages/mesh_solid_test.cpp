@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "stages/build/hermite.h"
 #include "tests/support/triangle_meshes.h"
 
@@ -142,20 +140,6 @@ TEST(MeshSolid, TetrahedraAtNastyPlaces) {
   }
 }
 
-// How often the mesh winds around p (van Oosterom, Strackee, "The Solid Angle of a Plane Triangle",
-// IEEE Trans. Biomed. Eng. 30(2), 1983).
-double winding(const TriangleMesh& mesh, Vec3 p) {
-  double sum = 0;
-  for (const auto& t : mesh.triangles) {
-    const Vec3 a = mesh.vertices[t[0]] - p, b = mesh.vertices[t[1]] - p,
-               c = mesh.vertices[t[2]] - p;
-    const double la = std::sqrt(dot(a, a)), lb = std::sqrt(dot(b, b)), lc = std::sqrt(dot(c, c));
-    sum += std::atan2(dot(a, cross(b, c)),
-                      la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
-  }
-  return sum / (2 * std::numbers::pi);
-}
-
 TEST(MeshSolid, TurnedMeshesAgreeWithWindingNumbers) {
   std::mt19937 random(11);
   const VolumeFrame frame{{24, 20, 16}, {1, 1.2, 1.5}};
@@ -168,7 +152,7 @@ TEST(MeshSolid, TurnedMeshesAgreeWithWindingNumbers) {
     sampled.each_sample([&](Index3 s) {
       const Vec3 p = frame.place_of_sample(s);
       if (nearest(mesh, p) < 1e-5) return;
-      EXPECT_EQ(sampled.at(s), std::lround(winding(mesh, p)) % 2 != 0);
+      EXPECT_EQ(sampled.at(s), std::lround(testing::winding(mesh, p)) % 2 != 0);
     });
     expect_crossings_on_surface(sampled, mesh);
   }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <random>
 
 #include "storage/types/triangle_mesh.h"
@@ -70,6 +71,20 @@ inline double volume_of(const TriangleMesh& mesh) {
   for (const auto& t : mesh.triangles)
     sum += dot(mesh.vertices[t[0]], cross(mesh.vertices[t[1]], mesh.vertices[t[2]]));
   return sum / 6;
+}
+
+// How often the mesh winds around p (van Oosterom, Strackee, "The Solid Angle of a Plane Triangle",
+// IEEE Trans. Biomed. Eng. 30(2), 1983).
+inline double winding(const TriangleMesh& mesh, Vec3 p) {
+  double sum = 0;
+  for (const auto& t : mesh.triangles) {
+    const Vec3 a = mesh.vertices[t[0]] - p, b = mesh.vertices[t[1]] - p,
+               c = mesh.vertices[t[2]] - p;
+    const double la = std::sqrt(dot(a, a)), lb = std::sqrt(dot(b, b)), lc = std::sqrt(dot(c, c));
+    sum += std::atan2(dot(a, cross(b, c)),
+                      la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+  }
+  return sum / (2 * std::numbers::pi);
 }
 
 // Of the point to the triangle (Ericson, "Real-Time Collision Detection", 2005, 5.1.5).

@@ -45,6 +45,15 @@ TEST(MeshFiles, InfoTellsWhereTheyAreOpen) {
   EXPECT_THAT(place.run({"info", place.at("box.obj")}).out, HasSubstr("closed          no\n"));
   expect_refused({"init", place.at("box.obj"), "-o", place.at("box.toml")},
                  {"box.obj: the mesh is not closed", "in 1 hole ("});
+  EXPECT_THAT(place
+                  .run({"init", place.at("box.obj"), "-o", place.at("box.toml"), "--close",
+                        "winding", "--cell", "0.25"})
+                  .out,
+              HasSubstr("box.obj: 10 triangles, closed by winding number (obj)\n"));
+  place.run({"run", place.at("box.toml")});
+  place.run({"verify", place.at("box.mesh")});
+  place.run({"export", place.at("box.mesh/mesh.drc"), "-o", place.at("out.off")});
+  EXPECT_NEAR(place.info(place.at("out.off")).at("volume").get<double>(), 40, 0.1);
 }
 
 TEST(MeshFiles, InitLeadsToARunInTheirCoordinates) {

@@ -161,6 +161,7 @@ EditConfig any_edit() {
   if (has("rotate")) edit.rotate = any_vector();
   if (has("path")) edit.path = "/parts/\"a\" part.stl";
   if (has("scale")) edit.scale = any_positive();
+  if (has("close")) edit.close = static_cast<MeshClosing>(*rc::gen::inRange(0, 2));
   return edit;
 }
 
@@ -177,9 +178,13 @@ RC_GTEST_PROP(EditConfig, CanonicalTomlReadsBackEqual, ()) {
 
 // One edit with every value another.
 const std::map<std::string, std::string> other_values = {
-    {"op", "\"intersect\""}, {"shape", ""},           {"path", "\"other.stl\""}, {"scale", "2"},
-    {"center", "[1, 2, 4]"}, {"radius", "3"},         {"height", "11"},          {"tube", "0.5"},
-    {"size", "[4, 5, 7]"},   {"axis", "[0, 0.5, 1]"}, {"rotate", "[0, 0, 31]"},  {"material", "8"}};
+    {"op", "\"intersect\""},   {"shape", ""},
+    {"path", "\"other.stl\""}, {"scale", "2"},
+    {"center", "[1, 2, 4]"},   {"radius", "3"},
+    {"height", "11"},          {"tube", "0.5"},
+    {"size", "[4, 5, 7]"},     {"axis", "[0, 0.5, 1]"},
+    {"rotate", "[0, 0, 31]"},  {"close", "\"no\""},
+    {"material", "8"}};
 
 std::string sample(SolidShape shape, const std::string& changed_key = {}) {
   std::string text = "[[edit]]\n";

@@ -73,6 +73,11 @@ const std::vector<WrongKey>& wrong_keys() {
        "a path in quotes",
        {{"\"\"", "\"\" (a string)"}, {"3", "3; write paths in quotes"}}},
       {mesh, "scale", positive + " (default: 1.0)", not_positive},
+      {mesh,
+       "close",
+       "\"no\" or \"winding\" (default: \"no\")",
+       {{"false", "false (a boolean)"},
+        {"\"windng\"", "\"windng\" (a string); did you mean \"winding\"?"}}},
       {cone, "height", positive, not_positive},
       {torus, "tube", positive, not_positive},
       {box, "size", "three finite numbers above 0: [x, y, z]", not_triple},
@@ -120,9 +125,10 @@ TEST(EditError, UnknownKeys) {
       error_of(least_config("[[edit]]\nshape = \"plane\"\n  color = 3\n")),
       "/data/scan.toml:5:3: edit 1: unknown key color. A plane takes op, material, shape, center, "
       "axis");
-  EXPECT_EQ(error_of(least_config("[[edit]]\nshpae = \"plane\"\n")),
-            "/data/scan.toml:4:1: edit 1: unknown key shpae; did you mean shape? An edit takes op, "
-            "material, shape, path, center, radius, height, tube, size, axis, scale, rotate");
+  EXPECT_EQ(
+      error_of(least_config("[[edit]]\nshpae = \"plane\"\n")),
+      "/data/scan.toml:4:1: edit 1: unknown key shpae; did you mean shape? An edit takes op, "
+      "material, shape, path, center, radius, height, tube, size, axis, scale, rotate, close");
   EXPECT_EQ(
       error_of(least_config(sphere + sphere + "[edit.more]\na = 1\n")),
       "/data/scan.toml:11:7: edit 2: unknown key more. A sphere takes op, material, shape, center, "
@@ -191,11 +197,11 @@ TEST(EditError, OneTableIsNoEdit) {
   EXPECT_EQ(error_of(least_config("edit = 3\n")),
             "/data/scan.toml:3:1: expected tables [[edit]] with keys op, material, shape, path, "
             "center, radius, "
-            "height, tube, size, axis, scale, rotate, found 3");
+            "height, tube, size, axis, scale, rotate, close, found 3");
   EXPECT_EQ(error_of(least_config("edit = [1, 2]\n")),
             "/data/scan.toml:3:1: expected tables [[edit]] with keys op, material, shape, path, "
             "center, radius, "
-            "height, tube, size, axis, scale, rotate, found [1, 2] (a list of 2)");
+            "height, tube, size, axis, scale, rotate, close, found [1, 2] (a list of 2)");
 }
 
 TEST(EditError, OtherTablesAreNotLists) {

@@ -23,6 +23,8 @@ TEST(MeshConfig, KnownByItsName) {
   EXPECT_EQ(config.input.resolution, 100);
   EXPECT_EQ(config.input.cell, std::nullopt);
   EXPECT_EQ(config.input.margin, 1);
+  EXPECT_EQ(config.input.close, MeshClosing::no);
+  EXPECT_EQ(parse(mesh_config("input.close = \"winding\"\n")).input.close, MeshClosing::winding);
   EXPECT_TRUE(config.surface.isovalue.has_value());
   for (const char* name : {"a.STL", "a.off", "a.Obj", "a.ply"})
     EXPECT_EQ(parse(mesh_config(), {std::string("input.path=") + name}).input.format, Format::mesh);
@@ -66,7 +68,8 @@ TEST(MeshConfig, WhatVolumesTakeMeshesDoNot) {
 }
 
 TEST(MeshConfig, WhatMeshesTakeVolumesDoNot) {
-  for (const std::string key : {"input.resolution = 9", "input.cell = 2", "input.margin = 2"}) {
+  for (const std::string key : {"input.resolution = 9", "input.cell = 2", "input.margin = 2",
+                                "input.close = \"winding\""}) {
     const std::string message = error_of(testing::least_config(key + "\n"));
     EXPECT_THAT(message, StartsWith("/data/scan.toml:3:"));
     EXPECT_THAT(message,

@@ -77,6 +77,7 @@ InputConfig any_mesh() {
   else
     in.cell = any_positive();
   in.margin = *rc::gen::inRange<std::int64_t>(1, 100);
+  in.close = any_of<MeshClosing>(2);
   if (chance()) in.unit = "mm";
   return in;
 }
@@ -236,6 +237,7 @@ header_bytes = 0
 # resolution: none; meshes need it, or input.cell
 # cell: none; meshes need it, or input.resolution
 margin = 1
+close = "no"
 
 [work]
 directory = "/data/scan.work"

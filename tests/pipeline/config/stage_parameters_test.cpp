@@ -40,6 +40,7 @@ const std::map<std::string, KeyChange>& key_changes() {
       {"input.resolution", {"100", {build, merge, stitch}}},
       {"input.cell", {"0.25", {build, merge, stitch}}},
       {"input.margin", {"3", {build, merge, stitch}}},
+      {"input.close", {"\"winding\"", {build}}},
       {"work.directory", {"\"elsewhere\"", {}}},
       {"work.chunk", {"64", {ingest}}},
       {"work.brick", {"32", {ingest, build}}},
@@ -92,7 +93,7 @@ const std::map<std::string, KeyChange>& key_changes() {
 // Of an input that takes the key.
 std::string base_text(const std::string& key = {}) {
   if (key == "input.cell") return "input.path = \"part.stl\"\ninput.cell = 0.5\n";
-  if (key == "input.resolution" || key == "input.margin")
+  if (key == "input.resolution" || key == "input.margin" || key == "input.close")
     return "input.path = \"part.stl\"\ninput.resolution = 50\n";
   return least_config("input.format = \"raw\"\ninput.size = [8, 8, 8]\ninput.type = \"uint8\"\n");
 }

@@ -1,0 +1,180 @@
+// Meshes with holes and overlaps on a lattice: against closed meshes, and against winding numbers.
+#include "stages/geometry/wound_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include "stages/geometry/mesh_solid.h"
+#include "tests/support/triangle_meshes.h"
+
+namespace voxweld {
+namespace {
+
+using testing::box_mesh;
+using testing::dented_ball;
+
+std::vector<char> sides(const LatticeSolid& solid, Index3 size, const Box3& box) {
+  std::vector<char> inside(static_cast<std::size_t>(size.x * size.y * size.z));
+  solid.each_flip(box, [&](const LatticeSolid::Flip& flip) {
+    for (std::int64_t x = flip.x; x < box.hi.x; ++x)
+      inside[static_cast<std::size_t>((flip.z * size.y + flip.y) * size.x + x)] ^= 1;
+  });
+  return inside;
+}
+
+struct Sampled {
+  VolumeFrame frame;
+  WoundMesh mesh;
+  std::vector<char> inside;
+
+  Sampled(const TriangleMesh& triangles, const VolumeFrame& f)
+      : frame(f), mesh(triangles, f, {}), inside(sides(mesh, f.size, {{}, f.size})) {}
+  std::size_t index(Index3 s) const {
+    return static_cast<std::size_t>((s.z * frame.size.y + s.y) * frame.size.x + s.x);
+  }
+  bool at(Index3 s) const { return inside[index(s)] != 0; }
+  template <class F>
+  void each_sample(F&& f) const {
+    for (std::int64_t z = 0; z < frame.size.z; ++z)
+      for (std::int64_t y = 0; y < frame.size.y; ++y)
+        for (std::int64_t x = 0; x < frame.size.x; ++x) f(Index3{x, y, z});
+  }
+  template <class F>
+  void each_crossing(F&& f) const {
+    each_sample([&](Index3 s) {
+      for (int axis = 0; axis < 3; ++axis) {
+        Index3 high = s;
+        if (++high[axis] < frame.size[axis] && at(s) != at(high))
+          f(axis, s, mesh.crossing(axis, s, at(s)));
+      }
+    });
+  }
+};
+
+// Faces and corners on lattice points or not: what parity tells of closed meshes.
+TEST(WoundMesh, ClosedMeshesAreAsByParity) {
+  std::mt19937 random(5);
+  const VolumeFrame frames[] = {{{17, 17, 17}, {1, 1, 1}}, {{15, 17, 19}, {1.2, 1, 0.8}}};
+  for (const VolumeFrame& frame : frames)
+    for (int round = 0; round < 6; ++round) {
+      TriangleMesh mesh = round % 2 == 0 ? dented_ball({8, 8, 8}, 5, 4)
+                                         : testing::subdivided(box_mesh({3, 2, 4}, {11, 12, 13}));
+      if (round > 1)
+        for (Vec3& v : mesh.vertices) v.x = std::round(2 * v.x) / 2;
+      if (round == 5)
+        for (Vec3& v : mesh.vertices) v = {std::round(v.x), std::round(v.y), std::round(v.z)};
+      const Sampled sampled(mesh, frame);
+      const MeshSolid parity(mesh, frame, {});
+      EXPECT_EQ(sampled.inside, sides(parity, frame.size, {{}, frame.size}));
+      EXPECT_EQ(sampled.mesh.open_edges(), 0U);
+      std::size_t edges = 0, far = 0, turned = 0;
+      sampled.each_crossing([&](int axis, Index3 s, const LatticeSolid::Crossing& c) {
+        const auto expected = parity.crossing(axis, s, sampled.at(s));
+        ++edges;
+        far += std::abs(c.t - expected.t) > 1e-5 ? 1 : 0;
+        turned += dot(c.normal, expected.normal) < 1 - 1e-9 ? 1 : 0;
+        EXPECT_EQ(c.normal[axis] > 0, sampled.at(s));
+      });
+      EXPECT_GT(edges, 200U);
+      EXPECT_EQ(far, 0U);
+      // On an edge of two triangles either is as good.
+      EXPECT_LE(turned, edges / (round > 1 ? 20 : 100));
+    }
+}
+
+TEST(WoundMesh, SidesAreThoseOfTheWindingNumber) {
+  std::mt19937 random(6);
+  const VolumeFrame frame{{22, 20, 18}, {1, 1.1, 1.25}};
+  for (int round = 0; round < 4; ++round) {
+    TriangleMesh mesh = dented_ball({11.2, 10.9, 11.1}, 7, 4);
+    std::erase_if(mesh.triangles, [&](const auto&) { return random() % 100 < 4U << round; });
+    const Sampled sampled(mesh, frame);
+    std::size_t inside = 0;
+    sampled.each_sample([&](Index3 s) {
+      const double number = testing::winding(mesh, frame.place_of_sample(s));
+      if (std::abs(number - 0.5) < 1e-4) return;
+      bool within = true;
+      for (int a = 0; a < 3; ++a)
+        within = within && frame.place_of_sample(s)[a] >= sampled.mesh.bounds().lo[a] &&
+                 frame.place_of_sample(s)[a] <= sampled.mesh.bounds().hi[a];
+      EXPECT_EQ(sampled.at(s), within && number > 0.5);
+      inside += sampled.at(s) ? 1 : 0;
+    });
+    EXPECT_GT(inside, 300U);
+    sampled.each_crossing([&](int axis, Index3 s, const LatticeSolid::Crossing& c) {
+      EXPECT_GE(c.t, 0);
+      EXPECT_LE(c.t, 1);
+      EXPECT_NEAR(dot(c.normal, c.normal), 1, 1e-12);
+      EXPECT_EQ(c.normal[axis] > 0, sampled.at(s));
+    });
+  }
+}
+
+// A box without its top: across the hole the number is 1/2 in the plane of its rim.
+TEST(WoundMesh, FlatHolesCloseFlat) {
+  TriangleMesh mesh = box_mesh({3.3, 4.4, 2.2}, {17.6, 15.7, 13.4});
+  std::erase_if(mesh.triangles, [&](const auto& t) {
+    return mesh.vertices[t[0]].z > 13 && mesh.vertices[t[1]].z > 13 && mesh.vertices[t[2]].z > 13;
+  });
+  ASSERT_EQ(mesh.triangles.size(), 10U);
+  const Sampled sampled(mesh, {{21, 21, 21}, {1, 1, 1}});
+  std::size_t across = 0;
+  sampled.each_sample([&](Index3 s) {
+    EXPECT_EQ(sampled.at(s), s.x > 3 && s.x < 18 && s.y > 4 && s.y < 16 && s.z > 2 && s.z < 14);
+  });
+  sampled.each_crossing([&](int axis, Index3 s, const LatticeSolid::Crossing& c) {
+    if (axis != 2 || s.z < 5) return;
+    ++across;
+    EXPECT_NEAR(c.t, 0.4, 1e-5);
+    EXPECT_NEAR(c.normal.z, 1, 1e-5);
+  });
+  EXPECT_EQ(across, 14U * 11U);
+}
+
+TEST(WoundMesh, OverlappingBoxesAreOneSolid) {
+  TriangleMesh mesh = box_mesh({2.5, 2.5, 2.5}, {10.5, 10.5, 10.5});
+  const TriangleMesh other = box_mesh({6.5, 6.5, 6.5}, {14.5, 14.5, 14.5});
+  for (auto t : other.triangles) mesh.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
+  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+  const Sampled sampled(mesh, {{18, 18, 18}, {1, 1, 1}});
+  const auto in = [](Index3 s, std::int64_t lo, std::int64_t hi) {
+    return std::min({s.x, s.y, s.z}) >= lo && std::max({s.x, s.y, s.z}) <= hi;
+  };
+  sampled.each_sample([&](Index3 s) { EXPECT_EQ(sampled.at(s), in(s, 3, 10) || in(s, 7, 14)); });
+  sampled.each_crossing([&](int axis, Index3 s, const LatticeSolid::Crossing& c) {
+    EXPECT_NEAR(c.t, 0.5, 1e-5);
+    Vec3 normal;
+    normal[axis] = sampled.at(s) ? 1 : -1;
+    EXPECT_EQ(c.normal, normal);
+  });
+}
+
+TEST(WoundMesh, BoxOfTheQuestionChangesNothing) {
+  std::mt19937 random(9);
+  TriangleMesh mesh = dented_ball({8, 8, 8}, 6, 4);
+  std::erase_if(mesh.triangles, [&](const auto&) { return random() % 10 == 0; });
+  const Index3 size{17, 17, 17};
+  const Sampled whole(mesh, {size, {1, 1, 1}});
+  for (int round = 0; round < 50; ++round) {
+    Box3 box;
+    for (int a = 0; a < 3; ++a) {
+      box.lo[a] = static_cast<std::int64_t>(random() % 16);
+      box.hi[a] = box.lo[a] + 1 + static_cast<std::int64_t>(random() % (17 - box.lo[a]));
+    }
+    const auto inside = sides(whole.mesh, size, box);
+    whole.each_sample([&](Index3 s) {
+      if (box.contains(s)) {
+        EXPECT_EQ(inside[whole.index(s)] != 0, whole.at(s));
+      }
+    });
+  }
+}
+
+TEST(WoundMesh, IsKeyedByHowItTellsSides) {
+  const VolumeFrame frame{{9, 9, 9}, {1, 1, 1}};
+  const TriangleMesh mesh = box_mesh({1, 1, 1}, {5, 5, 5});
+  const Hash128 content = hash_bytes({});
+  EXPECT_NE(WoundMesh(mesh, frame, content).source(), MeshSolid(mesh, frame, content).source());
+}
+
+}  // namespace
+}  // namespace voxweld
