@@ -215,6 +215,26 @@ bool merged_is_current(const EncodeJob& job, const UnitPlan& plan) {
   return asset_is_current(merged_record_path(job), merged_key(job, plan), job.output);
 }
 
+void count_label_pairs(const EncodeJob& job, const UnitPlan& plan, EncodeStatus& status) {
+  if (label_mode(job) != LabelMode::shared) return;
+  std::vector<std::uint64_t> counts(plan.size());
+  probe_all(plan.size(), [&](std::size_t i) {
+    counts[i] = TileArtifact(tile_artifact_path(*job.stitch, plan, i)).label_pairs();
+  });
+  for (const std::uint64_t count : counts) status.label_pairs += count;
+  for (const std::uint64_t unit : status.missing)
+    status.most_label_pairs = std::max(status.most_label_pairs, counts[unit]);
+}
+
+// A glTF primitive: its mesh apart, encoded, and described in JSON. Measured on noise, where each
+// polygon has a pair of its own.
+std::uint64_t label_pair_bytes(const Config& config, std::uint64_t pairs) {
+  const std::vector<OutputConfig::Format>& formats = config.output.formats;
+  const bool glb =
+      std::find(formats.begin(), formats.end(), OutputConfig::Format::glb) != formats.end();
+  return pairs * (glb ? 28 * 1024 : 256);
+}
+
 // The merged mesh takes the memory of the whole process: in this one it is made alone, after the
 // tiles; elsewhere it is one more unit.
 void encode_missing(RunContext& context, const EncodeJob& job, const UnitPlan& plan,
@@ -226,6 +246,9 @@ void encode_missing(RunContext& context, const EncodeJob& job, const UnitPlan& p
   stage.reused = context.selection.count(plan.size()) - status.missing.size() +
                  (merged_done && context.selection.contains(plan.size()) ? 1 : 0);
   stage.memory = encode_memory(context.config, plan.largest_tiles());
+  const std::uint64_t pairs = status.most_label_pairs;
+  stage.memory.per_unit_bytes += label_pair_bytes(context.config, pairs);
+  if (pairs > 0) stage.memory.unit += fmt::format(" with {} pairs of labels", pairs);
   stage.identity = job.folder.filename().string();
   stage.done = [&](const Unit& unit) {
     return unit.key < plan.size() ? unit_is_current(job, plan, unit.key)
@@ -267,7 +290,7 @@ StageMemory encode_memory(const Config& config, const std::vector<PlannedTile>& 
           "raise run.memory or lower output.tile_vertices; what is finished is kept"};
 }
 
-MergedPlan plan_merged(const Config& config, const UnitPlan& units) {
+MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_t label_pairs) {
   MergedPlan plan;
   // Closed surfaces of neighbouring labels overlap: they are no one mesh.
   if (config.labels.mode == LabelMode::each) return plan;
@@ -280,7 +303,8 @@ MergedPlan plan_merged(const Config& config, const UnitPlan& units) {
   if (config.output.merged == OutputConfig::Merged::never) return plan;
   plan.bytes = program_bytes() +
                accumulator_memory_bytes(vertices, triangles, config.output.normals) +
-               encode_memory_bytes(vertices, triangles, config.output.normals);
+               encode_memory_bytes(vertices, triangles, config.output.normals) +
+               label_pair_bytes(config, label_pairs);
   plan.write = plan.bytes <= config.run.memory;
   if (plan.write) return plan;
   const std::string figures =
@@ -301,7 +325,9 @@ EncodeStatus encode_status(const RunContext& context, const EncodeJob& job,
     return context.selection.contains(i) && !unit_is_current(job, *plan, i);
   });
   status.missing.assign(missing.begin(), missing.end());
-  if (context.selection.contains(plan->size()) && plan_merged(context.config, *plan).write)
+  count_label_pairs(job, *plan, status);
+  if (context.selection.contains(plan->size()) &&
+      plan_merged(context.config, *plan, status.label_pairs).write)
     status.merged_missing = !merged_is_current(job, *plan);
   return status;
 }
@@ -311,7 +337,7 @@ void run_encode(RunContext& context, const EncodeJob& job, Manifest manifest) {
   const auto plan = unit_plan(top, label_mode(job));
   context.selection.check("encode", "tiles", plan->size() + 1);
   const EncodeStatus status = encode_status(context, job, top);
-  const MergedPlan merged = plan_merged(context.config, *plan);
+  const MergedPlan merged = plan_merged(context.config, *plan, status.label_pairs);
   if (!merged.why_not.empty())
     spdlog::warn("no merged mesh: {}; the tiles are complete", merged.why_not);
 

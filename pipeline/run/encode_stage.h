@@ -23,6 +23,9 @@ struct EncodeJob {
 struct EncodeStatus {
   std::vector<std::uint64_t> missing;  // units whose files are missing, changed or of other inputs
   bool merged_missing = false;
+  // Of tiles between labels: how many pairs all of them list, one by one, and the most that one of
+  // the missing does.
+  std::uint64_t label_pairs = 0, most_label_pairs = 0;
   bool current() const { return missing.empty() && !merged_missing; }
 };
 
@@ -33,7 +36,8 @@ struct MergedPlan {
   std::uint64_t bytes = 0;  // what it takes in memory
   std::string why_not;      // for the user, when auto leaves it out
 };
-MergedPlan plan_merged(const Config& config, const UnitPlan& units);
+// label_pairs: of its triangles (labels.mode = "shared"), once stitch has found them.
+MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_t label_pairs = 0);
 
 // What encoding the largest of these tiles takes.
 StageMemory encode_memory(const Config& config, const std::vector<PlannedTile>& tiles);

@@ -74,6 +74,11 @@ TileHeader TileArtifact::header(std::size_t mesh) const {
   return headers[0];
 }
 
+std::uint64_t TileArtifact::label_pairs() const {
+  const SectionRecord* section = file_.find(pairs);
+  return section == nullptr ? 0 : section->size / sizeof(MaterialPair);
+}
+
 TileMesh TileArtifact::read(std::size_t number) const {
   const TileHeader h = header(number);
   const std::uint64_t first = std::uint64_t{number} << 8;

@@ -54,6 +54,7 @@ class TileArtifact {
   const std::vector<Material>& labels() const { return labels_; }
   std::size_t meshes() const { return labels_.empty() ? 1 : labels_.size(); }
   TileHeader header(std::size_t mesh = 0) const;
+  std::uint64_t label_pairs() const;  // how many the first mesh lists
   TileMesh read(std::size_t mesh = 0) const;
 
  private:
