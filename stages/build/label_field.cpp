@@ -24,18 +24,18 @@ void LabelField::fill_indicator(const HaloBlock& block, std::uint64_t label, con
       const auto clamped = [&](Index3 at, int axis) {
         return std::clamp<std::int64_t>(at[axis], 0, block.size[axis] - 1) - block.samples.lo[axis];
       };
-      const bool within = lo.x >= 0 && lo.x + size.x <= block.size.x;
+      // Of a row the samples that the volume has, and how far its outermost ones go on.
+      const std::int64_t first = std::clamp<std::int64_t>(lo.x, 0, block.size.x - 1);
+      const std::int64_t last = std::clamp<std::int64_t>(lo.x + size.x - 1, 0, block.size.x - 1);
+      const std::int64_t before = first - lo.x, own = last - first + 1;
+      const T* const from = data + (first - block.samples.lo.x);
       std::int32_t* out = field_.data();
       for (Index3 at = lo; at.z < lo.z + size.z; ++at.z)
-        for (at.y = lo.y; at.y < lo.y + size.y; ++at.y) {
-          const T* row = data + clamped(at, 2) * block.slice + clamped(at, 1) * block.row;
-          if (within) {
-            const T* p = row + (lo.x - block.samples.lo.x);
-            for (std::int64_t x = 0; x < size.x; ++x) *out++ = is_label(p[x]) ? 1 : 0;
-            continue;
-          }
-          for (at.x = lo.x; at.x < lo.x + size.x; ++at.x)
-            *out++ = is_label(row[clamped(at, 0)]) ? 1 : 0;
+        for (at.y = lo.y; at.y < lo.y + size.y; ++at.y, out += size.x) {
+          const T* row = from + clamped(at, 2) * block.slice + clamped(at, 1) * block.row;
+          for (std::int64_t x = 0; x < own; ++x) out[before + x] = is_label(row[x]) ? 1 : 0;
+          std::fill(out, out + before, out[before]);
+          std::fill(out + before + own, out + size.x, out[before + own - 1]);
         }
     }
   });
