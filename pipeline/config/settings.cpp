@@ -11,7 +11,6 @@ namespace voxweld {
 namespace {
 
 constexpr std::int64_t no_limit = std::numeric_limits<std::int64_t>::max();
-
 constexpr std::uint64_t least_memory = std::uint64_t{64} << 20;
 
 using Stages = std::initializer_list<Stage>;
@@ -122,13 +121,11 @@ std::vector<Setting> mesh_input_settings() {
            "none; meshes need it, or input.resolution"},
           binding::optional_positive(in, &In::cell), mesh_lengths),
       row({"input", "margin",
-           "Meshes only: cells of empty space around the mesh's bounding box, and half a cell "
-           "more. "
+           "Meshes only: cells of empty space around the mesh's bounds, and half a cell more. "
            "Solids that [[edit]] adds need room there."},
           binding::integer(in, &In::margin, IntegerRule{1, 65536}), mesh_lengths),
       row({"input", "close",
-           "Meshes only: \"no\" refuses a mesh that is not closed; \"winding\" closes its holes, "
-           "and "
+           "Meshes only: \"no\" refuses one that is not closed; \"winding\" closes its holes, and "
            "makes one of what overlaps: inside is where its triangles wind around at least half "
            "(generalized winding number)."},
           binding::choice(in, &In::close, {"no", "winding"}), build),
