@@ -35,6 +35,7 @@ struct InputConfig {
     nrrd,
     metaimage,
     nifti,
+    inrimage,
     raw,
     stack,
     zarr,

@@ -83,7 +83,7 @@ std::vector<Setting> input_settings() {
            "isovalue. \"mesh\" needs no isovalue either, but a resolution or cell."},
           binding::choice(
               in, &In::format,
-              {"auto", "nrrd", "metaimage", "nifti", "raw", "stack", "zarr", "empty", "mesh"}),
+              {"auto", "nrrd", "metaimage", "nifti", "inrimage", "raw", "stack", "zarr", "empty", "mesh"}),
           ingest),
       row({"input", "crop", "The box of samples to use, half-open: [x0, y0, z0, x1, y1, z1].",
            "the whole volume"},

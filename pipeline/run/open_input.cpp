@@ -53,8 +53,8 @@ std::shared_ptr<SampleSource> open_input(const Config& whole) {
     geometry.unit = config.unit;
     return empty_source(geometry);
   }
-  static constexpr std::array<const char*, 7> formats = {"auto", "nrrd",  "metaimage", "nifti",
-                                                         "raw",  "stack", "zarr"};
+  static constexpr std::array formats = {"auto",     "nrrd", "metaimage", "nifti",
+                                         "inrimage", "raw",  "stack",     "zarr"};
   InputSpec spec;
   spec.path = config.path.string();
   spec.format = formats[static_cast<std::size_t>(config.format)];

@@ -8,6 +8,7 @@
 #include "storage/readers/data_layout.h"
 #include "storage/readers/filters.h"
 #include "storage/readers/inflate_stream.h"
+#include "storage/readers/inrimage_reader.h"
 #include "storage/readers/metaimage_reader.h"
 #include "storage/readers/nifti_reader.h"
 #include "storage/readers/nrrd_reader.h"
@@ -90,6 +91,8 @@ std::vector<ReaderEntry> builtin_readers() {
        [](const InputSpec& s) { return open_metaimage(s.path); }},
       {"nifti", ".nii, .nii.gz, .hdr + .img", sniff_nifti,
        [](const InputSpec& s) { return open_nifti(s.path); }},
+      {"inrimage", ".inr, .inr.gz", sniff_inrimage,
+       [](const InputSpec& s) { return open_inrimage(s.path); }},
       {"raw", "headerless samples, .raw", sniff_raw, open_raw_spec},
   };
 }

@@ -26,7 +26,7 @@ struct RawPieces {
 
 struct InputSpec {
   std::string path;             // file, directory or pattern, as its reader takes it
-  std::string format = "auto";  // or a reader's name: "raw", "nrrd", "metaimage", "nifti" ...
+  std::string format = "auto";  // or a reader's name: "raw", "nrrd", "metaimage", "nifti", "inrimage" ...
   RawPieces raw{};
   std::optional<Box3> crop{};     // samples to keep, half-open, in the file's own indices
   std::optional<Vec3> spacing{};  // replaces what the file says; positive
@@ -56,7 +56,7 @@ struct ReaderEntry {
   std::function<std::unique_ptr<SampleSource>(const InputSpec&)> open;
 };
 
-// NRRD, MetaImage, NIfTI and headerless raw.
+// NRRD, MetaImage, NIfTI, Inrimage and headerless raw.
 std::vector<ReaderEntry> builtin_readers();
 
 // Picks the reader spec.format names or, with "auto", the first that knows the contents, else the

@@ -47,7 +47,7 @@ struct InputFile {
 };
 
 struct VolumeInfo {
-  std::string format;  // "nrrd", "metaimage", "nifti", "raw", "stack", "zarr"
+  std::string format;  // "nrrd", "metaimage", "nifti", "inrimage", "raw", "stack", "zarr"
   SampleType type = SampleType::u8;
   VolumeGeometry geometry;
   Access access = Access::box;

@@ -49,7 +49,7 @@ std::int64_t power_of_two(int least, int most) {
 InputConfig any_input() {
   InputConfig in;
   in.path = any_path();
-  in.format = any_of<InputConfig::Format>(7);
+  in.format = any_of<InputConfig::Format>(8);
   const auto coordinate = rc::gen::inRange<std::int64_t>(0, 100000);
   const auto extent = rc::gen::inRange<std::int64_t>(1, 100000);
   if (chance()) {

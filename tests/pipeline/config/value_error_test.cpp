@@ -50,7 +50,8 @@ const std::vector<WrongKey>& wrong_keys() {
          "\"a\\u0009b\" (a string); it holds a control character; write backslashes twice"},
         {"[\"a\"]", "[\"a\"] (a list of 1); write paths in quotes"}}},
       {"input.format",
-       "\"auto\", \"nrrd\", \"metaimage\", \"nifti\", \"raw\", \"stack\", \"zarr\", \"empty\" "
+       "\"auto\", \"nrrd\", \"metaimage\", \"nifti\", \"inrimage\", \"raw\", \"stack\", \"zarr\", "
+       "\"empty\" "
        "or \"mesh\" (default: "
        "\"auto\")",
        {{"\"NRRD\"", "\"NRRD\" (a string); did you mean \"nrrd\"?"},

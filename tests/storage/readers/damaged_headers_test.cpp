@@ -33,6 +33,7 @@ void expect_no_surprise(const Bytes& whole, std::size_t header_bytes, const std:
   std::mt19937_64 random(3);
   const std::string format = name.ends_with("nrrd")  ? "nrrd"
                              : name.ends_with("mha") ? "metaimage"
+                             : name.ends_with("inr") ? "inrimage"
                                                      : "nifti";
   int refused = 0;
   for (int i = 0; i < 1000; ++i) {
@@ -60,6 +61,15 @@ TEST(DamagedHeaders, Nrrd) {
                                             : to_bytes(as_text(volume));
     expect_no_surprise(head + data, head.size() + 20, "a.nrrd");
   }
+}
+
+TEST(DamagedHeaders, Inrimage) {
+  const KnownVolume volume = make_volume(SampleType::i16, {3, 4, 5});
+  std::string head =
+      "#INRIMAGE-4#{\nXDIM=3\nYDIM=4\nZDIM=5\nVDIM=1\nTYPE=signed fixed\nPIXSIZE=16 "
+      "bits\nSCALE=2**0\nCPU=sun\nVX=1\nVY=2\nVZ=0.5\nTX=7\n";
+  head.append(252 - head.size(), '\n');
+  expect_no_surprise(to_bytes(head + "##}\n") + volume.stored(), 140, "a.inr");
 }
 
 TEST(DamagedHeaders, MetaImage) {

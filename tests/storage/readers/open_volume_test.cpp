@@ -37,7 +37,7 @@ TEST(OpenVolume, UnknownKindsListTheSupportedOnes) {
   EXPECT_THAT(complaint(InputSpec{.path = ""}), HasSubstr("no path"));
   EXPECT_THAT(complaint(InputSpec{.path = path.string(), .format = "dicom"}),
               AllOf(HasSubstr("unknown input format 'dicom'"), HasSubstr("nrrd")));
-  for (const char* format : {"nrrd", "metaimage", "nifti"}) {
+  for (const char* format : {"nrrd", "metaimage", "nifti", "inrimage"}) {
     EXPECT_THAT(complaint(InputSpec{.path = path.string(), .format = format}), HasSubstr("a.xyz"));
     EXPECT_THAT(complaint(InputSpec{.path = (directory / "none").string(), .format = format}),
                 HasSubstr("none: no such file"));
