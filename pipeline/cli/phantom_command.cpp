@@ -13,7 +13,7 @@ namespace {
 struct PhantomArguments {
   std::string kind, type = "uint16", output, unit;
   std::int64_t size = 256;
-  std::uint64_t seed = 1;
+  std::uint64_t seed = 1, first_label = 1;
   double spacing = 1;
 };
 
@@ -43,14 +43,16 @@ void write_zarr(const SampleSource& source, const std::filesystem::path& path) {
 int make_phantom(const PhantomArguments& arguments, Program& program) {
   const auto type = parse_sample_type(arguments.type);
   if (!type)
-    throw InputError("--type " + arguments.type + ": unknown; use uint8, uint16 or float32");
+    throw InputError("--type " + arguments.type +
+                     ": unknown; use uint8, uint16 or float32, of labels any integer type");
   PhantomSpec spec;
   spec.volume = {parse_phantom_kind(arguments.kind),
                  arguments.size,
                  *type,
                  arguments.seed,
                  {arguments.spacing, arguments.spacing, arguments.spacing},
-                 arguments.unit};
+                 arguments.unit,
+                 arguments.first_label};
   spec.path = arguments.output;
   PhantomHooks hooks;
   hooks.cancelled = [&] { return program.interrupt.requested(); };
@@ -78,12 +80,19 @@ void add_phantom_command(CLI::App& app, Program& program) {
       "phantom", "Writes a known solid as a volume, for demos, tests and scale runs");
   command->add_option("kind", arguments->kind, kinds_text())->required();
   command->add_option("--size", arguments->size, "Samples a side")->capture_default_str();
-  command->add_option("--type", arguments->type, "uint8, uint16 or float32")->capture_default_str();
+  command
+      ->add_option("--type", arguments->type,
+                   "uint8, uint16 or float32; of labels and junctions any integer type")
+      ->capture_default_str();
   command
       ->add_option("-o,--output", arguments->output,
                    "The file: .nrrd, .nhdr (with .raw beside it), .raw or .zarr")
       ->required();
   command->add_option("--seed", arguments->seed, "Of porous, labels and noise")
+      ->capture_default_str();
+  command
+      ->add_option("--first-label", arguments->first_label,
+                   "Of labels and junctions: the number of the first, the others count on")
       ->capture_default_str();
   command->add_option("--spacing", arguments->spacing, "Recorded as the distance of samples")
       ->capture_default_str();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "pipeline/phantom/csg_field.h"
+#include "pipeline/phantom/junctions_field.h"
 #include "pipeline/phantom/lattice_fields.h"
 #include "pipeline/phantom/porous_field.h"
 #include "pipeline/phantom/smooth_fields.h"
@@ -36,6 +37,7 @@ std::unique_ptr<const AnalyticField> make_analytic_field(PhantomKind kind, std::
     case PhantomKind::temple:
       return std::make_unique<CsgField>(temple_model(), size);
     case PhantomKind::labels:
+    case PhantomKind::junctions:
     case PhantomKind::porous:
     case PhantomKind::noise:
       break;
@@ -52,6 +54,8 @@ std::unique_ptr<const PhantomField> make_phantom_field(PhantomKind kind, std::in
   switch (kind) {
     case PhantomKind::labels:
       return std::make_unique<LabelsField>(size, seed);
+    case PhantomKind::junctions:
+      return std::make_unique<JunctionsField>(size);
     case PhantomKind::porous:
       return std::make_unique<PorousField>(size, seed);
     case PhantomKind::noise:

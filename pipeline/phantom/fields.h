@@ -39,7 +39,8 @@ class AnalyticField : public PhantomField {
 // Seeds matter to labels, porous and noise only. InputError unless 1 <= size <= 2^19 - 2.
 std::unique_ptr<const PhantomField> make_phantom_field(PhantomKind kind, std::int64_t size,
                                                        std::uint64_t seed);
-// sphere, torus, gyroid, part and temple; InputError for the others, which have no known surface.
+// sphere, torus, gyroid, part and temple; InputError for the others, which have no surface that is
+// known (junctions has several: junctions_field.h).
 std::unique_ptr<const AnalyticField> make_analytic_field(PhantomKind kind, std::int64_t size);
 
 }  // namespace voxweld

@@ -19,6 +19,7 @@ enum class PhantomKind : std::uint8_t {
   part,
   temple,
   labels,
+  junctions,
   porous,
   noise
 };
@@ -34,6 +35,17 @@ std::span<const PhantomKindInfo> phantom_kinds();
 std::string_view phantom_kind_name(PhantomKind kind);
 // InputError naming the known kinds when there is no such one.
 PhantomKind parse_phantom_kind(std::string_view name);
+
+// Whether its values are labels, numbers from 0 on that stay as they are.
+bool holds_labels(PhantomKind kind);
+// The highest of them.
+std::uint64_t phantom_labels(PhantomKind kind);
+
+// Label k as a sample: 0 is 0, the others count from `first` on.
+template <class T>
+T label_sample(double k, std::uint64_t first) {
+  return k == 0 ? T{0} : static_cast<T>(first + static_cast<std::uint64_t>(k) - 1);
+}
 
 // sample = floor(offset + gain d) clamped to the type's range for integer types, gain d for float
 // (offset 0). Labels take offset 0 and gain 1: the label itself.
@@ -57,11 +69,11 @@ inline float Quantizer::sample<float>(double d) const {
   return static_cast<float>(gain * d);
 }
 
-// Types: uint8, uint16 and float32; labels have no float32. InputError for others.
+// Types: uint8, uint16 and float32; of labels all integers. InputError for others.
 Quantizer phantom_quantizer(PhantomKind kind, SampleType type);
 
-// The isovalue that makes the surface d = 0, with inside = "below". Empty for labels, where every
-// value above 0 is a region of its own.
+// The isovalue that makes the surface d = 0, with inside = "below". Empty where there are labels:
+// every value above 0 is a region of its own.
 std::optional<double> phantom_isovalue(PhantomKind kind, SampleType type);
 
 }  // namespace voxweld

@@ -44,6 +44,7 @@ class NoiseField : public PhantomField {
 class LabelsField : public PhantomField {
  public:
   LabelsField(std::int64_t size, std::uint64_t seed);
+  static constexpr std::uint64_t labels = 216;
   void fill(const Box3& box, double limit, double* out) const override;
   Index3 block() const override { return {16, 8, 8}; }
   std::uint64_t scratch_bytes() const override { return 1 << 14; }

@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <type_traits>
 #include <vector>
 
 #include "storage/support/error.h"
+#include "storage/types/label_range.h"
 
 namespace voxweld {
 namespace {
@@ -30,6 +34,33 @@ VolumeInfo describe(const PhantomVolume& volume, const PhantomField& field) {
   info.largest_decode = static_cast<std::uint64_t>(block.x * block.y * block.z) * sizeof(double) +
                         field.scratch_bytes();
   return info;
+}
+
+// The labels fit the type, and none is what stands for the outside (storage/types/material.h).
+std::uint64_t checked_first_label(const PhantomVolume& volume) {
+  const std::uint64_t count = phantom_labels(volume.kind);
+  if (count == 0) return 0;
+  const std::uint64_t highest = dispatch_sample_type(volume.type, [](auto tag) -> std::uint64_t {
+    using T = typename decltype(tag)::type;
+    if constexpr (std::is_integral_v<T>)
+      return std::min(highest_label, static_cast<std::uint64_t>(std::numeric_limits<T>::max()));
+    return highest_label;
+  });
+  if (volume.first_label == 0 || highest < count || volume.first_label > highest - count + 1)
+    throw InputError(fmt::format(
+        "phantom {}: {} labels from {} on do not fit {}, whose labels end at {}{}",
+        phantom_kind_name(volume.kind), count, volume.first_label, sample_type_name(volume.type),
+        highest, volume.first_label == 0 ? "; 0 is what lies around them" : ""));
+  return volume.first_label;
+}
+
+void quantize_labels(SampleType type, std::uint64_t first, const double* from, std::int64_t count,
+                     std::byte* out) {
+  dispatch_sample_type(type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    T* const to = reinterpret_cast<T*>(out);
+    for (std::int64_t i = 0; i < count; ++i) to[i] = label_sample<T>(from[i], first);
+  });
 }
 
 template <class T>
@@ -61,6 +92,7 @@ void for_each_block(const Box3& box, Index3 block, F&& f) {
 
 PhantomSource::PhantomSource(const PhantomVolume& volume)
     : quantizer_(phantom_quantizer(volume.kind, volume.type)),
+      first_label_(checked_first_label(volume)),
       field_(make_phantom_field(volume.kind, volume.size, volume.seed)),
       info_(describe(volume, *field_)) {}
 
@@ -80,7 +112,10 @@ void PhantomSource::read(const Box3& box, std::byte* out, Strides strides) const
     for (std::int64_t z = 0; z < n.z; ++z)
       for (std::int64_t y = 0; y < n.y; ++y, from += n.x) {
         const std::int64_t first = (at.z + z) * strides.slice + (at.y + y) * strides.row + at.x;
-        quantize(info_.type, quantizer_, from, n.x, out + first * bytes);
+        if (first_label_ > 0)
+          quantize_labels(info_.type, first_label_, from, n.x, out + first * bytes);
+        else
+          quantize(info_.type, quantizer_, from, n.x, out + first * bytes);
       }
   });
 }

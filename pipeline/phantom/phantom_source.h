@@ -18,6 +18,8 @@ struct PhantomVolume {
   std::uint64_t seed = 1;  // labels, porous and noise
   Vec3 spacing{1, 1, 1};   // only recorded: the shape is defined in voxels
   std::string unit{};      // of spacing; may be empty
+  // Of labels: what the first is called, the others count on from there; 0 stays 0.
+  std::uint64_t first_label = 1;
 };
 
 // Computes samples on demand; nothing is stored. Access::box: any box from any thread, the same
@@ -25,7 +27,7 @@ struct PhantomVolume {
 // bytes.
 class PhantomSource : public SampleSource {
  public:
-  // InputError for a size, type or spacing that cannot be.
+  // InputError for a size, type, spacing or labels that cannot be.
   explicit PhantomSource(const PhantomVolume& volume);
 
   const VolumeInfo& info() const override { return info_; }
@@ -42,6 +44,7 @@ class PhantomSource : public SampleSource {
 
  private:
   Quantizer quantizer_;
+  std::uint64_t first_label_;  // 0: the values are no labels
   std::unique_ptr<const PhantomField> field_;
   VolumeInfo info_;
 };

@@ -27,7 +27,7 @@ TEST(PhantomKinds, NamesGoBothWays) {
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
                  "unknown phantom \"cube\": expected one of sphere, torus, gyroid, part, temple, "
-                 "labels, porous, noise");
+                 "labels, junctions, porous, noise");
   }
 }
 
