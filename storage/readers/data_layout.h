@@ -1,5 +1,6 @@
 // How a header says its samples are stored, and the sources that read them so. NRRD, MetaImage,
-// NIfTI, Inrimage and raw files differ in their headers only: what they say about the data ends up here.
+// NIfTI, Inrimage and raw files differ in their headers only: what they say about the data ends up
+// here.
 #pragma once
 
 #include <bit>

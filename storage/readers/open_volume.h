@@ -25,8 +25,9 @@ struct RawPieces {
 };
 
 struct InputSpec {
-  std::string path;             // file, directory or pattern, as its reader takes it
-  std::string format = "auto";  // or a reader's name: "raw", "nrrd", "metaimage", "nifti", "inrimage" ...
+  std::string path;  // file, directory or pattern, as its reader takes it
+  std::string format =
+      "auto";  // or a reader's name: "raw", "nrrd", "metaimage", "nifti", "inrimage" ...
   RawPieces raw{};
   std::optional<Box3> crop{};     // samples to keep, half-open, in the file's own indices
   std::optional<Vec3> spacing{};  // replaces what the file says; positive

@@ -91,7 +91,8 @@ TEST(Inrimage, WhatCannotBeReadIsNamed) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::u16, {3, 4, 5});
   const auto say = [&](const std::string& line_start, const std::string& line) {
-    const std::string lines = with_line(fmt::format("\n{}", lines_of(volume, "pc")), line_start, line);
+    const std::string lines =
+        with_line(fmt::format("\n{}", lines_of(volume, "pc")), line_start, line);
     return complaint(write_file(directory / "a.inr", to_bytes(header(lines)) + volume.stored()));
   };
   EXPECT_THAT(say("XDIM", ""), HasSubstr("the header has no field 'XDIM'"));
