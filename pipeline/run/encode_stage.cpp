@@ -241,7 +241,7 @@ void encode_missing(RunContext& context, const EncodeJob& job, const UnitPlan& p
                     const EncodeStatus& status, bool merged_planned) {
   StageRun stage;
   stage.stage = "encode";
-  stage.noun = label_mode(job) == LabelMode::each ? "batches" : "meshes";
+  stage.noun = label_mode(job) == LabelMode::each ? "groups" : "meshes";
   const bool merged_done = merged_planned && !status.merged_missing;
   stage.reused = context.selection.count(plan.size()) - status.missing.size() +
                  (merged_done && context.selection.contains(plan.size()) ? 1 : 0);
