@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "pipeline/executor/probe.h"
 #include "pipeline/run/asset_record.h"
@@ -164,17 +163,16 @@ void encode_merged(const RunContext& context, const EncodeJob& job, const UnitPl
 }
 
 // The names of all that the run may write: the same for each of its tasks.
-void add_planned(const RunContext& context, const UnitPlan& plan, bool merged,
-                 std::set<std::string>& names) {
+void add_planned(const RunContext& context, const UnitPlan& plan, bool merged, FileNames& names) {
   std::vector<std::string> endings;
   for (const OutputConfig::Format format : context.config.output.formats)
     endings.push_back(format == OutputConfig::Format::drc ? ".drc" : ".glb");
   for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
     for (const PlannedMesh& mesh : plan.meshes(unit))
-      for (const std::string& ending : endings) names.insert(mesh.stem + ending);
+      for (const std::string& ending : endings) names.add(mesh.stem + ending);
   for (const std::string& ending : endings)
-    if (merged) names.insert("mesh" + ending);
-  if (context.config.labels.mode != LabelMode::off) names.insert(labels_name);
+    if (merged) names.add("mesh" + ending);
+  if (context.config.labels.mode != LabelMode::off) names.add(labels_name);
 }
 
 Hash128 planned_key(const EncodeJob& job, const TopArtifact& top, bool merged) {
@@ -192,8 +190,8 @@ nlohmann::json stages_json(const RunContext& context) {
   return stages;
 }
 
-void write_listing(const EncodeJob& job, const UnitPlan& plan, bool merged,
-                   std::set<std::string> before, Manifest manifest) {
+void write_listing(const EncodeJob& job, const UnitPlan& plan, bool merged, FileNames& earlier,
+                   Manifest manifest) {
   Listing listing;
   for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
     listing.tiles.push_back({plan.largest(unit).key(), record_path(job, plan, unit)});
@@ -201,7 +199,7 @@ void write_listing(const EncodeJob& job, const UnitPlan& plan, bool merged,
   listing.labels = label_mode(job);
   listing.materials = job.materials;
   listing.output = job.output;
-  write_listing(listing, std::move(before), std::move(manifest));
+  write_listing(listing, earlier, std::move(manifest));
 }
 
 bool unit_is_current(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit) {
@@ -341,13 +339,17 @@ void run_encode(RunContext& context, const EncodeJob& job, Manifest manifest) {
   if (!merged.why_not.empty())
     spdlog::warn("no merged mesh: {}; the tiles are complete", merged.why_not);
 
-  if (!status.current())
-    begin_output(job.output, planned_key(job, top, merged.write),
-                 [&](auto& names) { add_planned(context, *plan, merged.write, names); });
+  if (!status.current()) {
+    FileNames names(job.folder);
+    begin_output(job.output, planned_key(job, top, merged.write), names,
+                 [&](FileNames& all) { add_planned(context, *plan, merged.write, all); });
+  }
   encode_missing(context, job, *plan, status, merged.write);
   if (!context.selection.all()) return;
   manifest.stages = std::make_unique<nlohmann::json>(stages_json(context));
-  write_listing(job, *plan, merged.write, files_of_earlier_runs(job.output), std::move(manifest));
+  FileNames earlier(job.folder);
+  add_files_of_earlier_runs(job.output, earlier);
+  write_listing(job, *plan, merged.write, earlier, std::move(manifest));
 }
 
 }  // namespace voxweld

@@ -18,10 +18,10 @@ AssetRecord whole_record(const std::filesystem::path& path) {
   return std::move(*record);
 }
 
-void count_file(const FileRecord& file, ManifestCounts& counts, std::set<std::string>& leftovers) {
+void count_file(const FileRecord& file, ManifestCounts& counts, FileNames& leftovers) {
   ++counts.files;
   counts.bytes += file.bytes;
-  leftovers.erase(file.path);
+  leftovers.leave_out(file.path);
 }
 
 // A list under way: lines to a file and its hash.
@@ -161,7 +161,7 @@ void each_mesh(const Listing& listing, const CellKey& tile, AssetRecord& record,
 }
 
 // Writes tiles.jsonl and labels.jsonl.
-void list_tiles(const Listing& listing, Manifest& manifest, std::set<std::string>& leftovers) {
+void list_tiles(const Listing& listing, Manifest& manifest, FileNames& leftovers) {
   ManifestCounts& counts = manifest.counts;
   ListFile tiles(listing.output, tiles_name);
   std::optional<ListFile> labels;
@@ -198,7 +198,7 @@ void list_tiles(const Listing& listing, Manifest& manifest, std::set<std::string
 
 }  // namespace
 
-void write_listing(const Listing& listing, std::set<std::string> earlier, Manifest manifest) {
+void write_listing(const Listing& listing, FileNames& earlier, Manifest manifest) {
   list_tiles(listing, manifest, earlier);
   if (listing.merged) {
     manifest.merged.emplace();
@@ -209,8 +209,8 @@ void write_listing(const Listing& listing, std::set<std::string> earlier, Manife
       manifest.files.push_back(file);
     }
   }
-  for (const FileRecord& file : manifest.files) earlier.erase(file.path);
-  for (const std::string& name : earlier) std::filesystem::remove(listing.output / name);
+  for (const FileRecord& file : manifest.files) earlier.leave_out(file.path);
+  earlier.each([&](const std::string& name) { std::filesystem::remove(listing.output / name); });
   write_manifest(manifest, listing.output / manifest_name);
   finish_output(listing.output);
 }

@@ -1,14 +1,14 @@
 // The end of encode: tiles.jsonl, of labels labels.jsonl, and manifest.json from the records of the
-// assets, one at a time, so that no more than the names of the files is ever held for all of them.
+// assets, one at a time.
 #pragma once
 
 #include <filesystem>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "pipeline/mesh/manifest.h"
+#include "pipeline/run/file_names.h"
 #include "storage/types/material_table.h"
 
 namespace voxweld {
@@ -29,7 +29,8 @@ struct Listing {
 };
 
 // Writes the lists and then the manifest, with counts and files filled in; removes those of the
-// `earlier` files that are not in it. DamagedArtifact where a record is not whole.
-void write_listing(const Listing& listing, std::set<std::string> earlier, Manifest manifest);
+// `earlier` files that are not in it, and takes the others out of them. DamagedArtifact where a
+// record is not whole.
+void write_listing(const Listing& listing, FileNames& earlier, Manifest manifest);
 
 }  // namespace voxweld

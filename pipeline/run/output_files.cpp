@@ -1,5 +1,7 @@
 #include "pipeline/run/output_files.h"
 
+#include <algorithm>
+
 #include "pipeline/mesh/manifest.h"
 #include "storage/artifact/container.h"
 #include "storage/support/error.h"
@@ -9,15 +11,15 @@ namespace {
 
 constexpr std::array<char, 4> note_kind = {'u', 'n', 'f', 'i'};
 constexpr std::uint32_t note_version = 1;
-constexpr std::uint64_t names_section = 1;
+constexpr std::uint64_t first_section = 1;
+constexpr std::size_t section_bytes = std::size_t{1} << 20;
 
-void add_listed(const std::filesystem::path& output, std::set<std::string>& names) {
-  for (const FileRecord& file : read_manifest(output / manifest_name).files)
-    names.insert(file.path);
+void add_listed(const std::filesystem::path& output, FileNames& names) {
+  for (const FileRecord& file : read_manifest(output / manifest_name).files) names.add(file.path);
   if (!std::filesystem::exists(output / tiles_name)) return;
   TileListReader tiles(output / tiles_name);
   while (const auto tile = tiles.next())
-    for (const FileRecord& file : tile->files) names.insert(file.path);
+    for (const FileRecord& file : tile->files) names.add(file.path);
 }
 
 std::filesystem::path note_path(const std::filesystem::path& output) {
@@ -37,16 +39,18 @@ bool has_begun(const std::filesystem::path& output, Hash128 key) {
   }
 }
 
-void add_noted(const std::filesystem::path& output, std::set<std::string>& names) {
+void add_noted(const std::filesystem::path& output, FileNames& names) {
   if (!std::filesystem::exists(note_path(output))) return;
   try {
     const ArtifactReader reader(note_path(output), note_kind, note_version);
     std::vector<char> text;
-    reader.read_array(names_section, text);
-    for (auto begin = text.begin(); begin != text.end();) {
-      const auto end = std::find(begin, text.end(), '\0');
-      names.emplace(begin, end);
-      begin = end == text.end() ? end : end + 1;
+    for (const SectionRecord& section : reader.sections()) {
+      reader.read_array(section.name, text);
+      for (auto begin = text.begin(); begin != text.end();) {
+        const auto end = std::find(begin, text.end(), '\0');
+        names.add({&*begin, static_cast<std::size_t>(end - begin)});
+        begin = end == text.end() ? end : end + 1;
+      }
     }
   } catch (const DamagedArtifact&) {
     return;  // what it named stays; nothing else depends on it
@@ -55,8 +59,7 @@ void add_noted(const std::filesystem::path& output, std::set<std::string>& names
 
 }  // namespace
 
-std::set<std::string> files_of_earlier_runs(const std::filesystem::path& output) {
-  std::set<std::string> names;
+void add_files_of_earlier_runs(const std::filesystem::path& output, FileNames& names) {
   try {
     if (std::filesystem::exists(output / manifest_name)) add_listed(output, names);
   } catch (const FormatError&) {   // what it names beyond that stays
@@ -64,18 +67,25 @@ std::set<std::string> files_of_earlier_runs(const std::filesystem::path& output)
     if (std::filesystem::exists(output / manifest_name)) throw;
   }
   add_noted(output, names);
-  return names;
 }
 
-void begin_output(const std::filesystem::path& output, Hash128 key,
-                  const std::function<void(std::set<std::string>&)>& planned) {
+void begin_output(const std::filesystem::path& output, Hash128 key, FileNames& names,
+                  const std::function<void(FileNames&)>& planned) {
   if (has_begun(output, key)) return;
-  std::set<std::string> names = files_of_earlier_runs(output);
+  add_files_of_earlier_runs(output, names);
   planned(names);
-  std::string text;
-  for (const std::string& name : names) text.append(name).push_back('\0');
   ArtifactWriter note(note_path(output), {note_kind, note_version, key});
-  note.section(names_section, as_bytes(text));
+  std::string text;
+  std::uint64_t section = first_section;
+  const auto flush = [&] {
+    note.section(section++, as_bytes(text));
+    text.clear();
+  };
+  names.each([&](const std::string& name) {
+    text.append(name).push_back('\0');
+    if (text.size() >= section_bytes) flush();
+  });
+  flush();
   note.commit(Durability::fsync);
   std::filesystem::remove(output / manifest_name);
 }

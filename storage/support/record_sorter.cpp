@@ -76,6 +76,7 @@ RecordSorter::~RecordSorter() = default;
 
 void RecordSorter::push(SortKey key, std::span<const std::byte> record) {
   assert(!reading_);
+  if (held_.capacity() == 0) held_.reserve(limit_);  // untouched, it takes no memory
   const std::uint64_t taken = held_.size() + entries_.size() * sizeof(Entry);
   if (!entries_.empty() && taken + record.size() + sizeof(Entry) > limit_) spill();
   entries_.push_back({key, held_.size(), record.size()});

@@ -26,7 +26,7 @@ struct SortKey {
 class RecordSorter {
  public:
   // folder: for the scratch file, which is made only when records do not fit. limit: bytes of
-  // records held at once; in all about twice that is taken, and one record of any size.
+  // records held at once; up to half as much again is taken, and one record of any size.
   RecordSorter(std::filesystem::path folder, std::uint64_t limit);
   ~RecordSorter();
   RecordSorter(const RecordSorter&) = delete;

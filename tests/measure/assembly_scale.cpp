@@ -109,10 +109,15 @@ int run(const std::string& folder, std::int64_t side, std::uint64_t percent) {
                                                     fmt::format("{}-{}", tile.level, tile.code))});
   fmt::print("{} tiles\n", listing.tiles.size());
   timed("encode: write the tiles' records", [&] { write_assets(listing); });
-  timed("encode: list the tiles",
-        [&] { write_listing(listing, files_of_earlier_runs(listing.output), {}); });
-  timed("encode: list them again",
-        [&] { write_listing(listing, files_of_earlier_runs(listing.output), {}); });
+  const auto list = [&] {
+    FileNames earlier(folder);
+    add_files_of_earlier_runs(listing.output, earlier);
+    Manifest manifest;
+    manifest.frame.size = {samples, samples, samples};
+    write_listing(listing, earlier, std::move(manifest));
+  };
+  timed("encode: list the tiles", list);
+  timed("encode: list them again", list);
   return 0;
 }
 
