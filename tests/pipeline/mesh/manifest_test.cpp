@@ -27,7 +27,8 @@ Manifest sample_manifest() {
   m.frame.direction = {Vec3{0, 1, 0}, Vec3{1, 0, 0}, Vec3{0, 0, -1}};
   m.frame.unit = "mm";
   m.frame.space = "LPS";
-  m.counts = {8, 5, 4, {100, 20, 3}, 9007199254740993, 50, 7, 107, 4, 1, 9, 12345};
+  m.labels = LabelMode::each;
+  m.counts = {8, 5, 4, {100, 20, 3}, 9007199254740993, 50, 7, 107, 4, 1, 9, 12345, 77};
   m.merged = MergedFiles{"mesh.drc", ""};
   m.files = {{"mesh.drc", "drc", "merged", 12345678901, "00ff"}};
   m.config = std::make_unique<json>(json{{"contour", {{"tolerance", 0.5}}}});
@@ -44,6 +45,7 @@ TEST(Manifest, ReadsBackWhatWasWritten) {
   EXPECT_TRUE(read.open_border);
   EXPECT_EQ(read.border_slack, 0.25);
   EXPECT_FALSE(read.free_topology);
+  EXPECT_EQ(read.labels, LabelMode::each);
   EXPECT_EQ(read.frame.size, written.frame.size);
   EXPECT_EQ(read.frame.spacing, written.frame.spacing);
   EXPECT_EQ(read.frame.first, written.frame.first);
@@ -116,7 +118,7 @@ TEST(Manifest, RefusesEveryTruncation) {
 
 TEST(TileList, ReadsBackLinesAndNamesBadOnes) {
   const TileRecord a{{}, {3, {1, 0, 7}}, 10, 20, 9, 2, {{"tiles/a.drc", "drc", "", 99, "ab"}}};
-  const TileRecord b{{}, {0, {5, 6, 7}}, 1, 2, 1, 0, {}};
+  const TileRecord b{12, {0, {5, 6, 7}}, 1, 2, 1, 0, {}};
   const testing::TempDirectory directory;
   const auto path = directory / "tiles.jsonl";
   write_whole_file(path, as_bytes(to_json_line(a) + to_json_line(b) + "{\"tile\":3}\n"),

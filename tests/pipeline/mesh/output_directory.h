@@ -3,13 +3,16 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "pipeline/mesh/manifest.h"
+#include "pipeline/mesh/tile_check.h"
 #include "stages/encode/glb.h"
 #include "stages/encode/mesh_accumulator.h"
+#include "stages/encode/mesh_measure.h"
 #include "storage/support/file_io.h"
 #include "storage/support/hash.h"
 #include "tests/support/shapes.h"
@@ -18,11 +21,13 @@ namespace voxweld::testing {
 
 struct OutputDirectory {
   std::vector<TileMesh> tiles;
+  std::vector<Material> labels;  // of each tile, ascending; empty: one surface
   bool glb = true, merged = true, open = false, free_topology = false;
   // Hooks, each called where set: on a tile's mesh before it is encoded (the merged mesh and the
   // listing are made from the meshes before), on the listing, on the manifest.
   std::function<void(std::size_t, TileMesh&)> damage;
   std::function<void(std::size_t, TileRecord&)> relist;
+  std::function<void(LabelRecord&)> relabel;
   std::function<void(Manifest&)> restate;
   std::function<void(TileMesh&)> remerge;
 
@@ -34,14 +39,16 @@ struct OutputDirectory {
     manifest.frame.size = {40, 40, 40};
     manifest.frame.unit = "mm";
     std::string list;
-    std::set<std::array<std::int32_t, 3>> vertices;
+    std::map<Material, std::set<std::array<std::int32_t, 3>>> vertices;
     MeshAccumulator accumulator;
     for (std::size_t i = 0; i < tiles.size(); ++i) {
-      accumulator.append(tiles[i]);
-      vertices.insert(tiles[i].positions.begin(), tiles[i].positions.end());
+      if (merged) accumulator.append(tiles[i]);
+      vertices[labels.empty() ? 0 : labels[i]].insert(tiles[i].positions.begin(),
+                                                      tiles[i].positions.end());
       list += line(directory, i, manifest.counts);
     }
-    manifest.counts.vertices = vertices.size();
+    for (const auto& [label, points] : vertices) manifest.counts.vertices += points.size();
+    if (!labels.empty()) write_labels(directory, vertices, manifest);
     if (merged) write_merged(directory, accumulator.take(), manifest);
     if (restate) restate(manifest);
     write_manifest(manifest, directory / manifest_name, Durability::rename_only);
@@ -49,6 +56,35 @@ struct OutputDirectory {
   }
 
  private:
+  void write_labels(const std::filesystem::path& directory,
+                    const std::map<Material, std::set<std::array<std::int32_t, 3>>>& vertices,
+                    Manifest& manifest) const {
+    manifest.labels = LabelMode::each;
+    manifest.counts.labels = vertices.size();
+    std::string list;
+    for (const auto& [label, points] : vertices) {
+      LabelRecord record;
+      record.label = label;
+      record.vertices = points.size();
+      MeshMeasure sum;
+      for (std::size_t i = 0; i < tiles.size(); ++i) {
+        if (labels[i] != label) continue;
+        sum += measure(tiles[i].positions, tiles[i].triangles);
+        record.triangles += tiles[i].triangles.size();
+        ++record.tiles;
+        record.files.push_back("tiles/" + std::to_string(i) + ".drc");
+        if (glb) record.files.push_back("tiles/" + std::to_string(i) + ".glb");
+      }
+      if (!open) record.volume = enclosed_volume(sum, manifest.lattice);
+      record.area = surface_area(sum, manifest.lattice);
+      const PointFrame frame(manifest);
+      record.bounds = {frame.position(sum.lo), frame.position(sum.hi)};
+      if (relabel) relabel(record);
+      list += to_json_line(record);
+    }
+    manifest.files.push_back(file(directory, labels_name, "jsonl", "labels", as_bytes(list)));
+  }
+
   static FileRecord file(const std::filesystem::path& directory, const std::string& path,
                          const std::string& format, const std::string& role,
                          std::span<const std::byte> bytes) {
@@ -66,6 +102,7 @@ struct OutputDirectory {
                       mesh.quads,
                       mesh.polygon_triangles,
                       {}};
+    if (!labels.empty()) record.label = labels[i];
     counts.quads += mesh.quads;
     counts.output_triangles += mesh.triangles.size();
     counts.tiles += 1;
