@@ -2,14 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <fstream>
-#include <map>
 
 #include "pipeline/mesh/load.h"
 #include "storage/support/file_io.h"
 #include "storage/support/hash.h"
-#include "tests/support/nearest_triangle.h"
 
 namespace voxweld::testing {
 
@@ -28,37 +25,9 @@ fs::path shared_mesh(const std::string& name) {
 }
 
 TriangleMesh welded_mesh(const fs::path& path, Vec3 by) {
-  const DecodedMesh decoded = load_mesh(path);
-  TriangleMesh mesh;
-  std::map<std::array<double, 3>, std::uint32_t> known;
-  std::vector<std::uint32_t> becomes;
-  for (const auto& p : decoded.positions) {
-    const Vec3 v = Vec3{p[0], p[1], p[2]} + by;
-    const auto [found, added] =
-        known.try_emplace({v.x, v.y, v.z}, static_cast<std::uint32_t>(mesh.vertices.size()));
-    if (added) mesh.vertices.push_back(v);
-    becomes.push_back(found->second);
-  }
-  for (const auto& t : decoded.triangles)
-    mesh.triangles.push_back({becomes[t[0]], becomes[t[1]], becomes[t[2]]});
-  return mesh;
-}
-
-Spread distances(const std::vector<Vec3>& points, const TriangleMesh& mesh, double cell) {
-  const NearestTriangle nearest(mesh, 2 * cell);
-  Spread spread;
-  for (const Vec3& p : points) spread.add(nearest.distance_to(p) / cell, 0.1);
-  return spread;
-}
-
-std::vector<Vec3> points_on(const TriangleMesh& edges, double cell) {
-  std::vector<Vec3> points;
-  for (const auto& t : edges.triangles) {
-    const Vec3 a = edges.vertices[t[0]], b = edges.vertices[t[1]];
-    const int count = 1 + static_cast<int>(std::sqrt(dot(b - a, b - a)) / (0.5 * cell));
-    for (int i = 0; i < count; ++i) points.push_back(a + (b - a) * ((i + 0.5) / count));
-  }
-  return points;
+  WeldedMesh mesh;
+  mesh.add(load_mesh(path), by);
+  return mesh.mesh();
 }
 
 MeshInputScene::MeshInputScene() : scene_(RawVolume{{1, 1, 1}, SampleType::u8, {std::byte{}}, 1}) {}

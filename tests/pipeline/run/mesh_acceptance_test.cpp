@@ -1,0 +1,70 @@
+// Meshes of the shared data as the input, at 256 cells and the defaults: closed, 2-manifold, near
+// the mesh that went in, and sharp where it is. At other resolutions: tests/mesh_acceptance.sh.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cctype>
+
+#include "pipeline/mesh/verify.h"
+#include "storage/readers/mesh_file.h"
+#include "tests/pipeline/run/mesh_scene.h"
+
+namespace voxweld::testing {
+namespace {
+
+struct Expected {
+  const char* file;
+  double mean;  // at most, in cells, of vertices to the mesh and back
+  double most;
+  double sharp;  // at least, of points on sharp edges, the share within a tenth of a cell; 0: none
+};
+class MeshAcceptance : public ::testing::TestWithParam<Expected> {};
+
+TEST_P(MeshAcceptance, ComesOutAsItWentIn) {
+  const std::filesystem::path path = shared_mesh(GetParam().file);
+  if (path.empty()) GTEST_SKIP() << GetParam().file << " is not there";
+  const TriangleMesh mesh = read_mesh_file(path).mesh;
+  const MeshInputScene space;
+  space.set(path, "resolution = 256");
+  const TriangleMesh result = space.result();
+  const VerifyReport report = verify_output(space.scene().output());
+  EXPECT_TRUE(report.good()) << to_text(report);
+  EXPECT_EQ(report.boundary_edges, 0U);
+  const double cell =
+      manifest_of(space.scene().output()).at("frame").at("spacing").at(0).get<double>();
+  const double volume = std::abs(volume_of(mesh));
+  EXPECT_NEAR(volume_of(result), volume, 5e-4 * volume);
+  const Spread away = distances(result.vertices, mesh, cell);
+  const Spread missed = distances(mesh.vertices, result, cell);
+  fmt::print(
+      "{}: {} triangles; volume {:+.4f} %; vertices off by {:.4f}, at most {:.3f}; the mesh's "
+      "by {:.4f}, at most {:.3f}\n",
+      GetParam().file, result.triangles.size(), 100 * (volume_of(result) / volume - 1), away.mean(),
+      away.most, missed.mean(), missed.most);
+  EXPECT_LT(away.mean(), GetParam().mean);
+  EXPECT_LT(missed.mean(), GetParam().mean);
+  EXPECT_LT(away.most, GetParam().most);
+  EXPECT_LT(missed.most, GetParam().most);
+  if (GetParam().sharp == 0) return;
+  const auto points = points_on(sharp_edges(mesh, 40), cell);
+  const Spread edges = distances(points, sharp_edges(result, 20), cell);
+  fmt::print("  {} points of sharp edges: {:.2f} % within 0.1 cells, mean {:.4f}, at most {:.3f}\n",
+             edges.count, 100 * edges.share(), edges.mean(), edges.most);
+  EXPECT_GT(edges.share(), GetParam().sharp);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shared, MeshAcceptance,
+                         ::testing::Values(Expected{"meshes/fandisk.obj", 0.03, 0.7, 0.9},
+                                           Expected{"meshes/rocker-arm.obj", 0.05, 1, 0},
+                                           Expected{"meshes/anchor_dense.off", 0.03, 0.5, 0},
+                                           Expected{"meshes/joint.off", 0.03, 0.5, 0.9},
+                                           Expected{"meshes/knot2.off", 0.04, 0.5, 0}),
+                         [](const auto& tested) {
+                           std::string name = tested.param.file;
+                           for (char& c : name)
+                             if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace voxweld::testing
