@@ -12,6 +12,7 @@
 #include "pipeline/run/encode_stage.h"
 #include "pipeline/run/label_rules.h"
 #include "pipeline/run/mesh_input.h"
+#include "stages/build/label_edge.h"
 #include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
 #include "storage/artifact/shard_artifact.h"
@@ -133,6 +134,8 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info,
   build.text(sample_type_name(info.type));
   build.integer(g.size.x).integer(g.size.y).integer(g.size.z);
   vec(build, g.spacing);
+  if (each || labels.mode != LabelMode::off || config.surface.label)
+    build.integer(label_estimate_version);
   if (labels.mode != LabelMode::off) build.hash(hash_of(*labels.rules));
   paths.build_key = build.finish();
   paths.build = work / ("build-" + short_hex(paths.build_key));

@@ -103,22 +103,19 @@ struct Extent {
 void compute_edges(const HaloBlock& block, const BrickFrame& frame, const Extent& extent,
                    const ContourParameters& parameters, BrickScratch::Parts& s) {
   const std::optional<std::uint64_t>& label = parameters.surface.label;
-  const auto compute = [&](const HaloBlock& field, const ContourParameters& p) {
-    s.edges.compute(field, frame.origin, frame.side(), s.signs, extent.cells, p);
-  };
-  if (!label) return compute(block, parameters);
-  ContourParameters filtered;
-  filtered.spacing = parameters.spacing;
-  filtered.surface.isovalue = LabelField::full / 2.0;
-  filtered.surface.gradient = Gradient::central;
+  const Index3 origin = frame.origin;
+  if (!label)
+    return s.edges.compute(block, origin, frame.side(), s.signs, extent.cells, parameters);
   // Samples of the lattice points 0 .. side, and what their gradients read.
   const Box3 of_brick{frame.origin - splat(1 + gradient_halo),
                       frame.origin + splat(frame.side() + gradient_halo)};
   const Box3 of_edges{extent.samples.lo - splat(1 + gradient_halo),
                       extent.samples.hi + splat(1 + gradient_halo)};
   const Box3 box = intersect(intersect(of_brick, of_edges), Box3{{}, block.size});
-  if (box.empty()) return compute(block, filtered);
-  compute(s.labels.filter(block, *label, box), filtered);
+  // Without samples only the ring's edges are there, which read none.
+  HaloBlock field = block;
+  if (!box.empty()) field = s.labels.filter(block, *label, box);
+  s.edges.compute_label(field, origin, frame.side(), s.signs, extent.cells, parameters.spacing);
 }
 
 // Signs and Hermite edges after the edits that reach the brick; true when there are any.

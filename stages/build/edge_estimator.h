@@ -80,9 +80,6 @@ class EdgeEstimator {
     const double v0 = static_cast<double>(*low), v1 = static_cast<double>(low[stride(axis)]);
     double t = (isovalue_ - v0) / (v1 - v0);
     if (!std::isfinite(v0) || !std::isfinite(v1) || !std::isfinite(t)) t = 0.5;
-    // Only a filtered label can fall towards its inside: where that is thinner than the filter.
-    const double rise = outward_ * (v1 - v0);
-    if (low_inside ? rise < 0 : rise > 0) return edge_of_middle(axis, low_inside);
     t = std::clamp(t, lowest_crossing, highest_crossing);
     result.t = static_cast<float>(t);
     Vec3 g;
@@ -102,7 +99,8 @@ class EdgeEstimator {
     return result;
   }
 
- private:
+ protected:
+  Index3 size() const { return block_.size; }
   std::int64_t stride(int axis) const {
     return axis == 0 ? 1 : axis == 1 ? block_.row : block_.slice;
   }
@@ -119,6 +117,7 @@ class EdgeEstimator {
     return g;
   }
 
+ private:
   const HaloBlock& block_;
   const T* data_;
   Vec3 spacing_;

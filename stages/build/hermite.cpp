@@ -1,6 +1,8 @@
 #include "stages/build/hermite.h"
 
 #include "stages/build/edge_estimator.h"
+#include "stages/build/label_edge.h"
+#include "stages/build/label_field.h"
 #include "stages/build/solid_edge.h"
 
 namespace voxweld {
@@ -99,6 +101,16 @@ void HermiteEdges::compute(const HaloBlock& block, Index3 brick, int side, const
     fill_edges([&](int axis, int x, int y, int z) {
       return estimator.edge(axis, brick + Index3{x, y, z} - splat(1), signs.inside(x, y, z));
     });
+  });
+}
+
+void HermiteEdges::compute_label(const HaloBlock& field, Index3 brick, int side,
+                                 const SignGrid& signs, const Box3& where, Vec3 spacing) {
+  find_rows(signs, side, where);
+  constexpr double middle = LabelField::full / 2.0;
+  const LabelEdgeEstimator estimator(field, spacing, {middle, middle});
+  fill_edges([&](int axis, int x, int y, int z) {
+    return estimator.edge(axis, brick + Index3{x, y, z} - splat(1), signs.inside(x, y, z));
   });
 }
 

@@ -29,6 +29,10 @@ class HermiteEdges {
     compute(block, brick, side, signs, Box3{{}, splat(side + 1)}, parameters);
   }
 
+  // The same of a label. field: its filtered indicator (label_field.h).
+  void compute_label(const HaloBlock& field, Index3 brick, int side, const SignGrid& signs,
+                     const Box3& where, Vec3 spacing);
+
   // Takes the edges `edits` makes: those of `before`, the same brick's without the edit, where they
   // are still on the surface, else those of the solid. signs: after the edit; solid: the solid's.
   void compute(const Edit& edit, const VolumeFrame& frame, Index3 brick, int side,

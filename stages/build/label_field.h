@@ -5,10 +5,9 @@
 // and normals are those of the label's indicator after a binomial filter, (1, 4, 6, 4, 1) / 16
 // along each axis: about a Gaussian of one sample's variance, whose gradient is the usual estimate
 // of a binary surface's normal (Hoehne and Bernstein, "Shading 3D-Images from CT Using Gray-Level
-// Gradients", 1986, after smoothing). On voxelised spheres, planes, tori and slabs that halves
-// the distance to the true surface and takes the mean normal error from 45 to 3 degrees
-// (tests/stages/label_field_test.cpp); wider filters have better normals and pull curved surfaces
-// inward.
+// Gradients", 1986, after smoothing). label_edge.h takes crossings and normals from it: on
+// voxelised spheres, planes, tori and slabs that halves the distance to the true surface and takes
+// the mean normal error from 45 to 3 degrees (tests/stages/label_field_test.cpp).
 #pragma once
 
 #include <cstdint>

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "stages/build/edge_estimator.h"
+#include "stages/build/label_edge.h"
 
 namespace voxweld {
 namespace {
@@ -52,7 +52,7 @@ void LabelHermite::subtract(std::uint32_t a, std::uint32_t b) {
 }
 
 void LabelHermite::compute_block(const HaloBlock& samples, Index3 brick, Index3 first, int side,
-                                 HermiteEdges& out) {
+                                 Vec3 spacing, HermiteEdges& out) {
   // Lattice point u is sample u - 1; the gradients at both ends of the edges reach further.
   const Index3 last = min(first + splat(block_side), splat(side));
   box_ = intersect({brick + first - splat(1 + gradient_halo), brick + last + splat(gradient_halo)},
@@ -81,7 +81,7 @@ void LabelHermite::compute_block(const HaloBlock& samples, Index3 brick, Index3 
         difference_block_.data = reinterpret_cast<const std::byte*>(difference_.data());
         ready = true;
       }
-      datum = EdgeEstimator<std::int32_t>(difference_block_, level_zero_)
+      datum = LabelEdgeEstimator(difference_block_, spacing, {0, LabelField::full})
                   .edge(edge.axis, s, edge.low == a);
     }
   }
@@ -89,15 +89,12 @@ void LabelHermite::compute_block(const HaloBlock& samples, Index3 brick, Index3 
 
 void LabelHermite::compute(const HaloBlock& samples, Index3 brick, const LabelGrid& labels,
                            Vec3 spacing, HermiteEdges& out) {
-  level_zero_.spacing = spacing;
-  level_zero_.surface.isovalue = 0;
-  level_zero_.surface.gradient = Gradient::central;
   out.find(labels);
   for (int z = 0; z <= labels.side(); z += block_side)
     for (int y = 0; y <= labels.side(); y += block_side)
       for (int x = 0; x <= labels.side(); x += block_side) {
         find_edges(labels, x, y, z);
-        if (!edges_.empty()) compute_block(samples, brick, {x, y, z}, labels.side(), out);
+        if (!edges_.empty()) compute_block(samples, brick, {x, y, z}, labels.side(), spacing, out);
       }
 }
 

@@ -1,8 +1,9 @@
 // Crossings and normals between the labels of one brick.
 //
 // Between labels a and b the surface is where their indicators are equal after the filter of
-// label_field.h: the level 0 of their difference. Away from other labels that is the surface of
-// either label by itself, to the bit; where three or four meet, the surfaces of all pairs meet too.
+// label_field.h, corrected as label_edge.h does: the level 0 of their difference. Away from other
+// labels that is the surface of either label by itself, to the bit; where three or four meet, the
+// surfaces of all pairs meet too.
 #pragma once
 
 #include <vector>
@@ -33,7 +34,7 @@ class LabelHermite {
     }
   };
   void find_edges(const LabelGrid& labels, int x0, int y0, int z0);
-  void compute_block(const HaloBlock& samples, Index3 brick, Index3 first, int side,
+  void compute_block(const HaloBlock& samples, Index3 brick, Index3 first, int side, Vec3 spacing,
                      HermiteEdges& out);
   void subtract(std::uint32_t a, std::uint32_t b);
   const HaloBlock& field_of(const HaloBlock& samples, std::uint32_t label);
@@ -50,7 +51,6 @@ class LabelHermite {
   Box3 box_;
   std::vector<std::int32_t> difference_;
   HaloBlock difference_block_;
-  ContourParameters level_zero_;
 };
 
 }  // namespace voxweld

@@ -109,5 +109,12 @@ int main() {
   nearest = compare("torus, 15 and 5", torus) && nearest;
   nearest = compare("tilted box, 34 x 26 x 20", box) && nearest;
   nearest = compare("tilted slab, 3 thick", slab) && nearest;
+  // Of those as thin as a sample no surface knows much.
+  slab.size.z = 1.2;
+  sphere.radius = 2.2;
+  torus.tube = 1.5;
+  compare("tilted slab, 1.2 thick", slab);
+  compare("sphere, radius 2.2", sphere);
+  compare("torus, 15 and 1.5", torus);
   return nearest ? 0 : 1;
 }

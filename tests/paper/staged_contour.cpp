@@ -36,16 +36,12 @@ void sample_edges(const ModelVolume& model, LabelField& labels, HermiteBrick& br
   const int side = brick.frame.side();
   if (!model.parameters.surface.label)
     return brick.edges.compute(block, brick.frame.origin, side, brick.signs, model.parameters);
-  ContourParameters filtered;
-  filtered.spacing = model.parameters.spacing;
-  filtered.surface.isovalue = LabelField::full / 2.0;
-  filtered.surface.gradient = Gradient::central;
   const Box3 box = intersect(Box3{brick.frame.origin - splat(1 + gradient_halo),
                                   brick.frame.origin + splat(side + gradient_halo)},
                              Box3{{}, block.size});
-  brick.edges.compute(
+  brick.edges.compute_label(
       box.empty() ? block : labels.filter(block, *model.parameters.surface.label, box),
-      brick.frame.origin, side, brick.signs, filtered);
+      brick.frame.origin, side, brick.signs, Box3{{}, splat(side + 1)}, model.parameters.spacing);
 }
 
 bool between_labels(const ModelVolume& model) {

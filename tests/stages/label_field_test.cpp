@@ -44,16 +44,21 @@ class Measured {
     SurfaceParameters surface;
     surface.label = 7;
     signs_.fill(voxels_.block(), {}, side, surface);
-    ContourParameters filtered;
-    filtered.surface.isovalue = LabelField::full / 2;
-    filtered.surface.gradient = Gradient::central;
-    edges_.compute(field_.filter(voxels_.block(), 7, {{}, voxels_.size}), {}, side, signs_,
-                   filtered);
+    edges_.compute_label(field_.filter(voxels_.block(), 7, {{}, voxels_.size}), {}, side, signs_,
+                         Box3{{}, splat(side + 1)}, {1, 1, 1});
   }
 
   Errors of_filter() const {
     return sum(
         [&](int axis, Index3 at) { return edges_.at(axis, int(at.x), int(at.y), int(at.z)); });
+  }
+  // t of the edges along z above `at`.
+  std::vector<float> crossings_of_column(Index3 at) const {
+    std::vector<float> crossings;
+    for (; at.z < side_ - 1; ++at.z)
+      if (inside(at) != inside(at + Index3{0, 0, 1}))
+        crossings.push_back(edges_.at(2, int(at.x), int(at.y), int(at.z)).t);
+    return crossings;
   }
   Errors of_midpoints() const {
     return sum([&](int axis, Index3 at) {
@@ -119,9 +124,9 @@ TEST(LabelField, HalvesTheDistanceAndMendsTheNormals) {
     double radius, distance, degrees;
   };
   for (const Case& c : {Case{SolidShape::sphere, 20, 0.10, 3.5},
-                        {SolidShape::sphere, 10, 0.13, 3.5},
-                        {SolidShape::torus, 15, 0.13, 3.5},
-                        {SolidShape::plane, 0, 0.09, 5}}) {
+                        {SolidShape::sphere, 10, 0.11, 3.5},
+                        {SolidShape::torus, 15, 0.11, 3.5},
+                        {SolidShape::plane, 0, 0.08, 3.5}}) {
     const Measured measured(solid_of(c.shape, c.radius), 64);
     const Errors mid = measured.of_midpoints(), filtered = measured.of_filter();
     EXPECT_GT(mid.edges, 1000u);
@@ -130,6 +135,34 @@ TEST(LabelField, HalvesTheDistanceAndMendsTheNormals) {
     EXPECT_GT(mid.distance, 0.17);
     EXPECT_GT(mid.degrees, 30);
   }
+}
+
+// Of the edges out of the solid along z in its middle column, from the lower to the upper.
+std::vector<float> crossings_of_sheet(std::int64_t thickness) {
+  Solid sheet;
+  sheet.shape = SolidShape::box;
+  sheet.size = {100, 100, static_cast<double>(thickness)};
+  sheet.center = {16, 16, 16 + 0.5 * static_cast<double>(thickness - 1)};
+  return Measured(sheet, 34).crossings_of_column({17, 17, 0});
+}
+
+TEST(LabelField, ThinLabelsStayAsThickAsTheirSamples) {
+  // At half a sample below the first and above the last.
+  EXPECT_EQ(crossings_of_sheet(1), (std::vector<float>{0.5f, 0.5f}));
+  for (const std::int64_t thickness : {2, 3, 4, 8}) {
+    const std::vector<float> t = crossings_of_sheet(thickness);
+    ASSERT_EQ(t.size(), 2u);
+    EXPECT_NEAR(t[0], 0.5, 0.07) << thickness;
+    EXPECT_FLOAT_EQ(t[0] + t[1], 1) << thickness;
+  }
+  // One sample, and a row of them.
+  Solid dot;
+  dot.shape = SolidShape::box;
+  dot.center = {16, 16, 16};
+  dot.size = {1, 1, 1};
+  EXPECT_EQ(Measured(dot, 34).crossings_of_column({17, 17, 0}), (std::vector<float>{0.5f, 0.5f}));
+  dot.size.x = 100;
+  EXPECT_EQ(Measured(dot, 34).crossings_of_column({17, 17, 0}), (std::vector<float>{0.5f, 0.5f}));
 }
 
 TEST(LabelField, IsTheBinomialFilterOfTheIndicator) {
