@@ -64,20 +64,48 @@ class NearestTriangle {
 
 // The edges at which the mesh turns by more than `degrees`, each as a triangle without area.
 inline TriangleMesh sharp_edges(const TriangleMesh& mesh, double degrees) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Vec3>> normals;
-  for (const auto& t : mesh.triangles) {
-    const Vec3 a = mesh.vertices[t[0]];
-    Vec3 n = cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a);
+  using Edge = std::pair<std::uint32_t, std::uint32_t>;
+  const auto edge_of = [](const auto& t, std::size_t i) -> Edge {
+    return std::minmax(t[i], t[(i + 1) % 3]);
+  };
+  std::map<Edge, std::vector<Vec3>> normals;
+  std::vector<std::size_t> slivers;
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+    const auto& t = mesh.triangles[k];
+    const Vec3 a = mesh.vertices[t[0]], b = mesh.vertices[t[1]], c = mesh.vertices[t[2]];
+    const Vec3 n = cross(b - a, c - a);
     const double length = std::sqrt(dot(n, n));
-    if (length == 0) continue;
-    for (std::size_t i = 0; i < 3; ++i)
-      normals[std::minmax(t[i], t[(i + 1) % 3])].push_back(n * (1 / length));
+    // Of one that is all but a line the normal says nothing.
+    const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
+    if (length <= 1e-4 * longest) {
+      slivers.push_back(k);
+      continue;
+    }
+    for (std::size_t i = 0; i < 3; ++i) normals[edge_of(t, i)].push_back(n * (1 / length));
   }
+  // Across a sliver its neighbours meet: where those differ its edges are sharp.
+  std::map<Edge, std::vector<Vec3>> across;
+  for (const std::size_t k : slivers)
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j) {
+        const auto found = normals.find(edge_of(mesh.triangles[k], j));
+        if (i == j || found == normals.end()) continue;
+        auto& here = across[edge_of(mesh.triangles[k], i)];
+        here.insert(here.end(), found->second.begin(), found->second.end());
+      }
   TriangleMesh edges{mesh.vertices, {}};
   const double least = std::cos(degrees * 3.14159265358979 / 180);
+  const auto add = [&](const Edge& edge) {
+    edges.triangles.push_back({edge.first, edge.second, edge.second});
+  };
   for (const auto& [edge, n] : normals)
-    if (n.size() == 2 && dot(n[0], n[1]) < least)
-      edges.triangles.push_back({edge.first, edge.second, edge.second});
+    if (n.size() == 2 && dot(n[0], n[1]) < least) add(edge);
+  for (const auto& [edge, others] : across) {
+    const auto own = normals.find(edge);
+    if (own == normals.end()) continue;
+    const Vec3 n = own->second.front();
+    if (std::ranges::any_of(others, [&](const Vec3& o) { return dot(n, o) < least; })) add(edge);
+  }
   return edges;
 }
 
