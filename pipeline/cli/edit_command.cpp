@@ -153,7 +153,7 @@ void write(const EditArguments& arguments, const std::string& text) {
   fs::permissions(path, permissions);
 }
 
-// "done: 2 of 64 shards built, 3 of 5 tiles stitched"
+// "done: 2 of 64 shards built (9 of their bricks, 119 kept), 3 of 5 tiles stitched"
 std::string work_done(const RunContext& context) {
   const auto of = [&](std::string_view stage) {
     StageReport sum;
@@ -161,7 +161,11 @@ std::string work_done(const RunContext& context) {
       if (report.stage == stage) sum.ran += report.ran, sum.units = report.units;
     return fmt::format("{} of {}", sum.ran, sum.units);
   };
-  return fmt::format("done: {} shards built, {} tiles stitched", of("build"), of("stitch"));
+  const BrickReport& bricks = context.bricks;
+  const std::string kept =
+      bricks.kept > 0 ? fmt::format(" ({} of their bricks, {} kept)", bricks.built, bricks.kept)
+                      : "";
+  return fmt::format("done: {} shards built{}, {} tiles stitched", of("build"), kept, of("stitch"));
 }
 
 int edit(Program& program, const EditArguments& arguments) {

@@ -111,6 +111,18 @@ void feed(KeyHasher& key, const Edit& edit) {
   if (solid.mesh != nullptr) key.real(solid.scale).hash(solid.mesh->source());
 }
 
+Hash128 key_within(const BuildJob& job, const Bounds& bounds) {
+  KeyHasher key;
+  bool any = false;
+  for (const Edit& edit : job.parameters.edits) {
+    if (!edit_reaches(edit, bounds)) continue;
+    if (!any) key.hash(job.key).text("edits");
+    any = true;
+    feed(key, edit);
+  }
+  return any ? key.finish() : job.key;
+}
+
 // Whether the samples are those the artifact was made from; then it says so from now on.
 bool proven(const BuildJob& job, Index3 shard, ShardBuilder& builder) {
   const auto path = shard_artifact_path(job, shard);
@@ -123,17 +135,13 @@ bool proven(const BuildJob& job, Index3 shard, ShardBuilder& builder) {
 }  // namespace
 
 Hash128 shard_key(const BuildJob& job, Index3 shard) {
-  const Edits& edits = job.parameters.edits;
-  const Bounds bounds = ShardBuilder::shard_bounds(job, shard);
-  KeyHasher key;
-  bool any = false;
-  for (const Edit& edit : edits) {
-    if (!edit_reaches(edit, bounds)) continue;
-    if (!any) key.hash(job.key).text("edits");
-    any = true;
-    feed(key, edit);
-  }
-  return any ? key.finish() : job.key;
+  return key_within(job, ShardBuilder::shard_bounds(job, shard));
+}
+
+Hash128 brick_key(const BuildJob& job, Index3 brick) {
+  const int level = job.grid.brick_level();
+  return key_within(
+      job, brick_bounds({brick * (std::int64_t{1} << level), level}, job.parameters.spacing));
 }
 
 std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard) {
@@ -234,6 +242,10 @@ void run_build(RunContext& context, const BuildJob& job) {
               ShardBuilder& builder = *builders[static_cast<std::size_t>(worker.slot())];
               builder.build(shards[unit.key], worker);
             });
+  for (const auto& builder : builders) context.bricks += builder->bricks();
+  if (context.bricks.kept > 0)
+    spdlog::info("of these shards' bricks {} were built and {} kept: no edit of theirs changed",
+                 context.bricks.built, context.bricks.kept);
 }
 
 }  // namespace voxweld

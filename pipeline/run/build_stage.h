@@ -19,6 +19,8 @@ struct BuildJob {
 // Of the shard's octree: the parameters, and the edits that reach it. What an edit does not reach
 // stays as it is when the edit comes, changes or goes.
 Hash128 shard_key(const BuildJob& job, Index3 shard);
+// The same of one brick.
+Hash128 brick_key(const BuildJob& job, Index3 brick);
 
 std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard);
 

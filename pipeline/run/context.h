@@ -28,6 +28,17 @@ struct StageReport {
   StageFigures figures;
 };
 
+// Of the shards that build worked on, in this process.
+struct BrickReport {
+  std::uint64_t built = 0;
+  std::uint64_t kept = 0;  // as they were before the edits changed
+  BrickReport& operator+=(const BrickReport& other) {
+    built += other.built;
+    kept += other.kept;
+    return *this;
+  }
+};
+
 struct RunContext {
   Config config;
   Executor* executor = nullptr;
@@ -39,6 +50,7 @@ struct RunContext {
   bool inputs_checked =
       false;  // the stages before are known to be complete: no look at all of them
   std::vector<StageReport> reports;
+  BrickReport bricks;
 
   MemoryBudget budget() const { return {config.run.memory}; }
 };

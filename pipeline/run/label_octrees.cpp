@@ -164,7 +164,7 @@ class LabelOctrees::NodeWriter {
   std::optional<OctreeReduction> reduction_;
 };
 
-void LabelOctrees::finish(Hash128 input) {
+void LabelOctrees::finish(Hash128 input, std::vector<BuiltRun>) {
   summary_.bricks = static_cast<std::uint64_t>(job_.grid.shard_bricks(shard_).count());
   summary_.input = input;
   NodeWriter nodes(job_, summary_, *out_);

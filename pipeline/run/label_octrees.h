@@ -19,7 +19,7 @@ class LabelOctrees : public ShardOctrees {
   void build(const HaloBlock& block, Index3 first, std::int64_t count,
              const WorkerContext& worker) override;
   void inside(Index3 brick, Material material) override;
-  void finish(Hash128 input) override;
+  void finish(Hash128 input, std::vector<BuiltRun> runs) override;
 
   // Samples of several bricks are read together as long as they are no more than this.
   static constexpr std::uint64_t run_samples = std::uint64_t{1} << 18;

@@ -199,41 +199,88 @@ void ShardBuilder::note_sides(Index3 shard, StreamHasher& hash) const {
   });
 }
 
-void ShardBuilder::read(const Run& run, StreamHasher& hash) {
+Hash128 ShardBuilder::read(const Run& run) {
   const std::size_t size = sample_bytes(job_.volume.source->info().type);
   samples_.resize(static_cast<std::size_t>(run.samples.count()) * size);
   if (!run.samples.empty()) job_.volume.source->read(run.samples, samples_.data());
+  StreamHasher hash;
   hash.update(std::as_bytes(std::span(&run.samples, 1)));
   hash.update(samples_);
+  return hash.finish();
 }
 
 Hash128 ShardBuilder::input_hash(Index3 shard) {
   StreamHasher hash;
   note_sides(shard, hash);
-  each_run(shard, [&](const Run& run) { read(run, hash); });
+  each_run(shard, [&](const Run& run) {
+    const Hash128 samples = read(run);
+    hash.update(std::as_bytes(std::span(&samples, 1)));
+  });
   return hash.finish();
 }
 
-void ShardBuilder::build(Index3 shard, const WorkerContext& worker) {
+// Bricks whose edits are those of the earlier build are taken over; what is read is read in whole
+// runs, unless all of one is taken over.
+BuiltRun ShardBuilder::build_run(const Run& run, const EarlierShard* earlier,
+                                 const WorkerContext& worker) {
+  std::vector<const BuiltBrick*> kept(static_cast<std::size_t>(run.count), nullptr);
+  const auto brick = [&](std::size_t i) {
+    return run.first + Index3{static_cast<std::int64_t>(i), 0, 0};
+  };
+  if (earlier != nullptr)
+    for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = earlier->brick(job_, brick(i));
+  const bool all_kept = std::ranges::find(kept, nullptr) == kept.end();
+  const BuiltRun* known = all_kept && earlier ? earlier->run(run.first, run.count) : nullptr;
+  const BuiltRun built = known ? *known : BuiltRun{run.first, run.count, read(run)};
+  const Index3 extent = run.samples.size();
+  const HaloBlock block{job_.volume.source->info().type,
+                        job_.grid.size(),
+                        run.samples,
+                        samples_.data(),
+                        extent.x,
+                        extent.x * extent.y};
+  for (std::size_t i = 0; i < kept.size();) {
+    std::size_t end = i;
+    while (end < kept.size() && kept[end] == nullptr) ++end;
+    if (end > i) octrees_->build(block, brick(i), static_cast<std::int64_t>(end - i), worker);
+    bricks_.built += end - i;
+    for (i = end; i < kept.size() && kept[i] != nullptr; ++i, ++bricks_.kept)
+      octrees_->keep(brick(i), *kept[i], earlier->artifact());
+  }
+  return built;
+}
+
+void ShardBuilder::build(Index3 shard, const EarlierShard* earlier, const WorkerContext& worker) {
   StreamHasher hash;
   note_sides(shard, hash);
   octrees_->begin(shard, job_.volume.stamp(shard_samples(job_, shard)));
+  std::vector<BuiltRun> runs;
   each_run(shard, [&](const Run& run) {
-    read(run, hash);
-    const Index3 extent = run.samples.size();
-    const HaloBlock block{job_.volume.source->info().type,
-                          job_.grid.size(),
-                          run.samples,
-                          samples_.data(),
-                          extent.x,
-                          extent.x * extent.y};
-    octrees_->build(block, run.first, run.count, worker);
+    runs.push_back(build_run(run, earlier, worker));
+    hash.update(std::as_bytes(std::span(&runs.back().samples, 1)));
   });
   each_brick(shard, [&](Index3 brick) {
     const KnownBrick known = known_of(brick);
     if (known.state == NodeState::inside) octrees_->inside(brick, known.material);
   });
-  octrees_->finish(hash.finish());
+  octrees_->finish(hash.finish(), std::move(runs));
+}
+
+void ShardBuilder::build(Index3 shard, const WorkerContext& worker) {
+  const BrickReport before = bricks_;
+  if (octrees_->keeps()) {
+    const auto path = shard_artifact_path(job_, shard);
+    const auto stamp = job_.volume.stamp(shard_samples(job_, shard));
+    if (const auto earlier = EarlierShard::open(job_, shard, stamp)) {
+      try {
+        return build(shard, &*earlier, worker);
+      } catch (const DamagedArtifact& damage) {
+        if (damage.path() != path.string()) throw;
+        bricks_ = before;
+      }
+    }
+  }
+  build(shard, nullptr, worker);
 }
 
 }  // namespace voxweld

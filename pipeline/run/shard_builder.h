@@ -1,6 +1,7 @@
 // One shard from samples to octree artifact, brick by brick.
 #pragma once
 
+#include "pipeline/run/earlier_shard.h"
 #include "pipeline/run/shard_octrees.h"
 
 namespace voxweld {
@@ -14,6 +15,8 @@ class ShardBuilder {
   // Reads the samples build would and returns the content hash of them and of the sides that the
   // bricks it need not read are on.
   Hash128 input_hash(Index3 shard);
+  // Of all shards built so far.
+  const BrickReport& bricks() const { return bricks_; }
 
   // The samples build reads, or would were no brick left out.
   static Box3 shard_samples(const BuildJob& job, Index3 shard);
@@ -45,11 +48,15 @@ class ShardBuilder {
   KnownBrick known_label(Index3 brick) const;
   KnownBrick known_of(Index3 brick) const;
   void note_sides(Index3 shard, StreamHasher& hash) const;
-  void read(const Run& run, StreamHasher& hash);
+  // Of the run's samples.
+  Hash128 read(const Run& run);
+  void build(Index3 shard, const EarlierShard* earlier, const WorkerContext& worker);
+  BuiltRun build_run(const Run& run, const EarlierShard* earlier, const WorkerContext& worker);
 
   const BuildJob& job_;
   std::vector<std::byte> samples_;
   std::unique_ptr<ShardOctrees> octrees_;
+  BrickReport bricks_;
 };
 
 }  // namespace voxweld

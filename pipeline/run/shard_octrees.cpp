@@ -1,6 +1,7 @@
 #include "pipeline/run/shard_octrees.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "pipeline/run/label_octrees.h"
 
@@ -14,6 +15,10 @@ void NodeCollector::leaf(CellKey key, const RootRecord& record) {
   if (key.level > brick_level)
     node->leaves.push_back(
         {key.code(), static_cast<std::uint32_t>(key.level), record.vertex, record.residual, 0});
+}
+
+void ShardOctrees::keep(Index3, const BuiltBrick&, const ShardArtifact&) {
+  throw std::logic_error("these octrees are not kept by bricks");
 }
 
 void add_counts(const BrickCounts& from, BrickCounts& to, bool own_leaves) {
@@ -36,6 +41,8 @@ class SurfaceOctrees : public ShardOctrees {
   void begin(Index3 shard, Hash128 input_stamp) override {
     shard_ = shard;
     roots_.clear();
+    history_ = ShardHistory{};
+    out_.reset();
     summary_ = ShardSummary{};
     out_ = std::make_unique<ShardArtifactWriter>(shard_artifact_path(job_, shard),
                                                  shard_key(job_, shard), input_stamp);
@@ -48,10 +55,13 @@ class SurfaceOctrees : public ShardOctrees {
     inside.corner_signs = 255;
     roots_.push_back({{{job_.grid.brick_level(), brick}, inside, 0}, {}});
   }
-  void finish(Hash128 input) override {
+  bool keeps() const override { return true; }
+  void keep(Index3 brick, const BuiltBrick& built, const ShardArtifact& from) override;
+  void finish(Hash128 input, std::vector<BuiltRun> runs) override {
     summary_.input = input;
+    history_.runs = std::move(runs);
     const std::vector<ShardNode> nodes = reduce();
-    out_->finish(summary_, nodes);
+    out_->finish(summary_, nodes, history_);
     out_.reset();
   }
 
@@ -60,6 +70,9 @@ class SurfaceOctrees : public ShardOctrees {
     NodeSummary node;
     std::vector<BlockCount> blocks;
   };
+  void note(const CellKey& key, const RootRecord& root, const BrickCounts& counts);
+  void note_surface(const CellKey& key, const RootRecord& root,
+                    const std::vector<BlockCount>& blocks);
   std::vector<ShardNode> reduce();
 
   const BuildJob& job_;
@@ -69,7 +82,35 @@ class SurfaceOctrees : public ShardOctrees {
   std::unique_ptr<ShardArtifactWriter> out_;
   std::vector<Root> roots_;
   ShardSummary summary_;
+  ShardHistory history_;
 };
+
+void SurfaceOctrees::note(const CellKey& key, const RootRecord& root, const BrickCounts& counts) {
+  history_.bricks.push_back({morton_encode(key.at), brick_key(job_, key.at), root, counts});
+  add_counts(counts, summary_.counts, root.state != NodeState::leaf);
+}
+
+// Of a brick that is not all outside.
+void SurfaceOctrees::note_surface(const CellKey& key, const RootRecord& root,
+                                  const std::vector<BlockCount>& blocks) {
+  roots_.push_back({{key, root, 0}, {}});
+  if (root.state == NodeState::inside) return;
+  ++summary_.active_bricks;
+  if (root.state == NodeState::leaf)
+    roots_.back().node.polygons = blocks.back().polygon_end;
+  else
+    roots_.back().blocks = blocks;
+}
+
+void SurfaceOctrees::keep(Index3 brick, const BuiltBrick& built, const ShardArtifact& from) {
+  const CellKey key{job_.grid.brick_level(), brick};
+  note(key, built.root, built.counts);
+  if (built.root.state == NodeState::outside) return;
+  const bool surface = built.root.state != NodeState::inside;
+  note_surface(key, built.root,
+               surface ? from.block_counts(built.code) : std::vector<BlockCount>{});
+  if (surface) out_->brick(built.code, from);
+}
 
 void SurfaceOctrees::build(const HaloBlock& block, Index3 first, std::int64_t count,
                            const WorkerContext& worker) {
@@ -77,14 +118,10 @@ void SurfaceOctrees::build(const HaloBlock& block, Index3 first, std::int64_t co
     worker.check_interrupt();
     const CellKey key{job_.grid.brick_level(), first + Index3{i, 0, 0}};
     build_brick(block, {key.lo(), key.level}, job_.parameters, scratch_, brick_);
-    const bool leaf = brick_.root.state == NodeState::leaf;
-    add_counts(brick_.counts, summary_.counts, !leaf);
+    note(key, brick_.root, brick_.counts);
     if (brick_.root.state == NodeState::outside) continue;
-    roots_.push_back({{key, brick_.root, leaf ? brick_.polygons.size() : 0}, {}});
-    if (brick_.root.state == NodeState::inside) continue;
-    ++summary_.active_bricks;
-    if (!leaf) roots_.back().blocks = brick_.blocks;
-    out_->brick(morton_encode(key.at), brick_);
+    note_surface(key, brick_.root, brick_.blocks);
+    if (brick_.root.state != NodeState::inside) out_->brick(morton_encode(key.at), brick_);
   }
 }
 

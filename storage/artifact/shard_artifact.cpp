@@ -17,7 +17,14 @@ enum Part : std::uint64_t {
   sheets_of_edges,
   end_of_parts
 };
-enum SummaryPart : std::uint64_t { summary_part = 1, nodes_part, cubes_part, leaves_part };
+enum SummaryPart : std::uint64_t {
+  summary_part = 1,
+  nodes_part,
+  cubes_part,
+  leaves_part,
+  bricks_part,
+  runs_part
+};
 constexpr std::uint64_t summary_code = (std::uint64_t{1} << 56) - 1;
 
 constexpr std::uint64_t section_name(std::uint64_t code, std::uint64_t part) {
@@ -43,11 +50,14 @@ struct ShardNodeRecord {
 static_assert(std::has_unique_object_representations_v<SkinCell> &&
               std::has_unique_object_representations_v<BlockCount> &&
               std::has_unique_object_representations_v<PolygonRefs> &&
-              std::has_unique_object_representations_v<CubeCount>);
+              std::has_unique_object_representations_v<CubeCount> &&
+              std::has_unique_object_representations_v<BuiltRun>);
 static_assert(sizeof(LeafVertex) == 28 && sizeof(SkinVertex) == 32 && sizeof(TopLeaf) == 48 &&
               sizeof(RootRecord) == 8 + 52 + 36 + 28 + 4 + 64 &&
               std::has_unique_object_representations_v<MaterialPair> &&
-              sizeof(ShardNodeRecord) == 40 + sizeof(RootRecord));
+              sizeof(ShardNodeRecord) == 40 + sizeof(RootRecord) &&
+              sizeof(BrickCounts) == 8 * (3 + max_levels + 1) + 16 &&
+              sizeof(BuiltBrick) == 24 + sizeof(RootRecord) + sizeof(BrickCounts));
 
 template <class T>
 std::span<const std::byte> bytes_of(const std::vector<T>& values) {
@@ -77,6 +87,17 @@ void ShardArtifactWriter::brick(std::uint64_t code, const BrickOctree& octree) {
   file_.section(section_name(code, skin_vertices), bytes_of(octree.skin.vertices));
 }
 
+void ShardArtifactWriter::brick(std::uint64_t code, const ShardArtifact& from) {
+  // In the order of the other one, so that the same bricks are the same file.
+  for (const Part part : {vertices, polygons, emit_levels, pairs, polygon_pairs, sheets_of_edges,
+                          blocks, skin_cells, skin_vertices}) {
+    const std::uint64_t name = section_name(code, part);
+    if (from.file_.find(name) == nullptr) continue;
+    from.file_.read(name, section_);
+    file_.section(name, section_);
+  }
+}
+
 void write_summary(ArtifactWriter& file, const ShardSummary& s) {
   const ShardSummaryRecord record{s.counts.active_cells,
                                   s.counts.crossing_edges,
@@ -91,7 +112,8 @@ void write_summary(ArtifactWriter& file, const ShardSummary& s) {
   file.section(section_name(summary_code, summary_part), std::as_bytes(std::span(&record, 1)));
 }
 
-Hash128 ShardArtifactWriter::finish(const ShardSummary& summary, std::span<const ShardNode> nodes) {
+Hash128 ShardArtifactWriter::finish(const ShardSummary& summary, std::span<const ShardNode> nodes,
+                                    const ShardHistory& history) {
   std::vector<ShardNodeRecord> node_records;
   std::vector<CubeCount> cubes;
   std::vector<TopLeaf> leaves;
@@ -105,6 +127,8 @@ Hash128 ShardArtifactWriter::finish(const ShardSummary& summary, std::span<const
   file_.section(section_name(summary_code, nodes_part), bytes_of(node_records));
   file_.section(section_name(summary_code, cubes_part), bytes_of(cubes));
   file_.section(section_name(summary_code, leaves_part), bytes_of(leaves));
+  file_.section(section_name(summary_code, bricks_part), bytes_of(history.bricks));
+  file_.section(section_name(summary_code, runs_part), bytes_of(history.runs));
   return file_.commit();
 }
 
@@ -159,6 +183,19 @@ std::vector<ShardNode> ShardArtifact::nodes() const {
     nodes.push_back(std::move(node));
   }
   return nodes;
+}
+
+ShardHistory ShardArtifact::history() const {
+  ShardHistory history;
+  file_.read_array(section_name(summary_code, bricks_part), history.bricks);
+  file_.read_array(section_name(summary_code, runs_part), history.runs);
+  return history;
+}
+
+std::vector<BlockCount> ShardArtifact::block_counts(std::uint64_t code) const {
+  std::vector<BlockCount> counts;
+  file_.read_array(section_name(code, blocks), counts);
+  return counts;
 }
 
 bool ShardArtifact::has_brick(std::uint64_t code) const {

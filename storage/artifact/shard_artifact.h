@@ -9,7 +9,8 @@
 //                              between labels (labels.mode = "shared") also 7 MaterialPair, 8 the
 //                              polygons' pairs (u32), 9 the skin cells' sheets (u32)
 //   all ones << 8 | part       part 1 ShardSummaryRecord (one), 2 ShardNodeRecord,
-//                              3 CubeCount, 4 TopLeaf (each node's range is in its record)
+//                              3 CubeCount, 4 TopLeaf (each node's range is in its record),
+//                              5 BuiltBrick, 6 BuiltRun
 //
 // Bricks without a surface have no section; neighbours see them as absent.
 #pragma once
@@ -28,7 +29,7 @@ namespace voxweld {
 
 inline constexpr std::array<char, 4> shard_kind = {'o', 'c', 't', 'r'};
 // Goes up whenever build's bytes change: format or mathematics.
-inline constexpr std::uint32_t shard_version = 5;
+inline constexpr std::uint32_t shard_version = 6;
 
 // One shard-sized cube of the octree. A shard at the volume's upper border also builds the layer of
 // bricks above it when that holds nothing but ring cells: such bricks lie in cubes of their own.
@@ -48,9 +49,32 @@ struct ShardSummary {
   Hash128 input;                      // content hash of the samples read, and of unread sides
 };
 
+// A brick that was read: what it was made from, and what of it is in no section of its own.
+struct BuiltBrick {
+  std::uint64_t code = 0;  // Morton code of its index
+  Hash128 key;             // of the parameters and of the edits that reach it
+  RootRecord root;
+  BrickCounts counts;
+};
+
+// Bricks along x whose samples were read together.
+struct BuiltRun {
+  Index3 first;
+  std::int64_t count = 0;
+  Hash128 samples;
+};
+
+// What a later build of the same samples goes by to take over what it would make the same.
+struct ShardHistory {
+  std::vector<BuiltBrick> bricks;
+  std::vector<BuiltRun> runs;
+};
+
 // The section of the summary.
 void write_summary(ArtifactWriter& file, const ShardSummary& summary);
 ShardSummary read_summary(const ArtifactReader& file);
+
+class ShardArtifact;
 
 class ShardArtifactWriter {
  public:
@@ -58,11 +82,15 @@ class ShardArtifactWriter {
   ShardArtifactWriter(const std::filesystem::path& path, Hash128 key, Hash128 input_stamp);
   // Morton code of the brick's index. Any order.
   void brick(std::uint64_t code, const BrickOctree& octree);
+  // The same of a brick that another artifact has. DamagedArtifact when that fails its checks.
+  void brick(std::uint64_t code, const ShardArtifact& from);
   // Nodes in Morton order. Returns the artifact's content hash.
-  Hash128 finish(const ShardSummary& summary, std::span<const ShardNode> nodes);
+  Hash128 finish(const ShardSummary& summary, std::span<const ShardNode> nodes,
+                 const ShardHistory& history = {});
 
  private:
   ArtifactWriter file_;
+  std::vector<std::byte> section_;
 };
 
 // Reads are thread-safe: a reader holds the index only.
@@ -77,6 +105,7 @@ class ShardArtifact {
 
   ShardSummary summary() const;
   std::vector<ShardNode> nodes() const;
+  ShardHistory history() const;
 
   bool has_brick(std::uint64_t code) const;
   // Hashes of the parts stitch reads of its own bricks, or of neighbours (the skin alone).
@@ -87,8 +116,10 @@ class ShardArtifact {
   void read_skin(std::uint64_t code, Skin& out) const;
   // Bytes the brick's parts take in memory.
   std::uint64_t brick_bytes(std::uint64_t code) const;
+  std::vector<BlockCount> block_counts(std::uint64_t code) const;
 
  private:
+  friend class ShardArtifactWriter;
   template <class T>
   void read_where_any(std::uint64_t code, std::uint64_t part, std::vector<T>& out) const;
 

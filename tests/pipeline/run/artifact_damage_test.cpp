@@ -19,6 +19,7 @@ void read_all_of_shard(const fs::path& path) {
   const ShardArtifact artifact(path);
   artifact.summary();
   artifact.nodes();
+  artifact.history();
   BrickOctree brick;
   // The tests' volumes have a few bricks a side.
   for (std::uint64_t code = 0; code < 4096; ++code)

@@ -6,38 +6,12 @@
 
 #include "pipeline/mesh/load.h"
 #include "pipeline/mesh/verify.h"
-#include "tests/pipeline/run/scene.h"
+#include "tests/pipeline/run/edit_scene.h"
 
 namespace voxweld::testing {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A scene whose config ends with these edits; volume: or empty space of that side.
-class EditScene {
- public:
-  explicit EditScene(const Scene& scene) : scene_(scene), base_(text_of(scene.config())) {}
-  EditScene(const Scene& scene, int side)
-      : scene_(scene),
-        base_(fmt::format(
-            "[input]\nformat = \"empty\"\nsize = [{0}, {0}, {0}]\n[run]\nthreads = 2\n", side)) {}
-
-  void set(const std::string& edits) const { std::ofstream(scene_.config()) << base_ << edits; }
-
- private:
-  static std::string text_of(const fs::path& path) {
-    std::ifstream in(path);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
-  const Scene& scene_;
-  const std::string base_;
-};
-
-std::string ball(const std::string& op, Vec3 center, double radius) {
-  return fmt::format(
-      "[[edit]]\nop = \"{}\"\nshape = \"sphere\"\ncenter = [{}, {}, {}]\nradius = {}\n", op,
-      center.x, center.y, center.z, radius);
-}
 
 std::string block(const std::string& op, Vec3 center, Vec3 size, const std::string& more = "") {
   return fmt::format(

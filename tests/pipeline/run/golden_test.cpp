@@ -76,12 +76,12 @@ class Goldens : public ::testing::Test {
 std::unique_ptr<Scene> Goldens::scene_;
 
 TEST_F(Goldens, Build) {
-  expect_recorded({"build", 5, "ab62664d7d023cb4f492fbd66a30509d"}, shard_version,
+  expect_recorded({"build", 6, "6b654967c5102800f77858f63b5606b3"}, shard_version,
                   hash_of(work(".octree"), shard_kind, shard_version));
 }
 
 TEST_F(Goldens, Merge) {
-  expect_recorded({"merge", 4, "e387071ea99ff8a09e1b902881dd2339"}, top_version,
+  expect_recorded({"merge", 5, "7dbac32c696eb0a8e67d0adfb55f154d"}, top_version,
                   hash_of(work(".tree"), top_kind, top_version));
 }
 
