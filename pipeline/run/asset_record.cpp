@@ -9,10 +9,12 @@
 namespace voxweld {
 namespace {
 
-// A container of kind "asst", version 1, whose key is the asset's; section 1: the rest as JSON,
-// "labels" only where it has some. Its input stamp is of the files' sizes and times.
+// A container of kind "asst" whose key is the asset's; section 1: the files and counts as JSON,
+// section 2: LabelAssetRecord, only where it has labels. Its input stamp is of the files' sizes and
+// times.
 constexpr std::array<char, 4> asset_kind = {'a', 's', 's', 't'};
-constexpr std::uint32_t asset_version = 1;
+constexpr std::uint32_t asset_version = 2;
+constexpr std::uint64_t body_section = 1, labels_section = 2;
 
 // Sizes and times of the files: as long as they are the same nobody has to read the files, which
 // together are as large as the result. Nothing where one is missing or of another size.
@@ -28,45 +30,65 @@ std::optional<Hash128> files_stamp(const std::vector<FileRecord>& files,
   return stamp.finish();
 }
 
-nlohmann::json to_json(const LabelAsset& asset) {
+// A label's line of section 2, as it lies in memory.
+struct LabelAssetRecord {
+  std::uint64_t label, level, code, octree_vertices, vertices, triangles, quads, polygon_triangles,
+      files, empty;
+  std::array<std::uint64_t, 2> volume6;  // the lower half first
+  double area2;
+  LatticePoint lo, hi;
+};
+static_assert(sizeof(LabelAssetRecord) == 13 * 8 + 24);
+
+LabelAssetRecord packed(const LabelAsset& asset) {
   const MeshMeasure& m = asset.measure;
-  return {{"label", asset.label},
-          {"level", asset.tile.level},
-          {"code", asset.tile.code()},
-          {"octree_vertices", asset.octree_vertices},
-          {"vertices", asset.vertices},
-          {"triangles", asset.triangles},
-          {"quads", asset.quads},
-          {"polygon_triangles", asset.polygon_triangles},
-          // The upper half has the sign.
-          {"volume6",
-           {static_cast<std::int64_t>(m.volume6 >> 64), static_cast<std::uint64_t>(m.volume6)}},
-          {"area2", m.area2},
-          {"lo", m.lo},
-          {"hi", m.hi},
-          {"empty", m.empty},
-          {"files", asset.files}};
+  return {asset.label,
+          static_cast<std::uint64_t>(asset.tile.level),
+          asset.tile.code(),
+          asset.octree_vertices,
+          asset.vertices,
+          asset.triangles,
+          asset.quads,
+          asset.polygon_triangles,
+          asset.files,
+          m.empty ? 1U : 0U,
+          {static_cast<std::uint64_t>(m.volume6), static_cast<std::uint64_t>(m.volume6 >> 64)},
+          m.area2,
+          m.lo,
+          m.hi};
 }
 
-LabelAsset label_asset_of(const nlohmann::json& value) {
+LabelAsset unpacked(const LabelAssetRecord& record) {
   LabelAsset asset;
-  asset.label = value.at("label");
-  asset.tile.level = value.at("level");
-  asset.tile.at = morton_decode(value.at("code").get<std::uint64_t>() >> (3 * asset.tile.level));
-  asset.octree_vertices = value.at("octree_vertices");
-  asset.vertices = value.at("vertices");
-  asset.triangles = value.at("triangles");
-  asset.quads = value.at("quads");
-  asset.polygon_triangles = value.at("polygon_triangles");
+  asset.label = record.label;
+  asset.tile.level = static_cast<int>(record.level);
+  asset.tile.at = morton_decode(record.code >> (3 * record.level));
+  asset.octree_vertices = record.octree_vertices;
+  asset.vertices = record.vertices;
+  asset.triangles = record.triangles;
+  asset.quads = record.quads;
+  asset.polygon_triangles = record.polygon_triangles;
+  asset.files = record.files;
   MeshMeasure& m = asset.measure;
-  m.volume6 = static_cast<Wide>(value.at("volume6").at(0).get<std::int64_t>()) << 64 |
-              static_cast<Wide>(value.at("volume6").at(1).get<std::uint64_t>());
-  m.area2 = value.at("area2");
-  m.lo = value.at("lo");
-  m.hi = value.at("hi");
-  m.empty = value.at("empty");
-  asset.files = value.at("files");
+  // The upper half has the sign.
+  m.volume6 = static_cast<Wide>(static_cast<std::int64_t>(record.volume6[1])) << 64 |
+              static_cast<Wide>(record.volume6[0]);
+  m.area2 = record.area2;
+  m.lo = record.lo;
+  m.hi = record.hi;
+  m.empty = record.empty != 0;
   return asset;
+}
+
+void read_labels(const ArtifactReader& reader, std::vector<LabelAsset>& labels) {
+  if (reader.find(labels_section) == nullptr) return;
+  std::vector<LabelAssetRecord> records;
+  reader.read_array(labels_section, records);
+  labels.reserve(records.size());
+  for (const LabelAssetRecord& record : records) {
+    if (record.level > max_levels) reader.damaged("a label's tile is of no level");
+    labels.push_back(unpacked(record));
+  }
 }
 
 }  // namespace
@@ -83,20 +105,25 @@ void write_asset_record(const std::filesystem::path& path, const AssetRecord& re
       {"vertices", record.vertices},   {"triangles", record.triangles},
       {"quads", record.quads},         {"polygon_triangles", record.polygon_triangles},
       {"collinear", record.collinear}, {"files", files}};
-  for (const LabelAsset& asset : record.labels) body["labels"].push_back(to_json(asset));
   const std::string text = body.dump();
   ArtifactWriter writer(path, {asset_kind, asset_version, record.key});
-  writer.section(1, as_bytes(text));
+  writer.section(body_section, as_bytes(text));
+  if (!record.labels.empty()) {
+    std::vector<LabelAssetRecord> labels;
+    labels.reserve(record.labels.size());
+    for (const LabelAsset& asset : record.labels) labels.push_back(packed(asset));
+    writer.section(labels_section, std::as_bytes(std::span(labels)));
+  }
   writer.set_input_stamp(files_stamp(record.files, output).value_or(Hash128{}));
   writer.commit();
 }
 
-std::optional<AssetRecord> read_asset_record(const std::filesystem::path& path) {
+std::optional<AssetRecord> read_asset_record(const std::filesystem::path& path, RecordParts parts) {
   if (!std::filesystem::exists(path)) return std::nullopt;
   try {
     const ArtifactReader reader(path, asset_kind, asset_version);
     std::vector<char> text;
-    reader.read_array(1, text);
+    reader.read_array(body_section, text);
     const nlohmann::json body = nlohmann::json::parse(text.begin(), text.end());
     AssetRecord record;
     record.key = reader.key();
@@ -109,8 +136,7 @@ std::optional<AssetRecord> read_asset_record(const std::filesystem::path& path) 
     for (const auto& file : body.at("files"))
       record.files.push_back(
           {file.at("path"), file.at("format"), "", file.at("bytes"), file.at("hash")});
-    if (body.contains("labels"))
-      for (const auto& asset : body.at("labels")) record.labels.push_back(label_asset_of(asset));
+    if (parts == RecordParts::all) read_labels(reader, record.labels);
     return record;
   } catch (const DamagedArtifact&) {
     return std::nullopt;
@@ -121,7 +147,7 @@ std::optional<AssetRecord> read_asset_record(const std::filesystem::path& path) 
 
 bool asset_is_current(const std::filesystem::path& record_path, Hash128 key,
                       const std::filesystem::path& output) {
-  const auto record = read_asset_record(record_path);
+  const auto record = read_asset_record(record_path, RecordParts::files);
   if (!record || record->key != key) return false;
   const auto stamp = files_stamp(record->files, output);
   if (!stamp) return false;

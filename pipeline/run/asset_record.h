@@ -34,8 +34,10 @@ struct AssetRecord {
 // Precondition: the files it names are in place.
 void write_asset_record(const std::filesystem::path& path, const AssetRecord& record,
                         const std::filesystem::path& output);
+enum class RecordParts { all, files };  // files: without labels
 // Nothing when it is missing or fails its checks.
-std::optional<AssetRecord> read_asset_record(const std::filesystem::path& path);
+std::optional<AssetRecord> read_asset_record(const std::filesystem::path& path,
+                                             RecordParts parts = RecordParts::all);
 // Its key is this one and its files are there, byte for byte: as far as their sizes and times tell,
 // else by their hashes, and then the record says so from now on.
 bool asset_is_current(const std::filesystem::path& record, Hash128 key,

@@ -1,16 +1,19 @@
 #include "pipeline/run/listing.h"
 
-#include <map>
+#include <algorithm>
+#include <cstring>
 
 #include "pipeline/executor/probe.h"
 #include "pipeline/run/asset_record.h"
 #include "pipeline/run/output_files.h"
 #include "storage/support/error.h"
+#include "storage/support/record_sorter.h"
 
 namespace voxweld {
 namespace {
 
 constexpr std::size_t records_ahead = 256;
+constexpr std::uintmax_t records_bytes = std::uintmax_t{64} << 20;  // of those held at once
 
 AssetRecord whole_record(const std::filesystem::path& path) {
   auto record = read_asset_record(path);
@@ -106,30 +109,61 @@ class LabelLines {
   std::uint64_t count_ = 0;
 };
 
-// Labels that may have a part in any tile: about 150 bytes for each of them.
+// Labels that may have a part in any tile, in bounded memory.
 class LabelSums {
  public:
+  explicit LabelSums(const std::filesystem::path& scratch) : parts_(scratch, sorter_bytes) {}
+
+  // Of tile after tile.
   void add(const AssetRecord& record) {
     for (const LabelAsset& part : record.labels) {
-      auto& [sum, tiles] = sums_[part.label];
-      tiles += record.files.empty() ? 0 : 1;
-      sum.label = part.label;
-      sum.octree_vertices += part.octree_vertices;
-      sum.triangles += part.triangles;
-      sum.measure += part.measure;
+      const Part packed{part.octree_vertices, part.triangles, part.measure,
+                        record.files.empty() ? 0U : 1U};
+      parts_.push({part.label, tile_}, std::as_bytes(std::span(&packed, 1)));
     }
+    ++tile_;
   }
-  void write(LabelLines& lines) const {
-    for (const auto& [label, sum] : sums_) lines.add(sum.asset, sum.tiles, {});
+  void write(LabelLines& lines) {
+    SortKey key;
+    std::vector<std::byte> bytes;
+    while (parts_.next(key, bytes)) {
+      Part part;
+      std::memcpy(&part, bytes.data(), sizeof part);
+      LabelAsset asset;
+      asset.label = key.major;
+      asset.octree_vertices = part.octree_vertices;
+      asset.triangles = part.triangles;
+      asset.measure = part.measure;
+      lines.add(asset, part.tiles, {});
+    }
   }
 
  private:
-  struct Sum {
-    LabelAsset asset;
+  static constexpr std::uint64_t sorter_bytes = std::uint64_t{16} << 20;
+  struct Part {
+    std::uint64_t octree_vertices = 0, triangles = 0;
+    MeshMeasure measure;
     std::uint64_t tiles = 0;
   };
-  std::map<Material, Sum> sums_;
+  RecordSorter parts_;
+  std::uint64_t tile_ = 0;
 };
+
+// Records read at once, as many as are small. A label takes 128 bytes in the file, and about 200
+// in memory.
+std::size_t records_at_once(const Listing& listing) {
+  if (listing.labels == LabelMode::off) return records_ahead;
+  std::vector<std::uintmax_t> sizes(listing.tiles.size());
+  probe_all(sizes.size(), [&](std::size_t i) {
+    std::error_code missing;  // the reader says it
+    const auto size = std::filesystem::file_size(listing.tiles[i].record, missing);
+    sizes[i] = missing ? 0 : size;
+  });
+  const auto largest = std::ranges::max_element(sizes);
+  const std::uintmax_t one = 3 * (largest == sizes.end() ? 0 : *largest) + 1;
+  return static_cast<std::size_t>(
+      std::clamp<std::uintmax_t>(records_bytes / one, 1, records_ahead));
+}
 
 // The meshes of a record as lines of tiles.jsonl; f(line, its files) of each.
 template <class F>
@@ -166,13 +200,13 @@ void list_tiles(const Listing& listing, Manifest& manifest, FileNames& leftovers
   ListFile tiles(listing.output, tiles_name);
   std::optional<ListFile> labels;
   std::optional<LabelLines> lines;
-  LabelSums sums;
+  LabelSums sums(listing.scratch);
   if (listing.labels != LabelMode::off) {
     labels.emplace(listing.output, labels_name);
     lines.emplace(*labels, manifest, listing.materials);
   }
   probe_in_order<AssetRecord>(
-      listing.tiles.size(), records_ahead,
+      listing.tiles.size(), records_at_once(listing),
       [&](std::size_t i) { return whole_record(listing.tiles[i].record); },
       [&](std::size_t i, AssetRecord&& record) {
         counts.quads += record.quads;

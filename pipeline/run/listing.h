@@ -26,6 +26,7 @@ struct Listing {
   LabelMode labels = LabelMode::off;
   std::optional<std::filesystem::path> merged;  // the merged mesh's record, where there is one
   std::filesystem::path output;
+  std::filesystem::path scratch;  // a folder for what does not fit memory
 };
 
 // Writes the lists and then the manifest, with counts and files filled in; removes those of the

@@ -175,6 +175,7 @@ int run(const std::string& folder, std::uint64_t labels, std::int64_t side) {
   });
   Listing listing;
   listing.output = folder + "/mesh";
+  listing.scratch = folder;
   listing.labels = LabelMode::each;
   std::filesystem::create_directories(listing.output);
   for (std::uint64_t i = 0; i < plan->size(); ++i)

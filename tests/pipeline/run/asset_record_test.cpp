@@ -51,6 +51,36 @@ TEST_F(AssetRecordTest, SameBytesOfAnotherTimeAreCurrentAndNotReadAgain) {
   EXPECT_EQ(fs::last_write_time(path()), written);
 }
 
+TEST_F(AssetRecordTest, LabelsComeBackAsTheyWere) {
+  AssetRecord record = *read_asset_record(path());
+  LabelAsset asset;
+  asset.label = 0xffff'ffff'ffff'fffeU;
+  asset.tile = {3, {1, 0, 7}};
+  asset.octree_vertices = 5;
+  asset.vertices = 6;
+  asset.triangles = 7;
+  asset.quads = 8;
+  asset.polygon_triangles = 9;
+  asset.files = 1;
+  asset.measure = {-(Wide{1} << 100) + 3, 2.5, {-1, 2, -3}, {4, 5, 6}, false};
+  record.labels = {asset, LabelAsset{}};
+  write_asset_record(path(), record, output());
+  const AssetRecord read = *read_asset_record(path());
+  ASSERT_EQ(read.labels.size(), 2u);
+  const LabelAsset& back = read.labels[0];
+  EXPECT_EQ(back.label, asset.label);
+  EXPECT_EQ(back.tile, asset.tile);
+  EXPECT_EQ(back.octree_vertices, 5u);
+  EXPECT_EQ(back.vertices, 6u);
+  EXPECT_EQ(back.triangles, 7u);
+  EXPECT_EQ(back.quads, 8u);
+  EXPECT_EQ(back.polygon_triangles, 9u);
+  EXPECT_EQ(back.files, 1u);
+  EXPECT_EQ(back.measure, asset.measure);
+  EXPECT_TRUE(read.labels[1].measure.empty);
+  EXPECT_TRUE(read_asset_record(path(), RecordParts::files)->labels.empty());
+}
+
 TEST_F(AssetRecordTest, OtherBytesAreNot) {
   write_later("12346");
   EXPECT_FALSE(is_current());
