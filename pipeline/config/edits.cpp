@@ -54,7 +54,8 @@ Axes axes_turned(Vec3 degrees) {
 Edit edit_of(const EditConfig& config) {
   Edit edit;
   edit.op = config.op;
-  edit.material = config.material.value_or(exterior);
+  const bool gives = config.op == EditOp::add || config.op == EditOp::replace;
+  if (gives) edit.material = config.material.value_or(exterior);
   Solid& solid = edit.solid;
   solid.shape = config.shape;
   solid.center = config.center;

@@ -52,6 +52,18 @@ TEST(Edits, KeepOrderAndNumbers) {
   EXPECT_EQ(edits_of(config), expected);
 }
 
+TEST(Edits, OnlyThoseThatGiveAMaterialHaveIt) {
+  const auto material_of = [](EditOp op) {
+    Config config;
+    config.edits = {{.op = op, .material = 7}};
+    return edits_of(config).at(0).material;
+  };
+  EXPECT_EQ(material_of(EditOp::add), 7U);
+  EXPECT_EQ(material_of(EditOp::replace), 7U);
+  EXPECT_EQ(material_of(EditOp::subtract), exterior);
+  EXPECT_EQ(material_of(EditOp::intersect), exterior);
+}
+
 TEST(Edits, DefaultsAreTheFrame) {
   for (const SolidShape shape : all_shapes) EXPECT_EQ(solid_of({.shape = shape}).axes, frame);
 }
