@@ -129,10 +129,6 @@ class CrossChecks {
       fail({"surface.inside", "labels.mode"}, "labels have no isovalue; remove this key");
     if (config_.simplify.topology == SimplifyConfig::Topology::free)
       fail({"simplify.topology", "labels.mode"}, "labels are simplified safely only");
-    if (config_.labels.mode == LabelMode::each &&
-        config_.input.format == InputConfig::Format::empty)
-      fail({"labels.mode", "input.format"},
-           "empty space has no labels; \"shared\" has those of the edits");
     if (config_.labels.mode == LabelMode::each) each();
   }
 
@@ -165,14 +161,12 @@ class CrossChecks {
     for (std::size_t i = 0; i < config_.edits.size(); ++i) {
       const EditConfig& edit = config_.edits[i];
       const bool gives = edit.op == EditOp::add || edit.op == EditOp::replace;
-      if (mode == LabelMode::each)
-        refuse(i + 1, "labels.mode = \"each\" takes no edits; \"shared\" does");
-      if (mode == LabelMode::shared && gives && !edit.material)
+      if (mode != LabelMode::off && gives && !edit.material)
         refuse(i + 1, "material is missing: expected the label that the solid gets");
-      if (mode != LabelMode::shared && edit.op == EditOp::replace)
+      if (mode == LabelMode::off && edit.op == EditOp::replace)
         refuse(i + 1,
                "op = \"replace\": there is one material, so nothing to replace; it is for "
-               "labels.mode = \"shared\"");
+               "labels.mode = \"each\" and \"shared\"");
     }
   }
 

@@ -133,8 +133,8 @@ std::vector<EditSetting> make_edit_settings() {
           "none; between labels add and replace need it",
           [](const EditConfig& e) { return e.material.has_value(); },
           row({"material",
-               "With labels.mode = \"shared\": the label that add and replace give. Else not "
-               "looked at.",
+               "Between labels (labels.mode): the label that add and replace give. Else not looked "
+               "at.",
                "7"},
               material())),
       required(row({"shape", "Which solid it is.", ""}, choice(&EditConfig::shape, shape_names()))),

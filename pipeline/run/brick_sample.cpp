@@ -71,7 +71,7 @@ class Sampler {
     const double before = thread_seconds();
     const std::uint64_t vertices = sums.vertices;
     if (parameters.labels.mode == LabelMode::each) {
-      labels_.fill(block, *parameters.labels.rules);
+      labels_.fill(block, parameters);
       labels_.each(place_of(brick), parameters,
                    [&](Material, const BrickOctree& octree) { add(octree, sums); });
     } else {

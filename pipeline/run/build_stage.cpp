@@ -47,9 +47,12 @@ ArtifactState state_of(const BuildJob& job, Index3 shard) {
 }
 
 StageMemory build_memory(const RunContext& context, const BuildJob& job) {
+  const Edits& edits = job.parameters.edits;
+  const bool replaces = std::any_of(edits.begin(), edits.end(),
+                                    [](const Edit& edit) { return edit.op == EditOp::replace; });
   return {"build", 0,
           ShardBuilder::memory_bytes(job.grid, job.volume.source->info().type,
-                                     job.parameters.labels.mode),
+                                     job.parameters.labels.mode, replaces),
           fmt::format("one brick (work.brick = {})", context.config.work.brick),
           "raise run.memory or lower work.brick"};
 }

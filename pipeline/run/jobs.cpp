@@ -97,10 +97,14 @@ void Jobs::open_volume(Config& config) {
 void check_budget(const RunContext& context, const Jobs& jobs) {
   const VolumeInfo& info = jobs.ingest().info;
   const Config& config = context.config;
+  const bool replaces =
+      std::any_of(config.edits.begin(), config.edits.end(),
+                  [](const EditConfig& edit) { return edit.op == EditOp::replace; });
   std::vector<StageMemory> needs = {
       ingest_memory(config, jobs.ingest()),
       {"build", 0,
-       ShardBuilder::memory_bytes(brick_grid(config, info.geometry), info.type, config.labels.mode),
+       ShardBuilder::memory_bytes(brick_grid(config, info.geometry), info.type, config.labels.mode,
+                                  replaces),
        fmt::format("one brick (work.brick = {})", config.work.brick),
        "raise run.memory or lower work.brick"}};
   // The largest first: the figure it is refused with does for all.

@@ -46,7 +46,7 @@ void LabelOctrees::begin(Index3 shard, Hash128 input_stamp) {
 
 void LabelOctrees::build(const HaloBlock& block, Index3 first, std::int64_t count,
                          const WorkerContext& worker) {
-  labels_.fill(block, *job_.parameters.labels.rules);
+  labels_.fill(block, job_.parameters);
   for (std::int64_t i = 0; i < count; ++i)
     build_brick({job_.grid.brick_level(), first + Index3{i, 0, 0}}, worker);
 }

@@ -25,14 +25,16 @@ Box3 brick_samples(const BuildJob& job, Index3 brick) {
 
 ShardBuilder::ShardBuilder(const BuildJob& job) : job_(job), octrees_(make_shard_octrees(job)) {}
 
-std::uint64_t ShardBuilder::memory_bytes(const BrickGrid& grid, SampleType type, LabelMode labels) {
+std::uint64_t ShardBuilder::memory_bytes(const BrickGrid& grid, SampleType type, LabelMode labels,
+                                         bool replaces) {
   const std::uint64_t side =
       (std::uint64_t{1} << grid.brick_level()) + 2 + 2 * (gradient_halo + label_halo);
   const std::uint64_t one = side * side * side;
   const std::uint64_t brick = build_brick_bytes(grid.brick_level());
   if (labels == LabelMode::each) {
     const std::uint64_t samples = std::max(one, LabelOctrees::run_samples);
-    return samples * sample_bytes(type) + brick + LabelOctrees::memory_bytes(grid, samples);
+    return samples * sample_bytes(type) + brick + LabelOctrees::memory_bytes(grid, samples) +
+           (replaces ? build_replacing_bytes(grid.brick_level()) : 0);
   }
   const std::uint64_t side16 = std::uint64_t{1} << (grid.shard_level() - block_level);
   const std::uint64_t of_labels =
@@ -84,6 +86,11 @@ Box3 ShardBuilder::touched_samples(Index3 brick) const {
   return {lo, lo + splat(side + 1)};
 }
 
+Bounds ShardBuilder::bounds_of(Index3 brick) const {
+  const int level = job_.grid.brick_level();
+  return brick_bounds({brick * (std::int64_t{1} << level), level}, job_.parameters.spacing);
+}
+
 bool ShardBuilder::meets_ring(Index3 brick) const {
   const Box3 touched = touched_samples(brick);
   return intersect(touched, Box3{{}, job_.grid.size()}) != touched;
@@ -94,13 +101,10 @@ ShardBuilder::KnownBrick ShardBuilder::known_of(Index3 brick) const {
   if (job_.parameters.labels.mode == LabelMode::each) return known_label(brick);
   const NodeState unedited = unedited_state(brick);
   if (job_.parameters.edits.empty()) return {unedited, exterior};
-  const int level = job_.grid.brick_level();
-  const BrickPlace place{brick * (std::int64_t{1} << level), level};
-  const Bounds bounds = brick_bounds(place, job_.parameters.spacing);
   const Relation before = unedited == NodeState::inside    ? Relation::inside
                           : unedited == NodeState::outside ? Relation::outside
                                                            : Relation::mixed;
-  switch (side_after(job_.parameters.edits, bounds, before)) {
+  switch (side_after(job_.parameters.edits, bounds_of(brick), before)) {
     case Relation::outside:
       return {NodeState::outside, exterior};
     case Relation::inside:
@@ -115,14 +119,17 @@ ShardBuilder::KnownBrick ShardBuilder::known_of(Index3 brick) const {
   return {NodeState::split, exterior};
 }
 
-// The one material that all samples its cells touch are known to be of, ring apart.
+// The one material that all samples its cells touch are known to be of, ring apart, after the
+// edits.
 ShardBuilder::KnownBrick ShardBuilder::known_label(Index3 brick) const {
   const Box3 touched = touched_samples(brick);
   const Box3 real = intersect(touched, Box3{{}, job_.grid.size()});
   if (real.empty()) return {NodeState::outside, exterior};
-  if (job_.volume.ranges == nullptr) return {NodeState::split, exterior};
-  const auto material =
-      common_material(*job_.parameters.labels.rules, job_.volume.ranges->range(real));
+  std::optional<Material> material;
+  if (job_.volume.ranges != nullptr)
+    material = common_material(*job_.parameters.labels.rules, job_.volume.ranges->range(real));
+  if (!job_.parameters.edits.empty())
+    material = material_after(job_.parameters.edits, bounds_of(brick), material);
   if (!material || (*material != exterior && real != touched)) return {NodeState::split, exterior};
   if (*material == exterior) return {NodeState::outside, exterior};
   return {NodeState::inside, *material};

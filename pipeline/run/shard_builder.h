@@ -25,7 +25,9 @@ class ShardBuilder {
   static Bounds shard_bounds(const BuildJob& job, Index3 shard);
 
   // Bytes of one builder at work on one shard, whatever the samples.
-  static std::uint64_t memory_bytes(const BrickGrid& grid, SampleType type, LabelMode labels);
+  // replaces: an edit replaces labels.
+  static std::uint64_t memory_bytes(const BrickGrid& grid, SampleType type, LabelMode labels,
+                                    bool replaces);
 
  private:
   struct Run {  // bricks along x that are read together
@@ -43,6 +45,7 @@ class ShardBuilder {
   void each_brick(Index3 shard, F&& f) const;
   std::vector<Run> runs_of(Index3 row, std::int64_t end) const;
   Box3 touched_samples(Index3 brick) const;
+  Bounds bounds_of(Index3 brick) const;
   bool meets_ring(Index3 brick) const;
   NodeState unedited_state(Index3 brick) const;
   KnownBrick known_label(Index3 brick) const;

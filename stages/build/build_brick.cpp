@@ -3,9 +3,10 @@
 #include <type_traits>
 
 #include "stages/build/brick_polygons.h"
+#include "stages/build/brick_surface.h"
 #include "stages/build/label_edits.h"
-#include "stages/build/label_field.h"
 #include "stages/build/label_hermite.h"
+#include "stages/build/label_part.h"
 #include "stages/geometry/solid.h"
 
 namespace voxweld {
@@ -75,69 +76,17 @@ RootRecord make_root(const BrickFrame& frame, const Grid& grid, const BrickNodes
 }  // namespace
 
 struct BrickScratch::Parts {
-  SignGrid signs, solid_signs;
+  BrickSurface surface, any_label;
   ActiveCells cells;
-  HermiteEdges edges, edges_before;
-  LabelField labels;
+  HermiteEdges label_edges;
   MaterialBlock materials;
   LabelGrid label_grid;
-  LabelHermite label_edges;
+  LabelHermite label_hermite;
   LabelEdits label_edits;
   BrickNodes nodes;
   BrickLeaves leaves;
   std::vector<std::uint32_t> vertex_marks;
 };
-namespace {
-
-// What of a brick has to be looked at when all inside samples lie in a box: the cells with a corner
-// there, and the samples that crossings and normals are made of.
-struct Extent {
-  Box3 samples;  // the box
-  Box3 cells;    // relative to the brick, may reach beyond it
-  Extent(const Box3& extent, const BrickFrame& frame)
-      : samples(extent),  // lattice point u is sample u - 1; a cell reaches one point up
-        cells{extent.lo - frame.origin, extent.hi + splat(1) - frame.origin} {}
-};
-
-// Crossings and normals of the volume's own surface.
-void compute_edges(const HaloBlock& block, const BrickFrame& frame, const Extent& extent,
-                   const ContourParameters& parameters, BrickScratch::Parts& s) {
-  const std::optional<std::uint64_t>& label = parameters.surface.label;
-  const Index3 origin = frame.origin;
-  if (!label)
-    return s.edges.compute(block, origin, frame.side(), s.signs, extent.cells, parameters);
-  // Samples of the lattice points 0 .. side, and what their gradients read.
-  const Box3 of_brick{frame.origin - splat(1 + gradient_halo),
-                      frame.origin + splat(frame.side() + gradient_halo)};
-  const Box3 of_edges{extent.samples.lo - splat(1 + gradient_halo),
-                      extent.samples.hi + splat(1 + gradient_halo)};
-  const Box3 box = intersect(intersect(of_brick, of_edges), Box3{{}, block.size});
-  // Without samples only the ring's edges are there, which read none.
-  HaloBlock field = block;
-  if (!box.empty()) field = s.labels.filter(block, *label, box);
-  s.edges.compute_label(field, origin, frame.side(), s.signs, extent.cells, parameters.spacing);
-}
-
-// Signs and Hermite edges after the edits that reach the brick; true when there are any.
-bool apply_edits(const HaloBlock& block, const BrickFrame& frame, const Extent& extent,
-                 const ContourParameters& parameters, BrickScratch::Parts& s) {
-  const VolumeFrame volume{block.size, parameters.spacing};
-  const Bounds bounds = brick_bounds({frame.origin, frame.level}, parameters.spacing);
-  bool any = false;
-  for (const Edit& edit : parameters.edits) {
-    if (!edit_reaches(edit, bounds)) continue;
-    if (!any) compute_edges(block, frame, extent, parameters, s);
-    any = true;
-    s.solid_signs.fill(edit.solid, volume, frame.origin, frame.side());
-    s.signs.combine(edit.op, s.solid_signs);
-    std::swap(s.edges, s.edges_before);
-    s.edges.compute(edit, volume, frame.origin, frame.side(), s.signs, s.solid_signs,
-                    s.edges_before);
-  }
-  return any;
-}
-
-}  // namespace
 
 BrickScratch::BrickScratch() : parts_(std::make_unique<Parts>()) {}
 BrickScratch::~BrickScratch() = default;
@@ -164,8 +113,9 @@ namespace {
 // From the brick's active cells on.
 template <class Grid>
 void build_octree(const BrickFrame& frame, Index3 volume_size, const Grid& grid,
-                  const ContourParameters& parameters, BrickScratch::Parts& s, BrickOctree& out) {
-  s.nodes.simplify(frame, grid, s.cells, s.edges, parameters);
+                  const HermiteEdges& edges, const ContourParameters& parameters,
+                  BrickScratch::Parts& s, BrickOctree& out) {
+  s.nodes.simplify(frame, grid, s.cells, edges, parameters);
   s.leaves.collect(frame, s.cells, s.nodes, parameters, out);
   emit_polygons(frame, volume_size, grid, s.cells, s.leaves, parameters, out);
   make_skin(s.cells, s.leaves, std::is_same_v<Grid, LabelGrid>, s.vertex_marks, out);
@@ -196,11 +146,11 @@ void build_shared(const HaloBlock& block, const BrickFrame& frame,
                    *parameters.labels.rules, given);
   s.label_grid.fill(s.materials, frame.origin, frame.side());
   if (!edits.empty()) {
-    s.label_edges.compute(s.materials.block(), frame.origin, s.label_grid, parameters.spacing,
-                          s.edges);
+    s.label_hermite.compute(s.materials.block(), frame.origin, s.label_grid, parameters.spacing,
+                            s.label_edges);
     for (const Edit* edit : edits)
       s.label_edits.apply(*edit, {block.size, parameters.spacing}, frame.origin, s.label_grid,
-                          s.edges);
+                          s.label_edges);
   }
   s.cells.find(s.label_grid);
   out.counts.active_cells = s.cells.size();
@@ -209,9 +159,37 @@ void build_shared(const HaloBlock& block, const BrickFrame& frame,
     return;
   }
   if (edits.empty())
-    s.label_edges.compute(s.materials.block(), frame.origin, s.label_grid, parameters.spacing,
-                          s.edges);
-  build_octree(frame, block.size, s.label_grid, parameters, s, out);
+    s.label_hermite.compute(s.materials.block(), frame.origin, s.label_grid, parameters.spacing,
+                            s.label_edges);
+  build_octree(frame, block.size, s.label_grid, s.label_edges, parameters, s, out);
+}
+
+// Of the surface found; with_edges: its crossings are.
+void build_surface(const HaloBlock& block, const BrickFrame& frame, const BrickWindow& window,
+                   bool with_edges, const ContourParameters& parameters, BrickScratch::Parts& s,
+                   BrickOctree& out) {
+  s.cells.find(s.surface.signs(), frame.side(), window.cells);
+  out.counts.active_cells = s.cells.size();
+  if (s.cells.size() == 0) {
+    out.root = whole_brick(s.surface.signs());
+    return;
+  }
+  if (!with_edges) s.surface.find_edges(block, window, parameters);
+  build_octree(frame, block.size, s.surface.signs(), s.surface.edges(), parameters, s, out);
+}
+
+// The edits that reach the brick; true when there are any.
+bool apply_edits(const HaloBlock& block, const BrickPlace& place, const BrickWindow& window,
+                 const ContourParameters& parameters, BrickSurface& surface) {
+  const Bounds bounds = brick_bounds(place, parameters.spacing);
+  bool any = false;
+  for (const Edit& edit : parameters.edits) {
+    if (!edit_reaches(edit, bounds)) continue;
+    if (!any) surface.find_edges(block, window, parameters);
+    any = true;
+    surface.apply(edit, {block.size, parameters.spacing}, window);
+  }
+  return any;
 }
 
 }  // namespace
@@ -228,19 +206,22 @@ void build_brick(const HaloBlock& block, const BrickPlace& place, const Box3& ex
   clear(out, place.level);
   if (parameters.labels.mode == LabelMode::shared)
     return build_shared(block, frame, parameters, s, out);
-  // Solids may lie anywhere.
-  const Box3 everywhere{place.origin - splat(2), place.origin + splat(frame.side() + 1)};
-  const Extent looked_at(parameters.edits.empty() ? extent : everywhere, frame);
-  s.signs.fill(block, place.origin, frame.side(), parameters.surface, looked_at.samples);
-  const bool edited = apply_edits(block, frame, looked_at, parameters, s);
-  s.cells.find(s.signs, frame.side(), looked_at.cells);
-  out.counts.active_cells = s.cells.size();
-  if (s.cells.size() == 0) {
-    out.root = whole_brick(s.signs);
-    return;
-  }
-  if (!edited) compute_edges(block, frame, looked_at, parameters, s);
-  build_octree(frame, block.size, s.signs, parameters, s, out);
+  const BrickWindow window = parameters.edits.empty()
+                                 ? BrickWindow(place.origin, frame.side(), extent)
+                                 : BrickWindow::everywhere(place.origin, frame.side());
+  s.surface.find_signs(block, window, parameters.surface);
+  const bool edited = apply_edits(block, place, window, parameters, s.surface);
+  build_surface(block, frame, window, edited, parameters, s, out);
+}
+
+void build_brick(const HaloBlock& block, const BrickPlace& place, const LabelPart& part,
+                 const ContourParameters& parameters, BrickScratch& scratch, BrickOctree& out) {
+  BrickScratch::Parts& s = scratch.parts();
+  const BrickFrame frame{place.origin, place.level, domain_level(block.size)};
+  clear(out, place.level);
+  s.surface.find_signs(block, part.window(), parameters.surface);
+  const bool edited = part.apply_edits(block, parameters, s.surface, s.any_label);
+  build_surface(block, frame, part.window(), edited, parameters, s, out);
 }
 
 std::uint64_t build_brick_bytes(int level) {
@@ -267,6 +248,16 @@ std::uint64_t build_labels_bytes(int level) {
   const std::uint64_t per_cell = 2 * 40 + std::uint64_t{3} * (2 * (4 + sizeof(MaterialPair)) + 56);
   return samples * per_sample + 2 * points * sizeof(std::uint32_t) + cells * per_cell +
          LabelHermite::memory_bytes();
+}
+
+std::uint64_t build_replacing_bytes(int level) {
+  const std::uint64_t side = std::uint64_t{1} << level;
+  const std::uint64_t cells = side * side * side, points = (side + 3) * (side + 3) * (side + 3);
+  // Sides and crossings of what is of any label, before and after an edit, and of what comes in;
+  // the filtered field of any label.
+  const std::uint64_t filtered = (side + 11) * (side + 11) * (side + 11);
+  return points + 2 * filtered * sizeof(std::int32_t) +
+         std::uint64_t{3} * 3 * cells * sizeof(HermiteEdge);
 }
 
 }  // namespace voxweld

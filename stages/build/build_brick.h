@@ -48,9 +48,17 @@ void build_brick(const HaloBlock& block, const BrickPlace& place,
 void build_brick(const HaloBlock& block, const BrickPlace& place, const Box3& extent,
                  const ContourParameters& parameters, BrickScratch& scratch, BrickOctree& out);
 
+// The same of one label of several, after the edits. block: of a MaterialBlock; surface.label: its
+// number there; parameters.edits are not looked at, but the part's.
+class LabelPart;
+void build_brick(const HaloBlock& block, const BrickPlace& place, const LabelPart& part,
+                 const ContourParameters& parameters, BrickScratch& scratch, BrickOctree& out);
+
 // An upper bound on what build_brick and its result hold, in bytes, for the worst volume there is.
 std::uint64_t build_brick_bytes(int level);
 // And what it holds beyond that between labels (labels.mode = "shared"), each sample being another.
 std::uint64_t build_labels_bytes(int level);
+// And for one label of several where an edit replaces labels by it (label_part.h).
+std::uint64_t build_replacing_bytes(int level);
 
 }  // namespace voxweld

@@ -152,4 +152,14 @@ void HermiteEdges::compute(const Edit& edit, const VolumeFrame& frame, Index3 br
   });
 }
 
+void HermiteEdges::unite(int side, const SignGrid& signs, const HermiteEdges& a,
+                         const HermiteEdges& b) {
+  find_rows(signs, side, Box3{{}, splat(side + 1)});
+  fill_edges([&](int axis, int x, int y, int z) {
+    if (!a.has(axis, x, y, z)) return b.at(axis, x, y, z);
+    if (!b.has(axis, x, y, z)) return a.at(axis, x, y, z);
+    return surface_of(EditOp::add, signs.inside(x, y, z), a.at(axis, x, y, z), b.at(axis, x, y, z));
+  });
+}
+
 }  // namespace voxweld

@@ -38,6 +38,10 @@ class HermiteEdges {
   void compute(const Edit& edit, const VolumeFrame& frame, Index3 brick, int side,
                const SignGrid& signs, const SignGrid& solid, const HermiteEdges& before);
 
+  // Takes the edges of the union of two of the same brick: where both cross, those further out.
+  // signs: of the union.
+  void unite(int side, const SignGrid& signs, const HermiteEdges& a, const HermiteEdges& b);
+
   // Finds the edges whose ends have different labels; what datum each has is the caller's to fill
   // in.
   void find(const LabelGrid& labels);

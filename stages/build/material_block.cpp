@@ -58,6 +58,20 @@ void MaterialBlock::fill(const HaloBlock& block, const MaterialRules& rules,
   block_ = {SampleType::u32, block.size,
             block.samples,   reinterpret_cast<const std::byte*>(numbers_.data()),
             size.x,          size.x * size.y};
+  any_is_filled_ = false;
+}
+
+const HaloBlock& MaterialBlock::any() {
+  if (any_is_filled_) return any_block_;
+  any_.resize(numbers_.size());
+  const std::uint32_t none = outside();
+  std::transform(numbers_.begin(), numbers_.end(), any_.begin(),
+                 [&](std::uint32_t number) { return std::uint8_t{number != none}; });
+  any_block_ = block_;
+  any_block_.type = SampleType::u8;
+  any_block_.data = reinterpret_cast<const std::byte*>(any_.data());
+  any_is_filled_ = true;
+  return any_block_;
 }
 
 }  // namespace voxweld

@@ -26,13 +26,18 @@ class MaterialBlock {
   // The same samples as u32, each its material's place in the list; lives until the next call.
   const HaloBlock& block() const { return block_; }
 
+  // The same samples as u8, 1 where they are of any material; lives until the next fill.
+  const HaloBlock& any();
+
  private:
   template <class T>
   void number_values(const HaloBlock& block, const MaterialRules& rules);
 
   std::vector<Material> materials_;
   std::vector<std::uint32_t> numbers_;
-  HaloBlock block_;
+  std::vector<std::uint8_t> any_;
+  bool any_is_filled_ = false;
+  HaloBlock block_, any_block_;
   std::unordered_map<std::uint64_t, std::uint32_t> seen_;  // value to place in found_
   std::vector<Material> found_;                            // in the order they were met
   std::vector<std::uint32_t> places_;                      // of those in materials_

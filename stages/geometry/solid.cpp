@@ -192,4 +192,22 @@ Relation side_after(std::span<const Edit> edits, const Bounds& box, Relation sid
   return side;
 }
 
+std::optional<Material> material_after(std::span<const Edit> edits, const Bounds& box,
+                                       std::optional<Material> before) {
+  std::optional<Material> now = before;
+  for (const Edit& edit : edits) {
+    const bool replaces = edit.op == EditOp::replace;
+    if (replaces && now == exterior) continue;
+    const bool gives = replaces || edit.op == EditOp::add;
+    const Material made = gives ? edit.material : exterior;
+    const Relation relation = relation_to(edit.solid, box);
+    const Relation by = edit.op == EditOp::intersect ? Relation::outside : Relation::inside;
+    if (relation == by && (now || !replaces))
+      now = made;
+    else if (relation == by || (relation == Relation::mixed && now != made))
+      now.reset();
+  }
+  return now;
+}
+
 }  // namespace voxweld

@@ -5,6 +5,7 @@
 // same side whatever brick, process or machine asks.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "storage/types/solid.h"
@@ -43,5 +44,10 @@ bool edit_reaches(const Edit& edit, const Bounds& box);
 // points can tell.
 // Between labels `inside` is any of them.
 Relation side_after(std::span<const Edit> edits, const Bounds& box, Relation side);
+
+// Of which material all of a box is after the edits, when all of it was of `before`; nothing stands
+// for not knowing, then and now.
+std::optional<Material> material_after(std::span<const Edit> edits, const Bounds& box,
+                                       std::optional<Material> before);
 
 }  // namespace voxweld

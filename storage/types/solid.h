@@ -38,7 +38,7 @@ struct Solid {
   friend bool operator==(const Solid&, const Solid&) = default;
 };
 
-// Constructive solid geometry, in the order of the list. Between labels (labels.mode = "shared"):
+// Constructive solid geometry, in the order of the list. Between labels (labels.mode):
 //   add        what lies in the solid becomes `material`
 //   subtract   what lies in it becomes exterior
 //   intersect  what lies outside it becomes exterior

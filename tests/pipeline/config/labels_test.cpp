@@ -70,20 +70,26 @@ TEST(Labels, EditsGiveLabelsToOneComplex) {
     return least_config("labels.mode = \"" + mode + "\"\n[[edit]]\nshape = \"sphere\"\n" +
                         "center = [4, 4, 4]\nradius = 2\n" + keys);
   };
-  const Config config = parse(with("shared", "op = \"replace\"\nmaterial = 7\n"));
-  EXPECT_EQ(config.edits.at(0).op, EditOp::replace);
-  EXPECT_EQ(config.edits.at(0).material, 7U);
-  EXPECT_NO_THROW(parse(with("shared", "op = \"subtract\"\n")));
+  for (const char* mode : {"each", "shared"}) {
+    const Config config = parse(with(mode, "op = \"replace\"\nmaterial = 7\n"));
+    EXPECT_EQ(config.edits.at(0).op, EditOp::replace);
+    EXPECT_EQ(config.edits.at(0).material, 7U);
+    EXPECT_NO_THROW(parse(with(mode, "op = \"subtract\"\n")));
+  }
+  EXPECT_NO_THROW(
+      parse("[input]\nformat = \"empty\"\nsize = [9, 9, 9]\n[labels]\nmode = \"each\"\n"
+            "[[edit]]\nop = \"add\"\nmaterial = 7\nshape = \"sphere\"\ncenter = [4, 4, 4]\n"
+            "radius = 2\n"));
   const auto refused = [&](const std::string& mode, const std::string& keys) {
     return error_of(with(mode, keys));
   };
   EXPECT_EQ(refused("shared", "op = \"add\"\n"),
             "/data/scan.toml: edit 1: material is missing: expected the label that the solid gets");
-  EXPECT_EQ(refused("each", "op = \"subtract\"\n"),
-            "/data/scan.toml: edit 1: labels.mode = \"each\" takes no edits; \"shared\" does");
+  EXPECT_EQ(refused("each", "op = \"replace\"\n"),
+            "/data/scan.toml: edit 1: material is missing: expected the label that the solid gets");
   EXPECT_EQ(refused("off", "op = \"replace\"\nmaterial = 7\n"),
             "/data/scan.toml: edit 1: op = \"replace\": there is one material, so nothing to "
-            "replace; it is for labels.mode = \"shared\"");
+            "replace; it is for labels.mode = \"each\" and \"shared\"");
 }
 
 TEST(Labels, WhatContradictsIsRefused) {
@@ -93,11 +99,6 @@ TEST(Labels, WhatContradictsIsRefused) {
   EXPECT_EQ(error_of(least_config("[labels]\nmax_voxels = 5\nmin_voxels = 6\n")),
             "/data/scan.toml:5:14: labels.min_voxels = 6: expected at most labels.max_voxels = 5; "
             "nothing would be left");
-  EXPECT_EQ(
-      error_of("[input]\nformat = \"empty\"\nsize = [9, 9, 9]\n[labels]\nmode = \"each\"\n"
-               "[[edit]]\nshape = \"sphere\"\ncenter = [4, 4, 4]\nradius = 2\n"),
-      "/data/scan.toml:5:8: labels.mode = \"each\": empty space has no labels; \"shared\" has "
-      "those of the edits");
   EXPECT_EQ(error_of(least_config("labels.slect = [1]\n")),
             "/data/scan.toml:3:8: unknown key labels.slect; did you mean labels.select? [labels] "
             "takes mode, select, background, map, min_voxels, max_voxels");
