@@ -34,13 +34,35 @@ LabelMode label_mode(const EncodeJob& job) {
   return job.stitch->build->parameters.labels.mode;
 }
 
-Hash128 content_of(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit) {
-  return TileArtifact(tile_artifact_path(*job.stitch, plan, unit)).content_hash();
+TileArtifact tile_of(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit) {
+  return TileArtifact(tile_artifact_path(*job.stitch, plan, unit));
 }
 
-Hash128 asset_key(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit, Hash128 content) {
+// What files are made of beside the parameters: the mesh, and the colours its labels are given.
+Hash128 content_of(const EncodeJob& job, const TileArtifact& tile) {
+  if (!job.coloured) return tile.content_hash();
+  std::vector<Material> labels = tile.labels();
+  for (const MaterialPair& pair : tile.read_label_pairs()) labels.push_back(pair.inside);
+  std::sort(labels.begin(), labels.end());
+  labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
   KeyHasher key;
-  key.hash(job.key).hash(content);
+  key.hash(tile.content_hash());
+  bool any = false;
+  for (const Material label : labels) {
+    const MaterialEntry* entry = job.materials->find(label);
+    if (entry == nullptr || !entry->color) continue;
+    any = true;
+    key.integer(static_cast<std::int64_t>(label));
+    for (const std::uint8_t level : {entry->color->red, entry->color->green, entry->color->blue})
+      key.integer(level);
+  }
+  return any ? key.finish() : tile.content_hash();
+}
+
+Hash128 asset_key(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit,
+                  const TileArtifact& tile) {
+  KeyHasher key;
+  key.hash(job.key).hash(content_of(job, tile));
   if (plan.spread(unit)) key.text("spread");
   return key.finish();
 }
@@ -48,7 +70,8 @@ Hash128 asset_key(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit
 Hash128 merged_key(const EncodeJob& job, const UnitPlan& plan) {
   KeyHasher key;
   std::vector<Hash128> contents(plan.size());
-  probe_all(plan.size(), [&](std::size_t i) { contents[i] = content_of(job, plan, i); });
+  probe_all(plan.size(),
+            [&](std::size_t i) { contents[i] = content_of(job, tile_of(job, plan, i)); });
   key.text("merged").hash(job.key);
   for (const Hash128& content : contents) key.hash(content);
   return key.finish();
@@ -64,13 +87,16 @@ std::vector<std::byte> glb_by_pair(const TileMesh& mesh, const EncodeParameters&
   return wrap_glb(parts, glb);
 }
 
-// One Draco buffer serves both formats, but between labels.
+// One Draco buffer serves both formats, but between labels. label: whose mesh it is, if of any.
 std::vector<FileRecord> write_formats(const RunContext& context, const EncodeJob& job,
-                                      const TileMesh& mesh, const std::string& stem) {
+                                      const TileMesh& mesh, const std::string& stem,
+                                      Material label) {
   EncodeParameters parameters;
   parameters.normals = context.config.output.normals;
   GlbParameters glb;
   glb.frame = job.frame;
+  glb.materials = job.materials;
+  glb.label = label;
   std::optional<EncodedMesh> whole;
   const auto encoded = [&]() -> const EncodedMesh& {
     if (!whole) whole = encode_draco(mesh, parameters);
@@ -124,19 +150,20 @@ void add_boundaries(AssetRecord& record, const TileMesh& mesh) {
 
 void encode_unit(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
                  std::uint64_t unit, const WorkerContext& worker) {
-  const TileArtifact artifact(tile_artifact_path(*job.stitch, plan, unit));
+  const TileArtifact artifact = tile_of(job, plan, unit);
   const std::vector<PlannedMesh> planned = plan.meshes(unit);
   if (artifact.meshes() != planned.size())
     throw DamagedArtifact(artifact.path(), "has other meshes than are planned");
   AssetRecord record;
-  record.key = asset_key(job, plan, unit, artifact.content_hash());
+  record.key = asset_key(job, plan, unit, artifact);
   for (std::size_t i = 0; i < planned.size(); ++i) {
     worker.check_interrupt();
     const TileMesh mesh = artifact.read(i);
     std::vector<FileRecord> files;
     // A tile may own polygons none of which has three leaves: it has no mesh, and no files.
     if (!mesh.triangles.empty() && context.config.output.tiles)
-      files = write_formats(context, job, mesh, planned[i].stem);
+      files = write_formats(context, job, mesh, planned[i].stem,
+                            artifact.labels().empty() ? exterior : artifact.labels()[i]);
     add_mesh(record, mesh, files);
     if (!mesh.pairs.empty()) add_boundaries(record, mesh);
     if (!artifact.labels().empty())
@@ -150,7 +177,7 @@ void encode_merged(const RunContext& context, const EncodeJob& job, const UnitPl
   MeshAccumulator accumulator;
   for (std::uint64_t unit = 0; unit < plan.size(); ++unit) {
     if (context.interrupt != nullptr) context.interrupt->check();
-    const TileMesh mesh = TileArtifact(tile_artifact_path(*job.stitch, plan, unit)).read();
+    const TileMesh mesh = tile_of(job, plan, unit).read();
     if (!mesh.triangles.empty()) accumulator.append(mesh);
   }
   TileMesh mesh = accumulator.take();
@@ -158,7 +185,7 @@ void encode_merged(const RunContext& context, const EncodeJob& job, const UnitPl
     split_fans(mesh);
   AssetRecord record;
   record.key = merged_key(job, plan);
-  add_mesh(record, mesh, write_formats(context, job, mesh, "mesh"));
+  add_mesh(record, mesh, write_formats(context, job, mesh, "mesh", exterior));
   write_asset_record(merged_record_path(job), record, job.output);
 }
 
@@ -206,8 +233,7 @@ void write_listing(const EncodeJob& job, const UnitPlan& plan, bool merged, File
 bool unit_is_current(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit) {
   const std::filesystem::path record = record_path(job, plan, unit);
   if (!std::filesystem::exists(record)) return false;
-  return asset_is_current(record, asset_key(job, plan, unit, content_of(job, plan, unit)),
-                          job.output);
+  return asset_is_current(record, asset_key(job, plan, unit, tile_of(job, plan, unit)), job.output);
 }
 
 bool merged_is_current(const EncodeJob& job, const UnitPlan& plan) {
@@ -217,9 +243,7 @@ bool merged_is_current(const EncodeJob& job, const UnitPlan& plan) {
 void count_label_pairs(const EncodeJob& job, const UnitPlan& plan, EncodeStatus& status) {
   if (label_mode(job) != LabelMode::shared) return;
   std::vector<std::uint64_t> counts(plan.size());
-  probe_all(plan.size(), [&](std::size_t i) {
-    counts[i] = TileArtifact(tile_artifact_path(*job.stitch, plan, i)).label_pairs();
-  });
+  probe_all(plan.size(), [&](std::size_t i) { counts[i] = tile_of(job, plan, i).label_pairs(); });
   for (const std::uint64_t count : counts) status.label_pairs += count;
   for (const std::uint64_t unit : status.missing)
     status.most_label_pairs = std::max(status.most_label_pairs, counts[unit]);

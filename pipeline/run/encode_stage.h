@@ -16,7 +16,8 @@ struct EncodeJob {
   std::filesystem::path folder;  // of the sidecar records
   std::filesystem::path output;
   Hash128 key;
-  const MaterialTable* materials = nullptr;  // for the list of labels
+  const MaterialTable* materials = nullptr;  // for the list of labels, and colours of .glb
+  bool coloured = false;                     // there are files with colours, and colours for them
 };
 
 // Units are numbered as UnitPlan has them; the merged mesh comes after them.

@@ -110,11 +110,14 @@ std::string label_name(Material material) {
   return material == exterior ? "outside" : fmt::to_string(material);
 }
 
-Json material(const std::optional<MaterialPair>& pair) {
+Json material(const std::optional<MaterialPair>& pair, const GlbParameters& parameters) {
   Json surface = {{"metallicFactor", 0.0}, {"roughnessFactor", 0.7}};
+  const Material label = pair ? pair->inside : parameters.label;
+  std::optional<std::array<double, 3>> colour;
+  if (parameters.materials != nullptr) colour = given_colour(*parameters.materials, label);
+  if (pair && !colour) colour = label_colour(label);
+  if (colour) surface["baseColorFactor"] = {(*colour)[0], (*colour)[1], (*colour)[2], 1.0};
   if (!pair) return {{"pbrMetallicRoughness", surface}, {"doubleSided", false}};
-  const std::array<double, 3> colour = label_colour(pair->inside);
-  surface["baseColorFactor"] = {colour[0], colour[1], colour[2], 1.0};
   return {{"name", label_name(pair->inside) + " | " + label_name(pair->outside)},
           {"pbrMetallicRoughness", surface},
           {"doubleSided", true}};
@@ -134,7 +137,7 @@ Json document(const std::vector<Part>& parts, const GlbParameters& parameters) {
     if (part.pair)
       added["extras"] = {{"inside", label_of(part.pair->inside)},
                          {"outside", label_of(part.pair->outside)}};
-    materials.push_back(material(part.pair));
+    materials.push_back(material(part.pair, parameters));
     const std::size_t size = part.mesh->bytes.size();
     views.push_back({{"buffer", 0}, {"byteOffset", offset}, {"byteLength", size}});
     offset += &part == &parts.back() ? size : padded(size);

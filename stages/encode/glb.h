@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "stages/encode/draco_codec.h"
+#include "storage/types/material_table.h"
 #include "storage/types/volume.h"
 
 namespace voxweld {
@@ -19,6 +20,9 @@ struct GlbParameters {
   // stated in the node's extras.
   std::optional<VolumeGeometry> frame = std::nullopt;
   bool y_up = true;  // turn z-up data to glTF's y-up: (x, y, z) -> (x, z, -y)
+  // Colours of labels, where they have one; null: none has.
+  const MaterialTable* materials = nullptr;
+  Material label = exterior;  // whose surface a mesh of one part is, if of any
 };
 
 // A primitive of a mesh between labels: its triangles separate `pair`.
@@ -28,12 +32,14 @@ struct GlbPart {
 };
 
 // The file holds `mesh.bytes` as it is, one node, one mesh, one primitive of mode TRIANGLES with
-// uncompressed accessors left out. Positions stay in the mesh's frame and unit, so tiles agree to
-// the bit. The same input gives the same bytes. InputError past 4 GiB, the format's limit.
+// uncompressed accessors left out, in the colour of its label where it has one. Positions stay in
+// the mesh's frame and unit, so tiles agree to the bit. The same input gives the same bytes.
+// InputError past 4 GiB, the format's limit.
 std::vector<std::byte> wrap_glb(const EncodedMesh& mesh, const GlbParameters& parameters);
 
 // The same with a primitive for each part, each with a material of its own: named for its labels
-// ("7 | 12", "7 | outside"), visible from both sides, of a colour that tells `inside` from others.
+// ("7 | 12", "7 | outside"), visible from both sides, of the colour that `inside` has, or one that
+// tells it from others.
 // The primitive's extras have "inside" and "outside" (null: outside all labels).
 // Precondition: at least one part.
 std::vector<std::byte> wrap_glb(std::span<const GlbPart> parts, const GlbParameters& parameters);

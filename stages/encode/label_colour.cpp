@@ -18,4 +18,17 @@ std::array<double, 3> label_colour(Material label) {
   return colour;
 }
 
+std::optional<std::array<double, 3>> given_colour(const MaterialTable& table, Material label) {
+  const MaterialEntry* entry = table.find(label);
+  if (entry == nullptr || !entry->color) return std::nullopt;
+  // IEC 61966-2-1.
+  const auto linear = [](std::uint8_t value) {
+    const double v = value / 255.0;
+    const double level = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+    return std::round(level * 1e5) / 1e5;
+  };
+  return std::array{linear(entry->color->red), linear(entry->color->green),
+                    linear(entry->color->blue)};
+}
+
 }  // namespace voxweld

@@ -79,6 +79,12 @@ std::uint64_t TileArtifact::label_pairs() const {
   return section == nullptr ? 0 : section->size / sizeof(MaterialPair);
 }
 
+std::vector<MaterialPair> TileArtifact::read_label_pairs() const {
+  std::vector<MaterialPair> list;
+  if (file_.find(pairs) != nullptr) file_.read_array(pairs, list);
+  return list;
+}
+
 TileMesh TileArtifact::read(std::size_t number) const {
   const TileHeader h = header(number);
   const std::uint64_t first = std::uint64_t{number} << 8;

@@ -55,6 +55,7 @@ class TileArtifact {
   std::size_t meshes() const { return labels_.empty() ? 1 : labels_.size(); }
   TileHeader header(std::size_t mesh = 0) const;
   std::uint64_t label_pairs() const;  // how many the first mesh lists
+  std::vector<MaterialPair> read_label_pairs() const;
   TileMesh read(std::size_t mesh = 0) const;
 
  private:

@@ -100,6 +100,35 @@ TEST(EachLabelWork, NamesAndColoursAreListedAnew) {
   EXPECT_NE(text.find("{\"label\":2,\"name\":\"second ball\",\"vertices\""), std::string::npos);
 }
 
+// Only the files that show a colour are written again when it changes.
+TEST(EachLabelWork, ColoursAreEncodedAnewAndNothingElse) {
+  const Scene scene(ball_labels(SampleType::u16, {40, 33, 20}));
+  const fs::path map = scene.directory() / "map.csv";
+  for (const char* mode : {"labels.mode=each", "labels.mode=shared"}) {
+    SCOPED_TRACE(mode);
+    const Settings plain = small + Settings{mode, "output.tile_vertices=2048"};
+    const Settings settings = plain + Settings{"labels.map=" + map.string()};
+    VOXWELD_EXPECT_DONE(scene.run(plain));
+    const auto encoded = [&](const char* rows) {
+      std::ofstream(map) << "label,name,color\n" << rows;
+      VOXWELD_EXPECT_DONE(scene.run(settings));
+      auto ran = units_run(scene.output());
+      for (const char* stage : {"build", "merge", "stitch"}) EXPECT_EQ(ran[stage], 0u) << stage;
+      EXPECT_EQ(difference(scene.clean_tree(settings), output_tree(scene.output())), "");
+      return ran["encode"];
+    };
+    EXPECT_EQ(encoded("1,first,\n"), 0u);
+    const Tree before = output_tree(scene.output());
+    EXPECT_GT(encoded("1,first,#ff0010\n"), 0u);
+    EXPECT_NE(difference(before, output_tree(scene.output())), "");
+    EXPECT_EQ(encoded("1,other name,#ff0010\n"), 0u);
+    EXPECT_EQ(encoded("1,first,#ff0010\n77,not there,#00ff00\n"), 0u);
+    EXPECT_GT(encoded("1,first,#ff0011\n"), 0u);
+    EXPECT_GT(encoded("1,first,\n"), 0u);
+    EXPECT_EQ(difference(before, output_tree(scene.output())), "");
+  }
+}
+
 TEST(EachLabelWork, KilledItLosesNothing) {
   const Scene scene(many_labels());
   const Tree clean = scene.clean_tree(small);

@@ -202,5 +202,40 @@ TEST(Pairs, AreNamedInTheGlb) {
             doc["materials"][1]["pbrMetallicRoughness"]);
 }
 
+// Those of a table are sRGB, those of a file linear.
+TEST(Pairs, HaveTheColoursTheirLabelsAreGiven) {
+  MaterialTable table;
+  table.entries = {{0, "first", MaterialColor{255, 0, 188}}, {1, "second", std::nullopt}};
+  GlbParameters parameters;
+  parameters.materials = &table;
+  const auto colours = [&](const std::vector<std::byte>& glb) {
+    std::uint32_t length = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+      length |= std::to_integer<std::uint32_t>(glb[12 + i]) << (8 * i);
+    const auto doc =
+        nlohmann::json::parse(std::string(reinterpret_cast<const char*>(glb.data()) + 20, length));
+    std::vector<nlohmann::json> found;
+    for (const auto& material : doc["materials"])
+      found.push_back(material["pbrMetallicRoughness"].value("baseColorFactor", nlohmann::json()));
+    return found;
+  };
+  const std::vector<TileMesh> parts = split_by_pair(book(3, 4));
+  std::vector<GlbPart> glb_parts;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    glb_parts.push_back({encode_draco(parts[i], {}), book(3, 4).pairs[i]});
+  const auto given = colours(wrap_glb(glb_parts, parameters));
+  const auto by_number = colours(wrap_glb(glb_parts, {}));
+  EXPECT_EQ(given[0], (nlohmann::json{1.0, 0.0, 0.50289, 1.0}));
+  EXPECT_EQ(given[1], by_number[1]);  // of label 1, which has none
+  EXPECT_NE(given[0], by_number[0]);
+  // A mesh that is one label's has its colour, and none otherwise.
+  const EncodedMesh whole = encode_draco(parts[0], {});
+  EXPECT_TRUE(colours(wrap_glb(whole, parameters)).at(0).is_null());
+  parameters.label = 1;
+  EXPECT_TRUE(colours(wrap_glb(whole, parameters)).at(0).is_null());
+  parameters.label = 0;
+  EXPECT_EQ(colours(wrap_glb(whole, parameters)).at(0), given[0]);
+}
+
 }  // namespace
 }  // namespace voxweld
