@@ -4,8 +4,12 @@
 #include <draco/core/draco_version.h>
 
 #include <cstdlib>
+#include <fstream>
 
 #include "pipeline/run/encode_stage.h"
+#include "stages/build/label_edge.h"
+#include "storage/artifact/label_shard_artifact.h"
+#include "storage/artifact/label_top.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/top_artifact.h"
@@ -99,6 +103,82 @@ TEST_F(Goldens, Encode) {
   expect_recorded({"encode", 1, "e5a39bfe9b234ac46bb821a3af6db056"}, encode_version,
                   hash_of(files));
 }
+
+// Two labels that share a ball, one below it, specks; an edit gives one more, another replaces.
+RawVolume label_volume() {
+  return volume_of({45, 41, 37}, [](Index3 p) -> std::int64_t {
+    const Index3 d = p - Index3{20, 19, 18};
+    const bool speck = (p.x * 7 + p.y * 13 + p.z * 29) % 97 == 0;
+    if (speck) return 3;
+    if (d.x * d.x + d.y * d.y + d.z * d.z > 230) return p.z < 9 ? 5 : 0;
+    return d.x + d.y / 2 + d.z / 3 > 2 ? 3 : 7;
+  });
+}
+
+const char* const label_edits =
+    "\n[[edit]]\nop = \"add\"\nmaterial = 11\nshape = \"box\"\ncenter = [24.3, 15.2, 20.1]\n"
+    "size = [11, 13.5, 40]\n[[edit]]\nop = \"replace\"\nmaterial = 5\nshape = \"sphere\"\n"
+    "center = [14.5, 25.5, 18.25]\nradius = 7.75\n";
+
+// The versions in the key of a build of labels: of the artifacts, of those of each label, and of
+// the estimate.
+constexpr std::uint32_t build_version(std::uint32_t of_each) {
+  return 10000 * shard_version + 100 * of_each + label_estimate_version;
+}
+// A row for each stage: what the artifacts and the files of a mode are.
+struct LabelGolden {
+  const char* mode;
+  std::array<char, 4> octree_kind;
+  std::uint32_t octree_version;
+  std::uint32_t build_version, merge_version;
+  std::array<Golden, 4> stages;  // build, merge, stitch, encode
+};
+
+class LabelGoldens : public ::testing::TestWithParam<LabelGolden> {};
+
+TEST_P(LabelGoldens, OfEveryStage) {
+  const LabelGolden& golden = GetParam();
+  const Scene scene(label_volume());
+  std::ofstream(scene.config(), std::ios::app) << label_edits;
+  VOXWELD_EXPECT_DONE(
+      scene.run({std::string("labels.mode=") + golden.mode, "work.brick=16", "work.shard=2",
+                 "output.tile_vertices=1024", "simplify.tolerance=0.05"}));
+  const auto work = [&](const char* ending) { return files_ending(scene.work(), ending); };
+  expect_recorded(golden.stages[0], golden.build_version,
+                  hash_of(work(".octree"), golden.octree_kind, golden.octree_version));
+  expect_recorded(golden.stages[1], golden.merge_version,
+                  hash_of(work(".tree"), top_kind, top_version));
+  expect_recorded(golden.stages[2], tile_version, hash_of(work(".tile"), tile_kind, tile_version));
+  if (std::string(draco::kDracoVersion) != "1.5.5")
+    GTEST_SKIP() << "the hashes are of Draco 1.5.5's bytes, this is " << draco::kDracoVersion;
+  auto files = files_ending(scene.output(), ".drc");
+  for (const char* ending : {".glb", "labels.jsonl", "tiles.jsonl"})
+    for (const auto& file : files_ending(scene.output(), ending)) files.push_back(file);
+  expect_recorded(golden.stages[3], encode_version, hash_of(files));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Modes, LabelGoldens,
+    ::testing::Values(
+        LabelGolden{"each",
+                    label_shard_kind,
+                    label_shard_version,
+                    build_version(label_shard_version),
+                    top_version | label_top_version << 16,
+                    {Golden{"build of each label", 60102, "7c927766ea57331c6f64e895d46f4df4"},
+                     {"merge of each label", 65541, "728cdc1c4b6f40ecc4b63933e82236f6"},
+                     {"stitch of each label", 3, "af7cb56d8128246bee48081fb18c8a6b"},
+                     {"encode of each label", 1, "d9a743272ce43f259219e567f40eccd5"}}},
+        LabelGolden{"shared",
+                    shard_kind,
+                    shard_version,
+                    build_version(0),
+                    top_version,
+                    {Golden{"build of shared labels", 60002, "12701a81fb9c1209fc6aad23c83e19fe"},
+                     {"merge of shared labels", 5, "0ff6b9a12d1890862a76295838a6871d"},
+                     {"stitch of shared labels", 3, "89fe889467e055c96964cc8e31aa45c1"},
+                     {"encode of shared labels", 1, "b88d24c3d5149db66ffa843244090311"}}}),
+    [](const auto& each) { return each.param.mode; });
 
 }  // namespace
 }  // namespace voxweld::testing
