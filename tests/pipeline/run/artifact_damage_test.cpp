@@ -1,7 +1,11 @@
 // Every artifact kind, cut at every length and with every byte changed: reading all of it must say
 // that it is damaged, whatever part is read first, and never return data.
+#include <fstream>
 #include <functional>
 
+#include "pipeline/run/label_counts.h"
+#include "storage/artifact/label_shard_artifact.h"
+#include "storage/artifact/label_top.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/top_artifact.h"
@@ -35,16 +39,52 @@ void read_all_of_top(const fs::path& path) {
 }
 
 void read_all_of_tile(const fs::path& path) {
-  TileArtifact(path).read();
+  const TileArtifact artifact(path);
+  for (std::size_t i = 0; i < artifact.meshes(); ++i) artifact.read(i);
+}
+
+constexpr int brick_level = 4, shard_level = 5;  // of the tests' runs
+
+void read_all_of_label_shard(const fs::path& path) {
+  const LabelShardArtifact artifact(path);
+  artifact.summary();
+  BrickOctree brick;
+  Skin skin;
+  artifact.each_piece([&](const PieceRecord& piece) {
+    artifact.read_piece(piece, brick_level, brick);
+    artifact.read_skin(piece, skin);
+  });
+  for (std::uint64_t page = 0; page < artifact.node_pages(); ++page)
+    artifact.each_node(page, [](const LabelNode&, std::span<const std::byte>) {});
+}
+
+void read_all_of_label_top(const fs::path& path) {
+  const TopArtifact artifact(path);
+  artifact.counts();
+  artifact.shards();
+  const LabelTop top(artifact);
+  top.batches();
+  top.tiles(0, top.tile_count());
+  constexpr std::uint64_t end = ~std::uint64_t{0} >> 1;
+  for (const SurfaceRecord& surface : top.surfaces(0, top.surface_count())) {
+    top.nodes(surface, shard_level, 0, end);
+    top.leaves(surface, 0, end);
+  }
+}
+
+void read_all_of_counts(const fs::path& path) {
+  LabelCounts(path).each([](const LabelCount&) { return true; });
 }
 
 struct Kind {
+  const char* name;
+  const char* mode;  // of labels
   const char* ending;
   void (*read_all)(const fs::path&);
 };
 
 void PrintTo(const Kind& kind, std::ostream* out) {
-  *out << kind.ending;
+  *out << kind.name;
 }
 
 // "" when reading says that it is damaged.
@@ -64,7 +104,9 @@ void expect_all_damage_found(const Kind& kind, const fs::path& original) {
   kind.read_all(original);  // whole it can be read
   const fs::path path = original.string() + ".damaged";
   const auto check = [&](const Bytes& bytes, const std::string& what) {
-    write_whole_file(path, bytes, Durability::rename_only);
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
     const std::string found = fault(kind, path);
     ASSERT_EQ(found, "") << what << " of " << whole.size();
   };
@@ -88,19 +130,30 @@ class ArtifactDamage : public ::testing::TestWithParam<Kind> {};
 TEST_P(ArtifactDamage, IsFoundInAnyByteAndAtAnyLength) {
   // A cube that meets several bricks, so that there are bricks, nodes, top leaves and a mesh; few
   // cells, so that all of it stays small.
-  const Scene scene(volume_of({17, 6, 5}, [](Index3 at) { return at.x > 2 ? 200 : 10; }));
-  VOXWELD_EXPECT_DONE(scene.run({"work.brick=16", "work.shard=2", "simplify.tolerance=0.2"}));
+  const bool labels = std::string(GetParam().mode) != "off";
+  const Scene scene(volume_of(labels ? Index3{17, 3, 3} : Index3{17, 6, 5},
+                              [](Index3 at) { return at.x > 2 ? 200 : 10; }));
+  VOXWELD_EXPECT_DONE(scene.run({"work.brick=16", "work.shard=2", "simplify.tolerance=0.2",
+                                 std::string("labels.mode=") + GetParam().mode}));
   const auto files = files_ending(scene.work(), GetParam().ending);
   ASSERT_FALSE(files.empty());
   EXPECT_LT(fs::file_size(files[0]), 60000u) << "too many cases for a test";
   expect_all_damage_found(GetParam(), files[0]);
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, ArtifactDamage,
-                         ::testing::Values(Kind{".octree", read_all_of_shard},
-                                           Kind{".tree", read_all_of_top},
-                                           Kind{".tile", read_all_of_tile}),
-                         [](const auto& each) { return each.param.ending + 1; });
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, ArtifactDamage,
+    ::testing::Values(Kind{"octree", "off", ".octree", read_all_of_shard},
+                      Kind{"tree", "off", ".tree", read_all_of_top},
+                      Kind{"tile", "off", ".tile", read_all_of_tile},
+                      Kind{"octrees_of_each_label", "each", ".octree", read_all_of_label_shard},
+                      Kind{"tree_of_each_label", "each", ".tree", read_all_of_label_top},
+                      Kind{"tiles_of_each_label", "each", ".tile", read_all_of_tile},
+                      Kind{"octree_of_shared_labels", "shared", ".octree", read_all_of_shard},
+                      Kind{"tile_of_shared_labels", "shared", ".tile", read_all_of_tile},
+                      Kind{"counts_of_a_shard", "each", ".labels", read_all_of_counts},
+                      Kind{"counts_of_all", "each", "labels.all", read_all_of_counts}),
+    [](const auto& each) { return each.param.name; });
 
 }  // namespace
 }  // namespace voxweld::testing
