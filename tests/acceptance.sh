@@ -4,15 +4,18 @@
 #   partition   the bunny CT: chunk, brick, shard, threads and copy, all to the same bytes
 #   kills       the bunny CT: a run killed 20 times and resumed, the same bytes, nothing left over
 #   tiles       the bunny CT: the merged mesh is the same for any output.tile_vertices
+#   labels      frogtissue in both modes, with edits: partitions, kills and verify
+#   edits       the bunny CT with solids added and taken away: the same
+#   mesh        rocker-arm as the input, 512 cells long, with an edit: the same
 #   phantoms    gyroid, part, porous and temple of 512^3: verify finds nothing
 #   memory      gyroid and part of 1024^3, noise of 512^3 under run.memory = 512MiB: peak below it
 #   figures     gyroid, part and noise of 512^3 at run.memory = 256MiB: seconds and peak
 # Environment: VOXWELD (the program, default build/voxweld), VOXWELD_SHARED_DATA (folder with
-# bunny_ct/), VOXWELD_SCRATCH (where about 10 GB may be written, default a new folder below TMPDIR
+# bunny_ct/, label/ and meshes/), VOXWELD_SCRATCH (where about 10 GB may be written, default a new folder below TMPDIR
 # that is removed), VOXWELD_KILLS (default 20), VOXWELD_SEED (default 1).
 set -euo pipefail
 case ${1:-} in -h | --help)
-  sed -n '2,14s/^# //p' "$0"
+  sed -n '2,17s/^# //p' "$0"
   exit 0
   ;;
 esac
@@ -22,7 +25,7 @@ voxweld=${VOXWELD:-$root/build/voxweld}
 data=${VOXWELD_SHARED_DATA:-$root/../shared/data}
 kills=${VOXWELD_KILLS:-20}
 RANDOM=${VOXWELD_SEED:-1}
-known=(partition kills tiles phantoms memory figures)
+known=(partition kills tiles labels edits mesh phantoms memory figures)
 steps=("$@")
 [ $# -gt 0 ] || steps=("${known[@]}")
 for step in "${steps[@]}"; do
@@ -112,9 +115,13 @@ isovalue = 1150
 TOML
 }
 
+# A config of its own needs a reference of its own.
 reference=
+reference_of=
 make_reference() {
-  [ -z "$reference" ] || return 0
+  [ "$reference_of" != "$config" ] || return 0
+  reference_of=$config
+  forget reference
   run reference || {
     cat "$scratch/reference.err" >&2
     exit 1
@@ -156,36 +163,105 @@ step_partition() {
   done
 }
 
+# expect_reference_after_kills STEP CASE [SETTING...]: killed again and again, then left alone.
+expect_reference_after_kills() {
+  local step=$1 case=$2 begin whole after killed=0 child i
+  shift 2
+  begin=$(now)
+  run timing "$@"
+  whole=$(since "$begin")
+  forget timing
+  for ((i = 0; i < kills; ++i)); do
+    # Each run may go on for up to a quarter of a whole one, so that all stages are met.
+    after=$(awk -v w="$whole" -v r="$RANDOM" 'BEGIN { printf "%.3f", w / 4 * r / 32768 }')
+    arguments killed "$@"
+    "$voxweld" "${args[@]}" >/dev/null 2>&1 &
+    child=$!
+    sleep "$after"
+    kill -KILL $child 2>/dev/null || true
+    if wait $child 2>/dev/null; then forget killed; else killed=$((killed + 1)); fi
+  done
+  if ! run killed "$@"; then
+    report "$step" "$case" FAILED "$(tail -n 1 "$scratch/killed.err")"
+  elif [ "$(tree_hash "$scratch/killed.mesh")" != "$reference" ]; then
+    report "$step" "$case" FAILED "other bytes after $killed kills"
+  elif [ "$(temporaries "$scratch/killed.work" "$scratch/killed.mesh")" -ne 0 ]; then
+    report "$step" "$case" FAILED "temporaries left after $killed kills"
+  else
+    report "$step" "$case" same "$killed of $kills runs killed; a whole one takes $whole s"
+  fi
+  forget killed
+}
+
 step_kills() {
   make_reference
-  local begin whole after killed copy child i
+  local copy
   for copy in false true; do
-    begin=$(now)
-    run timing work.copy=$copy
-    whole=$(since "$begin")
-    forget timing
-    killed=0
-    for ((i = 0; i < kills; ++i)); do
-      # Each run may go on for up to a quarter of a whole one, so that all stages are met.
-      after=$(awk -v w="$whole" -v r="$RANDOM" 'BEGIN { printf "%.3f", w / 4 * r / 32768 }')
-      arguments killed work.copy=$copy
-      "$voxweld" "${args[@]}" >/dev/null 2>&1 &
-      child=$!
-      sleep "$after"
-      kill -KILL $child 2>/dev/null || true
-      if wait $child 2>/dev/null; then forget killed; else killed=$((killed + 1)); fi
-    done
-    if ! run killed work.copy=$copy; then
-      report kills "copy $copy" FAILED "$(tail -n 1 "$scratch/killed.err")"
-    elif [ "$(tree_hash "$scratch/killed.mesh")" != "$reference" ]; then
-      report kills "copy $copy" FAILED "other bytes after $killed kills"
-    elif [ "$(temporaries "$scratch/killed.work" "$scratch/killed.mesh")" -ne 0 ]; then
-      report kills "copy $copy" FAILED "temporaries left after $killed kills"
-    else
-      report kills "copy $copy" same "$killed of $kills runs killed; a whole one takes $whole s"
-    fi
-    forget killed
+    expect_reference_after_kills kills "copy $copy" work.copy=$copy
   done
+}
+
+# everything STEP NAME: of the config, verify, some partitions and kills.
+everything() {
+  make_reference
+  if "$voxweld" verify "$scratch/reference.mesh" >"$scratch/verify.out" 2>&1; then
+    report "$1" "$2" clean "$(head -n 1 "$scratch/verify.out")"
+  else
+    report "$1" "$2" FAILED "verify: $(tail -n 1 "$scratch/verify.out")"
+  fi
+  expect_reference "$1" "$2, brick 16, shard 4, threads 1" \
+    work.brick=16 work.shard=4 run.threads=1
+  expect_reference "$1" "$2, brick 32, shard 1, copy" \
+    work.brick=32 work.shard=1 work.chunk=16 work.copy=true
+  expect_reference "$1" "$2, brick 128, shard 2" work.brick=128 work.shard=2
+  expect_reference_after_kills "$1" "$2, kills" work.brick=32
+}
+
+# solid OP SHAPE CENTER MORE: an [[edit]] table.
+solid() { printf '[[edit]]\nop = "%s"\nshape = "%s"\ncenter = %s\n%s\n' "$@"; }
+
+step_labels() {
+  local mode file=$data/label/frogtissue.mhd
+  if [ ! -r "$file" ]; then
+    report labels frogtissue skipped "needs $file"
+    return
+  fi
+  for mode in each shared; do
+    config=$scratch/frog-$mode.toml
+    {
+      printf '[input]\npath = "%s"\n[labels]\nmode = "%s"\n' "$file" $mode
+      solid add sphere '[250, 230, 100]' $'radius = 40\nmaterial = 3'
+      solid replace box '[240, 200, 110]' $'size = [80, 200, 60]\nmaterial = 99'
+      solid subtract cylinder '[260, 240, 100]' $'radius = 15\nheight = 400\naxis = [1, 0, 0]'
+    } >"$config"
+    everything labels $mode
+  done
+}
+
+step_edits() {
+  {
+    cat "$config"
+    solid subtract sphere '[86, 86, 90]' 'radius = 30'
+    solid add box '[60, 100, 60]' $'size = [40, 20, 30]\nrotate = [10, 20, 30]'
+    solid intersect plane '[0, 0, 150]' 'axis = [0, 0, 1]'
+  } >"$scratch/bunny-edits.toml"
+  config=$scratch/bunny-edits.toml
+  everything edits "the bunny CT"
+}
+
+step_mesh() {
+  local file
+  file=$(find "$data/meshes" -name 'rocker-arm*' 2>/dev/null | sort | head -n 1)
+  if [ -z "$file" ]; then
+    report mesh rocker-arm skipped "needs rocker-arm in $data/meshes"
+    return
+  fi
+  config=$scratch/mesh.toml
+  {
+    printf '[input]\npath = "%s"\nresolution = 512\n' "$file"
+    solid subtract sphere '[0, 0, 0.4]' 'radius = 0.12'
+  } >"$config"
+  everything mesh rocker-arm
 }
 
 step_tiles() {
@@ -274,7 +350,7 @@ step_figures() {
 
 for step in "${steps[@]}"; do
   case $step in
-    partition | kills | tiles)
+    partition | kills | tiles | edits)
       if ! bunny; then
         report "$step" "bunny CT" skipped "$missing"
         continue
