@@ -21,22 +21,38 @@ void BrickSurface::find_edges(const HaloBlock& block, const BrickWindow& window,
   edges_.compute_label(field, window.origin, window.side, signs_, window.cells, parameters.spacing);
 }
 
-void BrickSurface::apply(const Edit& edit, const VolumeFrame& frame, const BrickWindow& window) {
-  solid_.fill(edit.solid, frame, window.origin, window.side);
-  signs_.combine(edit.op, solid_);
-  std::swap(edges_, edges_before_);
-  edges_.compute(edit, frame, window.origin, window.side, signs_, solid_, edges_before_);
+void SolidSides::begin(std::span<const Edit* const> edits, const VolumeFrame& frame, Index3 brick,
+                       int side) {
+  edits_ = edits;
+  frame_ = frame;
+  brick_ = brick;
+  side_ = side;
+  known_.fill(false);
 }
 
-void BrickSurface::add_common(const BrickSurface& other, const Edit& edit, const VolumeFrame& frame,
-                              const BrickWindow& window) {
+const SignGrid& SolidSides::of(std::size_t i) {
+  const bool keep = i < most_kept;
+  SignGrid& sides = keep ? kept_[i] : other_;
+  if (!keep || !known_[i]) sides.fill(edits_[i]->solid, frame_, brick_, side_);
+  if (keep) known_[i] = true;
+  return sides;
+}
+
+void BrickSurface::apply(const Edit& edit, const SignGrid& solid, const VolumeFrame& frame,
+                         const BrickWindow& window) {
+  signs_.combine(edit.op, solid);
+  std::swap(edges_, edges_before_);
+  edges_.compute(edit, frame, window.origin, window.side, signs_, solid, edges_before_);
+}
+
+void BrickSurface::add_common(const BrickSurface& other, const Edit& edit, const SignGrid& solid,
+                              const VolumeFrame& frame, const BrickWindow& window) {
   Edit common;
   common.op = EditOp::intersect;
   common.solid = edit.solid;
-  solid_.fill(edit.solid, frame, window.origin, window.side);
   common_signs_ = other.signs_;
-  common_signs_.combine(EditOp::intersect, solid_);
-  common_edges_.compute(common, frame, window.origin, window.side, common_signs_, solid_,
+  common_signs_.combine(EditOp::intersect, solid);
+  common_edges_.compute(common, frame, window.origin, window.side, common_signs_, solid,
                         other.edges_);
   signs_.combine(EditOp::add, common_signs_);
   std::swap(edges_, edges_before_);

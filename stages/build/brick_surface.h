@@ -5,6 +5,9 @@
 // (constructive solid geometry).
 #pragma once
 
+#include <array>
+#include <span>
+
 #include "stages/build/hermite.h"
 #include "stages/build/label_field.h"
 #include "stages/build/sign_grid.h"
@@ -31,6 +34,27 @@ struct BrickWindow {
   }
 };
 
+// The sides of the solids of a brick's edits: for several surfaces of the brick they are found
+// once, those of the first edits.
+class SolidSides {
+ public:
+  // The edits live as long as they are asked for. frame.size: the volume's.
+  void begin(std::span<const Edit* const> edits, const VolumeFrame& frame, Index3 brick, int side);
+  // Of edits[i]; lives until the next call.
+  const SignGrid& of(std::size_t i);
+
+  static constexpr std::size_t most_kept = 8;
+
+ private:
+  std::span<const Edit* const> edits_;
+  VolumeFrame frame_;
+  Index3 brick_;
+  int side_ = 0;
+  std::array<SignGrid, most_kept> kept_;
+  std::array<bool, most_kept> known_{};
+  SignGrid other_;
+};
+
 class BrickSurface {
  public:
   const SignGrid& signs() const { return signs_; }
@@ -45,14 +69,16 @@ class BrickSurface {
   void find_edges(const HaloBlock& block, const BrickWindow& window,
                   const ContourParameters& parameters);
 
-  // What add, subtract or intersect makes of it, crossings included.
-  void apply(const Edit& edit, const VolumeFrame& frame, const BrickWindow& window);
-  // What is in both the other and the edit's solid comes in. Both are of the same brick.
-  void add_common(const BrickSurface& other, const Edit& edit, const VolumeFrame& frame,
-                  const BrickWindow& window);
+  // What add, subtract or intersect makes of it, crossings included. solid: the sides of the
+  // edit's, in the same brick.
+  void apply(const Edit& edit, const SignGrid& solid, const VolumeFrame& frame,
+             const BrickWindow& window);
+  // What is in both the other and the edit's solid comes in. All are of the same brick.
+  void add_common(const BrickSurface& other, const Edit& edit, const SignGrid& solid,
+                  const VolumeFrame& frame, const BrickWindow& window);
 
  private:
-  SignGrid signs_, solid_, common_signs_;
+  SignGrid signs_, common_signs_;
   HermiteEdges edges_, edges_before_, common_edges_;
   LabelField label_;
 };

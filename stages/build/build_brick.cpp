@@ -77,6 +77,7 @@ RootRecord make_root(const BrickFrame& frame, const Grid& grid, const BrickNodes
 
 struct BrickScratch::Parts {
   BrickSurface surface, any_label;
+  SignGrid solid;
   ActiveCells cells;
   HermiteEdges label_edges;
   MaterialBlock materials;
@@ -180,14 +181,16 @@ void build_surface(const HaloBlock& block, const BrickFrame& frame, const BrickW
 
 // The edits that reach the brick; true when there are any.
 bool apply_edits(const HaloBlock& block, const BrickPlace& place, const BrickWindow& window,
-                 const ContourParameters& parameters, BrickSurface& surface) {
+                 const ContourParameters& parameters, SignGrid& solid, BrickSurface& surface) {
+  const VolumeFrame frame{block.size, parameters.spacing};
   const Bounds bounds = brick_bounds(place, parameters.spacing);
   bool any = false;
   for (const Edit& edit : parameters.edits) {
     if (!edit_reaches(edit, bounds)) continue;
     if (!any) surface.find_edges(block, window, parameters);
     any = true;
-    surface.apply(edit, {block.size, parameters.spacing}, window);
+    solid.fill(edit.solid, frame, window.origin, window.side);
+    surface.apply(edit, solid, frame, window);
   }
   return any;
 }
@@ -210,7 +213,7 @@ void build_brick(const HaloBlock& block, const BrickPlace& place, const Box3& ex
                                  ? BrickWindow(place.origin, frame.side(), extent)
                                  : BrickWindow::everywhere(place.origin, frame.side());
   s.surface.find_signs(block, window, parameters.surface);
-  const bool edited = apply_edits(block, place, window, parameters, s.surface);
+  const bool edited = apply_edits(block, place, window, parameters, s.solid, s.surface);
   build_surface(block, frame, window, edited, parameters, s, out);
 }
 

@@ -47,11 +47,13 @@ void LabelBricks::find_labels(const BrickPlace& place, const ContourParameters& 
 void LabelBricks::each(const BrickPlace& place, const ContourParameters& parameters,
                        const std::function<void(Material, const BrickOctree&)>& f) {
   find_labels(place, parameters);
+  solids_.begin(edits_, {materials_.block().size, parameters.spacing}, place.origin,
+                1 << place.level);
   ContourParameters of_label{parameters.spacing, parameters.surface, {}, parameters.simplify, {}};
   for (const Label& label : labels_) {
     const Material material = materials_.materials()[label.number];
     const Box3 extent = label.found ? extents_.samples(label.number) : Box3{};
-    LabelPart part(material, place, extent, edits_, parameters.spacing);
+    LabelPart part(material, place, extent, edits_, solids_, parameters.spacing);
     if (label.found && extents_.everywhere(label.number) && !part.is_edited()) {
       f(material, filled_brick());
       continue;
@@ -65,9 +67,11 @@ void LabelBricks::each(const BrickPlace& place, const ContourParameters& paramet
 
 std::uint64_t LabelBricks::memory_bytes(std::uint64_t samples) {
   // Of MaterialBlock: the number of each sample, and of each value an entry of the table and of
-  // three lists that may have grown to twice their content; whether it is of any label.
-  constexpr std::uint64_t of_value = 48 + 2 * (8 + 8 + 4);
-  return samples * (sizeof(std::uint32_t) + of_value + 1) + LabelExtents::memory_bytes(samples);
+  // three lists that may have grown to twice their content; whether it is of any label. Of the
+  // solids kept a bit each, in rows of whole words.
+  constexpr std::uint64_t of_value = 48 + 2 * (8 + 8 + 4), of_solids = SolidSides::most_kept / 2;
+  return samples * (sizeof(std::uint32_t) + of_value + 1 + of_solids) +
+         LabelExtents::memory_bytes(samples);
 }
 
 }  // namespace voxweld

@@ -38,6 +38,7 @@ class LabelBricks {
   LabelExtents extents_;
   std::vector<Material> given_;     // by edits
   std::vector<const Edit*> edits_;  // that reach the brick
+  SolidSides solids_;               // of those
   struct Label {
     std::uint32_t number = 0;
     bool found = false;  // in the brick's samples

@@ -22,8 +22,11 @@ BrickWindow window_of(Material material, const BrickPlace& place, const Box3& ex
 }  // namespace
 
 LabelPart::LabelPart(Material material, const BrickPlace& place, const Box3& extent,
-                     std::span<const Edit* const> edits, Vec3 spacing)
-    : material_(material), edits_(edits), window_(window_of(material, place, extent, edits)) {
+                     std::span<const Edit* const> edits, SolidSides& solids, Vec3 spacing)
+    : material_(material),
+      edits_(edits),
+      solids_(&solids),
+      window_(window_of(material, place, extent, edits)) {
   // A solid has a say where an edge begins or ends in the window.
   const VolumeFrame frame{{}, spacing};
   bounds_ = {frame.place_of_sample(window_.samples.lo - splat(1)),
@@ -49,11 +52,6 @@ bool LabelPart::is_edited() const {
                      [&](const Edit* edit) { return changes(*edit); });
 }
 
-// Replacing one label by another leaves the union of all as it is.
-void LabelPart::apply_to_any(const Edit& edit, const VolumeFrame& frame, BrickSurface& any) const {
-  if (edit.op != EditOp::replace) any.apply(edit, frame, window_);
-}
-
 bool LabelPart::apply_edits(const HaloBlock& block, const ContourParameters& parameters,
                             BrickSurface& surface, BrickSurface& any) const {
   const VolumeFrame frame{block.size, parameters.spacing};
@@ -72,11 +70,13 @@ bool LabelPart::apply_edits(const HaloBlock& block, const ContourParameters& par
       Edit own = edit;
       own.op = op_of(edit);
       if (own.op == EditOp::replace)
-        surface.add_common(any, own, frame, window_);
+        surface.add_common(any, own, solids_->of(i), frame, window_);
       else
-        surface.apply(own, frame, window_);
+        surface.apply(own, solids_->of(i), frame, window_);
     }
-    if (i + 1 < last_replace_) apply_to_any(edit, frame, any);
+    // Replacing one label by another leaves the union of all as it is.
+    if (i + 1 < last_replace_ && edit.op != EditOp::replace)
+      any.apply(edit, solids_->of(i), frame, window_);
   }
   return edited;
 }

@@ -23,9 +23,10 @@ namespace voxweld {
 class LabelPart {
  public:
   // extent: before the edits the label is nowhere else, of the samples the brick's signs are read
-  // from; may be empty. edits: those that reach the brick, in their order. They live as long as it.
+  // from; may be empty. edits: those that reach the brick, in their order; solids: of the same.
+  // Both live as long as it.
   LabelPart(Material material, const BrickPlace& place, const Box3& extent,
-            std::span<const Edit* const> edits, Vec3 spacing);
+            std::span<const Edit* const> edits, SolidSides& solids, Vec3 spacing);
 
   // Whether an edit may change anything of the label.
   bool is_edited() const;
@@ -44,10 +45,10 @@ class LabelPart {
   // By itself, `replace` where it gives the label.
   EditOp op_of(const Edit& edit) const;
   bool changes(const Edit& edit) const;
-  void apply_to_any(const Edit& edit, const VolumeFrame& frame, BrickSurface& any) const;
 
   Material material_;
   std::span<const Edit* const> edits_;
+  SolidSides* solids_;
   BrickWindow window_;
   Bounds bounds_;                 // of the window, and a sample more
   std::size_t last_replace_ = 0;  // of edits_, counted from 1

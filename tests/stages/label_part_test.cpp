@@ -36,7 +36,8 @@ Solid random_solid(Random& random, Index3 size) {
 }
 
 Edits random_edits(Random& random, Index3 size) {
-  Edits edits(static_cast<std::size_t>(1 + random.below(4)));
+  // At times more than are kept.
+  Edits edits(static_cast<std::size_t>(1 + random.below(random.below(8) == 0 ? 12 : 4)));
   for (Edit& edit : edits) {
     edit.op = static_cast<EditOp>(random.below(4));
     edit.solid = random_solid(random, size);
@@ -106,10 +107,12 @@ void expect_same_sides(const Volume& volume, const BrickPlace& place, const Edit
   const auto count = static_cast<std::uint32_t>(materials.materials().size());
   const auto span = extents.find(materials.block(), place, count, materials.outside());
   const std::vector<std::uint32_t> found(span.begin(), span.end());
+  SolidSides solids;
+  solids.begin(applied, frame, place.origin, side);
   for (std::uint32_t label = 0; label + 1 < count; ++label) {
     const bool in_samples = std::find(found.begin(), found.end(), label) != found.end();
     LabelPart part(materials.materials()[label], place,
-                   in_samples ? extents.samples(label) : Box3{}, applied, common.spacing);
+                   in_samples ? extents.samples(label) : Box3{}, applied, solids, common.spacing);
     if (part.replaces()) part.set_any(&materials.any());
     ContourParameters parameters = common;
     parameters.surface.label = label;
