@@ -37,7 +37,10 @@ int render(const RenderArguments& arguments) {
     }
   });
   Renderer renderer(bounds, options);
-  for_each_mesh(arguments.input, [&](const DecodedMesh& mesh) { renderer.draw(mesh); });
+  renderer.set_colours(listed_colours(arguments.input));
+  for_each_label_mesh(arguments.input, [&](const DecodedMesh& mesh, std::optional<Material> label) {
+    renderer.draw(mesh, label);
+  });
   const Image image = renderer.finish();
   write_png(arguments.output, {image.width, image.height, 3}, std::as_bytes(std::span(image.rgb)));
   fmt::print("{}: {} x {}\n", arguments.output, image.width, image.height);

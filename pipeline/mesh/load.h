@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 
 #include "stages/encode/draco_codec.h"
+#include "storage/types/material_table.h"
 
 namespace voxweld {
 
@@ -15,5 +17,12 @@ DecodedMesh load_mesh(const std::filesystem::path& path);
 // other; of a file its mesh.
 void for_each_mesh(const std::filesystem::path& path,
                    const std::function<void(const DecodedMesh&)>& f);
+// label: of a tile that is one label's (labels.mode = "each").
+void for_each_label_mesh(
+    const std::filesystem::path& path,
+    const std::function<void(const DecodedMesh&, std::optional<Material> label)>& f);
+
+// The colours that labels.jsonl of an output directory lists; none of other files.
+MaterialTable listed_colours(const std::filesystem::path& path);
 
 }  // namespace voxweld

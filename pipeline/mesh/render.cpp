@@ -138,15 +138,19 @@ bool Renderer::is_cut(const DecodedMesh& mesh, const std::array<std::uint32_t, 3
   return false;
 }
 
-void Renderer::draw(const DecodedMesh& mesh) {
+Vec3 Renderer::colour_of(Material label) const {
+  const auto c = given_colour(given_, label).value_or(label_colour(label));
+  return {c[0], c[1], c[2]};
+}
+
+void Renderer::draw(const DecodedMesh& mesh, std::optional<Material> label) {
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const std::array<std::uint32_t, 3>& t = mesh.triangles[i];
     if (is_cut(mesh, t)) continue;
     Colours colours{front_colour, back_colour};
-    if (!mesh.triangle_pairs.empty()) {
-      const auto c = label_colour(mesh.pairs[mesh.triangle_pairs[i]].inside);
-      colours.front = colours.back = {c[0], c[1], c[2]};
-    }
+    if (label) colours.front = colour_of(*label);
+    if (!mesh.triangle_pairs.empty())
+      colours.front = colours.back = colour_of(mesh.pairs[mesh.triangle_pairs[i]].inside);
     std::array<Corner, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) {
       Corner& c = corners[k];

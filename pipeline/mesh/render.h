@@ -7,10 +7,12 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "stages/encode/draco_codec.h"
 #include "storage/types/box.h"
+#include "storage/types/material_table.h"
 
 namespace voxweld {
 
@@ -39,12 +41,14 @@ MeshBounds bounds_of(std::span<const DecodedMesh> meshes);
 // A picture in the making. InputError for a size, sample count or zoom out of range.
 // Fronts are warm grey, lit from the eye and from the upper left; backs are red, so that an
 // inside-out piece, or the inside seen through a crack, shows. Between labels both sides have the
-// colour of the label the triangle encloses (label_colour). Normals of the mesh are used where
-// it has them, else each triangle's own.
+// colour of the label the triangle encloses, and fronts of a label's own mesh have that label's:
+// the one it is given, else label_colour. Normals of the mesh are used where it has them, else each
+// triangle's own.
 class Renderer {
  public:
   Renderer(const MeshBounds& bounds, const RenderOptions& options);
-  void draw(const DecodedMesh& mesh);
+  void set_colours(MaterialTable given) { given_ = std::move(given); }
+  void draw(const DecodedMesh& mesh, std::optional<Material> label = {});
   Image finish() const;
 
   // Depth and colour of a sample: 7 bytes times width, height and supersample squared.
@@ -57,6 +61,7 @@ class Renderer {
   struct Colours {
     Vec3 front, back;
   };
+  Vec3 colour_of(Material label) const;
   bool is_cut(const DecodedMesh& mesh, const std::array<std::uint32_t, 3>& triangle) const;
   void draw_triangle(const std::array<Corner, 3>& corners, const Colours& colours);
   struct Facing {
@@ -67,6 +72,7 @@ class Renderer {
   void fill(const std::array<Corner, 3>& corners, const Facing& facing, const Colours& colours);
 
   RenderOptions options_;
+  MaterialTable given_;
   Vec3 centre_, right_, up_, back_;  // of the eye's frame; back_ points at the eye
   double scale_ = 1, distance_ = 0;
   int width_ = 0, height_ = 0;  // in samples

@@ -123,6 +123,29 @@ TEST(Render, ZoomAndCentreCropAndEmptyIsBackground) {
   EXPECT_EQ(n.background, 320u * 240);
 }
 
+// Of a label's own mesh the front has the label's colour, the back shows that it is one.
+TEST(Render, LabelsHaveTheirColours) {
+  const DecodedMesh mesh = torus();
+  const auto brightest = [&](const MaterialTable& given, std::optional<Material> label) {
+    Renderer renderer(bounds_of(std::span(&mesh, 1)), small);
+    renderer.set_colours(given);
+    renderer.draw(mesh, label);
+    const Image image = renderer.finish();
+    const std::size_t middle = 3 * (static_cast<std::size_t>(image.height / 2 + 40) * 320 + 160);
+    return std::array{image.rgb[middle], image.rgb[middle + 1], image.rgb[middle + 2]};
+  };
+  MaterialTable red;
+  red.entries = {{7, "seven", MaterialColor{255, 0, 0}}};
+  const auto given = brightest(red, 7);
+  EXPECT_GT(given[0], 100);
+  EXPECT_LT(given[1], 60);
+  EXPECT_LT(given[2], 60);
+  EXPECT_NE(brightest(red, 8), given);
+  EXPECT_NE(brightest(red, 8), brightest(red, 9));
+  EXPECT_NE(brightest(red, 8), brightest(red, {}));
+  EXPECT_EQ(brightest({}, {}), brightest(red, {}));
+}
+
 TEST(Render, RefusesOptionsOutOfRange) {
   const auto refused = [](auto change) {
     RenderOptions options = small;
