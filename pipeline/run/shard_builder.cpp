@@ -68,15 +68,6 @@ NodeState label_state(const ValueRange& range, double label, bool in_ring) {
   return alone && !in_ring ? NodeState::inside : NodeState::split;
 }
 
-// Of one complex of all labels: known only where nothing but labels left out is there.
-NodeState labels_state(const ValueRange& range, const MaterialRules& rules) {
-  constexpr double exact = 9007199254740992.0;  // 2^53
-  if (range.empty) return NodeState::outside;
-  const bool one = range.lo == range.hi && range.lo >= 0 && range.lo < exact;
-  return one && rules.of(static_cast<std::uint64_t>(range.lo)) == exterior ? NodeState::outside
-                                                                           : NodeState::split;
-}
-
 }  // namespace
 
 // Of the cells' corners: lattice point u is sample u - 1.
@@ -98,7 +89,7 @@ bool ShardBuilder::meets_ring(Index3 brick) const {
 
 // What is known of a brick without reading it: the ranges, then the edits that reach it.
 ShardBuilder::KnownBrick ShardBuilder::known_of(Index3 brick) const {
-  if (job_.parameters.labels.mode == LabelMode::each) return known_label(brick);
+  if (job_.parameters.labels.mode != LabelMode::off) return known_label(brick);
   const NodeState unedited = unedited_state(brick);
   if (job_.parameters.edits.empty()) return {unedited, exterior};
   const Relation before = unedited == NodeState::inside    ? Relation::inside
@@ -108,11 +99,7 @@ ShardBuilder::KnownBrick ShardBuilder::known_of(Index3 brick) const {
     case Relation::outside:
       return {NodeState::outside, exterior};
     case Relation::inside:
-      // Of labels one would have to know which.
-      return {meets_ring(brick) || job_.parameters.labels.mode != LabelMode::off
-                  ? NodeState::split
-                  : NodeState::inside,
-              exterior};
+      return {meets_ring(brick) ? NodeState::split : NodeState::inside, exterior};
     case Relation::mixed:
       break;
   }
@@ -145,8 +132,6 @@ NodeState ShardBuilder::unedited_state(Index3 brick) const {
   const bool in_ring = real != touched;
   const ValueRange range = job_.volume.ranges->range(real);
   const SurfaceParameters& surface = job_.parameters.surface;
-  if (job_.parameters.labels.mode != LabelMode::off)
-    return labels_state(range, *job_.parameters.labels.rules);
   if (surface.label) return label_state(range, static_cast<double>(*surface.label), in_ring);
   const bool above = surface.inside == Inside::above;
   // Ranges are rounded outward where a double cannot hold the value, so strict comparisons decide.

@@ -49,10 +49,13 @@ class SurfaceOctrees : public ShardOctrees {
   }
   void build(const HaloBlock& block, Index3 first, std::int64_t count,
              const WorkerContext& worker) override;
-  void inside(Index3 brick, Material) override {
+  void inside(Index3 brick, Material material) override {
     RootRecord inside;
     inside.state = NodeState::inside;
-    inside.corner_signs = 255;
+    if (material == exterior)
+      inside.corner_signs = 255;
+    else
+      inside.corners.fill(material);
     roots_.push_back({{{job_.grid.brick_level(), brick}, inside, 0}, {}});
   }
   bool keeps() const override { return true; }

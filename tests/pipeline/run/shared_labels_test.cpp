@@ -1,5 +1,6 @@
 // labels.mode = "shared", end to end: one complex of all labels of a volume.
 #include <csignal>
+#include <fstream>
 #include <map>
 #include <set>
 
@@ -65,6 +66,22 @@ TEST(SharedLabelsRun, EveryPartitionGivesTheSameBytes) {
           Settings{"work.brick=32", "work.shard=1", "work.copy=true", "run.threads=1"}})
       EXPECT_EQ(difference(first, scene.clean_tree(common + variant)), "");
   }
+}
+
+// Bricks that the store's ranges tell to be of one label, or outside of all, are not read.
+TEST(SharedLabelsRun, BricksOfOneLabelAreKnownWithoutTheirSamples) {
+  const Scene scene(volume_of({96, 80, 80}, [](Index3 at) {
+    if (at.z > 60) return 0;
+    return at.x < 50 ? 3 : at.y < 37 ? 7 : 200;
+  }));
+  const Settings common = shared + Settings{"work.brick=16", "output.tile_vertices=1024"};
+  const Tree read = scene.clean_tree(common);
+  const Settings copied = common + Settings{"work.copy=true", "work.chunk=16"};
+  EXPECT_EQ(difference(read, scene.clean_tree(copied)), "");
+  // An edit that changes a brick in the middle of a label, and what was known with it.
+  std::ofstream(scene.config(), std::ios::app)
+      << "[[edit]]\nshape = \"sphere\"\ncenter = [24, 24, 24]\nradius = 5\nmaterial = 9\n";
+  EXPECT_EQ(difference(scene.clean_tree(common), scene.clean_tree(copied)), "");
 }
 
 TEST(SharedLabelsRun, NoiseBalancesToo) {
