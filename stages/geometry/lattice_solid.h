@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 
 #include "stages/geometry/solid.h"
 #include "stages/geometry/volume_frame.h"
@@ -39,6 +41,21 @@ class LatticeSolid {
   // that lies on the edge stays in it, and the normal there leads out.
   // Precondition: the ends are on different sides; both are samples of the frame.
   virtual Crossing crossing(int axis, Index3 s, bool low_inside) const = 0;
+
+  // On which side all of these samples are, where the surface keeps clear of their box; nothing
+  // where it may not. Precondition: samples of the frame, not empty.
+  virtual std::optional<bool> side(const Box3& samples) const {
+    static_cast<void>(samples);
+    return std::nullopt;
+  }
+
+  // What gives the same answers for these samples and the edges between them, fast; to be asked
+  // once for each brick. Null where this does so itself.
+  // Precondition: a brick's (stages/build/build_brick.h).
+  virtual std::shared_ptr<const LatticeSolid> near(const Box3& samples) const {
+    static_cast<void>(samples);
+    return nullptr;
+  }
 };
 
 // Corners of meshes are snapped to 2^-20 of a cell on each axis, so they move by at most 2^-21
@@ -50,6 +67,15 @@ inline Index3 snapped_corner(Vec3 place, Vec3 spacing) {
   for (int a = 0; a < 3; ++a)
     steps[a] = std::llround(place[a] / spacing[a] * static_cast<double>(mesh_cell));
   return steps;
+}
+// lo, hi: in these steps.
+inline Bounds snapped_bounds(Index3 lo, Index3 hi, Vec3 spacing) {
+  Bounds bounds;
+  for (int a = 0; a < 3; ++a) {
+    bounds.lo[a] = static_cast<double>(lo[a]) / static_cast<double>(mesh_cell) * spacing[a];
+    bounds.hi[a] = static_cast<double>(hi[a]) / static_cast<double>(mesh_cell) * spacing[a];
+  }
+  return bounds;
 }
 
 }  // namespace voxweld

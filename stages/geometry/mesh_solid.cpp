@@ -83,40 +83,70 @@ std::int64_t first_beyond(const Plane& plane, Index3 p) {
   return static_cast<std::int64_t>(whole * step < need ? whole + 1 : whole);
 }
 
-std::array<MeshRowIndex::Rows, 3> reached_rows(const std::array<Index3, 3>& c, Index3 size) {
-  std::array<MeshRowIndex::Rows, 3> reached;
-  for (int axis = 0; axis < 3; ++axis) {
+MeshRowIndex::Rows reached_rows(const std::array<Index3, 3>& c, std::size_t along,
+                                const Box3& within) {
+  MeshRowIndex::Rows reached;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const int axis = axes_across[along][i];
     const Range samples = samples_in(range(c, axis));
-    for (std::size_t along = 0; along < 3; ++along)
-      for (std::size_t i = 0; i < 2; ++i) {
-        if (axes_across[along][i] != axis) continue;
-        reached[along].lo[i] = std::max<std::int64_t>(samples.lo, 0);
-        reached[along].hi[i] = std::min(samples.hi, size[axis]);
-      }
+    reached.lo[i] = std::max(samples.lo, within.lo[axis]);
+    reached.hi[i] = std::min(samples.hi, within.hi[axis]);
   }
   return reached;
 }
 
 }  // namespace
 
+bool triangle_reaches(const std::array<Index3, 3>& corners, const Box3& samples) {
+  const Index3 lo = samples.lo * cell, hi = (samples.hi - splat(1)) * cell;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Range own = range(corners, axis);
+    if (own.lo > hi[axis] || own.hi < lo[axis]) return false;
+  }
+  const Plane plane = plane_of(corners);
+  bool below = true, above = true;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Wide value =
+        plane.value({(corner & 1) != 0 ? hi.x : lo.x, (corner & 2) != 0 ? hi.y : lo.y,
+                     (corner & 4) != 0 ? hi.z : lo.z});
+    below = below && value < 0;
+    above = above && value > 0;
+  }
+  return !below && !above;
+}
+
 MeshSolid::MeshSolid(const TriangleMesh& mesh, const VolumeFrame& frame, Hash128 source)
     : triangles_(mesh.triangles), spacing_(frame.spacing), source_(source) {
   points_.reserve(mesh.vertices.size());
   for (const Vec3& v : mesh.vertices) points_.push_back(snapped_corner(v, spacing_));
+  find_bounds();
+  index_rows({{}, frame.size});
+}
+
+MeshSolid::MeshSolid(std::vector<Index3> corners, const Box3& samples, Vec3 spacing, Hash128 source)
+    : points_(std::move(corners)), spacing_(spacing), source_(source) {
+  triangles_.resize(points_.size() / 3);
+  for (std::uint32_t i = 0; i < triangles_.size(); ++i)
+    triangles_[i] = {3 * i, 3 * i + 1, 3 * i + 2};
+  find_bounds();
+  index_rows(samples);
+}
+
+void MeshSolid::find_bounds() {
   if (points_.empty()) return;
   Index3 lo = points_[0], hi = points_[0];
   for (const Index3& p : points_) {
     lo = min(lo, p);
     hi = max(hi, p);
   }
-  for (int a = 0; a < 3; ++a) {
-    bounds_.lo[a] = static_cast<double>(lo[a]) / static_cast<double>(cell) * spacing_[a];
-    bounds_.hi[a] = static_cast<double>(hi[a]) / static_cast<double>(cell) * spacing_[a];
-  }
+  bounds_ = snapped_bounds(lo, hi, spacing_);
+}
+
+void MeshSolid::index_rows(const Box3& samples) {
   std::vector<MeshRowIndex::Rows> reached(triangles_.size());
   for (std::size_t along = 0; along < 3; ++along) {
     for (std::uint32_t i = 0; i < triangles_.size(); ++i)
-      reached[i] = reached_rows(corners(i), frame.size)[along];
+      reached[i] = reached_rows(corners(i), along, samples);
     rows_[along] = MeshRowIndex(reached);
   }
 }
@@ -147,6 +177,19 @@ void MeshSolid::each_flip(const Box3& samples, const std::function<void(const Fl
         }
     }
   });
+}
+
+std::optional<bool> MeshSolid::side(const Box3& samples) const {
+  const MeshRowIndex::Rows rows{{samples.lo.y, samples.lo.z}, {samples.hi.y, samples.hi.z}};
+  bool reached = false;
+  rows_[0].each_bin(rows, [&](const MeshRowIndex::Rows&, auto triangles) {
+    for (const std::uint32_t triangle : triangles)
+      reached = reached || triangle_reaches(corners(triangle), samples);
+  });
+  if (reached) return std::nullopt;
+  bool inside = false;
+  each_flip({samples.lo, samples.lo + splat(1)}, [&](const Flip&) { inside = !inside; });
+  return inside;
 }
 
 MeshSolid::Crossing MeshSolid::crossing(int axis, Index3 s, bool low_inside) const {

@@ -25,6 +25,10 @@
 
 namespace voxweld {
 
+// Whether the triangle can have a say in the samples of a box and the edges between them: whether
+// its own box and its plane meet it. corners: in steps of snapped_corner. Precondition: not empty.
+bool triangle_reaches(const std::array<Index3, 3>& corners, const Box3& samples);
+
 class MeshSolid final : public LatticeSolid {
  public:
   // Places further than this from sample 0, in cells on any axis, do not fit the arithmetic.
@@ -33,6 +37,9 @@ class MeshSolid final : public LatticeSolid {
   // mesh: closed (every edge used an even number of times), in the frame spacing * sample index,
   // within reach. source: of what it was made from.
   MeshSolid(const TriangleMesh& mesh, const VolumeFrame& frame, Hash128 source);
+  // Of a part of a mesh, asked for no more than these samples: its bounds, crossings and flips are
+  // those of the part. corners: snapped, three of each triangle.
+  MeshSolid(std::vector<Index3> corners, const Box3& samples, Vec3 spacing, Hash128 source);
 
   const Bounds& bounds() const override { return bounds_; }
   Hash128 source() const override { return source_; }
@@ -40,8 +47,11 @@ class MeshSolid final : public LatticeSolid {
 
   void each_flip(const Box3& samples, const std::function<void(const Flip&)>& flip) const override;
   Crossing crossing(int axis, Index3 s, bool low_inside) const override;
+  std::optional<bool> side(const Box3& samples) const override;
 
  private:
+  void find_bounds();
+  void index_rows(const Box3& samples);
   using Corners = std::array<Index3, 3>;
   Corners corners(std::uint32_t triangle) const {
     const auto& t = triangles_[triangle];

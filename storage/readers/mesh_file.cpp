@@ -13,7 +13,7 @@
 namespace voxweld {
 namespace {
 
-using Parser = TriangleMesh (*)(const MeshBytes&);
+using Parser = void (*)(MeshStream&, MeshOutput&);
 
 // Null where the name is of no known format.
 Parser parser_by_name(const std::filesystem::path& path) {
@@ -38,14 +38,6 @@ void check_is_there(const std::filesystem::path& path) {
     throw InputError(path.string() + ": no such mesh file; check the path");
   if (!std::filesystem::is_regular_file(status))
     throw InputError(path.string() + ": expected a mesh file, found a directory or device");
-}
-
-void check_finite(const MeshBytes& file, const TriangleMesh& mesh) {
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-    for (int a = 0; a < 3; ++a)
-      if (!std::isfinite(mesh.vertices[i][a]))
-        file.fail(fmt::format("vertex {} has a coordinate {}; expected finite numbers", i,
-                              mesh.vertices[i][a]));
 }
 
 bool before(Vec3 a, Vec3 b) {
@@ -76,17 +68,134 @@ void weld(TriangleMesh& mesh) {
                 [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
 }
 
+// Triangles are counted in 32 bits, and several times in the lists they stand in.
+constexpr std::uint64_t most_triangles = std::uint64_t{1} << 29;
+
+class MeshInMemory final : public MeshSink {
+ public:
+  MeshInMemory(const std::filesystem::path& path, TriangleMesh& mesh)
+      : name_(path.string()), mesh_(mesh) {}
+
+  void vertex(Vec3 place) override {
+    if (mesh_.vertices.size() > 3 * most_triangles)
+      throw FormatError(fmt::format("{}: more than {} vertices", name_, 3 * most_triangles));
+    mesh_.vertices.push_back(place);
+  }
+  void triangle(const std::array<std::uint64_t, 3>& corners) override {
+    if (mesh_.triangles.size() == most_triangles)
+      throw FormatError(fmt::format("{}: more than {} triangles", name_, most_triangles));
+    std::array<std::uint32_t, 3>& triangle = mesh_.triangles.emplace_back();
+    for (std::size_t i = 0; i < 3; ++i) triangle[i] = static_cast<std::uint32_t>(corners[i]);
+  }
+  void facet(const std::array<Vec3, 3>& corners) override {
+    const std::uint64_t first = mesh_.vertices.size();
+    for (const Vec3& corner : corners) vertex(corner);
+    triangle({first, first + 1, first + 2});
+  }
+
+ private:
+  std::string name_;
+  TriangleMesh& mesh_;
+};
+
 }  // namespace
 
+std::span<const std::byte> MeshStream::peek(std::size_t count) {
+  if (next_ + count > held_.size()) fill(count);
+  return std::span(held_).subspan(next_, std::min(count, held_.size() - next_));
+}
+
+// Makes at least `count` bytes of the rest lie in one piece, where there are as many.
+void MeshStream::fill(std::size_t count) {
+  constexpr std::size_t piece = std::size_t{1} << 20;
+  held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(next_));
+  next_ = 0;
+  while (held_.size() < count && read_ < file_.size()) {
+    if (between_) between_();
+    const std::size_t begin = held_.size();
+    held_.resize(begin + std::min<std::uint64_t>(piece, file_.size() - read_));
+    const auto part = std::span(held_).subspan(begin);
+    file_.read(read_, part);
+    hash_.update(part);
+    read_ += part.size();
+  }
+}
+
+std::optional<std::string_view> MeshStream::line() {
+  constexpr std::size_t longest = std::size_t{4} << 20;
+  for (std::size_t looked_at = 0;;) {
+    const char* const begin = reinterpret_cast<const char*>(held_.data()) + next_;
+    const std::string_view held{begin, held_.size() - next_};
+    const std::size_t end = held.find('\n', looked_at);
+    if (end != held.npos) {
+      next_ += end + 1;
+      return held.substr(0, end);
+    }
+    if (read_ == file_.size()) {
+      if (held.empty()) return std::nullopt;
+      next_ = held_.size();
+      return held;
+    }
+    if (held.size() > longest)
+      fail(fmt::format("expected lines, found one of more than {} bytes", longest));
+    looked_at = held.size();
+    fill(held.size() + 1);
+  }
+}
+
+bool MeshStream::holds_zero() const {
+  std::vector<std::byte> piece;
+  for (std::uint64_t at = 0; at < file_.size(); at += piece.size()) {
+    if (between_) between_();
+    piece.resize(std::min<std::uint64_t>(std::uint64_t{1} << 20, file_.size() - at));
+    file_.read(at, piece);
+    if (std::ranges::find(piece, std::byte{}) != piece.end()) return true;
+  }
+  return false;
+}
+
+Hash128 MeshStream::finish() {
+  while (read_ < file_.size()) {
+    next_ = held_.size();
+    fill(1);
+  }
+  return hash_.finish();
+}
+
+void MeshOutput::check(Vec3 place, std::uint64_t vertex) const {
+  for (int a = 0; a < 3; ++a)
+    if (!std::isfinite(place[a]))
+      file_.fail(
+          fmt::format("vertex {} has a coordinate {}; expected finite numbers", vertex, place[a]));
+}
+
+void MeshOutput::vertex(Vec3 place) {
+  check(place, vertices_++);
+  sink_.vertex(place);
+}
+
+void MeshOutput::facet(const std::array<Vec3, 3>& corners) {
+  for (const Vec3& corner : corners) check(corner, vertices_++);
+  sink_.facet(corners);
+}
+
+bool MeshOutput::corner(std::int64_t vertex) {
+  if (vertex < 0 || static_cast<std::uint64_t>(vertex) >= vertices_) return false;
+  const auto corner = static_cast<std::uint64_t>(vertex);
+  if (corners_ == 0) first_ = corner;
+  if (corners_ >= 2) sink_.triangle({first_, last_, corner});
+  last_ = corner;
+  ++corners_;
+  return true;
+}
+
 bool MeshLines::next() {
-  const std::string_view text = file_.text();
   words_.clear();
   while (words_.empty()) {
-    if (at_ >= text.size()) return false;
-    const std::size_t stop = std::min(text.find('\n', at_), text.size());
-    std::string_view line = text.substr(at_, stop - at_);
-    at_ = stop + 1;
+    const auto found = file_.line();
+    if (!found) return false;
     ++line_;
+    std::string_view line = *found;
     if (!comment_.empty()) line = line.substr(0, line.find(comment_));
     constexpr std::string_view space = " \t\r\f\v";
     for (std::size_t i = line.find_first_not_of(space); i < line.size();) {
@@ -125,33 +234,29 @@ std::int64_t MeshLines::whole(std::size_t word) const {
   return *number;
 }
 
-bool PolygonFans::corner(std::int64_t vertex) {
-  if (vertex < 0 || vertex >= static_cast<std::int64_t>(mesh_.vertices.size())) return false;
-  corners_.push_back(static_cast<std::uint32_t>(vertex));
-  return true;
-}
-
-void PolygonFans::end(const MeshBytes& file) {
-  for (std::size_t i = 2; i < corners_.size(); ++i)
-    mesh_.triangles.push_back({corners_[0], corners_[i - 1], corners_[i]});
-  if (mesh_.triangles.size() > most_mesh_triangles)
-    file.fail(fmt::format("more than {} triangles", most_mesh_triangles));
-}
-
 bool is_mesh_name(const std::filesystem::path& path) {
   return parser_by_name(path) != nullptr;
 }
 
-MeshFile read_mesh_file(const std::filesystem::path& path) {
+MeshFacts read_mesh_file(const std::filesystem::path& path, MeshSink& sink,
+                         const std::function<void()>& between) {
   const Parser parse = parser_for(path);
   check_is_there(path);
-  const std::string name = path.string();
-  const std::vector<std::byte> bytes = read_whole_file(path);
-  const MeshBytes file{name, bytes};
-  MeshFile result{parse(file), hash_bytes(bytes), lower(path.extension().string()).substr(1)};
-  check_finite(file, result.mesh);
+  MeshStream file(path, between);
+  MeshOutput out(file, sink);
+  parse(file, out);
+  return {file.finish(), lower(path.extension().string()).substr(1), file.size(), file.mtime_ns()};
+}
+
+MeshFile read_mesh_file(const std::filesystem::path& path) {
+  MeshFile result;
+  MeshInMemory sink(path, result.mesh);
+  const MeshFacts facts = read_mesh_file(path, sink);
+  result.content = facts.content;
+  result.format = facts.format;
   weld(result.mesh);
-  if (result.mesh.triangles.empty()) file.fail("no triangles");
+  if (result.mesh.triangles.empty())
+    throw FormatError(fmt::format("{}: no triangles", path.string()));
   return result;
 }
 

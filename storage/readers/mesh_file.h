@@ -1,7 +1,10 @@
-// Triangle meshes from STL, OFF, OBJ and PLY files, whole in memory.
+// Triangle meshes from STL, OFF, OBJ and PLY files: read forwards, a piece at a time, to whoever
+// wants them, or whole into memory.
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "storage/support/hash.h"
@@ -17,12 +20,38 @@ struct MeshFile {
   std::string format;  // "stl", "off", "obj" or "ply"
 };
 
+// What a file's vertices and triangles go to, in the order the file has them: as they are, nothing
+// put together and nothing dropped.
+class MeshSink {
+ public:
+  virtual ~MeshSink() = default;
+  // Of formats that number their vertices, from 0 on. Finite.
+  virtual void vertex(Vec3 place) = 0;
+  // Precondition: all three were there before.
+  virtual void triangle(const std::array<std::uint64_t, 3>& corners) = 0;
+  // Of formats that do not. Finite.
+  virtual void facet(const std::array<Vec3, 3>& corners) = 0;
+};
+
 // Whether the name ends as those of mesh files do.
 bool is_mesh_name(const std::filesystem::path& path);
 
-// The format goes by the name's extension; an .stl and a .ply may be text or binary.
-// InputError: no such file, or a name of no known format. FormatError: damaged, no triangles, a
-// coordinate that is not a finite number.
+struct MeshFacts {
+  Hash128 content;
+  std::string format;
+  std::uint64_t size = 0;  // of the file
+  std::int64_t mtime_ns = 0;
+};
+
+// The whole file to the sink, in a small constant of memory. The format goes by the name's
+// extension; an .stl and a .ply may be text or binary. between: called every few megabytes, to
+// stop.
+// InputError: no such file, or a name of no known format. FormatError: damaged, or a coordinate
+// that is not a finite number.
+MeshFacts read_mesh_file(const std::filesystem::path& path, MeshSink& sink,
+                         const std::function<void()>& between = {});
+
+// The same into memory; FormatError too where there are no triangles, or more than 2^29.
 MeshFile read_mesh_file(const std::filesystem::path& path);
 
 }  // namespace voxweld

@@ -11,13 +11,13 @@ namespace voxweld {
 namespace {
 
 struct Property {
-  std::string_view name;
+  std::string name;
   SampleType type;
   std::optional<SampleType> count_type;  // of lists
 };
 
 struct Element {
-  std::string_view name;
+  std::string name;
   std::int64_t count = 0;
   std::vector<Property> properties;
 };
@@ -27,7 +27,6 @@ enum class Encoding : std::uint8_t { text, little, big };
 struct Header {
   std::optional<Encoding> encoding;
   std::vector<Element> elements;
-  std::size_t end = 0;  // of the header, in bytes
 };
 
 SampleType type_named(const MeshLines& lines, std::string_view name) {
@@ -56,12 +55,12 @@ SampleType type_named(const MeshLines& lines, std::string_view name) {
 Property property_of(const MeshLines& lines) {
   const auto& words = lines.words();
   if (words.size() == 5 && words[1] == "list")
-    return {words[4], type_named(lines, words[3]), type_named(lines, words[2])};
+    return {std::string(words[4]), type_named(lines, words[3]), type_named(lines, words[2])};
   if (words.size() != 3) lines.fail("expected \"property TYPE NAME\" or a list of that");
-  return {words[2], type_named(lines, words[1]), {}};
+  return {std::string(words[2]), type_named(lines, words[1]), {}};
 }
 
-Header read_header(const MeshBytes& file, MeshLines& lines) {
+Header read_header(const MeshStream& file, MeshLines& lines) {
   Header header;
   if (!lines.next() || lines.words()[0] != "ply")
     file.fail("expected a file beginning with \"ply\"");
@@ -76,10 +75,10 @@ Header read_header(const MeshBytes& file, MeshLines& lines) {
     } else if (words[0] == "element" && words.size() > 1) {
       const std::int64_t count = lines.whole(2);
       // Each takes a byte at the least.
-      if (count < 0 || static_cast<std::uint64_t>(count) > file.bytes.size())
+      if (count < 0 || static_cast<std::uint64_t>(count) > file.size())
         lines.fail(fmt::format("announces {} elements, more than a file of {} bytes can hold",
-                               count, file.bytes.size()));
-      header.elements.push_back({words[1], count, {}});
+                               count, file.size()));
+      header.elements.push_back({std::string(words[1]), count, {}});
     } else if (words[0] == "property") {
       if (header.elements.empty()) lines.fail("a property of no element");
       header.elements.back().properties.push_back(property_of(lines));
@@ -89,15 +88,14 @@ Header read_header(const MeshBytes& file, MeshLines& lines) {
   }
   if (!header.encoding)
     file.fail("expected format ascii, binary_little_endian or binary_big_endian");
-  header.end = lines.end();
   return header;
 }
 
 // The values of the body, one after the other, whatever the encoding.
 class Body {
  public:
-  Body(const MeshBytes& file, MeshLines& lines, const Header& header)
-      : file_(file), lines_(lines), encoding_(*header.encoding), at_(header.end) {}
+  Body(MeshStream& file, MeshLines& lines, const Header& header)
+      : file_(file), lines_(lines), encoding_(*header.encoding) {}
 
   void begin_item() {
     if (encoding_ != Encoding::text) return;
@@ -107,10 +105,10 @@ class Body {
   double next(SampleType type) {
     if (encoding_ == Encoding::text) return next_word();
     const std::size_t width = sample_bytes(type);
-    if (file_.bytes.size() < at_ + width) truncated();
+    const auto bytes = file_.take(width);
+    if (bytes.size() < width) truncated();
     std::array<std::byte, 8> value{};
-    std::copy_n(file_.bytes.data() + at_, width, value.data());
-    at_ += width;
+    std::copy(bytes.begin(), bytes.end(), value.begin());
     to_native(value.data(), 1, width,
               encoding_ == Encoding::little ? std::endian::little : std::endian::big);
     return dispatch_sample_type(type, [&](auto tag) {
@@ -127,13 +125,14 @@ class Body {
     return lines_.number(word_++);
   }
 
-  const MeshBytes& file_;
+  MeshStream& file_;
   MeshLines& lines_;
   Encoding encoding_;
-  std::size_t at_, word_ = 0;
+  std::size_t word_ = 0;
 };
 
-void read_vertex(const Element& element, Body& body, TriangleMesh& mesh) {
+// Of the x, y and z among its properties.
+Vec3 read_place(const Element& element, Body& body) {
   Vec3 place;
   for (const Property& property : element.properties) {
     double count = 1, value = 0;
@@ -142,7 +141,7 @@ void read_vertex(const Element& element, Body& body, TriangleMesh& mesh) {
     if (property.name.size() == 1 && property.name >= "x" && property.name <= "z")
       place[property.name[0] - 'x'] = value;
   }
-  mesh.vertices.push_back(place);
+  return place;
 }
 
 bool holds_corners(const Property& property) {
@@ -150,8 +149,8 @@ bool holds_corners(const Property& property) {
          (property.name == "vertex_indices" || property.name == "vertex_index");
 }
 
-void read_face(const MeshBytes& file, const Element& element, Body& body, PolygonFans& fans) {
-  fans.begin();
+void read_face(const MeshStream& file, const Element& element, Body& body, MeshOutput& out) {
+  out.begin_polygon();
   for (const Property& property : element.properties) {
     double count = 1;
     if (property.count_type) count = body.next(*property.count_type);
@@ -159,14 +158,13 @@ void read_face(const MeshBytes& file, const Element& element, Body& body, Polygo
       const double value = body.next(property.type);
       // The double of a number of 32 bits is the number; what is no number is out of any range.
       const bool fits = value >= 0 && value < 4294967296.0;
-      if (holds_corners(property) && !fans.corner(fits ? static_cast<std::int64_t>(value) : -1))
+      if (holds_corners(property) && !out.corner(fits ? static_cast<std::int64_t>(value) : -1))
         file.fail(fmt::format("a face has vertex {}, and there is none of that number", value));
     }
   }
-  fans.end(file);
 }
 
-void require(const MeshBytes& file, const Header& header) {
+void require(const MeshStream& file, const Header& header) {
   const auto has = [&](std::string_view element, auto&& wanted) {
     for (const Element& e : header.elements)
       if (e.name == element && std::any_of(e.properties.begin(), e.properties.end(), wanted))
@@ -182,23 +180,21 @@ void require(const MeshBytes& file, const Header& header) {
 
 }  // namespace
 
-TriangleMesh parse_ply(const MeshBytes& file) {
+void parse_ply(MeshStream& file, MeshOutput& out) {
   MeshLines lines(file, {});
   const Header header = read_header(file, lines);
   require(file, header);
-  TriangleMesh mesh, others;
-  PolygonFans fans(mesh);
   Body body(file, lines, header);
   for (const Element& element : header.elements)
     for (std::int64_t i = 0; i < element.count; ++i) {
       body.begin_item();
-      others.vertices.clear();
-      if (element.name == "face")
-        read_face(file, element, body, fans);
-      else
-        read_vertex(element, body, element.name == "vertex" ? mesh : others);
+      if (element.name == "face") {
+        read_face(file, element, body, out);
+        continue;
+      }
+      const Vec3 place = read_place(element, body);
+      if (element.name == "vertex") out.vertex(place);
     }
-  return mesh;
 }
 
 }  // namespace voxweld

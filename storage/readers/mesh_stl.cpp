@@ -8,42 +8,35 @@ namespace {
 
 constexpr std::size_t header_bytes = 84, triangle_bytes = 50;
 
-double coordinate(const std::byte* at) {
-  return load_as<float>(at, 0, std::endian::little);
+Vec3 place_at(const std::byte* at) {
+  const auto coordinate = [at](std::size_t offset) -> double {
+    return load_as<float>(at, offset, std::endian::little);
+  };
+  return {coordinate(0), coordinate(4), coordinate(8)};
 }
 
-void close_triangle(TriangleMesh& mesh) {
-  const auto end = static_cast<std::uint32_t>(mesh.vertices.size());
-  mesh.triangles.push_back({end - 3, end - 2, end - 1});
-}
-
-TriangleMesh parse_binary(const MeshBytes& file, std::uint64_t count) {
-  if (count > most_mesh_triangles)
-    file.fail(fmt::format("more than {} triangles", most_mesh_triangles));
-  TriangleMesh mesh;
-  mesh.vertices.reserve(3 * count);
-  mesh.triangles.reserve(count);
+void parse_binary(MeshStream& file, std::uint64_t count, MeshOutput& out) {
+  file.take(header_bytes);
   for (std::uint64_t i = 0; i < count; ++i) {
-    const std::byte* corner = file.bytes.data() + header_bytes + i * triangle_bytes + 12;
-    for (int c = 0; c < 3; ++c, corner += 12)
-      mesh.vertices.push_back({coordinate(corner), coordinate(corner + 4), coordinate(corner + 8)});
-    close_triangle(mesh);
+    const auto bytes = file.take(triangle_bytes);
+    if (bytes.size() < triangle_bytes) file.fail("ends within a triangle: truncated");
+    out.facet({place_at(&bytes[12]), place_at(&bytes[24]), place_at(&bytes[36])});
   }
-  return mesh;
 }
 
-TriangleMesh parse_text(const MeshBytes& file) {
-  TriangleMesh mesh;
+void parse_text(MeshStream& file, MeshOutput& out) {
   MeshLines lines(file, {});
+  std::array<Vec3, 3> corners;
   std::size_t open = 0;  // corners of the triangle at hand
   while (lines.next()) {
     const std::string_view word = lines.words()[0];
     if (word == "vertex") {
-      mesh.vertices.push_back(lines.place(1));
-      if (++open > 3) lines.fail("a fourth vertex; expected triangles");
+      const Vec3 place = lines.place(1);
+      if (open == 3) lines.fail("a fourth vertex; expected triangles");
+      corners[open++] = place;
     } else if (word == "endloop") {
       if (open != 3) lines.fail(fmt::format("expected three vertices, found {}", open));
-      close_triangle(mesh);
+      out.facet(corners);
       open = 0;
     } else if (word != "solid" && word != "facet" && word != "outer" && word != "endfacet" &&
                word != "endsolid") {
@@ -52,26 +45,31 @@ TriangleMesh parse_text(const MeshBytes& file) {
     }
   }
   if (open != 0) file.fail("ends within a triangle: truncated");
-  return mesh;
+}
+
+bool begins_with_solid(MeshStream& file) {
+  constexpr std::size_t looked_at = 4096;
+  const auto bytes = file.peek(looked_at);
+  const std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  return begin != text.npos && text.substr(begin).starts_with("solid");
 }
 
 }  // namespace
 
-TriangleMesh parse_stl(const MeshBytes& file) {
+void parse_stl(MeshStream& file, MeshOutput& out) {
   // Binary headers may begin with "solid" too, so the size decides first.
-  const bool has_header = file.bytes.size() >= header_bytes;
+  const bool has_header = file.size() >= header_bytes;
   const std::uint64_t count =
-      has_header ? load_as<std::uint32_t>(file.bytes.data(), 80, std::endian::little) : 0;
+      has_header ? load_as<std::uint32_t>(file.peek(header_bytes).data(), 80, std::endian::little)
+                 : 0;
   const std::uint64_t expected = header_bytes + count * triangle_bytes;
-  if (has_header && file.bytes.size() == expected) return parse_binary(file, count);
-  const std::string_view text = file.text();
-  const std::size_t begin = text.find_first_not_of(" \t\r\n");
-  if (begin != text.npos && text.substr(begin).starts_with("solid") && text.find('\0') == text.npos)
-    return parse_text(file);
+  if (has_header && file.size() == expected) return parse_binary(file, count, out);
+  if (begins_with_solid(file) && !file.holds_zero()) return parse_text(file, out);
   if (!has_header) file.fail("expected an STL file, found less than its header: truncated");
-  if (file.bytes.size() > expected) return parse_binary(file, count);  // padded
-  file.fail(fmt::format("truncated: {} triangles take {} bytes, found {}", count, expected,
-                        file.bytes.size()));
+  if (file.size() > expected) return parse_binary(file, count, out);  // padded
+  file.fail(
+      fmt::format("truncated: {} triangles take {} bytes, found {}", count, expected, file.size()));
 }
 
 }  // namespace voxweld

@@ -183,6 +183,39 @@ TEST_F(MeshFileTest, SaysWhatIsWrong) {
               HasSubstr("line 5: expected three vertices, found 1"));
 }
 
+// Files are read a piece at a time: numbers and lines lie across where pieces meet.
+TEST_F(MeshFileTest, LongerThanAPiece) {
+  const TriangleMesh ball = testing::dented_ball({3, 4, 5}, 7, 7);
+  const auto count = std::pair(ball.vertices.size(), ball.triangles.size());
+  std::string text = fmt::format("OFF\n{} {} 0\n", count.first, count.second);
+  std::string bytes = fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\n"
+      "property double y\nproperty double z\nelement face {}\n"
+      "property list uchar int vertex_index\nend_header\n",
+      count.first, count.second);
+  for (const Vec3& v : ball.vertices) {
+    text += fmt::format("{} {} {}\n", v.x, v.y, v.z);
+    bytes += raw(v.x) + raw(v.y) + raw(v.z);
+  }
+  for (const auto& t : ball.triangles) {
+    text += fmt::format("3 {} {} {}\n", t[0], t[1], t[2]);
+    bytes += '\3' + raw(t[0]) + raw(t[1]) + raw(t[2]);
+  }
+  ASSERT_GT(std::min(text.size(), bytes.size()), std::size_t{3} << 19);
+  const MeshFile off = read_mesh_file(write("a.off", text));
+  const MeshFile ply = read_mesh_file(write("a.ply", bytes));
+  EXPECT_EQ(off.mesh.triangles.size(), count.second);
+  EXPECT_EQ(off.mesh.vertices, ply.mesh.vertices);
+  EXPECT_EQ(off.mesh.triangles, ply.mesh.triangles);
+  EXPECT_EQ(off.content, hash_bytes(as_bytes(text)));
+  EXPECT_EQ(ply.content, hash_bytes(as_bytes(bytes)));
+  EXPECT_THAT(error_of("a.off", text.substr(0, text.rfind(' '))),
+              HasSubstr(fmt::format("line {}: expected a whole number as word 4",
+                                    count.first + count.second + 2)));
+  EXPECT_THAT(error_of("b.off", std::string(std::size_t{9} << 20, '1')),
+              HasSubstr("expected lines, found one of more than"));
+}
+
 // Cut anywhere, a file is refused or read as what is left of it, and nothing else happens.
 TEST_F(MeshFileTest, TruncatedFiles) {
   for (const auto& [name, whole] :
