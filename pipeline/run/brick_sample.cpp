@@ -2,6 +2,7 @@
 
 #include <ctime>
 
+#include "pipeline/run/local_edits.h"
 #include "stages/build/build_brick.h"
 #include "stages/build/label_bricks.h"
 #include "stages/ingest/statistics.h"
@@ -66,8 +67,10 @@ class Sampler {
   }
   std::span<const std::byte> samples() const { return samples_; }
 
-  void build(Index3 brick, const ContourParameters& parameters, BrickSample& sums) {
+  void build(Index3 brick, LocalEdits& edits, BrickSample& sums) {
     const HaloBlock block = read(brick);
+    const ContourParameters& parameters =
+        edits.around(intersect(sign_samples(place_of(brick)), Box3{{}, grid_.size()}));
     const double before = thread_seconds();
     const std::uint64_t vertices = sums.vertices;
     if (parameters.labels.mode == LabelMode::each) {
@@ -141,7 +144,8 @@ std::optional<BrickSample> sample_bricks(const RunContext& context, const Jobs& 
   if (config.input.has_samples()) sums.isovalue = config.surface.isovalue;
   const ContourParameters parameters =
       contour_parameters(config, *source, jobs.chosen_labels(config));
-  for (const Index3& brick : chosen) sampler.build(brick, parameters, sums);
+  LocalEdits edits(parameters);
+  for (const Index3& brick : chosen) sampler.build(brick, edits, sums);
   return sums;
 }
 

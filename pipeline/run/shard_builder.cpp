@@ -88,14 +88,17 @@ bool ShardBuilder::meets_ring(Index3 brick) const {
 }
 
 // What is known of a brick without reading it: the ranges, then the edits that reach it.
-ShardBuilder::KnownBrick ShardBuilder::known_of(Index3 brick) const {
+ShardBuilder::KnownBrick ShardBuilder::find_known(Index3 brick) const {
   if (job_.parameters.labels.mode != LabelMode::off) return known_label(brick);
   const NodeState unedited = unedited_state(brick);
   if (job_.parameters.edits.empty()) return {unedited, exterior};
   const Relation before = unedited == NodeState::inside    ? Relation::inside
                           : unedited == NodeState::outside ? Relation::outside
                                                            : Relation::mixed;
-  switch (side_after(job_.parameters.edits, bounds_of(brick), before)) {
+  const int level = job_.grid.brick_level();
+  const Box3 samples = intersect(sign_samples({brick * (std::int64_t{1} << level), level}),
+                                 Box3{{}, job_.grid.size()});
+  switch (side_after(job_.parameters.edits, bounds_of(brick), before, samples)) {
     case Relation::outside:
       return {NodeState::outside, exterior};
     case Relation::inside:
@@ -182,10 +185,21 @@ void ShardBuilder::each_brick(Index3 shard, F&& f) const {
       for (std::int64_t x = bricks.lo.x; x < bricks.hi.x; ++x) f(Index3{x, y, z});
 }
 
+void ShardBuilder::look_at(Index3 shard) {
+  shard_bricks_ = job_.grid.shard_bricks(shard);
+  known_.clear();
+  each_brick(shard, [&](Index3 brick) { known_.push_back(find_known(brick)); });
+}
+
+const ShardBuilder::KnownBrick& ShardBuilder::known_of(Index3 brick) const {
+  const Index3 at = brick - shard_bricks_.lo, size = shard_bricks_.size();
+  return known_[static_cast<std::size_t>((at.z * size.y + at.y) * size.x + at.x)];
+}
+
 // A brick that is not read may change sides without a sample changing in those that are.
 void ShardBuilder::note_sides(Index3 shard, StreamHasher& hash) const {
   each_brick(shard, [&](Index3 brick) {
-    const KnownBrick known = known_of(brick);
+    const KnownBrick& known = known_of(brick);
     hash.update(std::as_bytes(std::span(&known.state, 1)));
     if (known.material != exterior) hash.update(std::as_bytes(std::span(&known.material, 1)));
   });
@@ -202,6 +216,7 @@ Hash128 ShardBuilder::read(const Run& run) {
 }
 
 Hash128 ShardBuilder::input_hash(Index3 shard) {
+  look_at(shard);
   StreamHasher hash;
   note_sides(shard, hash);
   each_run(shard, [&](const Run& run) {
@@ -243,6 +258,7 @@ BuiltRun ShardBuilder::build_run(const Run& run, const EarlierShard* earlier,
 }
 
 void ShardBuilder::build(Index3 shard, const EarlierShard* earlier, const WorkerContext& worker) {
+  look_at(shard);
   StreamHasher hash;
   note_sides(shard, hash);
   octrees_->begin(shard, job_.volume.stamp(shard_samples(job_, shard)));
@@ -252,7 +268,7 @@ void ShardBuilder::build(Index3 shard, const EarlierShard* earlier, const Worker
     hash.update(std::as_bytes(std::span(&runs.back().samples, 1)));
   });
   each_brick(shard, [&](Index3 brick) {
-    const KnownBrick known = known_of(brick);
+    const KnownBrick& known = known_of(brick);
     if (known.state == NodeState::inside) octrees_->inside(brick, known.material);
   });
   octrees_->finish(hash.finish(), std::move(runs));

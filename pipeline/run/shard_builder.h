@@ -43,13 +43,15 @@ class ShardBuilder {
   void each_run(Index3 shard, F&& f);
   template <class F>
   void each_brick(Index3 shard, F&& f) const;
+  void look_at(Index3 shard);
   std::vector<Run> runs_of(Index3 row, std::int64_t end) const;
   Box3 touched_samples(Index3 brick) const;
   Bounds bounds_of(Index3 brick) const;
   bool meets_ring(Index3 brick) const;
   NodeState unedited_state(Index3 brick) const;
   KnownBrick known_label(Index3 brick) const;
-  KnownBrick known_of(Index3 brick) const;
+  KnownBrick find_known(Index3 brick) const;
+  const KnownBrick& known_of(Index3 brick) const;
   void note_sides(Index3 shard, StreamHasher& hash) const;
   // Of the run's samples.
   Hash128 read(const Run& run);
@@ -57,6 +59,8 @@ class ShardBuilder {
   BuiltRun build_run(const Run& run, const EarlierShard* earlier, const WorkerContext& worker);
 
   const BuildJob& job_;
+  Box3 shard_bricks_;              // of the shard at hand
+  std::vector<KnownBrick> known_;  // of these, x fastest
   std::vector<std::byte> samples_;
   std::unique_ptr<ShardOctrees> octrees_;
   BrickReport bricks_;

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "pipeline/run/label_octrees.h"
+#include "pipeline/run/local_edits.h"
 
 namespace voxweld {
 
@@ -36,7 +37,7 @@ namespace {
 // Of one surface: its octree is the shard's.
 class SurfaceOctrees : public ShardOctrees {
  public:
-  explicit SurfaceOctrees(const BuildJob& job) : job_(job) {}
+  explicit SurfaceOctrees(const BuildJob& job) : job_(job), edits_(job.parameters) {}
 
   void begin(Index3 shard, Hash128 input_stamp) override {
     shard_ = shard;
@@ -79,6 +80,7 @@ class SurfaceOctrees : public ShardOctrees {
   std::vector<ShardNode> reduce();
 
   const BuildJob& job_;
+  LocalEdits edits_;
   BrickScratch scratch_;
   BrickOctree brick_;
   Index3 shard_;
@@ -120,7 +122,9 @@ void SurfaceOctrees::build(const HaloBlock& block, Index3 first, std::int64_t co
   for (std::int64_t i = 0; i < count; ++i) {
     worker.check_interrupt();
     const CellKey key{job_.grid.brick_level(), first + Index3{i, 0, 0}};
-    build_brick(block, {key.lo(), key.level}, job_.parameters, scratch_, brick_);
+    const BrickPlace place{key.lo(), key.level};
+    const Box3 samples = intersect(sign_samples(place), Box3{{}, job_.grid.size()});
+    build_brick(block, place, edits_.around(samples), scratch_, brick_);
     note(key, brick_.root, brick_.counts);
     if (brick_.root.state == NodeState::outside) continue;
     note_surface(key, brick_.root, brick_.blocks);

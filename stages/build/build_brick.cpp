@@ -101,12 +101,16 @@ Box3 halo_samples(const BrickPlace& place, const ContourParameters& parameters) 
   return {place.origin - splat(1 + reach), place.origin + splat(side + reach)};
 }
 
-Bounds brick_bounds(const BrickPlace& place, Vec3 spacing) {
+// Of lattice points -1 .. side + 1.
+Box3 sign_samples(const BrickPlace& place) {
   const std::int64_t side = std::int64_t{1} << place.level;
+  return {place.origin - splat(2), place.origin + splat(side + 1)};
+}
+
+Bounds brick_bounds(const BrickPlace& place, Vec3 spacing) {
   const VolumeFrame frame{{}, spacing};
-  // Lattice points -1 .. side + 1, as samples.
-  return {frame.place_of_sample(place.origin - splat(2)),
-          frame.place_of_sample(place.origin + splat(side))};
+  const Box3 samples = sign_samples(place);
+  return {frame.place_of_sample(samples.lo), frame.place_of_sample(samples.hi - splat(1))};
 }
 
 namespace {

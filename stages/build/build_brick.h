@@ -23,6 +23,9 @@ struct BrickPlace {
 // Wenger's rule, and the gradient's reach.
 Box3 halo_samples(const BrickPlace& place, const ContourParameters& parameters);
 
+// The samples whose sides a brick looks at, before clipping to the volume.
+Box3 sign_samples(const BrickPlace& place);
+
 // Where a brick's signs are looked at, in the frame spacing * sample index: edits that do not reach
 // this far (stages/geometry/solid.h) change nothing in the brick.
 Bounds brick_bounds(const BrickPlace& place, Vec3 spacing);

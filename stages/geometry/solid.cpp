@@ -179,9 +179,22 @@ bool edit_reaches(const Edit& edit, const Bounds& box) {
   return relation != (edit.op == EditOp::intersect ? Relation::inside : Relation::outside);
 }
 
-Relation side_after(std::span<const Edit> edits, const Bounds& box, Relation side) {
+namespace {
+
+Relation relation_to(const Solid& solid, const Bounds& box, const Box3& samples) {
+  const Relation relation = relation_to(solid, box);
+  if (relation != Relation::mixed || solid.shape != SolidShape::mesh || samples.empty())
+    return relation;
+  const std::optional<bool> side = solid.mesh->side(samples);
+  return !side ? Relation::mixed : *side ? Relation::inside : Relation::outside;
+}
+
+}  // namespace
+
+Relation side_after(std::span<const Edit> edits, const Bounds& box, Relation side,
+                    const Box3& samples) {
   for (const Edit& edit : edits) {
-    const Relation relation = relation_to(edit.solid, box);
+    const Relation relation = relation_to(edit.solid, box, samples);
     // What the edit makes of points in its solid and of those out of it; the others stay.
     if (edit.op == EditOp::replace) continue;  // of labels: whatever is inside stays so
     const Relation made = edit.op == EditOp::add ? Relation::inside : Relation::outside;

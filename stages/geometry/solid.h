@@ -43,7 +43,9 @@ bool edit_reaches(const Edit& edit, const Bounds& box);
 // On which side a box lies after the edits when it lay on `side` before; `mixed` where only its
 // points can tell.
 // Between labels `inside` is any of them.
-Relation side_after(std::span<const Edit> edits, const Bounds& box, Relation side);
+// samples: all those in the box, for what meshes know of them; none, and they are not asked.
+Relation side_after(std::span<const Edit> edits, const Bounds& box, Relation side,
+                    const Box3& samples = {});
 
 // Of which material all of a box is after the edits, when all of it was of `before`; nothing stands
 // for not knowing, then and now.

@@ -1,0 +1,19 @@
+#include "pipeline/run/local_edits.h"
+
+#include "stages/geometry/lattice_solid.h"
+
+namespace voxweld {
+
+const ContourParameters& LocalEdits::around(const Box3& samples) {
+  if (samples.empty()) return whole_;
+  for (std::size_t i = 0; i < whole_.edits.size(); ++i) {
+    const std::shared_ptr<const LatticeSolid>& mesh = whole_.edits[i].solid.mesh;
+    if (mesh == nullptr) continue;
+    local_.edits[i].solid.mesh.reset();  // the last brick's, before there is another
+    auto piece = mesh->near(samples);
+    local_.edits[i].solid.mesh = piece != nullptr ? std::move(piece) : mesh;
+  }
+  return local_;
+}
+
+}  // namespace voxweld
