@@ -94,7 +94,7 @@ int cancel(Program& program, const ClusterArguments& arguments) {
 int show_plan(Program& program, const ClusterArguments& arguments) {
   LocalExecutor here;
   const RunContext context = cluster_context(program, arguments.run, here);
-  const Jobs jobs(context.config);
+  const Jobs jobs(context.config, context.interrupt);
   std::int64_t slots = 1;
   try {
     slots = cluster_cpus(context.config.slurm.partition) / context.config.slurm.cpus_per_task;

@@ -21,6 +21,7 @@ double thread_seconds() {
 // Where the samples can be read from now.
 std::shared_ptr<const SampleSource> readable(const RunContext& context, const Jobs& jobs) {
   const IngestJob& job = jobs.ingest();
+  if (job.mesh && !bins_are_current(*job.mesh)) return nullptr;
   if (job.input && job.input->info().access == Access::box) return job.input;
   if (job.copy && ingest_status(context, job).missing == 0)
     return ingested_volume(context.config, job).source;

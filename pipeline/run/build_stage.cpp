@@ -50,11 +50,14 @@ StageMemory build_memory(const RunContext& context, const BuildJob& job) {
   const Edits& edits = job.parameters.edits;
   const bool replaces = std::any_of(edits.begin(), edits.end(),
                                     [](const Edit& edit) { return edit.op == EditOp::replace; });
-  return {"build", 0,
-          ShardBuilder::memory_bytes(job.grid, job.volume.source->info().type,
-                                     job.parameters.labels.mode, replaces),
-          fmt::format("one brick (work.brick = {})", context.config.work.brick),
-          "raise run.memory or lower work.brick"};
+  std::string unit = fmt::format("one brick (work.brick = {})", context.config.work.brick);
+  if (job.largest_bin.triangles > 0)
+    unit += fmt::format(" with up to {} triangles of the mesh", job.largest_bin.triangles);
+  return {
+      "build", 0,
+      job.largest_bin.bytes + ShardBuilder::memory_bytes(job.grid, job.volume.source->info().type,
+                                                         job.parameters.labels.mode, replaces),
+      unit, "raise run.memory or lower work.brick"};
 }
 
 // Of a brick that is skipped, against one with a surface.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pipeline/run/context.h"
+#include "pipeline/run/streamed_mesh.h"
 #include "storage/artifact/container.h"
 
 namespace voxweld {
@@ -14,6 +15,7 @@ struct BuildJob {
   Hash128 key;
   // Part of the brick store could not be made: shards that would read it are left out.
   bool partial_input = false;
+  LargestBin largest_bin = {};  // of a mesh as the input that lies in pieces
 };
 
 // Of the shard's octree: the parameters, and the edits that reach it. What an edit does not reach

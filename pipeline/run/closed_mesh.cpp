@@ -25,6 +25,9 @@ std::uint64_t bytes_per_file_byte(const fs::path& path, MeshClosing closing) {
   return closing == MeshClosing::winding ? read + wound : read;
 }
 
+// At least what program_bytes says, and the same for all.
+constexpr std::uint64_t bytes_of_program = std::uint64_t{40} << 20;
+
 void check_memory(const fs::path& path, std::uint64_t budget, MeshClosing closing) {
   std::error_code error;
   const std::uintmax_t size = fs::file_size(path, error);
@@ -32,13 +35,30 @@ void check_memory(const fs::path& path, std::uint64_t budget, MeshClosing closin
   const std::uint64_t need = program_bytes() + bytes_per_file_byte(path, closing) * size;
   if (need <= budget) return;
   throw InputError(fmt::format(
-      "{}: run.memory = {} is not enough for this mesh of {}, which takes up to {}; raise "
+      "{}: run.memory = {} is not enough for this mesh of {}, which takes up to {}{}; raise "
       "run.memory or simplify the mesh",
       path.string(), exact_bytes(budget), readable_bytes(static_cast<double>(size)),
-      readable_bytes(static_cast<double>(need))));
+      readable_bytes(static_cast<double>(need)),
+      closing == MeshClosing::winding
+          ? ": winding numbers (close = \"winding\") are of all its triangles at once"
+          : ""));
 }
 
 }  // namespace
+
+bool mesh_fits(const fs::path& path, std::uint64_t budget, MeshClosing closing) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(path, error);
+  return error || bytes_of_program + bytes_per_file_byte(path, closing) * size <= budget;
+}
+
+void refuse_open_mesh(const fs::path& path, std::uint64_t edges, const std::string& where,
+                      const std::string& advice) {
+  throw InputError(
+      fmt::format("{}: the mesh is not closed, so it has no inside: {} of its edges have an odd "
+                  "number of triangles, in {}; {}",
+                  path.string(), edges, where, advice));
+}
 
 std::string holes_text(const MeshBoundary& boundary) {
   constexpr std::size_t most_told = 3;
@@ -63,10 +83,8 @@ MeshFile read_closed_mesh(const fs::path& path, std::uint64_t budget, MeshClosin
     return file;
   }
   if (!boundary.closed())
-    throw InputError(fmt::format(
-        "{}: the mesh is not closed, so it has no inside: {} of its edges have an odd number of "
-        "triangles, in {}; close it in a mesh editor, or with close = \"winding\"",
-        path.string(), boundary.edges, holes_text(boundary)));
+    refuse_open_mesh(path, boundary.edges, holes_text(boundary),
+                     "close it in a mesh editor, or with close = \"winding\"");
   if (signed_volume(file.mesh) < 0)
     spdlog::warn("{}: its triangles face inward; the solid is what they enclose all the same",
                  path.string());

@@ -279,7 +279,8 @@ void run_shards(RunContext& context, const IngestJob& job) {
 
 }  // namespace
 
-IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder) {
+IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder,
+                      const InterruptFlag* interrupt) {
   IngestJob job;
   job.folder = folder;
   const Hash128 parameters = parameter_hash(config, Stage::ingest);
@@ -287,7 +288,8 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder)
   if (known) {
     job.info = *known;
   } else {
-    job.input = open_input(config);
+    if (streams_mesh(config)) job.mesh = plan_streamed_mesh(config, folder, interrupt);
+    job.input = job.mesh ? job.mesh->volume : open_input(config);
     job.info = job.input->info();
     for (const std::string& warning : job.info.warnings) spdlog::warn("{}", warning);
   }
@@ -317,12 +319,18 @@ IngestStatus ingest_status(const RunContext& context, const IngestJob& job) {
     status.missing = missing_of(context, layout, job).size();
     status.metadata_missing = job.copy && !store_metadata_is_current(layout);
   }
+  if (job.mesh) {
+    status.units = 1;
+    status.mesh_missing = context.selection.contains(0) && !bins_are_current(*job.mesh);
+    status.missing = status.mesh_missing ? 1 : 0;
+  }
   status.histogram_missing = job.histogram && !histogram_is_current(job);
   status.labels_missing = !needs_no_counts(job);
   return status;
 }
 
 std::string missing_text(const IngestJob& job, const IngestStatus& status) {
+  if (status.mesh_missing) return "the mesh is not cut up into bricks";
   if (status.missing > 0)
     return fmt::format("{} of {} shards {}", status.missing, status.units,
                        job.copy ? "missing" : "whose labels are not counted");
@@ -331,12 +339,14 @@ std::string missing_text(const IngestJob& job, const IngestStatus& status) {
 }
 
 std::vector<Unit> missing_units(const RunContext& context, const IngestJob& job) {
+  if (job.mesh && !bins_are_current(*job.mesh)) return {mesh_unit(*job.mesh)};
   if (!job.by_shards()) return {};
   const StoreLayout layout = store_layout(context.config, job);
   return units_of(layout, missing_of(context, layout, job), job.info);
 }
 
 StageMemory ingest_memory(const Config& config, const IngestJob& job) {
+  if (job.mesh) return streaming_memory();
   StageMemory memory{"ingest", 0, 0, fmt::format("one shard (work.chunk = {})", config.work.chunk),
                      "raise run.memory or lower work.chunk"};
   if (!job.by_shards()) return memory;
@@ -350,7 +360,9 @@ StageMemory ingest_memory(const Config& config, const IngestJob& job) {
 }
 
 void run_ingest(RunContext& context, const IngestJob& job) {
-  if (job.by_shards()) {
+  if (job.mesh) {
+    run_mesh_ingest(context, *job.mesh);
+  } else if (job.by_shards()) {
     run_shards(context, job);
   } else if (job.histogram && !histogram_is_current(job)) {
     write_histogram_artifact(histogram_path(job),

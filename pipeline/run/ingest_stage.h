@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "pipeline/run/context.h"
+#include "pipeline/run/streamed_mesh.h"
 #include "storage/store/layout.h"
 #include "storage/types/histogram.h"
 
@@ -22,19 +23,24 @@ struct IngestJob {
   bool copy = false;       // make a brick store
   bool histogram = false;  // needed: the isovalue is to be chosen
   bool labels = false;     // are to be counted
+  // A mesh as the input that is read by pieces: ingest cuts it up. Else null.
+  std::shared_ptr<StreamedMesh> mesh;
 
   // Whether there are units: otherwise the input is read in place, and at once if at all.
   bool by_shards() const { return copy || labels; }
 };
 
 // Opens the input the config names. Throws InputError where work.copy = false does not fit it.
-IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder);
+// interrupt: asked where that takes long, as with large meshes; may be null.
+IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder,
+                      const InterruptFlag* interrupt);
 
 struct IngestStatus {
   std::uint64_t units = 0, missing = 0;  // shards to copy or to count the labels of
   bool metadata_missing = false;         // the store's zarr.json
   bool histogram_missing = false;        // where the isovalue is to be chosen from it
   bool labels_missing = false;           // the volume's counts, where labels are meshed
+  bool mesh_missing = false;             // the mesh that is to be cut up; counted in missing
   bool current() const {
     return missing == 0 && !metadata_missing && !histogram_missing && !labels_missing;
   }

@@ -55,9 +55,9 @@ void warn_of_origin(const Config& config, const VolumeGeometry& geometry) {
 
 }  // namespace
 
-Jobs::Jobs(const Config& config) {
+Jobs::Jobs(const Config& config, const InterruptFlag* interrupt) {
   // The ingest folder depends on the config alone.
-  ingest_ = plan_ingest(config, stage_paths(config, VolumeInfo{}, {}).ingest);
+  ingest_ = plan_ingest(config, stage_paths(config, VolumeInfo{}, {}).ingest, interrupt);
   check_label(config, ingest_.info);
   map_ = read_labels_map(config);
 }
@@ -80,6 +80,7 @@ void Jobs::open_volume(Config& config) {
   build_.emplace(BuildJob{volume, brick_grid(config, info.geometry),
                           contour_parameters(config, *volume.source, labels), paths.build,
                           paths.build_key});
+  if (ingest_.mesh) build_->largest_bin = largest_bin(*ingest_.mesh);
   merge_ = {&*build_, paths.merge, paths.merge_key,
             static_cast<std::uint64_t>(config.output.tile_vertices)};
   stitch_.build = &*build_;

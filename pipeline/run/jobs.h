@@ -13,7 +13,8 @@ class Jobs {
  public:
   // Opens the input and reads labels.map; throws what their readers throw. InputError where labels
   // are asked of samples that are none.
-  explicit Jobs(const Config& config);
+  // interrupt: as plan_ingest has it.
+  explicit Jobs(const Config& config, const InterruptFlag* interrupt = nullptr);
   Jobs(const Jobs&) = delete;
   Jobs& operator=(const Jobs&) = delete;
 

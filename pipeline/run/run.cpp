@@ -99,7 +99,7 @@ void clear_temporaries_of_tasks(const Config& config, const Jobs& jobs) {
 
 // ingest -> build -> merge -> stitch -> encode
 void run_stages(RunContext& context) {
-  Jobs jobs(context.config);
+  Jobs jobs(context.config, context.interrupt);
   check_budget(context, jobs);
   warn_of_large_tiles(context);
   ingest_or_build_the_rest(context, jobs);
@@ -166,7 +166,7 @@ void run_all(RunContext& context) {
 }
 
 void run_one(RunContext& context, Stage stage) {
-  Jobs jobs(context.config);
+  Jobs jobs(context.config, context.interrupt);
   check_budget(context, jobs);
   const auto need = [&](Stage before, const std::function<bool()>& there) {
     if (!context.inputs_checked && !there())
@@ -208,7 +208,7 @@ std::string dry_run(RunContext& context) {
     const std::string why = changed_since_last(context.config, stage);
     return why.empty() ? std::string() : " (" + why + ")";
   };
-  Jobs jobs(context.config);
+  Jobs jobs(context.config, context.interrupt);
   const IngestStatus ingest = ingest_status(context, jobs.ingest());
   if (!ingest.current()) {
     say(Stage::ingest, "would run: " + missing_text(jobs.ingest(), ingest) +
@@ -216,8 +216,9 @@ std::string dry_run(RunContext& context) {
     later(Stage::build, "waits for ingest");
     return text;
   }
-  say(Stage::ingest,
-      jobs.ingest().copy ? "up to date" : "nothing to do: the input is read in place");
+  say(Stage::ingest, jobs.ingest().copy || jobs.ingest().mesh
+                         ? "up to date"
+                         : "nothing to do: the input is read in place");
   jobs.open_volume(context.config);
   BuildStatus shards = build_status(context, jobs.build());
   prove(context, jobs.build(), shards);

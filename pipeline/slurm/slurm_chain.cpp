@@ -132,7 +132,7 @@ void refuse_if_submitted(const Config& config, SlurmClient& client) {
 std::vector<SubmittedStep> submit_chain(RunContext& context, const SlurmSetup& setup,
                                         SlurmClient& client) {
   refuse_if_submitted(context.config, client);
-  const Jobs jobs(context.config);
+  const Jobs jobs(context.config, context.interrupt);
   check_budget(context, jobs);
   warn_of_large_tiles(context);
   const std::vector<Unit> ingest = missing_units(context, jobs.ingest());

@@ -31,7 +31,7 @@ void look_at_results(RunContext& context, RunStatus& status) {
     state.known = true;
     return missing == 0;
   };
-  Jobs jobs(context.config);
+  Jobs jobs(context.config, context.interrupt);
   const IngestStatus ingest = ingest_status(context, jobs.ingest());
   set(Stage::ingest, ingest.units, ingest.missing);
   if (!ingest.current()) return;

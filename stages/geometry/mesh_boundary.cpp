@@ -58,14 +58,17 @@ struct Extent {
 }  // namespace
 
 MeshBoundary boundary_of(const TriangleMesh& mesh) {
-  const std::vector<Edge> edges = odd_edges(mesh);
+  return boundary_of(odd_edges(mesh), mesh.vertices);
+}
+
+MeshBoundary boundary_of(std::span<const Edge> edges, std::span<const Vec3> places) {
   Groups groups;
   for (const Edge& edge : edges) groups.join(edge.first, edge.second);
   std::map<std::uint32_t, Extent> extents;
   for (const Edge& edge : edges) {
     Extent& extent = extents[groups.of(edge.first)];
-    extent.add(mesh.vertices[edge.first], extent.edges == 0);
-    extent.add(mesh.vertices[edge.second], false);
+    extent.add(places[edge.first], extent.edges == 0);
+    extent.add(places[edge.second], false);
     ++extent.edges;
   }
   MeshBoundary boundary{edges.size(), {}};

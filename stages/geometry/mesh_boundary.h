@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "stages/geometry/solid.h"
@@ -24,6 +26,11 @@ struct MeshBoundary {
 // Edges of more than two triangles are no boundary as long as their number is even: rows still
 // cross such a mesh an even number of times. Which way triangles wind is not asked.
 MeshBoundary boundary_of(const TriangleMesh& mesh);
+
+// The same of edges that are used by an odd number of triangles, each by the numbers of two places,
+// the lower first; places in ascending order.
+MeshBoundary boundary_of(std::span<const std::pair<std::uint32_t, std::uint32_t>> odd_edges,
+                         std::span<const Vec3> places);
 
 // Of its triangles. Precondition: there are any.
 Bounds bounds_of(const TriangleMesh& mesh);

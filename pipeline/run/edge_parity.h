@@ -1,0 +1,45 @@
+// Which edges come an odd number of times, in bounded memory, however many there are.
+//
+// Edges are gathered, sorted, and cancelled in pairs; what is left when most of the memory is taken
+// goes to a scratch file as a run, and in the end all runs are merged. Of a closed mesh whose
+// triangles come in a coherent order hardly any edge gets there.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "storage/support/scratch_file.h"
+#include "storage/types/box.h"
+
+namespace voxweld {
+
+struct PlaceEdge {
+  Vec3 low, high;  // its ends, by x, then y, then z
+};
+
+class EdgeParity {
+ public:
+  // folder: for the scratch file, which is made when needed. memory: bytes taken at most.
+  EdgeParity(std::filesystem::path folder, std::uint64_t memory);
+  ~EdgeParity();
+
+  // Zeros of either sign are the same.
+  void add(Vec3 a, Vec3 b);
+  // Calls f with each edge that was added an odd number of times, ascending; then it is empty.
+  void finish(const std::function<void(const PlaceEdge&)>& f);
+
+ private:
+  class Run;
+  void cancel();
+  void spill();
+
+  std::filesystem::path folder_;
+  std::size_t most_;
+  std::vector<PlaceEdge> held_;
+  std::unique_ptr<ScratchFile> file_;
+  std::vector<std::uint64_t> ends_;  // of the runs, in the file
+};
+
+}  // namespace voxweld

@@ -1,0 +1,86 @@
+#include "pipeline/run/mesh_survey.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "pipeline/run/closed_mesh.h"
+#include "pipeline/run/edge_parity.h"
+
+namespace voxweld {
+namespace {
+
+// Grouping edges takes nodes of maps for their ends.
+constexpr std::uint64_t bytes_of_open_edge = 512;
+
+struct OpenEdges {
+  std::uint64_t count = 0;
+  std::vector<PlaceEdge> held;  // the first of them
+};
+
+bool before(Vec3 a, Vec3 b) {
+  if (a.x != b.x) return a.x < b.x;
+  return a.y != b.y ? a.y < b.y : a.z < b.z;
+}
+
+MeshBoundary boundary_of_held(const std::vector<PlaceEdge>& edges) {
+  std::vector<Vec3> places;
+  for (const PlaceEdge& edge : edges) {
+    places.push_back(edge.low);
+    places.push_back(edge.high);
+  }
+  std::sort(places.begin(), places.end(), before);
+  places.erase(std::unique(places.begin(), places.end()), places.end());
+  const auto number = [&](Vec3 place) {
+    return static_cast<std::uint32_t>(
+        std::lower_bound(places.begin(), places.end(), place, before) - places.begin());
+  };
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> numbered;
+  for (const PlaceEdge& edge : edges) numbered.emplace_back(number(edge.low), number(edge.high));
+  return boundary_of(numbered, places);
+}
+
+std::string first_edges_text(const std::vector<PlaceEdge>& edges) {
+  std::string text = "more holes than run.memory has room for (the first edges in order of place:";
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 a = edges[i].low, b = edges[i].high;
+    text += fmt::format("{} [{:.6g}, {:.6g}, {:.6g}] to [{:.6g}, {:.6g}, {:.6g}]",
+                        i == 0 ? "" : ";", a.x, a.y, a.z, b.x, b.y, b.z);
+  }
+  return text + ")";
+}
+
+}  // namespace
+
+void check_spooled_mesh(const std::filesystem::path& path, const SpooledMesh& mesh,
+                        const MeshWork& work) {
+  EdgeParity parity(work.folder, work.memory / 4 * 3);
+  double volume = 0;
+  Vec3 from;  // a corner of the mesh, so that places far from 0 cancel nothing
+  bool first = true;
+  mesh.each(
+      [&](const SpooledMesh::Corners& c) {
+        if (first) from = c[0];
+        first = false;
+        volume += dot(c[0] - from, cross(c[1] - from, c[2] - from));
+        for (std::size_t i = 0; i < 3; ++i) parity.add(c[i], c[(i + 1) % 3]);
+      },
+      work.between);
+  const std::size_t most = std::max<std::size_t>(work.memory / 4 / bytes_of_open_edge, 1024);
+  OpenEdges open;
+  parity.finish([&](const PlaceEdge& edge) {
+    if (++open.count <= most) open.held.push_back(edge);
+  });
+  if (open.count > 0)
+    refuse_open_mesh(
+        path, open.count,
+        open.count > most ? first_edges_text(open.held) : holes_text(boundary_of_held(open.held)),
+        "close it in a mesh editor, or with close = \"winding\" where run.memory "
+        "holds all of it");
+  if (volume < 0)
+    spdlog::warn("{}: its triangles face inward; the solid is what they enclose all the same",
+                 path.string());
+}
+
+}  // namespace voxweld

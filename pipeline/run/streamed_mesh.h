@@ -1,0 +1,45 @@
+// A mesh as the input that does not fit memory: read once, kept in bins that build reads brick by
+// brick (mesh_binning.h). What comes out is the same to the bit.
+#pragma once
+
+#include "pipeline/run/context.h"
+#include "pipeline/run/mesh_binning.h"
+#include "pipeline/run/mesh_input.h"
+
+namespace voxweld {
+
+struct StreamedMesh {
+  std::filesystem::path path;
+  std::filesystem::path folder;  // of ingest
+  MeshRecord record;
+  MeshBinning binning;
+  std::shared_ptr<MeshVolume> volume;  // to be read once the bins are there
+  // What reading the file left, where this process has read it.
+  std::shared_ptr<const SpooledMesh> spooled;
+};
+
+// Whether the config's input is a mesh to be read so. The answer is the same in every process.
+bool streams_mesh(const Config& config);
+
+// What is known of the mesh, from what an earlier process wrote into `folder` where the file has
+// the same size and time since; else the file is read and checked.
+// InputError, FormatError as open_mesh_input; Interrupted.
+std::shared_ptr<StreamedMesh> plan_streamed_mesh(const Config& config,
+                                                 const std::filesystem::path& folder,
+                                                 const InterruptFlag* interrupt);
+
+bool bins_are_current(const StreamedMesh& mesh);
+
+// The one unit of ingest.
+Unit mesh_unit(const StreamedMesh& mesh);
+StageMemory streaming_memory();
+// Makes the bins that are missing, as a stage of its own.
+void run_mesh_ingest(RunContext& context, StreamedMesh& mesh);
+
+// Of the largest bin, for build. Precondition: the bins are current.
+struct LargestBin {
+  std::uint64_t bytes = 0, triangles = 0;
+};
+LargestBin largest_bin(const StreamedMesh& mesh);
+
+}  // namespace voxweld
