@@ -8,8 +8,8 @@
 #include "pipeline/cli/volume_arguments.h"
 #include "pipeline/config/commented.h"
 #include "pipeline/info/label_survey.h"
-#include "pipeline/run/closed_mesh.h"
 #include "pipeline/run/mesh_input.h"
+#include "pipeline/run/mesh_survey.h"
 #include "pipeline/run/open_input.h"
 #include "stages/ingest/histogram_bins.h"
 #include "stages/ingest/threshold.h"
@@ -140,22 +140,22 @@ int init_mesh(const InitArguments& arguments) {
   input.cell = arguments.cell;
   if (!input.cell) input.resolution = arguments.resolution.value_or(usual_resolution);
   if (arguments.close == "winding") input.close = MeshClosing::winding;
-  const MeshFile file = read_closed_mesh(path, Config{}.run.memory, input.close);
-  const Bounds bounds = bounds_of(file.mesh);
+  const MeshSummary mesh =
+      summary_of_mesh(path, Config{}.run.memory, input.close, fs::absolute(config).parent_path());
   const MeshSuggestion suggestion{path_for_config(path, config),
-                                  file.format,
-                                  file.mesh.vertices.size(),
-                                  file.mesh.triangles.size(),
-                                  bounds.lo,
-                                  bounds.hi,
-                                  mesh_geometry(input, bounds),
+                                  mesh.format,
+                                  mesh.vertices,
+                                  mesh.triangles,
+                                  mesh.bounds.lo,
+                                  mesh.bounds.hi,
+                                  mesh_geometry(input, mesh.bounds),
                                   input.resolution,
                                   input.cell,
                                   input.close};
   write_config(config, with_unit(commented_config(suggestion), arguments.volume.unit));
   const Index3 size = suggestion.geometry.size;
   fmt::print("{}: {} triangles, closed{} ({})\n", path, suggestion.triangles,
-             input.close == MeshClosing::no ? "" : " by winding number", file.format);
+             input.close == MeshClosing::no ? "" : " by winding number", mesh.format);
   fmt::print("{}: {} x {} x {} samples, {:g} apart\n", config.string(), size.x, size.y, size.z,
              suggestion.geometry.spacing.x);
   fmt::print("next: voxweld run {}\n", config.string());

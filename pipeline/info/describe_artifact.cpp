@@ -171,6 +171,7 @@ InfoDocument describe_kind(const fs::path& path, const ArtifactHead& head,
   if (kind == "tile") return describe_tile(path);
   if (kind == "hist") return describe_histogram(path);
   if (kind == "lcnt") return describe_labels(path);
+  if (kind == "mesh" || kind == "mbin" || kind == "mtab") return describe_mesh_pieces(path, kind);
   if (kind == "shrd") return describe_shard_record(path, options);
   if (kind == "spol") {
     const std::string name = path.string(), ending = spool_record_path("").string();

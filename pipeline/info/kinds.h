@@ -27,6 +27,9 @@ void add_label_plan(InfoDocument& document, const TopArtifact& artifact, bool ve
 void add_label_tiles(InfoDocument& document, const TileArtifact& artifact);
 InfoDocument describe_label_list(const std::filesystem::path& path, const InfoOptions& options);
 
+// Of a mesh as the input that is read by pieces: kinds "mesh", "mbin" and "mtab".
+InfoDocument describe_mesh_pieces(const std::filesystem::path& path, const std::string& kind);
+
 // Meshes and what lists them.
 InfoDocument describe_mesh(const std::filesystem::path& path);
 InfoDocument describe_input_mesh(const InfoOptions& options);

@@ -224,12 +224,12 @@ void Sweep::refuse() const {
   const std::uint64_t more = here > limits_.budget ? (here - limits_.budget) / 2 * 3 : 0;
   const std::uint64_t enough = std::max(there, limits_.budget + more) / mebibyte + 1;
   const Index3 b = facts.largest_brick;
-  throw InputError(
-      fmt::format("run.memory = {} is too small: stage build needs at least {}MiB for one brick "
-                  "(work.brick = {}) with the {} triangles of the mesh that reach brick {}/{}/{}; "
-                  "raise run.memory or lower work.brick",
-                  exact_bytes(limits_.budget), enough, std::int64_t{1} << grid_.brick_level(),
-                  facts.largest, b.x, b.y, b.z));
+  throw InputError(fmt::format(
+      "run.memory = {} is too small: stage build needs at least {}MiB for one brick "
+      "(work.brick = {}) with the {} triangles of the mesh that reach brick {}/{}/{}; "
+      "raise run.memory{}",
+      exact_bytes(limits_.budget), enough, std::int64_t{1} << grid_.brick_level(), facts.largest,
+      b.x, b.y, b.z, grid_.brick_level() > min_brick_level ? " or lower work.brick" : ""));
 }
 
 }  // namespace

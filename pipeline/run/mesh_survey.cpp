@@ -83,4 +83,17 @@ void check_spooled_mesh(const std::filesystem::path& path, const SpooledMesh& me
                  path.string());
 }
 
+MeshSummary summary_of_mesh(const std::filesystem::path& path, std::uint64_t budget,
+                            MeshClosing closing, const std::filesystem::path& folder) {
+  if (closing == MeshClosing::winding || !is_mesh_name(path) || mesh_fits(path, budget, closing)) {
+    const MeshFile file = read_closed_mesh(path, budget, closing);
+    return {file.format, file.mesh.vertices.size(), file.mesh.triangles.size(),
+            bounds_of(file.mesh)};
+  }
+  const MeshWork work{folder, budget - budget / 8, {}};
+  const SpooledMesh mesh(path, work);
+  check_spooled_mesh(path, mesh, work);
+  return {mesh.file().format, mesh.vertices(), mesh.triangles(), mesh.bounds()};
+}
+
 }  // namespace voxweld

@@ -1,6 +1,7 @@
 // Checks a mesh that does not fit memory: that it is closed, and which way it faces.
 #pragma once
 
+#include "pipeline/config/config.h"
 #include "pipeline/run/spooled_mesh.h"
 
 namespace voxweld {
@@ -10,5 +11,17 @@ namespace voxweld {
 // faces inward.
 void check_spooled_mesh(const std::filesystem::path& path, const SpooledMesh& mesh,
                         const MeshWork& work);
+
+struct MeshSummary {
+  std::string format;  // as MeshFile has it
+  std::uint64_t vertices = 0, triangles = 0;
+  Bounds bounds;  // of its triangles
+};
+
+// Reads a mesh and checks it: in memory where a budget of so many bytes is enough for that, else
+// by pieces; then vertices are as the file has them. folder: for scratch files.
+// InputError or FormatError as read_closed_mesh and check_spooled_mesh.
+MeshSummary summary_of_mesh(const std::filesystem::path& path, std::uint64_t budget,
+                            MeshClosing closing, const std::filesystem::path& folder);
 
 }  // namespace voxweld

@@ -170,7 +170,7 @@ StageMemory streaming_memory() {
 }
 
 void run_mesh_ingest(RunContext& context, StreamedMesh& mesh) {
-  context.selection.check("ingest", "meshes", 1);
+  context.selection.check("ingest", "shards", 1);
   std::vector<Unit> units;
   if (context.selection.contains(0) && !bins_are_current(mesh)) units.push_back(mesh_unit(mesh));
   StageRun stage;

@@ -65,6 +65,9 @@ void add_used(const Config& config, WorkPlan& plan) {
   }
 }
 
+// Of a mesh as the input that is cut up: what its bins take of each triangle.
+constexpr double bin_bytes = 85, cut_s = 1.5e-6;
+
 double rounded_up(double value) {
   return std::max(1.0, std::ceil(value));
 }
@@ -98,6 +101,10 @@ WorkPlan plan_work(const RunContext& context, const Jobs& jobs, std::int64_t slo
     plan.stages.push_back(entry);
   };
   const auto n = static_cast<double>(shards);
+  if (const auto& mesh = jobs.ingest().mesh) {
+    const auto triangles = static_cast<double>(mesh->record.triangles);
+    add(Stage::ingest, 1, rounded_up(n / 4) + 1, bin_bytes * triangles, cut_s * triangles);
+  }
   if (jobs.ingest().by_shards()) {
     const bool copy = jobs.ingest().copy;
     const double size = samples * static_cast<double>(sample_bytes(info.type));

@@ -39,8 +39,8 @@ std::vector<MeshSide> read_sides(const ArtifactReader& file, std::uint64_t secti
   return sides;
 }
 
-void expect_key(const ArtifactReader& file, Hash128 key) {
-  if (file.key() != key) file.damaged("is of another input or other parameters");
+void expect_key(const ArtifactReader& file, const std::optional<Hash128>& key) {
+  if (key && file.key() != *key) file.damaged("is of another input or other parameters");
 }
 
 }  // namespace
@@ -51,7 +51,7 @@ void write_mesh_record(const std::filesystem::path& path, Hash128 key, const Mes
   file.commit();
 }
 
-MeshRecord read_mesh_record(const std::filesystem::path& path, Hash128 key) {
+MeshRecord read_mesh_record(const std::filesystem::path& path, std::optional<Hash128> key) {
   const ArtifactReader file(path, mesh_record_kind, mesh_record_version);
   expect_key(file, key);
   return only_record<MeshRecord>(file, facts_section);
@@ -94,7 +94,7 @@ void write_mesh_table(const std::filesystem::path& path, Hash128 key, const Mesh
   file.commit();
 }
 
-MeshTable read_mesh_table(const std::filesystem::path& path, Hash128 key) {
+MeshTable read_mesh_table(const std::filesystem::path& path, std::optional<Hash128> key) {
   const ArtifactReader file(path, mesh_table_kind, mesh_bins_version);
   expect_key(file, key);
   return {only_record<MeshTableFacts>(file, facts_section), read_sides(file, sides_section)};

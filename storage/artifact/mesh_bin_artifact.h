@@ -14,6 +14,7 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -38,8 +39,9 @@ struct MeshRecord {
 };
 
 void write_mesh_record(const std::filesystem::path& path, Hash128 key, const MeshRecord& record);
-// DamagedArtifact when it fails its checks or has another key, StorageError when it cannot be read.
-MeshRecord read_mesh_record(const std::filesystem::path& path, Hash128 key);
+// DamagedArtifact when it fails its checks or has another key than one that is given, StorageError
+// when it cannot be read.
+MeshRecord read_mesh_record(const std::filesystem::path& path, std::optional<Hash128> key = {});
 
 // Of a brick or a shard. `reached`: by a triangle at least.
 enum class MeshSide : std::uint8_t { outside, inside, reached };
@@ -87,6 +89,6 @@ struct MeshTable {
 
 void write_mesh_table(const std::filesystem::path& path, Hash128 key, const MeshTable& table);
 // As read_mesh_record.
-MeshTable read_mesh_table(const std::filesystem::path& path, Hash128 key);
+MeshTable read_mesh_table(const std::filesystem::path& path, std::optional<Hash128> key = {});
 
 }  // namespace voxweld

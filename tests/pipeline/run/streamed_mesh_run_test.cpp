@@ -1,0 +1,197 @@
+// Meshes as the input that do not fit run.memory, end to end: the same bytes as in memory, whatever
+// happens on the way.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <fstream>
+
+#include "storage/support/file_io.h"
+#include "tests/pipeline/run/mesh_formats.h"
+#include "tests/pipeline/run/mesh_scene.h"
+#include "tests/support/triangle_meshes.h"
+
+namespace voxweld::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const Settings in_memory = {"run.memory=2GiB"};
+const Settings streamed = {"run.memory=64MiB"};
+const std::string by_pieces = "the mesh does not fit run.memory; it is read by pieces";
+const std::string small_tiles = "[work]\nbrick = 16\nshard = 2\n[output]\ntile_vertices = 1024\n";
+
+// Large enough as a file; written once.
+const TriangleMesh& large_ball() {
+  static const TriangleMesh ball = dented_ball({3, -2, 1}, 10, 8);
+  return ball;
+}
+
+class StreamedMeshRun : public ::testing::Test {
+ protected:
+  void set(const std::string& name, const std::string& more = {}) const {
+    if (!fs::exists(space_.at(name))) write_mesh(space_.at(name), large_ball());
+    space_.set(space_.at(name), "resolution = 70", small_tiles + more);
+  }
+  const Scene& scene() const { return space_.scene(); }
+  ProgramResult command(const std::string& name, const Settings& settings,
+                        const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments = {name, scene().config().string()};
+    for (const std::string& setting : settings)
+      arguments.insert(arguments.end(), {"--set", setting});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_voxweld(arguments);
+  }
+  fs::path a_bin() const {
+    const auto bins = files_ending(scene().work(), ".bins");
+    EXPECT_GT(bins.size(), 10U);
+    return bins.at(bins.size() / 2);
+  }
+  MeshInputScene space_;
+};
+
+TEST_F(StreamedMeshRun, TheSameBytesAsInMemory) {
+  for (const char* name : {"a.off", "binary.stl", "little.ply"}) {
+    set(name);
+    const Tree expected = scene().clean_tree(in_memory);
+    EXPECT_EQ(difference(expected, scene().clean_tree(streamed)), "") << name;
+    EXPECT_THAT(scene().run(streamed).err, HasSubstr(by_pieces)) << name;
+    EXPECT_EQ(difference(expected, output_tree(scene().output())), "") << name;
+    if (std::string(name) != "a.off") continue;
+    for (const char* shard : {"work.shard=1", "work.shard=4"})
+      EXPECT_EQ(
+          difference(expected, scene().clean_tree(streamed + Settings{"work.chunk=16", shard})),
+          "");
+  }
+}
+
+TEST_F(StreamedMeshRun, WithEditsBehindIt) {
+  const auto pin = space_.at("pin.off");
+  write_off(pin, box_mesh({2, -30, 0}, {4.5, 30, 2}));
+  set("a.off", fmt::format("[[edit]]\nop = \"subtract\"\nshape = \"mesh\"\npath = '{}'\n"
+                           "[[edit]]\nop = \"add\"\nshape = \"sphere\"\ncenter = [3, -2, 10]\n"
+                           "radius = 3\n[[edit]]\nop = \"intersect\"\nshape = \"plane\"\n"
+                           "center = [8, 0, 0]\naxis = [1, 0.2, 0]\n",
+                           pin.string()));
+  EXPECT_EQ(difference(scene().clean_tree(in_memory), scene().clean_tree(streamed)), "");
+}
+
+TEST_F(StreamedMeshRun, MemoryDecidesNothingElse) {
+  set("a.off");
+  VOXWELD_EXPECT_DONE(scene().run(in_memory));
+  const Tree expected = output_tree(scene().output());
+  VOXWELD_EXPECT_DONE(scene().run(streamed));
+  auto units = units_run(scene().output());
+  EXPECT_EQ(units["ingest"], 1U);
+  EXPECT_EQ(units["build"] + units["check"] + units["stitch"] + units["encode"], 0U);
+  EXPECT_EQ(difference(expected, output_tree(scene().output())), "");
+}
+
+// One command a stage: the mesh is read by the first and never again.
+TEST_F(StreamedMeshRun, SingleStagesReadItOnce) {
+  set("a.off");
+  const Tree expected = scene().clean_tree(in_memory);
+  EXPECT_THAT(command("plan", streamed).out, HasSubstr("Estimated from the size alone"));
+  EXPECT_THAT(command("build", streamed).err, HasSubstr("stage build needs what stage ingest"));
+  const ProgramResult ingest = command("ingest", streamed);
+  VOXWELD_EXPECT_DONE(ingest);
+  EXPECT_THAT(ingest.err, Not(HasSubstr(by_pieces)));  // plan has read it
+  // The same to look at, and no mesh at all.
+  const auto time = fs::last_write_time(space_.at("a.off"));
+  const auto size = fs::file_size(space_.at("a.off"));
+  fs::remove(space_.at("a.off"));
+  std::ofstream(space_.at("a.off")) << std::string(size, 'x');
+  fs::last_write_time(space_.at("a.off"), time);
+  EXPECT_THAT(command("plan", streamed).out, HasSubstr("bricks ("));
+  for (const char* part : {"1/3", "0/3", "2/3"})
+    VOXWELD_EXPECT_DONE(command("build", streamed, {"--part", part}));
+  for (const char* stage : {"merge", "stitch", "encode"})
+    VOXWELD_EXPECT_DONE(command(stage, streamed));
+  EXPECT_EQ(difference(expected, output_tree(scene().output())), "");
+  EXPECT_THAT(command("run", streamed, {"--dry-run"}).out, HasSubstr("ingest  up to date"));
+  // Touched, it is read again.
+  fs::last_write_time(space_.at("a.off"), time + std::chrono::seconds(5));
+  const ProgramResult changed = command("build", streamed);
+  EXPECT_EQ(changed.exit_code, 2);
+  EXPECT_THAT(changed.err, HasSubstr("a.off: "));
+}
+
+TEST_F(StreamedMeshRun, AsATaskOfOneUnit) {
+  set("a.off");
+  VOXWELD_EXPECT_DONE(command("ingest", streamed, {"--shards", "0"}));
+  VOXWELD_EXPECT_DONE(command("build", streamed, {"--shards", "0-3"}));
+  EXPECT_THAT(command("ingest", streamed, {"--shards", "1"}).err,
+              HasSubstr("--shards names 1, but stage ingest has 1 of them"));
+}
+
+TEST_F(StreamedMeshRun, KilledAtAnyInstant) {
+  set("a.off");
+  const Tree expected = scene().clean_tree(in_memory);
+  const ProgramResult whole = scene().run_in("timing", streamed);
+  VOXWELD_EXPECT_DONE(whole);
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> moment(0, whole.seconds);
+  for (int i = 0; i < 6; ++i) scene().run(streamed, Stop{SIGKILL, moment(random)});
+  VOXWELD_EXPECT_DONE(scene().run(streamed));
+  EXPECT_EQ(difference(expected, output_tree(scene().output())), "");
+  EXPECT_TRUE(temporary_files(scene().work()).empty());
+}
+
+TEST_F(StreamedMeshRun, DamageIsFoundNamedAndMended) {
+  set("a.off");
+  VOXWELD_EXPECT_DONE(scene().run(streamed));
+  const Tree expected = output_tree(scene().output());
+  std::mt19937 random(8);
+  for (int round = 0; round < 6; ++round) {
+    const fs::path path = round == 4   ? files_ending(scene().work(), "table").at(0)
+                          : round == 5 ? files_ending(scene().work(), "mesh").at(0)
+                                       : a_bin();
+    std::vector<std::byte> bytes = read_whole_file(path);
+    if (round == 1)
+      bytes.resize(bytes.size() / 2);
+    else
+      bytes[round == 2 ? 20 : random() % bytes.size()] ^= std::byte{4};
+    write_whole_file(path, bytes, Durability::rename_only);
+    for (const auto& entry : fs::directory_iterator(scene().work()))
+      if (!entry.path().filename().string().starts_with("ingest-")) fs::remove_all(entry.path());
+    if (round == 0) {
+      const ProgramResult build = command("build", streamed);
+      EXPECT_EQ(build.exit_code, 1);
+      EXPECT_THAT(build.err, HasSubstr(path.string()));
+    }
+    const ProgramResult result = scene().run(streamed);
+    VOXWELD_EXPECT_DONE(result);
+    if (round == 0) {
+      EXPECT_THAT(result.err, HasSubstr("it is removed and made again"));
+    }
+    EXPECT_EQ(difference(expected, output_tree(scene().output())), "") << round;
+  }
+}
+
+TEST_F(StreamedMeshRun, Refusals) {
+  TriangleMesh open = large_ball();
+  open.triangles.pop_back();
+  write_mesh(space_.at("open.off"), open);
+  set("open.off");
+  const ProgramResult refused = scene().run(streamed);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(
+      refused.err,
+      HasSubstr("open.off: the mesh is not closed, so it has no inside: 3 of its edges have "
+                "an odd number of triangles, in 1 hole ("));
+  const ProgramResult wound = scene().run(streamed + Settings{"input.close=winding"});
+  EXPECT_EQ(wound.exit_code, 2);
+  EXPECT_THAT(wound.err, HasSubstr("run.memory = 64MiB is not enough for this mesh of"));
+  EXPECT_THAT(wound.err, HasSubstr("winding numbers (close = \"winding\") are of all its"));
+  set("a.off");
+  const ProgramResult dense =
+      scene().run(streamed + Settings{"input.resolution=8", "work.brick=16"});
+  EXPECT_EQ(dense.exit_code, 2);
+  EXPECT_THAT(dense.err,
+              HasSubstr("MiB for one brick (work.brick = 16) with the 262144 triangles"));
+}
+
+}  // namespace
+}  // namespace voxweld::testing
