@@ -81,7 +81,8 @@ void add_run_commands(CLI::App& app, Program& program) {
     };
   });
   static constexpr std::array<const char*, 5> help = {
-      "Stage 1: the input to a brick store, where it cannot be read in place",
+      "Stage 1: the input to a brick store, where it cannot be read in place; a mesh too large for "
+      "run.memory to pieces by brick",
       "Stage 2: samples to simplified octrees, shard by shard",
       "Stage 3: the top tree above the bricks, and the tile plan",
       "Stage 4: octrees to tile meshes on the output lattice",

@@ -14,6 +14,8 @@ namespace voxweld {
 // checks, StorageError for those that cannot be read.
 class BinnedMesh final : public LatticeSolid {
  public:
+  static constexpr std::size_t open_shards = 16;
+
   // bounds: as those of MeshSolid, of the whole mesh.
   BinnedMesh(MeshBinning binning, const Bounds& bounds)
       : binning_(std::move(binning)), bounds_(bounds) {}
@@ -39,7 +41,7 @@ class BinnedMesh final : public LatticeSolid {
   Bounds bounds_;
   mutable std::mutex mutex_;
   mutable std::optional<MeshTable> table_;
-  mutable BoundedCache<MeshBins> shards_{16};
+  mutable BoundedCache<MeshBins> shards_{open_shards};
 };
 
 }  // namespace voxweld

@@ -54,7 +54,7 @@ StageMemory build_memory(const RunContext& context, const BuildJob& job) {
   if (job.largest_bin.triangles > 0)
     unit += fmt::format(" with up to {} triangles of the mesh", job.largest_bin.triangles);
   return {
-      "build", 0,
+      "build", job.largest_bin.index_bytes,
       job.largest_bin.bytes + ShardBuilder::memory_bytes(job.grid, job.volume.source->info().type,
                                                          job.parameters.labels.mode, replaces),
       unit, "raise run.memory or lower work.brick"};

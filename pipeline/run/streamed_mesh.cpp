@@ -181,6 +181,7 @@ void run_mesh_ingest(RunContext& context, StreamedMesh& mesh) {
   stage.identity = mesh.binning.folder.filename().string();
   stage.done = [&](const Unit&) { return bins_are_current(mesh); };
   const int threads = stage_threads(context, stage.memory);
+  if (units.empty() || !context.executor->in_process()) mesh.spooled.reset();
   run_stage(context, stage, units, threads,
             [&](const Unit&, WorkerContext& worker) { make_bins(context, mesh, worker); });
   mesh.spooled.reset();
@@ -189,7 +190,9 @@ void run_mesh_ingest(RunContext& context, StreamedMesh& mesh) {
 LargestBin largest_bin(const StreamedMesh& mesh) {
   const MeshTable table = read_mesh_table(mesh.binning.table_path(), mesh.binning.key);
   const std::int64_t side = (std::int64_t{1} << mesh.binning.grid.brick_level()) + 3;
-  return {LocalMesh::memory_bytes(table.facts.largest, {{}, splat(side)}), table.facts.largest};
+  const auto shard = static_cast<std::uint64_t>(mesh.binning.grid.shard_bricks({}).count());
+  return {LocalMesh::memory_bytes(table.facts.largest, {{}, splat(side)}), table.facts.largest,
+          BinnedMesh::open_shards * shard * (2 * sizeof(SectionRecord) + 1)};
 }
 
 }  // namespace voxweld

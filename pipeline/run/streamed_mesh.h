@@ -39,6 +39,7 @@ void run_mesh_ingest(RunContext& context, StreamedMesh& mesh);
 // Of the largest bin, for build. Precondition: the bins are current.
 struct LargestBin {
   std::uint64_t bytes = 0, triangles = 0;
+  std::uint64_t index_bytes = 0;  // of the shards' files that are open at once
 };
 LargestBin largest_bin(const StreamedMesh& mesh);
 

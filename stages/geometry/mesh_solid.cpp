@@ -99,10 +99,14 @@ MeshRowIndex::Rows reached_rows(const std::array<Index3, 3>& c, std::size_t alon
 
 bool triangle_reaches(const std::array<Index3, 3>& corners, const Box3& samples) {
   const Index3 lo = samples.lo * cell, hi = (samples.hi - splat(1)) * cell;
+  int with_samples = 0;  // axes on which it reaches over a sample of the box
   for (int axis = 0; axis < 3; ++axis) {
     const Range own = range(corners, axis);
     if (own.lo > hi[axis] || own.hi < lo[axis]) return false;
+    const Range held = samples_in({std::max(own.lo, lo[axis]), std::min(own.hi, hi[axis])});
+    with_samples += held.lo < held.hi ? 1 : 0;
   }
+  if (with_samples < 2) return false;
   const Plane plane = plane_of(corners);
   bool below = true, above = true;
   for (int corner = 0; corner < 8; ++corner) {
@@ -180,13 +184,17 @@ void MeshSolid::each_flip(const Box3& samples, const std::function<void(const Fl
 }
 
 std::optional<bool> MeshSolid::side(const Box3& samples) const {
-  const MeshRowIndex::Rows rows{{samples.lo.y, samples.lo.z}, {samples.hi.y, samples.hi.z}};
-  bool reached = false;
-  rows_[0].each_bin(rows, [&](const MeshRowIndex::Rows&, auto triangles) {
-    for (const std::uint32_t triangle : triangles)
-      reached = reached || triangle_reaches(corners(triangle), samples);
-  });
-  if (reached) return std::nullopt;
+  // Those between the rows along one axis are met by rows along another.
+  for (std::size_t along = 0; along < 3; ++along) {
+    const auto [u, v] = axes_across[along];
+    bool reached = false;
+    rows_[along].each_bin({{samples.lo[u], samples.lo[v]}, {samples.hi[u], samples.hi[v]}},
+                          [&](const MeshRowIndex::Rows&, auto triangles) {
+                            for (const std::uint32_t triangle : triangles)
+                              reached = reached || triangle_reaches(corners(triangle), samples);
+                          });
+    if (reached) return std::nullopt;
+  }
   bool inside = false;
   each_flip({samples.lo, samples.lo + splat(1)}, [&](const Flip&) { inside = !inside; });
   return inside;

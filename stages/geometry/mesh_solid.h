@@ -26,7 +26,8 @@
 namespace voxweld {
 
 // Whether the triangle can have a say in the samples of a box and the edges between them: whether
-// its own box and its plane meet it. corners: in steps of snapped_corner. Precondition: not empty.
+// its own box and its plane meet it, and rows of samples may meet the triangle there. corners: in
+// steps of snapped_corner. Precondition: not empty.
 bool triangle_reaches(const std::array<Index3, 3>& corners, const Box3& samples);
 
 class MeshSolid final : public LatticeSolid {

@@ -142,8 +142,11 @@ TEST(LocalMesh, LargeTriangles) {
     EXPECT_LT(counts.reached, 96 * 96 * 96 / 512 / 2);
     EXPECT_GT(counts.inside, 3);
   }
-  const TriangleMesh flat = testing::box_mesh({6, 6, 6}, {38, 38, 38});
-  EXPECT_GT(expect_same(flat, {{48, 48, 48}, {1, 1, 1}}).inside, 3);
+  // Faces that go with the rows: on samples, and between them.
+  for (const double at : {6.0, 6.5}) {
+    const TriangleMesh flat = testing::box_mesh({at, at, at}, {at + 32, at + 32, at + 32});
+    EXPECT_GT(expect_same(flat, {{48, 48, 48}, {1, 1, 1}}).inside, 3);
+  }
 }
 
 }  // namespace
