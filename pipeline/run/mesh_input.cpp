@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pipeline/run/closed_mesh.h"
 #include "storage/readers/empty_source.h"
@@ -96,7 +97,11 @@ void warn_of_cut_edits(const VolumeGeometry& geometry, const Edits& edits) {
 
 std::shared_ptr<SampleSource> open_mesh_input(const Config& config) {
   const InputConfig& input = config.input;
-  MeshFile file = read_closed_mesh(input.path, config.run.memory, input.close);
+  // What does not fit is streamed (streamed_mesh.h), but for winding numbers.
+  const std::uint64_t budget = input.close == MeshClosing::winding
+                                   ? config.run.memory
+                                   : std::numeric_limits<std::uint64_t>::max();
+  MeshFile file = read_closed_mesh(input.path, budget, input.close);
   const VolumeGeometry geometry = mesh_geometry(input, bounds_of(file.mesh));
   Solid solid;
   solid.shape = SolidShape::mesh;

@@ -185,12 +185,6 @@ TEST_F(StreamedMeshRun, Refusals) {
   EXPECT_EQ(wound.exit_code, 2);
   EXPECT_THAT(wound.err, HasSubstr("run.memory = 64MiB is not enough for this mesh of"));
   EXPECT_THAT(wound.err, HasSubstr("winding numbers (close = \"winding\") are of all its"));
-  set("a.off");
-  const ProgramResult dense =
-      scene().run(streamed + Settings{"input.resolution=8", "work.brick=16"});
-  EXPECT_EQ(dense.exit_code, 2);
-  EXPECT_THAT(dense.err,
-              HasSubstr("MiB for one brick (work.brick = 16) with the 262144 triangles"));
 }
 
 }  // namespace
