@@ -125,6 +125,17 @@ MeshSolid::MeshSolid(const TriangleMesh& mesh, const VolumeFrame& frame, Hash128
   for (const Vec3& v : mesh.vertices) points_.push_back(snapped_corner(v, spacing_));
   find_bounds();
   index_rows({{}, frame.size});
+  blocks_ = BlockSet(frame.size);
+  for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
+    const Corners c = corners(i);
+    Box3 samples;  // those at or below what it holds
+    for (int axis = 0; axis < 3; ++axis) {
+      const Range own = range(c, axis);
+      samples.lo[axis] = own.lo >> cell_bits;
+      samples.hi[axis] = (own.hi >> cell_bits) + 1;
+    }
+    blocks_.add(samples);
+  }
 }
 
 MeshSolid::MeshSolid(std::vector<Index3> corners, const Box3& samples, Vec3 spacing, Hash128 source)
@@ -158,7 +169,7 @@ void MeshSolid::index_rows(const Box3& samples) {
 std::uint64_t MeshSolid::bytes() const {
   std::uint64_t sum = points_.capacity() * sizeof(Index3) + triangles_.capacity() * 12;
   for (const MeshRowIndex& index : rows_) sum += index.bytes();
-  return sum;
+  return sum + blocks_.bytes();
 }
 
 void MeshSolid::each_flip(const Box3& samples, const std::function<void(const Flip&)>& flip) const {
@@ -185,7 +196,8 @@ void MeshSolid::each_flip(const Box3& samples, const std::function<void(const Fl
 
 std::optional<bool> MeshSolid::side(const Box3& samples) const {
   // Those between the rows along one axis are met by rows along another.
-  for (std::size_t along = 0; along < 3; ++along) {
+  const std::size_t axes = blocks_.meets(samples) ? 3 : 0;
+  for (std::size_t along = 0; along < axes; ++along) {
     const auto [u, v] = axes_across[along];
     bool reached = false;
     rows_[along].each_bin({{samples.lo[u], samples.lo[v]}, {samples.hi[u], samples.hi[v]}},

@@ -19,6 +19,7 @@
 #include <span>
 #include <vector>
 
+#include "stages/geometry/block_set.h"
 #include "stages/geometry/lattice_solid.h"
 #include "stages/geometry/mesh_row_index.h"
 #include "storage/types/triangle_mesh.h"
@@ -62,6 +63,7 @@ class MeshSolid final : public LatticeSolid {
   std::vector<Index3> points_;  // in steps of the fixed-point grid
   std::vector<std::array<std::uint32_t, 3>> triangles_;
   std::array<MeshRowIndex, 3> rows_;  // by the axis the rows are along
+  BlockSet blocks_;                   // with triangles
   Vec3 spacing_;
   Bounds bounds_;
   Hash128 source_;
