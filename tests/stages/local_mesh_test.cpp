@@ -149,5 +149,27 @@ TEST(LocalMesh, LargeTriangles) {
   }
 }
 
+// Of a lattice of any size: never says no where something is.
+TEST(BlockSet, MeetsWhatWasAdded) {
+  std::mt19937 random(6);
+  for (const Index3 size : {Index3{30, 20, 10}, Index3{5000, 4000, 6000}, Index3{1 << 19, 9, 9}}) {
+    BlockSet set(size);
+    EXPECT_LT(set.bytes(), std::uint64_t{1} << 19);
+    EXPECT_FALSE(set.meets({{}, size}));
+    for (int round = 0; round < 50; ++round) {
+      Box3 box;
+      for (int a = 0; a < 3; ++a) {
+        box.lo[a] = static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(size[a]));
+        box.hi[a] = box.lo[a] + 1 + static_cast<std::int64_t>(random() % 8);
+      }
+      set.add(box);
+      EXPECT_TRUE(set.meets({box.lo, box.lo + splat(1)}));
+      EXPECT_TRUE(set.meets({box.lo - splat(3), box.lo + splat(1)}));
+    }
+    EXPECT_TRUE(set.meets({{}, size}));
+  }
+  EXPECT_TRUE(BlockSet().meets({{}, {1, 1, 1}}));
+}
+
 }  // namespace
 }  // namespace voxweld
