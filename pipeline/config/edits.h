@@ -6,7 +6,7 @@
 namespace voxweld {
 
 // In the order of the config. Equal edits give the same bits on every machine. Meshes are yet to be
-// read (pipeline/run/edit_meshes.h).
+// read (pipeline/solids/edit_meshes.h).
 Edits edits_of(const Config& config);
 
 }  // namespace voxweld

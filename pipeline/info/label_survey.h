@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "pipeline/info/facts.h"
-#include "pipeline/run/label_counts.h"
+#include "pipeline/labels/label_counts.h"
 
 namespace voxweld {
 

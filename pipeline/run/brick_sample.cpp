@@ -2,7 +2,7 @@
 
 #include <ctime>
 
-#include "pipeline/run/local_edits.h"
+#include "pipeline/solids/local_edits.h"
 #include "stages/build/build_brick.h"
 #include "stages/build/label_bricks.h"
 #include "stages/ingest/statistics.h"

@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "pipeline/executor/probe.h"
-#include "pipeline/run/common_material.h"
+#include "pipeline/labels/common_material.h"
 #include "pipeline/run/shard_builder.h"
 #include "stages/geometry/lattice_solid.h"
 #include "storage/artifact/label_shard_artifact.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pipeline/run/context.h"
-#include "pipeline/run/streamed_mesh.h"
+#include "pipeline/solids/streamed_mesh.h"
 #include "storage/artifact/container.h"
 
 namespace voxweld {

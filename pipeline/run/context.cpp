@@ -8,10 +8,10 @@
 
 #include "pipeline/config/edits.h"
 #include "pipeline/config/settings.h"
-#include "pipeline/run/edit_meshes.h"
+#include "pipeline/labels/label_rules.h"
 #include "pipeline/run/encode_stage.h"
-#include "pipeline/run/label_rules.h"
-#include "pipeline/run/mesh_input.h"
+#include "pipeline/solids/edit_meshes.h"
+#include "pipeline/solids/mesh_input.h"
 #include "stages/build/label_edge.h"
 #include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"

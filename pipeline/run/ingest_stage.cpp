@@ -9,9 +9,9 @@
 
 #include "pipeline/config/settings.h"
 #include "pipeline/executor/probe.h"
+#include "pipeline/labels/label_ingest.h"
 #include "pipeline/run/histogram_artifact.h"
 #include "pipeline/run/ingest_layout.h"
-#include "pipeline/run/label_ingest.h"
 #include "pipeline/run/open_input.h"
 #include "pipeline/run/recorded_input.h"
 #include "pipeline/run/spooled_input.h"

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "pipeline/run/context.h"
-#include "pipeline/run/streamed_mesh.h"
+#include "pipeline/solids/streamed_mesh.h"
 #include "storage/store/layout.h"
 #include "storage/types/histogram.h"
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/config/settings.h"
-#include "pipeline/run/label_choice.h"
+#include "pipeline/labels/label_choice.h"
 #include "pipeline/run/shard_builder.h"
 #include "stages/encode/draco_codec.h"
 #include "stages/ingest/threshold.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/executor/probe.h"
-#include "pipeline/run/label_merge.h"
+#include "pipeline/labels/label_merge.h"
 #include "stages/merge/octree_reduction.h"
 #include "stages/merge/tile_planner.h"
 #include "storage/artifact/shard_artifact.h"

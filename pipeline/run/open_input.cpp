@@ -1,6 +1,6 @@
 #include "pipeline/run/open_input.h"
 
-#include "pipeline/run/mesh_input.h"
+#include "pipeline/solids/mesh_input.h"
 #include "storage/image/stack_source.h"
 #include "storage/readers/empty_source.h"
 #include "storage/readers/open_volume.h"

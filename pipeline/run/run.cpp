@@ -10,8 +10,8 @@
 #include <set>
 
 #include "pipeline/executor/error_set.h"
+#include "pipeline/labels/label_rules.h"
 #include "pipeline/run/jobs.h"
-#include "pipeline/run/label_rules.h"
 #include "pipeline/run/last_config.h"
 #include "pipeline/run/output_files.h"
 #include "storage/support/error.h"

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "pipeline/run/common_material.h"
-#include "pipeline/run/label_octrees.h"
+#include "pipeline/labels/common_material.h"
+#include "pipeline/labels/label_octrees.h"
 #include "stages/geometry/inside_test.h"
 
 namespace voxweld {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "pipeline/run/label_octrees.h"
-#include "pipeline/run/local_edits.h"
+#include "pipeline/labels/label_octrees.h"
+#include "pipeline/solids/local_edits.h"
 
 namespace voxweld {
 

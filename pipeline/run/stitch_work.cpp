@@ -1,6 +1,6 @@
 #include "pipeline/run/stitch_work.h"
 
-#include "pipeline/run/label_stitch.h"
+#include "pipeline/labels/label_stitch.h"
 #include "pipeline/run/tile_inputs.h"
 #include "storage/artifact/tile_artifact.h"
 

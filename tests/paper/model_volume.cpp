@@ -2,8 +2,8 @@
 
 #include <bit>
 
+#include "pipeline/labels/label_choice.h"
 #include "pipeline/run/context.h"
-#include "pipeline/run/label_choice.h"
 #include "pipeline/run/open_input.h"
 #include "storage/support/error.h"
 

@@ -1,6 +1,6 @@
 // Meshes read by pieces against the same in memory, part by part: triangles, open edges, the
 // answers of the bins.
-#include "pipeline/run/streamed_mesh.h"
+#include "pipeline/solids/streamed_mesh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,10 +9,10 @@
 #include <map>
 #include <tuple>
 
-#include "pipeline/run/binned_mesh.h"
-#include "pipeline/run/closed_mesh.h"
-#include "pipeline/run/edge_parity.h"
-#include "pipeline/run/mesh_survey.h"
+#include "pipeline/solids/binned_mesh.h"
+#include "pipeline/solids/closed_mesh.h"
+#include "pipeline/solids/edge_parity.h"
+#include "pipeline/solids/mesh_survey.h"
 #include "stages/geometry/mesh_solid.h"
 #include "storage/support/error.h"
 #include "tests/pipeline/run/mesh_formats.h"

@@ -1,4 +1,4 @@
-#include "pipeline/run/local_edits.h"
+#include "pipeline/solids/local_edits.h"
 
 #include "stages/geometry/lattice_solid.h"
 

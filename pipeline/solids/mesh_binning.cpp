@@ -1,4 +1,4 @@
-#include "pipeline/run/mesh_binning.h"
+#include "pipeline/solids/mesh_binning.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pipeline/config/config.h"
-#include "pipeline/run/spooled_mesh.h"
+#include "pipeline/solids/spooled_mesh.h"
 
 namespace voxweld {
 

@@ -8,7 +8,7 @@
 
 #include <filesystem>
 
-#include "pipeline/run/spooled_mesh.h"
+#include "pipeline/solids/spooled_mesh.h"
 #include "stages/geometry/brick_grid.h"
 #include "storage/artifact/mesh_bin_artifact.h"
 #include "storage/types/volume.h"

@@ -4,7 +4,7 @@
 #include <mutex>
 #include <optional>
 
-#include "pipeline/run/mesh_binning.h"
+#include "pipeline/solids/mesh_binning.h"
 #include "stages/geometry/lattice_solid.h"
 #include "storage/store/bounded_cache.h"
 

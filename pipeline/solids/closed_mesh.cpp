@@ -1,4 +1,4 @@
-#include "pipeline/run/closed_mesh.h"
+#include "pipeline/solids/closed_mesh.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>

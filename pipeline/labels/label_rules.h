@@ -9,7 +9,7 @@
 #include <string>
 
 #include "pipeline/config/config.h"
-#include "pipeline/run/label_counts.h"
+#include "pipeline/labels/label_counts.h"
 #include "storage/readers/label_map.h"
 #include "storage/support/hash.h"
 #include "storage/types/material.h"

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "pipeline/run/context.h"
-#include "pipeline/run/mesh_binning.h"
-#include "pipeline/run/mesh_input.h"
+#include "pipeline/solids/mesh_binning.h"
+#include "pipeline/solids/mesh_input.h"
 
 namespace voxweld {
 

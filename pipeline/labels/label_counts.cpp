@@ -1,4 +1,4 @@
-#include "pipeline/run/label_counts.h"
+#include "pipeline/labels/label_counts.h"
 
 namespace voxweld {
 namespace {

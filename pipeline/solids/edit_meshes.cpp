@@ -1,4 +1,4 @@
-#include "pipeline/run/edit_meshes.h"
+#include "pipeline/solids/edit_meshes.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "pipeline/run/closed_mesh.h"
+#include "pipeline/solids/closed_mesh.h"
 #include "stages/geometry/mesh_solid.h"
 #include "storage/support/error.h"
 

@@ -1,4 +1,4 @@
-#include "pipeline/run/edge_parity.h"
+#include "pipeline/solids/edge_parity.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "pipeline/run/label_stitch.h"
+#include "pipeline/labels/label_stitch.h"
 
 #include <algorithm>
 #include <map>

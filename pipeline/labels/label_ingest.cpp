@@ -1,11 +1,11 @@
-#include "pipeline/run/label_ingest.h"
+#include "pipeline/labels/label_ingest.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "pipeline/labels/label_tally.h"
 #include "pipeline/run/ingest_layout.h"
-#include "pipeline/run/label_tally.h"
 #include "storage/store/store_source.h"
 #include "storage/support/error.h"
 

@@ -1,4 +1,4 @@
-#include "pipeline/run/label_merge.h"
+#include "pipeline/labels/label_merge.h"
 
 #include <algorithm>
 #include <memory>

@@ -1,14 +1,14 @@
-#include "pipeline/run/streamed_mesh.h"
+#include "pipeline/solids/streamed_mesh.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
 
 #include "pipeline/executor/probe.h"
-#include "pipeline/run/binned_mesh.h"
-#include "pipeline/run/closed_mesh.h"
-#include "pipeline/run/mesh_survey.h"
 #include "pipeline/run/shard_builder.h"
+#include "pipeline/solids/binned_mesh.h"
+#include "pipeline/solids/closed_mesh.h"
+#include "pipeline/solids/mesh_survey.h"
 #include "stages/geometry/local_mesh.h"
 #include "storage/support/error.h"
 

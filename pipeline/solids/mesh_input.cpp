@@ -1,4 +1,4 @@
-#include "pipeline/run/mesh_input.h"
+#include "pipeline/solids/mesh_input.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pipeline/run/closed_mesh.h"
+#include "pipeline/solids/closed_mesh.h"
 #include "storage/readers/empty_source.h"
 #include "storage/support/error.h"
 

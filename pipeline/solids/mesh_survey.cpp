@@ -1,12 +1,12 @@
-#include "pipeline/run/mesh_survey.h"
+#include "pipeline/solids/mesh_survey.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 
-#include "pipeline/run/closed_mesh.h"
-#include "pipeline/run/edge_parity.h"
+#include "pipeline/solids/closed_mesh.h"
+#include "pipeline/solids/edge_parity.h"
 
 namespace voxweld {
 namespace {

@@ -1,4 +1,4 @@
-#include "pipeline/run/binned_mesh.h"
+#include "pipeline/solids/binned_mesh.h"
 
 #include <cassert>
 

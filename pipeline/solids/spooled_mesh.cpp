@@ -1,4 +1,4 @@
-#include "pipeline/run/spooled_mesh.h"
+#include "pipeline/solids/spooled_mesh.h"
 
 #include <fmt/format.h>
 

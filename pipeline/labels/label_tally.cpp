@@ -1,4 +1,4 @@
-#include "pipeline/run/label_tally.h"
+#include "pipeline/labels/label_tally.h"
 
 #include <algorithm>
 #include <queue>

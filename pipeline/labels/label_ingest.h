@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
+#include "pipeline/labels/label_counts.h"
 #include "pipeline/run/ingest_stage.h"
-#include "pipeline/run/label_counts.h"
 #include "storage/store/layout.h"
 
 namespace voxweld {

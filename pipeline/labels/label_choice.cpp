@@ -1,12 +1,12 @@
-#include "pipeline/run/label_choice.h"
+#include "pipeline/labels/label_choice.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 
-#include "pipeline/run/label_ingest.h"
-#include "pipeline/run/label_rules.h"
+#include "pipeline/labels/label_ingest.h"
+#include "pipeline/labels/label_rules.h"
 #include "storage/support/error.h"
 
 namespace voxweld {

@@ -1,4 +1,4 @@
-#include "pipeline/run/common_material.h"
+#include "pipeline/labels/common_material.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "pipeline/run/label_octrees.h"
+#include "pipeline/labels/label_octrees.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "pipeline/run/label_rules.h"
+#include "pipeline/labels/label_rules.h"
 
 #include <fmt/format.h>
 
