@@ -34,12 +34,10 @@
 //   histogram        key, type, values
 //   label_counts     key, content_hash, labels
 //   mesh_record      key, content_hash (of the mesh's file), vertices, triangles (with three
-//   different
-//                    corners), bounds {lo, hi}
-//   mesh_bins        key, bricks {outside, inside, reached (by a triangle)}, triangles (in all
-//   bins) mesh_table       key, shards {outside, inside, reached}, bricks (reached), triangles,
-//   largest
-//                    {brick, triangles}
+//                    corners that differ), bounds {lo, hi}
+//   mesh_bins        key, bricks {outside, inside, reached (by a triangle)}, triangles (in all)
+//   mesh_table       key, shards {outside, inside, reached}, bricks (reached), triangles,
+//                    largest {brick, triangles}
 //   shard_record     key, array, at, shard_bytes, shard_hash, values
 //   spool_record     key, data_hash, and the volume's keys
 //   zarr_chunk       array

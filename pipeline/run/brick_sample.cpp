@@ -70,8 +70,7 @@ class Sampler {
 
   void build(Index3 brick, LocalEdits& edits, BrickSample& sums) {
     const HaloBlock block = read(brick);
-    const ContourParameters& parameters =
-        edits.around(intersect(sign_samples(place_of(brick)), Box3{{}, grid_.size()}));
+    const ContourParameters& parameters = edits.around(sign_samples(grid_, brick));
     const double before = thread_seconds();
     const std::uint64_t vertices = sums.vertices;
     if (parameters.labels.mode == LabelMode::each) {
@@ -97,9 +96,7 @@ class Sampler {
         octree.blocks.size() * sizeof(BlockCount) + octree.skin.cells.size() * sizeof(SkinCell) +
         octree.skin.vertices.size() * sizeof(SkinVertex);
   }
-  BrickPlace place_of(Index3 brick) const {
-    return {brick * (std::int64_t{1} << grid_.brick_level()), grid_.brick_level()};
-  }
+  BrickPlace place_of(Index3 brick) const { return place_of_brick(grid_, brick); }
 
   const BrickGrid& grid_;
   const SampleSource& source_;

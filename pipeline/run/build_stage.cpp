@@ -145,9 +145,7 @@ Hash128 shard_key(const BuildJob& job, Index3 shard) {
 }
 
 Hash128 brick_key(const BuildJob& job, Index3 brick) {
-  const int level = job.grid.brick_level();
-  return key_within(
-      job, brick_bounds({brick * (std::int64_t{1} << level), level}, job.parameters.spacing));
+  return key_within(job, brick_bounds(place_of_brick(job.grid, brick), job.parameters.spacing));
 }
 
 std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard) {

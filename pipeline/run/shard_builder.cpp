@@ -13,8 +13,7 @@ namespace {
 constexpr std::uint64_t run_bytes = std::uint64_t{16} << 20;
 
 Box3 halo(const BuildJob& job, Index3 brick) {
-  const int level = job.grid.brick_level();
-  return halo_samples({brick * (std::int64_t{1} << level), level}, job.parameters);
+  return halo_samples(place_of_brick(job.grid, brick), job.parameters);
 }
 
 Box3 brick_samples(const BuildJob& job, Index3 brick) {
@@ -50,10 +49,9 @@ Box3 ShardBuilder::shard_samples(const BuildJob& job, Index3 shard) {
 }
 
 Bounds ShardBuilder::shard_bounds(const BuildJob& job, Index3 shard) {
-  const int level = job.grid.brick_level();
   const Box3 bricks = job.grid.shard_bricks(shard);
   const auto bounds = [&](Index3 brick) {
-    return brick_bounds({brick * (std::int64_t{1} << level), level}, job.parameters.spacing);
+    return brick_bounds(place_of_brick(job.grid, brick), job.parameters.spacing);
   };
   return {bounds(bricks.lo).lo, bounds(bricks.hi - splat(1)).hi};
 }
@@ -78,8 +76,7 @@ Box3 ShardBuilder::touched_samples(Index3 brick) const {
 }
 
 Bounds ShardBuilder::bounds_of(Index3 brick) const {
-  const int level = job_.grid.brick_level();
-  return brick_bounds({brick * (std::int64_t{1} << level), level}, job_.parameters.spacing);
+  return brick_bounds(place_of_brick(job_.grid, brick), job_.parameters.spacing);
 }
 
 bool ShardBuilder::meets_ring(Index3 brick) const {
@@ -95,10 +92,8 @@ ShardBuilder::KnownBrick ShardBuilder::find_known(Index3 brick) const {
   const Relation before = unedited == NodeState::inside    ? Relation::inside
                           : unedited == NodeState::outside ? Relation::outside
                                                            : Relation::mixed;
-  const int level = job_.grid.brick_level();
-  const Box3 samples = intersect(sign_samples({brick * (std::int64_t{1} << level), level}),
-                                 Box3{{}, job_.grid.size()});
-  switch (side_after(job_.parameters.edits, bounds_of(brick), before, samples)) {
+  switch (
+      side_after(job_.parameters.edits, bounds_of(brick), before, sign_samples(job_.grid, brick))) {
     case Relation::outside:
       return {NodeState::outside, exterior};
     case Relation::inside:
@@ -257,11 +252,12 @@ BuiltRun ShardBuilder::build_run(const Run& run, const EarlierShard* earlier,
   return built;
 }
 
-void ShardBuilder::build(Index3 shard, const EarlierShard* earlier, const WorkerContext& worker) {
+void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlier,
+                         const WorkerContext& worker) {
   look_at(shard);
   StreamHasher hash;
   note_sides(shard, hash);
-  octrees_->begin(shard, job_.volume.stamp(shard_samples(job_, shard)));
+  octrees_->begin(shard, stamp);
   std::vector<BuiltRun> runs;
   each_run(shard, [&](const Run& run) {
     runs.push_back(build_run(run, earlier, worker));
@@ -276,19 +272,19 @@ void ShardBuilder::build(Index3 shard, const EarlierShard* earlier, const Worker
 
 void ShardBuilder::build(Index3 shard, const WorkerContext& worker) {
   const BrickReport before = bricks_;
+  const Hash128 stamp = job_.volume.stamp(shard_samples(job_, shard));
   if (octrees_->keeps()) {
     const auto path = shard_artifact_path(job_, shard);
-    const auto stamp = job_.volume.stamp(shard_samples(job_, shard));
     if (const auto earlier = EarlierShard::open(job_, shard, stamp)) {
       try {
-        return build(shard, &*earlier, worker);
+        return build(shard, stamp, &*earlier, worker);
       } catch (const DamagedArtifact& damage) {
         if (damage.path() != path.string()) throw;
         bricks_ = before;
       }
     }
   }
-  build(shard, nullptr, worker);
+  build(shard, stamp, nullptr, worker);
 }
 
 }  // namespace voxweld

@@ -55,7 +55,7 @@ class ShardBuilder {
   void note_sides(Index3 shard, StreamHasher& hash) const;
   // Of the run's samples.
   Hash128 read(const Run& run);
-  void build(Index3 shard, const EarlierShard* earlier, const WorkerContext& worker);
+  void build(Index3 shard, Hash128 stamp, const EarlierShard* earlier, const WorkerContext& worker);
   BuiltRun build_run(const Run& run, const EarlierShard* earlier, const WorkerContext& worker);
 
   const BuildJob& job_;

@@ -239,9 +239,7 @@ std::filesystem::path MeshBinning::bins_path(Index3 shard) const {
 }
 
 Box3 MeshBinning::samples_of(Index3 brick) const {
-  const int level = grid.brick_level();
-  return intersect(sign_samples({brick * (std::int64_t{1} << level), level}),
-                   Box3{{}, grid.size()});
+  return sign_samples(grid, brick);
 }
 
 std::uint64_t MeshBinning::shard_number(Index3 shard) const {

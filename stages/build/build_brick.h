@@ -7,6 +7,7 @@
 
 #include <memory>
 
+#include "stages/geometry/brick_grid.h"
 #include "stages/geometry/parameters.h"
 #include "stages/geometry/solid.h"
 #include "storage/types/brick_octree.h"
@@ -19,12 +20,20 @@ struct BrickPlace {
   int level = 6;  // 2^level cells a side, min_brick_level .. max_brick_level
 };
 
+inline BrickPlace place_of_brick(const BrickGrid& grid, Index3 brick) {
+  return {brick * (std::int64_t{1} << grid.brick_level()), grid.brick_level()};
+}
+
 // The sample indices a brick reads, before clipping to the volume: its lattice points, those of
 // Wenger's rule, and the gradient's reach.
 Box3 halo_samples(const BrickPlace& place, const ContourParameters& parameters);
 
 // The samples whose sides a brick looks at, before clipping to the volume.
 Box3 sign_samples(const BrickPlace& place);
+// The same, clipped.
+inline Box3 sign_samples(const BrickGrid& grid, Index3 brick) {
+  return intersect(sign_samples(place_of_brick(grid, brick)), Box3{{}, grid.size()});
+}
 
 // Where a brick's signs are looked at, in the frame spacing * sample index: edits that do not reach
 // this far (stages/geometry/solid.h) change nothing in the brick.

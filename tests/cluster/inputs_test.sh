@@ -17,20 +17,7 @@ voxweld=$(realpath "${1:-$here/../../build/voxweld}")
 source "$(dirname "$cluster")/support.sh"
 require_cluster "$cluster"
 
-folder=$(mktemp -d /var/tmp/vxwinput.XXXX)
-export VOXWELD_CLUSTER_DIR=$folder
-data=$folder/data # seen by every node
-ok=no
-cleanup() {
-  if [ "$ok" = no ]; then
-    "$cluster" nodes || true
-    timeout 10 squeue || true
-    tail -n 30 "$data"/*.log || true
-  fi >&2
-  "$cluster" stop
-  rm -rf "$folder"
-}
-trap cleanup EXIT
+make_shared_folder "$cluster" vxwinput
 
 # on NAME SCENE COMMAND [OPTION...]: of the scene's config, into directories of that name.
 on() {
@@ -50,9 +37,7 @@ config() { # config SCENE: with what is its own on standard input
   cat - "$data/common" >"$data/$1.toml"
 }
 
-mkdir -p "$data/bin"
-cp "$voxweld" "$(dirname "$voxweld")/libvoxweld_image.so" "$data/bin"
-voxweld=$data/bin/voxweld
+install_program
 cd "$data"
 eval "$(CPUS=2 "$cluster" start)"
 step "a cluster of three nodes"

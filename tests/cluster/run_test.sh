@@ -19,20 +19,7 @@ voxweld=$(realpath "${1:-$here/../../build/voxweld}")
 source "$(dirname "$cluster")/support.sh"
 require_cluster "$cluster"
 
-folder=$(mktemp -d /var/tmp/vxwrun.XXXX)
-export VOXWELD_CLUSTER_DIR=$folder
-data=$folder/data # seen by every node
-ok=no
-cleanup() {
-  if [ "$ok" = no ]; then
-    "$cluster" nodes || true
-    timeout 10 squeue || true
-    tail -n 30 "$data"/*.log || true
-  fi >&2
-  "$cluster" stop
-  rm -rf "$folder"
-}
-trap cleanup EXIT
+make_shared_folder "$cluster" vxwrun
 
 # on NAME COMMAND [OPTION...]: of the config, into directories of that name.
 on() {
@@ -53,10 +40,7 @@ wait_until_finished() { # wait_until_finished NAME
   done
 }
 
-mkdir -p "$data/bin"
-# Where it was built may be below /tmp, of which every node has its own.
-cp "$voxweld" "$(dirname "$voxweld")/libvoxweld_image.so" "$data/bin"
-voxweld=$data/bin/voxweld
+install_program
 cd "$data"
 eval "$(CPUS=2,1,2 "$cluster" start)"
 step "a cluster of three nodes"

@@ -16,6 +16,35 @@ require_cluster() {
   done
 }
 
+# make_shared_folder CLUSTER_SH NAME: sets folder, of a cluster, and data below it, which every node
+# sees; both go at the end, and before that, unless ok is set to another value than no, the logs in
+# data are shown.
+make_shared_folder() {
+  cluster_of_folder=$1
+  folder=$(mktemp -d "/var/tmp/$2.XXXX")
+  export VOXWELD_CLUSTER_DIR=$folder
+  data=$folder/data
+  ok=no
+  trap remove_shared_folder EXIT
+}
+remove_shared_folder() {
+  if [ "$ok" = no ]; then
+    "$cluster_of_folder" nodes || true
+    timeout 10 squeue || true
+    tail -n 30 "$data"/*.log || true
+  fi >&2
+  "$cluster_of_folder" stop
+  rm -rf "$folder"
+}
+
+# install_program: where every node sees it; sets voxweld. Where it was built may be below /tmp, of
+# which every node has its own.
+install_program() {
+  mkdir -p "$data/bin"
+  cp "$voxweld" "$(dirname "$voxweld")/libvoxweld_image.so" "$data/bin"
+  voxweld=$data/bin/voxweld
+}
+
 fail() {
   echo "FAILED: $*" >&2
   exit 1

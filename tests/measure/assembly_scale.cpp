@@ -9,27 +9,16 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "pipeline/executor/console.h"
 #include "pipeline/executor/probe.h"
-#include "pipeline/executor/resources.h"
 #include "pipeline/run/asset_record.h"
 #include "pipeline/run/listing.h"
 #include "pipeline/run/merge_stage.h"
-#include "pipeline/run/output_files.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/support/error.h"
+#include "tests/measure/scale_support.h"
 
 namespace voxweld {
 namespace {
-
-// Small, fast and the same everywhere (Steele, Lea, Flood, "Fast Splittable Pseudorandom Number
-// Generators", 2014).
-std::uint64_t mixed(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15u;
-  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-  return x ^ x >> 31;
-}
 
 void write_shard(const BuildJob& job, Index3 shard, std::uint64_t percent) {
   ShardArtifactWriter out(shard_artifact_path(job, shard), job.key, {});
@@ -53,17 +42,6 @@ void write_shard(const BuildJob& job, Index3 shard, std::uint64_t percent) {
   out.finish(summary, nodes);
 }
 
-// Wall time of f and the peak of the process so far.
-template <class F>
-void timed(const char* what, F&& f) {
-  const StageMeter meter;
-  f();
-  const StageFigures figures = meter.read();
-  fmt::print("{:<36} {:8.1f} s, {:6.1f} s of processor, peak {:6.1f} MiB\n", what, figures.wall_s,
-             figures.cpu_s, static_cast<double>(figures.peak_resident) / 1048576);
-  std::fflush(stdout);
-}
-
 void write_assets(const Listing& listing) {
   probe_all(listing.tiles.size(), [&](std::size_t i) {
     AssetRecord record;
@@ -84,10 +62,7 @@ int run(const std::string& folder, std::int64_t side, std::uint64_t percent) {
   BuildJob build{
       volume, BrickGrid({samples, samples, samples}, 6, 4), {}, folder + "/build", {1, 2}};
   LocalExecutor executor;
-  RunContext context;
-  context.executor = &executor;
-  context.console = Console::standard_error();
-  context.progress.enabled = false;
+  RunContext context = quiet_context(executor);
 
   const auto shards = build.grid.all_shards();
   fmt::print("{} shards\n", shards.size());
@@ -109,13 +84,7 @@ int run(const std::string& folder, std::int64_t side, std::uint64_t percent) {
                                                     fmt::format("{}-{}", tile.level, tile.code))});
   fmt::print("{} tiles\n", listing.tiles.size());
   timed("encode: write the tiles' records", [&] { write_assets(listing); });
-  const auto list = [&] {
-    FileNames earlier(folder);
-    add_files_of_earlier_runs(listing.output, earlier);
-    Manifest manifest;
-    manifest.frame.size = {samples, samples, samples};
-    write_listing(listing, earlier, std::move(manifest));
-  };
+  const auto list = [&] { write_lists(listing, folder, samples); };
   timed("encode: list the tiles", list);
   timed("encode: list them again", list);
   return 0;

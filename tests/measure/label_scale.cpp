@@ -10,9 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "pipeline/executor/console.h"
 #include "pipeline/executor/probe.h"
-#include "pipeline/executor/resources.h"
 #include "pipeline/run/asset_record.h"
 #include "pipeline/run/listing.h"
 #include "pipeline/run/merge_stage.h"
@@ -23,18 +21,10 @@
 #include "storage/artifact/label_top.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/support/error.h"
+#include "tests/measure/scale_support.h"
 
 namespace voxweld {
 namespace {
-
-// Small, fast and the same everywhere (Steele, Lea, Flood, "Fast Splittable Pseudorandom Number
-// Generators", 2014).
-std::uint64_t mixed(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15u;
-  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-  return x ^ x >> 31;
-}
 
 // The labels of each shard, ascending: each has a home, and goes on beyond some of its sides.
 std::vector<std::vector<Material>> labels_of_shards(const BrickGrid& grid, std::uint64_t labels) {
@@ -92,17 +82,6 @@ void write_shard(const BuildJob& job, Index3 shard, const std::vector<Material>&
   out.finish(summary);
 }
 
-// Wall time of f and the peak of the process so far.
-template <class F>
-void timed(const char* what, F&& f) {
-  const StageMeter meter;
-  f();
-  const StageFigures figures = meter.read();
-  fmt::print("{:<36} {:8.1f} s, {:6.1f} s of processor, peak {:6.1f} MiB\n", what, figures.wall_s,
-             figures.cpu_s, static_cast<double>(figures.peak_resident) / 1048576);
-  std::fflush(stdout);
-}
-
 void write_batches(const StitchJob& job, const TopArtifact& top, const UnitPlan& plan) {
   const auto work = stitch_work(job, top);
   const LabelTop labels(top);
@@ -146,10 +125,7 @@ int run(const std::string& folder, std::uint64_t labels, std::int64_t side) {
   build.parameters.labels.mode = LabelMode::each;
   build.parameters.labels.rules = std::make_shared<const MaterialRules>();
   LocalExecutor executor;
-  RunContext context;
-  context.executor = &executor;
-  context.console = Console::standard_error();
-  context.progress.enabled = false;
+  RunContext context = quiet_context(executor);
 
   const auto shards = build.grid.all_shards();
   fmt::print("{} labels in {} shards\n", labels, shards.size());
@@ -189,13 +165,7 @@ int run(const std::string& folder, std::uint64_t labels, std::int64_t side) {
     });
   });
   timed("encode: write the batches' records", [&] { write_assets(listing, top); });
-  const auto list = [&] {
-    FileNames earlier(folder);
-    add_files_of_earlier_runs(listing.output, earlier);
-    Manifest manifest;
-    manifest.frame.size = {samples, samples, samples};
-    write_listing(listing, earlier, std::move(manifest));
-  };
+  const auto list = [&] { write_lists(listing, folder, samples); };
   timed("encode: list the labels", list);
   timed("encode: list them again", list);
   return 0;
