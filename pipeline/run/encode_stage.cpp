@@ -64,6 +64,11 @@ Hash128 asset_key(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit
   KeyHasher key;
   key.hash(job.key).hash(content_of(job, tile));
   if (plan.spread(unit)) key.text("spread");
+  // The record says how many vertices each label's octree has there; of those that only polygons of
+  // other tiles use the tile knows nothing.
+  if (!tile.labels().empty())
+    for (const PlannedMesh& mesh : plan.meshes(unit))
+      key.integer(static_cast<std::int64_t>(mesh.vertices));
   return key.finish();
 }
 
