@@ -12,12 +12,13 @@ constexpr std::uint64_t notes_bytes = std::uint64_t{8} << 20;
 // What the reduction and the directory need of one label in one brick; then, where the brick is
 // split, a PieceBlock for each block that holds anything.
 struct Note {
-  RootRecord root;
-  std::uint64_t polygons = 0;  // where the brick is one leaf
+  PieceHead head;
   std::uint64_t blocks = 0;
-  std::uint64_t has_piece = 0;
-  PieceRecord piece;
 };
+
+bool has_surface(const PieceHead& head) {
+  return head.root.state != NodeState::inside;
+}
 
 template <class T>
 void append(std::vector<std::byte>& out, const T* values, std::size_t count) {
@@ -40,6 +41,7 @@ void LabelOctrees::begin(Index3 shard, Hash128 input_stamp) {
   shard_ = shard;
   notes_.clear();
   summary_ = ShardSummary{};
+  history_ = ShardHistory{};
   out_ = std::make_unique<LabelShardWriter>(shard_artifact_path(job_, shard),
                                             shard_key(job_, shard), input_stamp);
 }
@@ -52,50 +54,53 @@ void LabelOctrees::build(const HaloBlock& block, Index3 first, std::int64_t coun
 }
 
 void LabelOctrees::build_brick(const CellKey& brick, const WorkerContext& worker) {
-  bool any = false;
+  BuiltBrick built{morton_encode(brick.at), brick_key(job_, brick.at), {}, {}};
+  bool any = false, surface = false;
   labels_.each({brick.lo(), brick.level}, job_.parameters,
                [&](Material material, const BrickOctree& octree) {
                  worker.check_interrupt();
-                 add_piece(brick, material, octree, any);
+                 const NodeState state = octree.root.state;
+                 add_counts(octree.counts, built.counts, state != NodeState::leaf);
+                 if (state == NodeState::outside) return;
+                 if (!any) out_->begin_brick(built.code);
+                 any = true;
+                 const PieceHead head = out_->piece(material, octree);
+                 surface = surface || has_surface(head);
+                 note(brick.at, head, filled_blocks(octree));
                });
-  if (!any) return;
-  out_->end_brick();
-  ++summary_.active_bricks;
+  if (any) out_->end_brick();
+  note(built, surface);
 }
 
-// any: whether the brick has a piece already.
-void LabelOctrees::add_piece(const CellKey& brick, Material material, const BrickOctree& octree,
-                             bool& any) {
-  const NodeState state = octree.root.state;
-  add_counts(octree.counts, summary_.counts, state != NodeState::leaf);
-  if (state == NodeState::outside) return;
-  if (state == NodeState::inside) return note(brick, material, octree, nullptr);
-  if (!any) out_->begin_brick(morton_encode(brick.at));
-  any = true;
-  const PieceRecord piece = out_->piece(material, octree);
-  note(brick, material, octree, &piece);
+void LabelOctrees::keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) {
+  bool surface = false;
+  out_->brick(built.code, from, [&](const PieceHead& head, std::span<const PieceBlock> blocks) {
+    surface = surface || has_surface(head);
+    note(brick, head, blocks);
+  });
+  note(built, surface);
+}
+
+void LabelOctrees::note(const BuiltBrick& built, bool surface) {
+  add_counts(built.counts, summary_.counts, true);
+  if (surface) ++summary_.active_bricks;
+  history_.bricks.push_back(built);
 }
 
 void LabelOctrees::inside(Index3 brick, Material material) {
-  note({job_.grid.brick_level(), brick}, material, filled_brick(), nullptr);
+  PieceHead head;
+  head.piece.key = {material, morton_encode(brick)};
+  head.root = filled_brick().root;
+  note(brick, head, {});
 }
 
-void LabelOctrees::note(const CellKey& brick, Material material, const BrickOctree& octree,
-                        const PieceRecord* piece) {
-  std::vector<PieceBlock> blocks;
-  if (octree.root.state == NodeState::split) blocks = filled_blocks(octree);
-  Note note;
-  note.root = octree.root;
-  note.blocks = blocks.size();
-  if (octree.root.state == NodeState::leaf) note.polygons = octree.polygons.size();
-  if (piece != nullptr) {
-    note.has_piece = 1;
-    note.piece = *piece;
-  }
+void LabelOctrees::note(Index3 brick, const PieceHead& head, std::span<const PieceBlock> blocks) {
+  if (head.root.state != NodeState::split) blocks = {};
+  const Note note{head, blocks.size()};
   note_.clear();
   append(note_, &note, 1);
   append(note_, blocks.data(), blocks.size());
-  notes_.push({material, morton_encode(brick.at)}, note_);
+  notes_.push({head.piece.key.material, morton_encode(brick)}, note_);
 }
 
 // The nodes of one label after the other, and in each its cubes, as the notes come.
@@ -115,8 +120,9 @@ class LabelOctrees::NodeWriter {
     std::vector<PieceBlock> blocks(note.blocks);
     if (note.blocks > 0)
       std::memcpy(blocks.data(), bytes.data() + sizeof note, note.blocks * sizeof(PieceBlock));
-    if (note.has_piece != 0) add_piece(note.piece);
-    reduction_->push({brick, note.root, note.polygons});
+    const bool leaf = note.head.root.state == NodeState::leaf;
+    if (has_surface(note.head)) add_piece(note.head.piece);
+    reduction_->push({brick, note.head.root, leaf ? note.head.piece.polygons : 0u});
     for (const PieceBlock& block : blocks)
       sink_.cube({brick.code() + (std::uint64_t{block.block} << (3 * block_level)), block_level,
                   block.vertices, block.polygons});
@@ -164,15 +170,16 @@ class LabelOctrees::NodeWriter {
   std::optional<OctreeReduction> reduction_;
 };
 
-void LabelOctrees::finish(Hash128 input, std::vector<BuiltRun>) {
+void LabelOctrees::finish(Hash128 input, std::vector<BuiltRun> runs) {
   summary_.bricks = static_cast<std::uint64_t>(job_.grid.shard_bricks(shard_).count());
   summary_.input = input;
+  history_.runs = std::move(runs);
   NodeWriter nodes(job_, summary_, *out_);
   SortKey key;
   while (notes_.next(key, note_))
     nodes.add(key.major, {job_.grid.brick_level(), morton_decode(key.minor)}, note_);
   nodes.close();
-  out_->finish(summary_);
+  out_->finish(summary_, history_);
   out_.reset();
   notes_.clear();
 }

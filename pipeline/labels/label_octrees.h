@@ -19,6 +19,7 @@ class LabelOctrees : public ShardOctrees {
   void build(const HaloBlock& block, Index3 first, std::int64_t count,
              const WorkerContext& worker) override;
   void inside(Index3 brick, Material material) override;
+  void keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) override;
   void finish(Hash128 input, std::vector<BuiltRun> runs) override;
 
   // Samples of several bricks are read together as long as they are no more than this.
@@ -30,9 +31,8 @@ class LabelOctrees : public ShardOctrees {
  private:
   class NodeWriter;
   void build_brick(const CellKey& brick, const WorkerContext& worker);
-  void add_piece(const CellKey& brick, Material material, const BrickOctree& octree, bool& any);
-  void note(const CellKey& brick, Material material, const BrickOctree& octree,
-            const PieceRecord* piece);
+  void note(const BuiltBrick& built, bool surface);
+  void note(Index3 brick, const PieceHead& head, std::span<const PieceBlock> blocks);
 
   const BuildJob& job_;
   LabelBricks labels_;
@@ -41,6 +41,7 @@ class LabelOctrees : public ShardOctrees {
   RecordSorter notes_;  // of all pieces, by label and brick
   std::vector<std::byte> note_;
   ShardSummary summary_;
+  ShardHistory history_;
 };
 
 }  // namespace voxweld

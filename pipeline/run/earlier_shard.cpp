@@ -11,9 +11,9 @@ std::optional<EarlierShard> EarlierShard::open(const BuildJob& job, Index3 shard
   const auto path = shard_artifact_path(job, shard);
   if (!std::filesystem::exists(path)) return std::nullopt;
   try {
-    ShardArtifact artifact(path);
+    ArtifactReader artifact = open_octrees(job, shard);
     if (artifact.input_stamp() != stamp) return std::nullopt;
-    ShardHistory history = artifact.history();
+    ShardHistory history = read_history(artifact);
     std::sort(history.bricks.begin(), history.bricks.end(),
               [](const BuiltBrick& a, const BuiltBrick& b) { return a.code < b.code; });
     return EarlierShard(std::move(artifact), std::move(history));

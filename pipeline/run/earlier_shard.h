@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "pipeline/run/build_stage.h"
-#include "storage/artifact/shard_artifact.h"
+#include "storage/artifact/shard_summary.h"
 
 namespace voxweld {
 
@@ -14,17 +14,17 @@ class EarlierShard {
   // the volume has now. stamp: of those.
   static std::optional<EarlierShard> open(const BuildJob& job, Index3 shard, Hash128 stamp);
 
-  const ShardArtifact& artifact() const { return artifact_; }
+  const ArtifactReader& artifact() const { return artifact_; }
   // The brick, if building it now would make the same; else null.
   const BuiltBrick* brick(const BuildJob& job, Index3 brick) const;
   // The run of these bricks, if they were read as one; else null.
   const BuiltRun* run(Index3 first, std::int64_t count) const;
 
  private:
-  EarlierShard(ShardArtifact artifact, ShardHistory history)
+  EarlierShard(ArtifactReader artifact, ShardHistory history)
       : artifact_(std::move(artifact)), history_(std::move(history)) {}
 
-  ShardArtifact artifact_;
+  ArtifactReader artifact_;
   ShardHistory history_;  // bricks by code
 };
 

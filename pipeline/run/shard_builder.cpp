@@ -273,15 +273,12 @@ void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlie
 void ShardBuilder::build(Index3 shard, const WorkerContext& worker) {
   const BrickReport before = bricks_;
   const Hash128 stamp = job_.volume.stamp(shard_samples(job_, shard));
-  if (octrees_->keeps()) {
-    const auto path = shard_artifact_path(job_, shard);
-    if (const auto earlier = EarlierShard::open(job_, shard, stamp)) {
-      try {
-        return build(shard, stamp, &*earlier, worker);
-      } catch (const DamagedArtifact& damage) {
-        if (damage.path() != path.string()) throw;
-        bricks_ = before;
-      }
+  if (const auto earlier = EarlierShard::open(job_, shard, stamp)) {
+    try {
+      return build(shard, stamp, &*earlier, worker);
+    } catch (const DamagedArtifact& damage) {
+      if (damage.path() != earlier->artifact().path()) throw;
+      bricks_ = before;
     }
   }
   build(shard, stamp, nullptr, worker);

@@ -1,7 +1,6 @@
 #include "pipeline/run/shard_octrees.h"
 
 #include <algorithm>
-#include <stdexcept>
 
 #include "pipeline/labels/label_octrees.h"
 #include "pipeline/solids/local_edits.h"
@@ -16,10 +15,6 @@ void NodeCollector::leaf(CellKey key, const RootRecord& record) {
   if (key.level > brick_level)
     node->leaves.push_back(
         {key.code(), static_cast<std::uint32_t>(key.level), record.vertex, record.residual, 0});
-}
-
-void ShardOctrees::keep(Index3, const BuiltBrick&, const ShardArtifact&) {
-  throw std::logic_error("these octrees are not kept by bricks");
 }
 
 void add_counts(const BrickCounts& from, BrickCounts& to, bool own_leaves) {
@@ -59,8 +54,7 @@ class SurfaceOctrees : public ShardOctrees {
       inside.corners.fill(material);
     roots_.push_back({{{job_.grid.brick_level(), brick}, inside, 0}, {}});
   }
-  bool keeps() const override { return true; }
-  void keep(Index3 brick, const BuiltBrick& built, const ShardArtifact& from) override;
+  void keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) override;
   void finish(Hash128 input, std::vector<BuiltRun> runs) override {
     summary_.input = input;
     history_.runs = std::move(runs);
@@ -107,13 +101,13 @@ void SurfaceOctrees::note_surface(const CellKey& key, const RootRecord& root,
     roots_.back().blocks = blocks;
 }
 
-void SurfaceOctrees::keep(Index3 brick, const BuiltBrick& built, const ShardArtifact& from) {
+void SurfaceOctrees::keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) {
   const CellKey key{job_.grid.brick_level(), brick};
   note(key, built.root, built.counts);
   if (built.root.state == NodeState::outside) return;
   const bool surface = built.root.state != NodeState::inside;
   note_surface(key, built.root,
-               surface ? from.block_counts(built.code) : std::vector<BlockCount>{});
+               surface ? read_block_counts(from, built.code) : std::vector<BlockCount>{});
   if (surface) out_->brick(built.code, from);
 }
 

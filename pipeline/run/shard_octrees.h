@@ -23,11 +23,9 @@ class ShardOctrees {
                      const WorkerContext& worker) = 0;
   // A brick that is all inside, or of this material, as is known without its samples.
   virtual void inside(Index3 brick, Material material) = 0;
-  // Whether keep() may be called in place of build().
-  virtual bool keeps() const { return false; }
-  // Takes a brick over that an earlier build of the same samples made. DamagedArtifact when that
-  // fails its checks.
-  virtual void keep(Index3 brick, const BuiltBrick& built, const ShardArtifact& from);
+  // In place of build(), takes a brick over from the artifact that an earlier build of the same
+  // samples left. DamagedArtifact when that fails its checks.
+  virtual void keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) = 0;
   // Writes the artifact. input: of all that was read; runs: those.
   virtual void finish(Hash128 input, std::vector<BuiltRun> runs) = 0;
 };

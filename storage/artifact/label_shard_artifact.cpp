@@ -32,6 +32,17 @@ struct LabelNodeRecord {
     return sizeof(LabelNodeRecord) + cubes * sizeof(CubeCount) + leaves * sizeof(TopLeaf);
   }
 };
+// As it lies in the file.
+struct PieceHeadRecord {
+  PieceHead head;
+  Hash128 check;  // of the head
+};
+static_assert(sizeof(PieceHeadRecord) == sizeof(PieceRecord) + sizeof(RootRecord) + 16);
+
+Hash128 check_of(const PieceHead& head) {
+  return hash_bytes(std::as_bytes(std::span(&head, 1)));
+}
+
 static_assert(sizeof(LabelNodeRecord) == 56 + 16 + sizeof(RootRecord) &&
               sizeof(PieceRecord) == 24 + 24 + 32);
 
@@ -128,25 +139,89 @@ void LabelShardWriter::end_brick() {
   file_.end_section();
 }
 
-PieceRecord LabelShardWriter::piece(Material material, const BrickOctree& octree) {
+void LabelShardWriter::append(std::span<const std::byte> bytes) {
+  file_.append(bytes);
+  brick_bytes_ += bytes.size();
+}
+
+void LabelShardWriter::append(const PieceHead& head) {
+  const PieceHeadRecord record{head, check_of(head)};
+  append(std::as_bytes(std::span(&record, 1)));
+}
+
+PieceHead LabelShardWriter::piece(Material material, const BrickOctree& octree) {
   const std::vector<PieceBlock> blocks = filled_blocks(octree);
   const auto size = [](const auto& values) { return static_cast<std::uint32_t>(values.size()); };
-  PieceRecord record;
+  PieceHead head;
+  head.root = octree.root;
+  PieceRecord& record = head.piece;
   record.key = {material, brick_};
-  record.offset = brick_bytes_;
+  record.offset = brick_bytes_ + sizeof(PieceHeadRecord);
   record.vertices = size(octree.vertices);
   record.polygons = size(octree.polygons);
   record.blocks = size(blocks);
   record.skin_cells = size(octree.skin.cells);
   record.skin_vertices = size(octree.skin.vertices);
-  const auto part = [&](auto... values) {
+  const auto hash_of = [](auto... parts) {
     StreamHasher hash;
-    ((file_.append(values), hash.update(values), brick_bytes_ += values.size()), ...);
+    (hash.update(parts), ...);
     return hash.finish();
   };
-  record.body = part(bytes_of(octree.vertices), bytes_of(octree.polygons), bytes_of(blocks));
-  record.skin = part(bytes_of(octree.skin.cells), bytes_of(octree.skin.vertices));
-  return record;
+  const auto vertices = bytes_of(octree.vertices), polygons = bytes_of(octree.polygons),
+             counts = bytes_of(blocks), cells = bytes_of(octree.skin.cells),
+             skin = bytes_of(octree.skin.vertices);
+  record.body = hash_of(vertices, polygons, counts);
+  record.skin = hash_of(cells, skin);
+  append(head);
+  for (const auto& part : {vertices, polygons, counts, cells, skin}) append(part);
+  return head;
+}
+
+namespace {
+
+// A part of a piece, checked.
+std::vector<std::byte> read_part(const ArtifactReader& file, const PieceRecord& piece,
+                                 std::uint64_t offset, std::uint64_t size, const Hash128& hash) {
+  std::vector<std::byte> bytes(size);
+  file.read_part(pieces_of(piece.key.brick), offset, bytes);
+  if (hash_bytes(bytes) != hash)
+    file.damaged("the checksum of a piece of label " + std::to_string(piece.key.material) +
+                 " is wrong");
+  return bytes;
+}
+
+// The blocks at the end of a body.
+std::vector<PieceBlock> blocks_of(const PieceRecord& piece, std::span<const std::byte> body) {
+  std::vector<PieceBlock> blocks;
+  body = body.last(piece.blocks * sizeof(PieceBlock));
+  take(body, piece.blocks, blocks);
+  return blocks;
+}
+
+}  // namespace
+
+void LabelShardWriter::brick(std::uint64_t code, const ArtifactReader& from, const EachPiece& f) {
+  const SectionRecord* section = from.find(pieces_of(code));
+  if (section == nullptr) return;
+  begin_brick(code);
+  while (brick_bytes_ < section->size) {
+    PieceHeadRecord record;
+    if (section->size - brick_bytes_ < sizeof record) from.damaged("a brick ends within a piece");
+    from.read_part(pieces_of(code), brick_bytes_, std::as_writable_bytes(std::span(&record, 1)));
+    const PieceRecord& piece = record.head.piece;
+    if (record.check != check_of(record.head) || piece.key.brick != code ||
+        piece.offset != brick_bytes_ + sizeof record ||
+        piece.body_bytes() + piece.skin_bytes() > section->size - piece.offset)
+      from.damaged("the head of a piece is wrong");
+    const auto body = read_part(from, piece, piece.offset, piece.body_bytes(), piece.body);
+    const auto skin =
+        read_part(from, piece, piece.offset + piece.body_bytes(), piece.skin_bytes(), piece.skin);
+    append(record.head);
+    append(body);
+    append(skin);
+    f(record.head, blocks_of(piece, body));
+  }
+  end_brick();
 }
 
 void LabelShardWriter::directory(const PieceRecord& record) {
@@ -167,7 +242,7 @@ void LabelShardWriter::flush_nodes() {
   nodes_.clear();
 }
 
-Hash128 LabelShardWriter::finish(const ShardSummary& summary) {
+Hash128 LabelShardWriter::finish(const ShardSummary& summary, const ShardHistory& history) {
   const LabelShardTables tables{directory_.size(), node_count_};
   directory_.finish();
   if (!nodes_.empty()) flush_nodes();
@@ -175,6 +250,7 @@ Hash128 LabelShardWriter::finish(const ShardSummary& summary) {
   file_.section(first_pieces_section, bytes_of(first_pieces_));
   file_.section(first_nodes_section, bytes_of(first_nodes_));
   write_summary(file_, summary);
+  write_history(file_, history);
   return file_.commit();
 }
 
@@ -211,21 +287,6 @@ void LabelShardArtifact::each_piece(const std::function<void(const PieceRecord&)
     for (const PieceRecord& record : directory.read(first, std::min(page_records, pieces_ - first)))
       f(record);
 }
-
-namespace {
-
-// A part of a piece, checked.
-std::vector<std::byte> read_part(const ArtifactReader& file, const PieceRecord& piece,
-                                 std::uint64_t offset, std::uint64_t size, const Hash128& hash) {
-  std::vector<std::byte> bytes(size);
-  file.read_part(pieces_of(piece.key.brick), offset, bytes);
-  if (hash_bytes(bytes) != hash)
-    file.damaged("the checksum of a piece of label " + std::to_string(piece.key.material) +
-                 " is wrong");
-  return bytes;
-}
-
-}  // namespace
 
 void LabelShardArtifact::read_piece(const PieceRecord& piece, int brick_level,
                                     BrickOctree& out) const {

@@ -4,16 +4,17 @@
 //
 //   name                content
 //   brick code << 8 | 1 the pieces of one brick, back to back; the code is the Morton code of the
-//                       brick's index. A piece is its body (LeafVertex, PolygonRefs, and of
-//                       PieceBlock those that hold anything) and its skin (SkinCell, SkinVertex);
-//                       each has a checksum of its own in its PieceRecord, so it is read alone
+//                       brick's index. A piece is its PieceHead, its body (LeafVertex, PolygonRefs,
+//                       and of PieceBlock those that hold anything) and its skin (SkinCell,
+//                       SkinVertex); each has a checksum of its own, the head in itself, the others
+//                       in its PieceRecord, so it is read alone
 //   2 << 56 | i         page i of the directory: PieceRecord, by material, then by brick
 //   3 << 56 | i         page i of the nodes, by material, then in Morton order: of each a
 //                       LabelNodeRecord, then its CubeCount, then its TopLeaf
 //   4 << 56             LabelShardTables (one)
 //   4 << 56 | 1         PieceKey of the first piece of each page of the directory
 //   4 << 56 | 2         material of the first node of each page of nodes, u64
-//   as shard_artifact.h the summary: of all labels together
+//   as shard_summary.h  of all labels together
 //
 // There is no index of pieces but the directory, so a reader holds a few bytes a thousand of them,
 // however many labels a shard has.
@@ -29,7 +30,7 @@ namespace voxweld {
 
 inline constexpr std::array<char, 4> label_shard_kind = {'o', 'c', 't', 'l'};
 // Goes up whenever the bytes that build makes of labels change: format or mathematics.
-inline constexpr std::uint32_t label_shard_version = 1;
+inline constexpr std::uint32_t label_shard_version = 2;
 
 struct PieceKey {
   Material material = exterior;
@@ -46,6 +47,12 @@ struct PieceRecord {
 
   std::uint64_t body_bytes() const;
   std::uint64_t skin_bytes() const;
+};
+
+// A label that fills a brick has nothing but a head there; the directory leaves it out.
+struct PieceHead {
+  PieceRecord piece;
+  RootRecord root;
 };
 
 // One 16^3 block of a brick that owns a polygon or a vertex of the piece.
@@ -75,20 +82,24 @@ class LabelShardWriter {
   // input_stamp: of what the samples come from (container.h).
   LabelShardWriter(const std::filesystem::path& path, Hash128 key, Hash128 input_stamp);
 
-  // The pieces of one brick, in any order: between begin_brick and end_brick. Returns what the
-  // directory is to have of it.
+  // The pieces of one brick, in any order: between begin_brick and end_brick.
   void begin_brick(std::uint64_t code);
-  PieceRecord piece(Material material, const BrickOctree& octree);
+  PieceHead piece(Material material, const BrickOctree& octree);
   void end_brick();
+  // In place of these three, all that another artifact of this kind has of a brick, and f of each
+  // piece. DamagedArtifact when one fails its checks.
+  using EachPiece = std::function<void(const PieceHead&, std::span<const PieceBlock>)>;
+  void brick(std::uint64_t code, const ArtifactReader& from, const EachPiece& f);
 
   // After the last piece, each in the order of the file.
   void directory(const PieceRecord& record);
   void node(const LabelNode& node);
   // Returns the artifact's content hash.
-  Hash128 finish(const ShardSummary& summary);
+  Hash128 finish(const ShardSummary& summary, const ShardHistory& history = {});
 
  private:
-  std::uint64_t append(std::span<const std::byte> bytes, StreamHasher& hash);
+  void append(const PieceHead& head);
+  void append(std::span<const std::byte> bytes);
   void flush_nodes();
 
   ArtifactWriter file_;

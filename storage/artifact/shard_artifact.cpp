@@ -17,26 +17,14 @@ enum Part : std::uint64_t {
   sheets_of_edges,
   end_of_parts
 };
-enum SummaryPart : std::uint64_t {
-  summary_part = 1,
-  nodes_part,
-  cubes_part,
-  leaves_part,
-  bricks_part,
-  runs_part
-};
-constexpr std::uint64_t summary_code = (std::uint64_t{1} << 56) - 1;
+// Of the shard as a whole, beside those of shard_summary.h.
+constexpr std::uint64_t nodes_section = shard_section(2);
+constexpr std::uint64_t cubes_section = shard_section(3);
+constexpr std::uint64_t leaves_section = shard_section(4);
 
 constexpr std::uint64_t section_name(std::uint64_t code, std::uint64_t part) {
   return code << 8 | part;
 }
-
-struct ShardSummaryRecord {
-  std::uint64_t active_cells, crossing_edges, vertices, bricks, active_bricks, collapsed_above;
-  double worst_residual, worst_finest;
-  Hash128 input;
-  std::array<std::uint64_t, max_levels + 1> leaves;
-};
 
 struct ShardNodeRecord {
   std::uint64_t code;
@@ -50,14 +38,11 @@ struct ShardNodeRecord {
 static_assert(std::has_unique_object_representations_v<SkinCell> &&
               std::has_unique_object_representations_v<BlockCount> &&
               std::has_unique_object_representations_v<PolygonRefs> &&
-              std::has_unique_object_representations_v<CubeCount> &&
-              std::has_unique_object_representations_v<BuiltRun>);
+              std::has_unique_object_representations_v<CubeCount>);
 static_assert(sizeof(LeafVertex) == 28 && sizeof(SkinVertex) == 32 && sizeof(TopLeaf) == 48 &&
               sizeof(RootRecord) == 8 + 52 + 36 + 28 + 4 + 64 &&
               std::has_unique_object_representations_v<MaterialPair> &&
-              sizeof(ShardNodeRecord) == 40 + sizeof(RootRecord) &&
-              sizeof(BrickCounts) == 8 * (3 + max_levels + 1) + 16 &&
-              sizeof(BuiltBrick) == 24 + sizeof(RootRecord) + sizeof(BrickCounts));
+              sizeof(ShardNodeRecord) == 40 + sizeof(RootRecord));
 
 template <class T>
 std::span<const std::byte> bytes_of(const std::vector<T>& values) {
@@ -87,29 +72,15 @@ void ShardArtifactWriter::brick(std::uint64_t code, const BrickOctree& octree) {
   file_.section(section_name(code, skin_vertices), bytes_of(octree.skin.vertices));
 }
 
-void ShardArtifactWriter::brick(std::uint64_t code, const ShardArtifact& from) {
+void ShardArtifactWriter::brick(std::uint64_t code, const ArtifactReader& from) {
   // In the order of the other one, so that the same bricks are the same file.
   for (const Part part : {vertices, polygons, emit_levels, pairs, polygon_pairs, sheets_of_edges,
                           blocks, skin_cells, skin_vertices}) {
     const std::uint64_t name = section_name(code, part);
-    if (from.file_.find(name) == nullptr) continue;
-    from.file_.read(name, section_);
+    if (from.find(name) == nullptr) continue;
+    from.read(name, section_);
     file_.section(name, section_);
   }
-}
-
-void write_summary(ArtifactWriter& file, const ShardSummary& s) {
-  const ShardSummaryRecord record{s.counts.active_cells,
-                                  s.counts.crossing_edges,
-                                  s.counts.vertices,
-                                  s.bricks,
-                                  s.active_bricks,
-                                  s.collapsed_above,
-                                  s.counts.worst_residual,
-                                  s.counts.worst_finest,
-                                  s.input,
-                                  s.counts.leaves};
-  file.section(section_name(summary_code, summary_part), std::as_bytes(std::span(&record, 1)));
 }
 
 Hash128 ShardArtifactWriter::finish(const ShardSummary& summary, std::span<const ShardNode> nodes,
@@ -124,47 +95,23 @@ Hash128 ShardArtifactWriter::finish(const ShardSummary& summary, std::span<const
     leaves.insert(leaves.end(), node.leaves.begin(), node.leaves.end());
   }
   write_summary(file_, summary);
-  file_.section(section_name(summary_code, nodes_part), bytes_of(node_records));
-  file_.section(section_name(summary_code, cubes_part), bytes_of(cubes));
-  file_.section(section_name(summary_code, leaves_part), bytes_of(leaves));
-  file_.section(section_name(summary_code, bricks_part), bytes_of(history.bricks));
-  file_.section(section_name(summary_code, runs_part), bytes_of(history.runs));
+  file_.section(nodes_section, bytes_of(node_records));
+  file_.section(cubes_section, bytes_of(cubes));
+  file_.section(leaves_section, bytes_of(leaves));
+  write_history(file_, history);
   return file_.commit();
 }
 
 ShardArtifact::ShardArtifact(const std::filesystem::path& path)
     : file_(path, shard_kind, shard_version) {}
 
-ShardSummary ShardArtifact::summary() const {
-  return read_summary(file_);
-}
-
-ShardSummary read_summary(const ArtifactReader& file) {
-  std::vector<ShardSummaryRecord> records;
-  file.read_array(section_name(summary_code, summary_part), records);
-  if (records.size() != 1) file.damaged("has no summary");
-  const ShardSummaryRecord& r = records[0];
-  ShardSummary s;
-  s.counts.active_cells = r.active_cells;
-  s.counts.crossing_edges = r.crossing_edges;
-  s.counts.vertices = r.vertices;
-  s.counts.worst_residual = r.worst_residual;
-  s.counts.worst_finest = r.worst_finest;
-  s.counts.leaves = r.leaves;
-  s.bricks = r.bricks;
-  s.active_bricks = r.active_bricks;
-  s.collapsed_above = r.collapsed_above;
-  s.input = r.input;
-  return s;
-}
-
 std::vector<ShardNode> ShardArtifact::nodes() const {
   std::vector<ShardNodeRecord> records;
   std::vector<CubeCount> cubes;
   std::vector<TopLeaf> leaves;
-  file_.read_array(section_name(summary_code, nodes_part), records);
-  file_.read_array(section_name(summary_code, cubes_part), cubes);
-  file_.read_array(section_name(summary_code, leaves_part), leaves);
+  file_.read_array(nodes_section, records);
+  file_.read_array(cubes_section, cubes);
+  file_.read_array(leaves_section, leaves);
   std::vector<ShardNode> nodes;
   auto cube = cubes.begin();
   auto leaf = leaves.begin();
@@ -185,16 +132,9 @@ std::vector<ShardNode> ShardArtifact::nodes() const {
   return nodes;
 }
 
-ShardHistory ShardArtifact::history() const {
-  ShardHistory history;
-  file_.read_array(section_name(summary_code, bricks_part), history.bricks);
-  file_.read_array(section_name(summary_code, runs_part), history.runs);
-  return history;
-}
-
-std::vector<BlockCount> ShardArtifact::block_counts(std::uint64_t code) const {
+std::vector<BlockCount> read_block_counts(const ArtifactReader& file, std::uint64_t code) {
   std::vector<BlockCount> counts;
-  file_.read_array(section_name(code, blocks), counts);
+  file.read_array(section_name(code, blocks), counts);
   return counts;
 }
 

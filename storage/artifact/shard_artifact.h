@@ -8,9 +8,8 @@
 //                              under topology = "free"), 4 BlockCount, 5 SkinCell, 6 SkinVertex;
 //                              between labels (labels.mode = "shared") also 7 MaterialPair, 8 the
 //                              polygons' pairs (u32), 9 the skin cells' sheets (u32)
-//   all ones << 8 | part       part 1 ShardSummaryRecord (one), 2 ShardNodeRecord,
-//                              3 CubeCount, 4 TopLeaf (each node's range is in its record),
-//                              5 BuiltBrick, 6 BuiltRun
+//   all ones << 8 | part       part 2 ShardNodeRecord, 3 CubeCount, 4 TopLeaf (each node's range is
+//                              in its record); 1, 5 and 6 as shard_summary.h
 //
 // Bricks without a surface have no section; neighbours see them as absent.
 #pragma once
@@ -21,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "storage/artifact/container.h"
+#include "storage/artifact/shard_summary.h"
 #include "storage/types/brick_octree.h"
 #include "storage/types/top_tree.h"
 
@@ -41,41 +40,6 @@ struct ShardNode {
   std::vector<TopLeaf> leaves;   // final ones above the bricks, in Morton order
 };
 
-struct ShardSummary {
-  BrickCounts counts;  // leaves and vertices: those no node above can take in
-  std::uint64_t bricks = 0;
-  std::uint64_t active_bricks = 0;
-  std::uint64_t collapsed_above = 0;  // nodes above the bricks that took in their children
-  Hash128 input;                      // content hash of the samples read, and of unread sides
-};
-
-// A brick that was read: what it was made from, and what of it is in no section of its own.
-struct BuiltBrick {
-  std::uint64_t code = 0;  // Morton code of its index
-  Hash128 key;             // of the parameters and of the edits that reach it
-  RootRecord root;
-  BrickCounts counts;
-};
-
-// Bricks along x whose samples were read together.
-struct BuiltRun {
-  Index3 first;
-  std::int64_t count = 0;
-  Hash128 samples;
-};
-
-// What a later build of the same samples goes by to take over what it would make the same.
-struct ShardHistory {
-  std::vector<BuiltBrick> bricks;
-  std::vector<BuiltRun> runs;
-};
-
-// The section of the summary.
-void write_summary(ArtifactWriter& file, const ShardSummary& summary);
-ShardSummary read_summary(const ArtifactReader& file);
-
-class ShardArtifact;
-
 class ShardArtifactWriter {
  public:
   // input_stamp: of what the samples come from (container.h).
@@ -83,7 +47,7 @@ class ShardArtifactWriter {
   // Morton code of the brick's index. Any order.
   void brick(std::uint64_t code, const BrickOctree& octree);
   // The same of a brick that another artifact has. DamagedArtifact when that fails its checks.
-  void brick(std::uint64_t code, const ShardArtifact& from);
+  void brick(std::uint64_t code, const ArtifactReader& from);
   // Nodes in Morton order. Returns the artifact's content hash.
   Hash128 finish(const ShardSummary& summary, std::span<const ShardNode> nodes,
                  const ShardHistory& history = {});
@@ -92,6 +56,9 @@ class ShardArtifactWriter {
   ArtifactWriter file_;
   std::vector<std::byte> section_;
 };
+
+// Of one brick of an octree artifact.
+std::vector<BlockCount> read_block_counts(const ArtifactReader& file, std::uint64_t code);
 
 // Reads are thread-safe: a reader holds the index only.
 class ShardArtifact {
@@ -103,9 +70,8 @@ class ShardArtifact {
   const std::string& provenance() const { return file_.provenance(); }
   const std::string& path() const { return file_.path(); }
 
-  ShardSummary summary() const;
+  ShardSummary summary() const { return read_summary(file_); }
   std::vector<ShardNode> nodes() const;
-  ShardHistory history() const;
 
   bool has_brick(std::uint64_t code) const;
   // Hashes of the parts stitch reads of its own bricks, or of neighbours (the skin alone).
@@ -116,10 +82,11 @@ class ShardArtifact {
   void read_skin(std::uint64_t code, Skin& out) const;
   // Bytes the brick's parts take in memory.
   std::uint64_t brick_bytes(std::uint64_t code) const;
-  std::vector<BlockCount> block_counts(std::uint64_t code) const;
+  std::vector<BlockCount> block_counts(std::uint64_t code) const {
+    return read_block_counts(file_, code);
+  }
 
  private:
-  friend class ShardArtifactWriter;
   template <class T>
   void read_where_any(std::uint64_t code, std::uint64_t part, std::vector<T>& out) const;
 

@@ -23,7 +23,7 @@ void read_all_of_shard(const fs::path& path) {
   const ShardArtifact artifact(path);
   artifact.summary();
   artifact.nodes();
-  artifact.history();
+  read_history(ArtifactReader(path, shard_kind, shard_version));
   BrickOctree brick;
   // The tests' volumes have a few bricks a side.
   for (std::uint64_t code = 0; code < 4096; ++code)
@@ -56,6 +56,11 @@ void read_all_of_label_shard(const fs::path& path) {
   });
   for (std::uint64_t page = 0; page < artifact.node_pages(); ++page)
     artifact.each_node(page, [](const LabelNode&, std::span<const std::byte>) {});
+  // As a build does that keeps all bricks.
+  const ArtifactReader file(path, label_shard_kind, label_shard_version);
+  LabelShardWriter copy(path.string() + ".copy", {}, {});
+  for (const BuiltBrick& built : read_history(file).bricks)
+    copy.brick(built.code, file, [](const PieceHead&, std::span<const PieceBlock>) {});
 }
 
 void read_all_of_label_top(const fs::path& path) {

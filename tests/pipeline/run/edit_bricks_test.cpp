@@ -3,9 +3,10 @@
 
 #include <random>
 
-#include "storage/artifact/shard_artifact.h"
+#include "storage/artifact/label_shard_artifact.h"
 #include "storage/support/hash.h"
 #include "tests/pipeline/run/edit_scene.h"
+#include "tests/pipeline/run/label_volumes.h"
 
 namespace voxweld::testing {
 namespace {
@@ -18,75 +19,100 @@ using ::testing::Not;
 const Settings one_shard = {"work.brick=16", "work.shard=4", "output.tile_vertices=1024"};
 
 std::vector<fs::path> octrees_of(const fs::path& work) {
-  std::vector<fs::path> paths;
-  for (const auto& entry : fs::recursive_directory_iterator(work))
-    if (entry.path().extension() == ".octree") paths.push_back(entry.path());
-  return paths;
+  return files_ending(work, ".octree");
 }
 
-// Name -> content of each shard's artifact.
-Tree shards_of(const fs::path& work) {
-  Tree tree;
-  for (const fs::path& path : octrees_of(work)) {
-    const ShardArtifact artifact(path);
-    tree[path.filename().string()] = to_hex(artifact.key()) + to_hex(artifact.content_hash());
+// Of a volume whose bricks all have a surface.
+class EditBricks : public ::testing::TestWithParam<const char*> {
+ protected:
+  bool of_labels() const { return mode() != "off"; }
+  std::string mode() const { return GetParam(); }
+  Settings settings() const {
+    return one_shard + Settings{"labels.mode=" + mode()} +
+           (of_labels() ? Settings{"output.tile_vertices=8192"} : Settings{});
   }
-  return tree;
-}
 
-std::string random_edits(std::mt19937& random) {
-  const auto number = [&](double from, double to) {
-    return std::uniform_real_distribution<double>(from, to)(random);
-  };
-  std::string text;
-  for (int i = 0; i < 4; ++i) {
-    const Vec3 center{number(-5, 70), number(-5, 70), number(-5, 70)};
-    text += ball(random() % 3 == 0 ? "add" : "subtract", center, number(2, 20));
+  std::unique_ptr<Scene> make_scene(int side) const {
+    if (!of_labels()) return std::make_unique<Scene>("gyroid", side);
+    return std::make_unique<Scene>(cell_labels({side, side, side}, 60, 0.01, 3));
   }
-  return text;
-}
+
+  // op: of labels, the second of two is `replace`.
+  std::string cut(bool first, Vec3 center, double radius, int material) const {
+    if (!of_labels()) return ball(first ? "add" : "subtract", center, radius);
+    return ball(first ? "add" : "replace", center, radius) +
+           fmt::format("material = {}\n", material);
+  }
+
+  // Name -> content of each shard's artifact.
+  Tree shards_of(const fs::path& work) const {
+    Tree tree;
+    for (const fs::path& path : octrees_of(work)) {
+      const bool each = mode() == "each";
+      const ArtifactReader artifact(path, each ? label_shard_kind : shard_kind,
+                                    each ? label_shard_version : shard_version);
+      tree[path.filename().string()] = to_hex(artifact.key()) + to_hex(artifact.content_hash());
+    }
+    return tree;
+  }
+
+  std::string random_edits(std::mt19937& random) const {
+    const auto number = [&](double from, double to) {
+      return std::uniform_real_distribution<double>(from, to)(random);
+    };
+    std::string text;
+    for (int i = 0; i < 4; ++i) {
+      const Vec3 center{number(-5, 70), number(-5, 70), number(-5, 70)};
+      text += cut(random() % 3 == 0, center, number(2, 20), static_cast<int>(random() % 64));
+    }
+    return text;
+  }
+};
 
 // Whatever the edits were before: shards are, to the bit, what they are when built at once.
-TEST(EditBricks, AShardIsTheSameAsOneBuiltAtOnce) {
-  const Scene scene("gyroid", 64);
-  const EditScene edits(scene);
+TEST_P(EditBricks, AShardIsTheSameAsOneBuiltAtOnce) {
+  const auto scene = make_scene(64);
+  const EditScene edits(*scene);
   std::mt19937 random(7);
   bool kept = false;
   std::string text = random_edits(random);
   for (int round = 0; round < 5; ++round) {
     // One of the edits goes and another one comes; now and then all are others.
-    text = round % 4 == 3 ? random_edits(random)
-                          : text.substr(text.find("[[edit]]", 1)) +
-                                ball(round % 2 == 0 ? "add" : "subtract",
-                                     {8.0 * round, 40, 30 - 2.0 * round}, 4 + round);
+    text = round % 4 == 3
+               ? random_edits(random)
+               : text.substr(text.find("[[edit]]", 1)) +
+                     cut(round % 2 == 0, {8.0 * round, 40, 30 - 2.0 * round}, 4 + round, 7);
     edits.set(text);
-    const ProgramResult run = scene.run(one_shard);
+    const ProgramResult run = scene->run(settings());
     VOXWELD_EXPECT_DONE(run);
     kept = kept || run.err.find(" kept: no edit") != std::string::npos;
-    fs::remove_all(scene.work("fresh"));
-    fs::remove_all(scene.output("fresh"));
-    VOXWELD_EXPECT_DONE(scene.run_in("fresh", one_shard));
-    EXPECT_EQ(difference(shards_of(scene.work("fresh")), shards_of(scene.work())), "") << text;
-    EXPECT_EQ(difference(output_tree(scene.output("fresh")), output_tree(scene.output())), "");
+    fs::remove_all(scene->work("fresh"));
+    fs::remove_all(scene->output("fresh"));
+    VOXWELD_EXPECT_DONE(scene->run_in("fresh", settings()));
+    EXPECT_EQ(difference(shards_of(scene->work("fresh")), shards_of(scene->work())), "") << text;
+    EXPECT_EQ(difference(output_tree(scene->output("fresh")), output_tree(scene->output())), "");
   }
   EXPECT_TRUE(kept);
 }
 
 // A ball inside of one brick touches it alone, one at a corner of bricks the eight around it.
-TEST(EditBricks, OnlyThoseItReachesAreBuiltAgain) {
-  const Scene scene("gyroid", 60);
-  const EditScene edits(scene);
-  VOXWELD_EXPECT_DONE(scene.run(one_shard));
-  edits.set(ball("subtract", {24, 24, 24}, 4));
-  EXPECT_THAT(scene.run(one_shard).err, HasSubstr("bricks 1 were built and 63 kept"));
-  edits.set(ball("subtract", {31, 31, 31}, 3));
+TEST_P(EditBricks, OnlyThoseItReachesAreBuiltAgain) {
+  const auto scene = make_scene(60);
+  const EditScene edits(*scene);
+  VOXWELD_EXPECT_DONE(scene->run(settings()));
+  edits.set(cut(false, {24, 24, 24}, 4, 9));
+  EXPECT_THAT(scene->run(settings()).err, HasSubstr("bricks 1 were built and 63 kept"));
+  edits.set(cut(false, {31, 31, 31}, 3, 9));
   // The one that it left, and those it came to, of which that is one.
-  EXPECT_THAT(scene.run(one_shard).err, HasSubstr("bricks 8 were built and 56 kept"));
+  EXPECT_THAT(scene->run(settings()).err, HasSubstr("bricks 8 were built and 56 kept"));
   edits.set("");
-  EXPECT_THAT(scene.run(one_shard).err, HasSubstr("bricks 8 were built and 56 kept"));
+  EXPECT_THAT(scene->run(settings()).err, HasSubstr("bricks 8 were built and 56 kept"));
 }
 
-TEST(EditBricks, NothingIsKeptOfOtherSamples) {
+INSTANTIATE_TEST_SUITE_P(Modes, EditBricks, ::testing::Values("off", "each", "shared"),
+                         [](const auto& mode) { return std::string(mode.param); });
+
+TEST(EditedShard, NothingIsKeptOfOtherSamples) {
   const Scene scene(noise_volume({30, 30, 30}, 4));
   const EditScene edits(scene);
   VOXWELD_EXPECT_DONE(scene.run(one_shard));
@@ -98,16 +124,17 @@ TEST(EditBricks, NothingIsKeptOfOtherSamples) {
   EXPECT_EQ(difference(scene.clean_tree(one_shard), output_tree(scene.output())), "");
 }
 
-TEST(EditBricks, NothingIsKeptOfADamagedShard) {
-  const Scene scene("part", 60);
-  const EditScene edits(scene);
-  edits.set(ball("subtract", {24, 24, 24}, 4));
-  const Tree expected = scene.clean_tree(one_shard);
+TEST_P(EditBricks, NothingIsKeptOfADamagedShard) {
+  const auto scene = make_scene(36);
+  const EditScene edits(*scene);
+  const std::string edit = cut(false, {24, 24, 24}, 4, 9);
+  edits.set(edit);
+  const Tree expected = scene->clean_tree(settings());
   for (int i = 1; i < 12; ++i) {
-    fs::remove_all(scene.work());
+    fs::remove_all(scene->work());
     edits.set("");
-    VOXWELD_EXPECT_DONE(scene.run(one_shard));
-    const fs::path path = octrees_of(scene.work()).at(0);
+    VOXWELD_EXPECT_DONE(scene->run(settings()));
+    const fs::path path = octrees_of(scene->work()).at(0);
     const auto at =
         static_cast<std::streamoff>(fs::file_size(path) * static_cast<unsigned>(i) / 12);
     std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
@@ -116,9 +143,9 @@ TEST(EditBricks, NothingIsKeptOfADamagedShard) {
     file.seekp(at);
     file.put(static_cast<char>(byte ^ 4));
     file.close();
-    edits.set(ball("subtract", {24, 24, 24}, 4));
-    VOXWELD_EXPECT_DONE(scene.run(one_shard));
-    EXPECT_EQ(difference(expected, output_tree(scene.output())), "") << at;
+    edits.set(edit);
+    VOXWELD_EXPECT_DONE(scene->run(settings()));
+    EXPECT_EQ(difference(expected, output_tree(scene->output())), "") << at;
   }
 }
 
