@@ -13,6 +13,7 @@
 #include "pipeline/config/edit_settings.h"
 #include "pipeline/config/edit_text.h"
 #include "pipeline/config/refuse.h"
+#include "pipeline/solids/closed_mesh.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 
@@ -118,6 +119,11 @@ void check_arguments(const EditArguments& arguments) {
     throw InputError("--shape: is of --change; with --add the shape is the word behind it");
 }
 
+// Which of the edits was added or changed.
+std::size_t edited(const EditArguments& arguments, const Config& config) {
+  return arguments.changed.value_or(config.edits.size()) - 1;
+}
+
 // Makes the change; returns what was done, for the terminal.
 std::string apply(const EditArguments& arguments, EditText& text) {
   if (arguments.removed) {
@@ -134,12 +140,23 @@ std::string apply(const EditArguments& arguments, EditText& text) {
   return fmt::format("edit {} changed", *arguments.changed);
 }
 
+[[noreturn]] void refuse_change(const EditArguments& arguments, const Error& error) {
+  throw InputError(fmt::format("{} is left as it is; so changed it would be refused: {}",
+                               arguments.run.config, error.what()));
+}
+
+// What the file would be. The mesh of the edit in question is one that can be used.
 Config checked(const EditArguments& arguments, const std::string& text) {
   try {
-    return parse_config(text, arguments.run.config, arguments.run.overrides);
+    const Config config = parse_config(text, arguments.run.config, arguments.run.overrides);
+    if (arguments.removed) return config;
+    const EditConfig& edit = config.edits[edited(arguments, config)];
+    if (edit.shape == SolidShape::mesh) read_closed_mesh(edit.path, config.run.memory, edit.close);
+    return config;
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{} is left as it is; so changed it would be refused: {}",
-                                 arguments.run.config, error.what()));
+    refuse_change(arguments, error);
+  } catch (const FormatError& error) {
+    refuse_change(arguments, error);
   }
 }
 
@@ -176,9 +193,8 @@ int edit(Program& program, const EditArguments& arguments) {
   const std::string done = apply(arguments, text);
   const Config config = checked(arguments, text.text());
   if (text.text() != before) write(arguments, text.text());
-  const std::size_t number = arguments.changed.value_or(config.edits.size());
   fmt::print("{}: {}{}\n", arguments.run.config, done,
-             arguments.removed ? "" : ": " + line_of(config.edits[number - 1]));
+             arguments.removed ? "" : ": " + line_of(config.edits[edited(arguments, config)]));
   if (arguments.no_run) return 0;
   std::fflush(stdout);  // a run may take hours
   LocalExecutor here;

@@ -7,9 +7,10 @@
 namespace voxweld {
 namespace {
 
-constexpr std::size_t runs_merged = 16;    // at once
-constexpr std::size_t counts_read = 256;   // of a run at once
-constexpr std::size_t most_runs = 8 * 16;  // there are never so many: 16^8 times a full table
+constexpr std::size_t runs_merged = 16;   // at once
+constexpr std::size_t counts_read = 256;  // of a run at once
+constexpr std::size_t most_runs =
+    std::size_t{8} * 16;  // there are never so many: 16^8 times a full table
 
 template <class T>
 std::span<const std::byte> bytes_of(const std::vector<T>& values) {

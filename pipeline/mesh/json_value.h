@@ -76,7 +76,7 @@ class JsonValue {
   const nlohmann::json& raw() const { return value_; }
 
  private:
-  static std::string shortened(std::string text) {
+  static std::string shortened(const std::string& text) {
     return text.size() <= 60 ? text : text.substr(0, 57) + "...";
   }
   std::string joined(const std::string& key) const { return key_.empty() ? key : key_ + "." + key; }

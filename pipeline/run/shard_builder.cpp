@@ -26,8 +26,8 @@ ShardBuilder::ShardBuilder(const BuildJob& job) : job_(job), octrees_(make_shard
 
 std::uint64_t ShardBuilder::memory_bytes(const BrickGrid& grid, SampleType type, LabelMode labels,
                                          bool replaces) {
-  const std::uint64_t side =
-      (std::uint64_t{1} << grid.brick_level()) + 2 + 2 * (gradient_halo + label_halo);
+  const std::uint64_t side = (std::uint64_t{1} << grid.brick_level()) + 2 +
+                             std::uint64_t{2} * (gradient_halo + label_halo);
   const std::uint64_t one = side * side * side;
   const std::uint64_t brick = build_brick_bytes(grid.brick_level());
   if (labels == LabelMode::each) {

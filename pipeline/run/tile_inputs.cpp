@@ -63,6 +63,7 @@ std::vector<CellKey> tile_bricks(const BuildJob& job, CellKey tile, ShardFiles& 
       }
   std::sort(codes.begin(), codes.end());
   std::vector<CellKey> bricks;
+  bricks.reserve(codes.size());
   for (const std::uint64_t code : codes) bricks.push_back({level, morton_decode(code)});
   return bricks;
 }

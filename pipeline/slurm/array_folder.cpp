@@ -62,6 +62,7 @@ std::vector<ArrayFolder> ArrayFolder::all(const fs::path& parent) {
   for (fs::directory_iterator at(parent, error), end; !error && at != end; at.increment(error))
     if (const auto number = number_of(at->path())) paths.emplace(*number, at->path());
   std::vector<ArrayFolder> folders;
+  folders.reserve(paths.size());
   for (auto& [number, path] : paths) folders.emplace_back(std::move(path));
   return folders;
 }

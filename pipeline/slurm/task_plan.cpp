@@ -81,7 +81,7 @@ UnitSelection task_selection(const std::string& line) {
 
 std::string task_arguments(StageName stage, const PlannedTask& task) {
   // The driver has looked at what the stage needs.
-  const std::string checked = "--inputs-checked";
+  std::string checked = "--inputs-checked";
   if (stage == "merge") return checked;  // all of it
   if (stage == "ingest" || stage == "build") return "--shards " + unit_list(task.units);
   return "--tiles " + unit_list(task.units) + " " + checked;

@@ -10,8 +10,9 @@ const ContourParameters& LocalEdits::around(const Box3& samples) {
     const std::shared_ptr<const LatticeSolid>& mesh = whole_.edits[i].solid.mesh;
     if (mesh == nullptr) continue;
     local_.edits[i].solid.mesh.reset();  // the last brick's, before there is another
-    auto piece = mesh->near(samples);
-    local_.edits[i].solid.mesh = piece != nullptr ? std::move(piece) : mesh;
+    std::shared_ptr<const LatticeSolid> piece = mesh->near(samples);
+    if (piece == nullptr) piece = mesh;
+    local_.edits[i].solid.mesh = std::move(piece);
   }
   return local_;
 }

@@ -37,6 +37,7 @@ MeshBoundary boundary_of_held(const std::vector<PlaceEdge>& edges) {
         std::lower_bound(places.begin(), places.end(), place, before) - places.begin());
   };
   std::vector<std::pair<std::uint32_t, std::uint32_t>> numbered;
+  numbered.reserve(edges.size());
   for (const PlaceEdge& edge : edges) numbered.emplace_back(number(edge.low), number(edge.high));
   return boundary_of(numbered, places);
 }

@@ -14,7 +14,7 @@ std::size_t offset(Index3 at, Index3 size) {
 
 // Of box and `reach` around it, whatever the volume's border.
 void LabelField::fill_indicator(const HaloBlock& block, std::uint64_t label, const Box3& box) {
-  const Index3 lo = box.lo - splat(reach), size = box.size() + splat(2 * reach);
+  const Index3 lo = box.lo - splat(reach), size = box.size() + splat(std::int64_t{2} * reach);
   field_.resize(static_cast<std::size_t>(size.x * size.y * size.z));
   dispatch_sample_type(block.type, [&](auto tag) {
     using T = typename decltype(tag)::type;
@@ -44,7 +44,7 @@ void LabelField::fill_indicator(const HaloBlock& block, std::uint64_t label, con
 // In place of `field_`, of `size`: each value by the five along the axis that it is the first of.
 void LabelField::filter_along(int axis, Index3 size) {
   Index3 less = size;
-  less[axis] -= 2 * reach;
+  less[axis] -= std::int64_t{2} * reach;
   rows_.resize(static_cast<std::size_t>(less.x * less.y * less.z));
   const std::size_t step = axis == 0   ? 1
                            : axis == 1 ? static_cast<std::size_t>(size.x)
@@ -61,10 +61,10 @@ void LabelField::filter_along(int axis, Index3 size) {
 
 HaloBlock LabelField::filter(const HaloBlock& block, std::uint64_t label, const Box3& box) {
   fill_indicator(block, label, box);
-  Index3 size = box.size() + splat(2 * reach);
+  Index3 size = box.size() + splat(std::int64_t{2} * reach);
   for (int axis = 0; axis < 3; ++axis) {
     filter_along(axis, size);
-    size[axis] -= 2 * reach;
+    size[axis] -= std::int64_t{2} * reach;
   }
   return {SampleType::i32, block.size,     box, reinterpret_cast<const std::byte*>(field_.data()),
           size.x,          size.x * size.y};

@@ -100,7 +100,7 @@ void LabelHermite::compute(const HaloBlock& samples, Index3 brick, const LabelGr
 
 std::uint64_t LabelHermite::memory_bytes() {
   constexpr std::uint64_t points = block_side + 1,
-                          field = points + 2 * gradient_halo + 2 * LabelField::reach;
+                          field = points + std::size_t{2} * (gradient_halo + LabelField::reach);
   return points * points * points * (2 * field * field * field * sizeof(std::int32_t) + 128);
 }
 

@@ -17,7 +17,7 @@ std::uint64_t pack_flags(const std::uint8_t* flags) {
   std::uint64_t bits = 0;
   for (int group = 0; group < 8; ++group) {
     std::uint64_t eight;
-    std::memcpy(&eight, flags + 8 * group, 8);
+    std::memcpy(&eight, flags + std::ptrdiff_t{8} * group, 8);
     bits |= (eight * 0x0102040810204080ULL >> 56) << (8 * group);
   }
   return bits;

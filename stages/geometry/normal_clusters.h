@@ -29,7 +29,7 @@ class ClusterMerge {
   NormalClusters merged() const { return cluster_normals({sums_.data(), count_}); }
 
  private:
-  std::array<NormalSum, 8 * max_clusters> sums_{};
+  std::array<NormalSum, std::size_t{8} * max_clusters> sums_{};
   std::size_t count_ = 0;
 };
 

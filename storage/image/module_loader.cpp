@@ -37,7 +37,7 @@ std::vector<std::filesystem::path> search_directories() {
 std::filesystem::path find_module() {
   std::vector<std::string> tried;
   for (const std::filesystem::path& directory : search_directories()) {
-    const std::filesystem::path candidate = directory / module_file;
+    std::filesystem::path candidate = directory / module_file;
     std::error_code error;
     if (std::filesystem::exists(candidate, error)) return candidate;
     tried.push_back(directory.string());

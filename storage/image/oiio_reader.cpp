@@ -18,7 +18,7 @@ constexpr int white_is_zero = 0;
 constexpr int palette = 3;
 }  // namespace tiff
 
-std::optional<SampleType> sample_type(OIIO::TypeDesc format) {
+std::optional<SampleType> sample_type(const OIIO::TypeDesc& format) {
   switch (format.basetype) {
     case OIIO::TypeDesc::UINT8:
       return SampleType::u8;

@@ -102,6 +102,14 @@ class Body {
     if (!lines_.next()) truncated();
     word_ = 0;
   }
+  // How many values the property has here.
+  std::uint32_t count(const Property& property) {
+    if (!property.count_type) return 1;
+    const double count = next(*property.count_type);
+    if (!(count >= 0 && count < 4294967296.0))
+      file_.fail(fmt::format("a list {} of {} values", property.name, count));
+    return static_cast<std::uint32_t>(count);
+  }
   double next(SampleType type) {
     if (encoding_ == Encoding::text) return next_word();
     const std::size_t width = sample_bytes(type);
@@ -135,9 +143,9 @@ class Body {
 Vec3 read_place(const Element& element, Body& body) {
   Vec3 place;
   for (const Property& property : element.properties) {
-    double count = 1, value = 0;
-    if (property.count_type) count = body.next(*property.count_type);
-    for (; count > 0; --count) value = body.next(property.type);
+    double value = 0;
+    for (std::uint32_t count = body.count(property); count > 0; --count)
+      value = body.next(property.type);
     if (property.name.size() == 1 && property.name >= "x" && property.name <= "z")
       place[property.name[0] - 'x'] = value;
   }
@@ -152,9 +160,7 @@ bool holds_corners(const Property& property) {
 void read_face(const MeshStream& file, const Element& element, Body& body, MeshOutput& out) {
   out.begin_polygon();
   for (const Property& property : element.properties) {
-    double count = 1;
-    if (property.count_type) count = body.next(*property.count_type);
-    for (; count > 0; --count) {
+    for (std::uint32_t count = body.count(property); count > 0; --count) {
       const double value = body.next(property.type);
       // The double of a number of 32 bits is the number; what is no number is out of any range.
       const bool fits = value >= 0 && value < 4294967296.0;

@@ -117,6 +117,9 @@ TEST_F(Edit, LeavesTheFileAloneWhereItIsRefused) {
   refused({"--remove", "1"}, {"left as it is", "no edits have no surface"});
   refused({"--change", "1", "--radius", "9", "--set", "run.threads=-1"}, {"run.threads"});
   refused({"--change", "1"}, {"expected a key to change", "--radius"});
+  refused({"--add", "mesh", "--path", "none.off"}, {"left as it is", "none.off: no such mesh"});
+  write_bytes(place_.at("open.off"), "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  refused({"--add", "mesh", "--path", place_.at("open.off")}, {"left as it is", "is not closed"});
   refused({"--remove", "1", "--radius", "3"}, {"--radius", "--remove"});
   refused({"--add", "sphere", "--shape", "box"}, {"--shape", "--change"});
   refused({}, {"--add", "--change", "--remove", "--list", "none"});

@@ -179,6 +179,14 @@ TEST_F(MeshFileTest, SaysWhatIsWrong) {
                        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
                        "property float y\nproperty float z\nend_header\n0 0 0\n"),
               HasSubstr("no faces with a list vertex_indices"));
+  for (const char* count : {"-1", "nan", "1e+30"})
+    EXPECT_THAT(
+        error_of("a.ply", std::string("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                                      "property float y\nproperty float z\nelement face 1\n"
+                                      "property list double int vertex_indices\nend_header\n"
+                                      "0 0 0\n") +
+                              count + " 0 0 0\n"),
+        HasSubstr("a list vertex_indices of " + std::string(count)));
   EXPECT_THAT(error_of("a.stl", "solid x\nfacet\nouter loop\nvertex 0 0 0\nendloop\n"),
               HasSubstr("line 5: expected three vertices, found 1"));
 }
