@@ -60,14 +60,16 @@ void check_spooled_mesh(const std::filesystem::path& path, const SpooledMesh& me
   double volume = 0;
   Vec3 from;  // a corner of the mesh, so that places far from 0 cancel nothing
   bool first = true;
+  std::uint64_t seen = 0;
   mesh.each(
       [&](const SpooledMesh::Corners& c) {
         if (first) from = c[0];
         first = false;
+        ++seen;
         volume += dot(c[0] - from, cross(c[1] - from, c[2] - from));
         for (std::size_t i = 0; i < 3; ++i) parity.add(c[i], c[(i + 1) % 3]);
       },
-      work.between);
+      [&] { work.step("looking for holes", seen); });
   const std::size_t most = std::max<std::size_t>(work.memory / 4 / bytes_of_open_edge, 1024);
   OpenEdges open;
   parity.finish([&](const PlaceEdge& edge) {

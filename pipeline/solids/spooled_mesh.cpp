@@ -82,6 +82,9 @@ class SpooledMesh::Reading final : public MeshSink {
     put(own);
   }
 
+  std::uint64_t triangles() const {
+    return std::max(mesh_.triangles_, std::uint64_t{corners_.size()} / 3);
+  }
   void finish() {
     places_.flush();
     if (corners_.size() > 0) join();
@@ -110,14 +113,14 @@ class SpooledMesh::Reading final : public MeshSink {
             by_triangle.push({key.minor, 0}, std::as_bytes(std::span(&place, 1)));
           ++vertex;
         },
-        work_.between);
+        [&] { work_.step("sorting their corners", by_triangle.size() / 3); });
     corners_.clear();
     Corners corners;
     for (std::uint64_t corner = 0; by_triangle.next(key, record); ++corner) {
       std::memcpy(&corners[corner % 3], record.data(), sizeof(Vec3));
       if (corner % 3 != 2) continue;
       put(corners);
-      if (work_.between && corner % piece_records == 0) work_.between();
+      if (corner % piece_records == 0) work_.step("finding their corners", corner / 3);
     }
   }
 
@@ -132,7 +135,7 @@ class SpooledMesh::Reading final : public MeshSink {
 SpooledMesh::SpooledMesh(const std::filesystem::path& path, const MeshWork& work)
     : file_(work.folder) {
   Reading reading(*this, work);
-  facts_ = read_mesh_file(path, reading, work.between);
+  facts_ = read_mesh_file(path, reading, [&] { work.step("reading", reading.triangles()); });
   reading.finish();
   if (triangles_ == 0) throw FormatError(fmt::format("{}: no triangles", path.string()));
 }

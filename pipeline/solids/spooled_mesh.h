@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <string_view>
 
 #include "stages/geometry/solid.h"
 #include "storage/readers/mesh_file.h"
@@ -18,6 +19,13 @@ struct MeshWork {
   std::filesystem::path folder;   // for scratch files
   std::uint64_t memory = 0;       // bytes that may be taken
   std::function<void()> between;  // called now and then, to stop
+  // Called as often: what is done, and to how many triangles so far. May be empty.
+  std::function<void(std::string_view, std::uint64_t)> progress = {};
+
+  void step(std::string_view what, std::uint64_t triangles) const {
+    if (between) between();
+    if (progress) progress(what, triangles);
+  }
 };
 
 class SpooledMesh {

@@ -79,6 +79,27 @@ TEST_F(StreamedMeshTest, EveryFormatGivesTheTrianglesOfMemory) {
   }
 }
 
+// Whoever waits is told what is done, and how far it is.
+TEST_F(StreamedMeshTest, TellsHowFarItIs) {
+  for (const std::string name : {"ball.stl", "little.ply"}) {
+    const auto path = directory_ / name;
+    write_mesh(path, untidy_ball(8));
+    std::map<std::string, std::vector<std::uint64_t>> told;
+    MeshWork telling = work();
+    telling.progress = [&](std::string_view what, std::uint64_t triangles) {
+      told[std::string(what)].push_back(triangles);
+    };
+    const SpooledMesh spooled(path, telling);
+    check_spooled_mesh(path, spooled, telling);
+    EXPECT_EQ(told.size(), name == "ball.stl" ? 2U : 4U) << name;
+    for (const auto& [what, counts] : told) {
+      EXPECT_TRUE(std::ranges::is_sorted(counts)) << name << ": " << what;
+      EXPECT_GT(counts.back(), spooled.triangles() / 3) << name << ": " << what;
+      EXPECT_LE(counts.back(), spooled.triangles() + 2) << name << ": " << what;
+    }
+  }
+}
+
 TEST_F(StreamedMeshTest, RefusesWhatTheReaderRefuses) {
   const auto error = [&](const std::string& text) {
     const auto path = directory_ / "a.off";
