@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "pipeline/solids/closed_mesh.h"
 #include "pipeline/solids/edge_parity.h"
@@ -54,6 +55,17 @@ std::string first_edges_text(const std::vector<PlaceEdge>& edges) {
 
 }  // namespace
 
+std::function<void(std::string_view, std::uint64_t)> progress_lines(
+    const std::filesystem::path& path) {
+  using Clock = std::chrono::steady_clock;
+  return [path, last = Clock::now()](std::string_view what, std::uint64_t triangles) mutable {
+    if (Clock::now() - last < std::chrono::seconds(5)) return;
+    last = Clock::now();
+    spdlog::info("{}: {}: {:.1f} million triangles so far", path.string(), what,
+                 static_cast<double>(triangles) / 1e6);
+  };
+}
+
 void check_spooled_mesh(const std::filesystem::path& path, const SpooledMesh& mesh,
                         const MeshWork& work) {
   EdgeParity parity(work.folder, work.memory / 4 * 3);
@@ -93,7 +105,7 @@ MeshSummary summary_of_mesh(const std::filesystem::path& path, std::uint64_t bud
     return {file.format, file.mesh.vertices.size(), file.mesh.triangles.size(),
             bounds_of(file.mesh)};
   }
-  const MeshWork work{folder, budget - budget / 8, {}};
+  const MeshWork work{folder, budget - budget / 8, {}, progress_lines(path)};
   const SpooledMesh mesh(path, work);
   check_spooled_mesh(path, mesh, work);
   return {mesh.file().format, mesh.vertices(), mesh.triangles(), mesh.bounds()};

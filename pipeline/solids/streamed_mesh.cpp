@@ -4,8 +4,6 @@
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
 
-#include <chrono>
-
 #include "pipeline/executor/probe.h"
 #include "pipeline/run/shard_builder.h"
 #include "pipeline/solids/binned_mesh.h"
@@ -57,17 +55,6 @@ MeshWork work_for(const Config& config, const fs::path& folder, const InterruptF
     if (interrupt != nullptr) interrupt->check();
   };
   return work;
-}
-
-// A line now and then, since this comes before the stages and their progress.
-auto progress_of(const fs::path& path) {
-  using Clock = std::chrono::steady_clock;
-  return [path, last = Clock::now()](std::string_view what, std::uint64_t triangles) mutable {
-    if (Clock::now() - last < std::chrono::seconds(5)) return;
-    last = Clock::now();
-    spdlog::info("{}: {}: {:.1f} million triangles so far", path.string(), what,
-                 static_cast<double>(triangles) / 1e6);
-  };
 }
 
 MeshRecord record_of(const SpooledMesh& mesh) {
@@ -145,7 +132,7 @@ std::shared_ptr<StreamedMesh> plan_streamed_mesh(const Config& config, const fs:
     spdlog::info("{}: the mesh does not fit run.memory; it is read by pieces, through {}",
                  path.string(), folder.string());
     MeshWork work = work_for(config, folder, interrupt);
-    work.progress = progress_of(path);
+    work.progress = progress_lines(path);
     mesh->spooled = std::make_shared<SpooledMesh>(path, work);
     check_spooled_mesh(path, *mesh->spooled, work);
     mesh->record = record_of(*mesh->spooled);
