@@ -148,7 +148,7 @@ std::string apply(const EditArguments& arguments, EditText& text) {
 // What the file would be. The mesh of the edit in question is one that can be used.
 Config checked(const EditArguments& arguments, const std::string& text) {
   try {
-    const Config config = parse_config(text, arguments.run.config, arguments.run.overrides);
+    Config config = parse_config(text, arguments.run.config, arguments.run.overrides);
     if (arguments.removed) return config;
     const EditConfig& edit = config.edits[edited(arguments, config)];
     if (edit.shape == SolidShape::mesh) read_closed_mesh(edit.path, config.run.memory, edit.close);

@@ -46,7 +46,7 @@ Setting row(Words words, binding::Binding bound, Stages stages) {
   setting.table = words.table;
   setting.key = words.key;
   setting.rule = std::move(bound.rule);
-  setting.stages = std::move(stages);
+  setting.stages = stages;
   setting.description = words.description;
   setting.default_note = words.default_note;
   setting.default_value = bound.get(Config{});

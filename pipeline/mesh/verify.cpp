@@ -254,8 +254,10 @@ class Verifier {
       ++report_.files;
       report_.bytes += bytes.size();
       if (!manifest_.merged || !options_.merged) continue;
-      if (file.path == manifest_.merged->drc) merged.drc = std::move(bytes);
-      if (file.path == manifest_.merged->glb) merged.glb = std::move(bytes);
+      if (file.path == manifest_.merged->drc)
+        merged.drc = std::move(bytes);
+      else if (file.path == manifest_.merged->glb)
+        merged.glb = std::move(bytes);
     }
     note_all(problems);
     if (!manifest_.merged || !options_.merged) return;

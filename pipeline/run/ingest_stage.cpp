@@ -254,6 +254,7 @@ void do_shards(RunContext& context, const IngestJob& job,
   if (context.executor->in_process() && !missing.empty())
     work.emplace(context, job, layout, missing);
   std::vector<std::unique_ptr<ShardWork::Worker>> workers;
+  workers.reserve(static_cast<std::size_t>(threads));
   for (int i = 0; i < threads; ++i)
     workers.push_back(std::make_unique<ShardWork::Worker>(layout.type));
   run_stage(context, stage, units_of(layout, missing, job.info), threads,

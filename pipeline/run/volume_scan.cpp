@@ -49,6 +49,7 @@ ScanResult scan_volume(RunContext& context, const SampleSource& source, const st
     explicit Worker(SampleType type) : statistics(type) {}
   };
   std::vector<std::unique_ptr<Worker>> workers;
+  workers.reserve(static_cast<std::size_t>(threads));
   for (int i = 0; i < threads; ++i) workers.push_back(std::make_unique<Worker>(info.type));
   std::vector<Unit> units;
   for (std::size_t i = 0; i < bands.size(); ++i)

@@ -271,7 +271,7 @@ std::unique_ptr<SampleSource> open_nifti(const std::filesystem::path& given) {
   const ReadFile file(path);
   bool compressed = false;
   const std::vector<std::byte> bytes = read_header_bytes(file, compressed);
-  const std::string name = file.path();
+  const std::string& name = file.path();
   const std::optional<NiftiHeader> header = parse_nifti_header(bytes);
   if (!header && looks_analyze(bytes))
     throw FormatError(name +

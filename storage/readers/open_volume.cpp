@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t head_bytes = 4096;
 
 std::string probe_extension(const std::filesystem::path& path) {
-  const std::string last = lower(path.extension().string());
+  std::string last = lower(path.extension().string());
   if (last != ".gz") return last;
   return lower(path.stem().extension().string()) + last;
 }
