@@ -38,8 +38,11 @@ if [ $# -eq 0 ]; then
   "${fixed_addresses[@]}" ctest --test-dir "$build" --output-on-failure -j "$jobs"
 else
   "${fixed_addresses[@]}" cmake --build "$build" -j "$jobs" --target "$@"
+  # In shards, since one program may have all the long tests.
   for program in "$@"; do
     echo "$kind: $program"
-    "${fixed_addresses[@]}" "$build/$program" --gtest_brief=1
+    for ((shard = 0; shard < jobs; ++shard)); do echo "$shard"; done |
+      xargs -P "$jobs" -I{} env GTEST_TOTAL_SHARDS="$jobs" GTEST_SHARD_INDEX={} \
+        "${fixed_addresses[@]}" "$build/$program" --gtest_brief=1
   done
 fi
