@@ -41,7 +41,7 @@ else
   # In shards, since one program may have all the long tests.
   for program in "$@"; do
     echo "$kind: $program"
-    for ((shard = 0; shard < jobs; ++shard)); do echo "$shard"; done |
+    seq 0 $((jobs - 1)) |
       xargs -P "$jobs" -I{} env GTEST_TOTAL_SHARDS="$jobs" GTEST_SHARD_INDEX={} \
         "${fixed_addresses[@]}" "$build/$program" --gtest_brief=1
   done

@@ -64,9 +64,10 @@ void LabelOctrees::build_brick(const CellKey& brick, const WorkerContext& worker
                  if (state == NodeState::outside) return;
                  if (!any) out_->begin_brick(built.code);
                  any = true;
-                 const PieceHead head = out_->piece(material, octree);
+                 const std::vector<PieceBlock> blocks = filled_blocks(octree);
+                 const PieceHead head = out_->piece(material, octree, blocks);
                  surface = surface || has_surface(head);
-                 note(brick.at, head, filled_blocks(octree));
+                 note(brick.at, head, blocks);
                });
   if (any) out_->end_brick();
   note(built, surface);

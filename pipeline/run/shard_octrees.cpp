@@ -116,9 +116,8 @@ void SurfaceOctrees::build(const HaloBlock& block, Index3 first, std::int64_t co
   for (std::int64_t i = 0; i < count; ++i) {
     worker.check_interrupt();
     const CellKey key{job_.grid.brick_level(), first + Index3{i, 0, 0}};
-    const BrickPlace place{key.lo(), key.level};
-    const Box3 samples = intersect(sign_samples(place), Box3{{}, job_.grid.size()});
-    build_brick(block, place, edits_.around(samples), scratch_, brick_);
+    const ContourParameters& parameters = edits_.around(sign_samples(job_.grid, key.at));
+    build_brick(block, place_of_brick(job_.grid, key.at), parameters, scratch_, brick_);
     note(key, brick_.root, brick_.counts);
     if (brick_.root.state == NodeState::outside) continue;
     note_surface(key, brick_.root, brick_.blocks);

@@ -55,8 +55,7 @@ std::string first_edges_text(const std::vector<PlaceEdge>& edges) {
 
 }  // namespace
 
-std::function<void(std::string_view, std::uint64_t)> progress_lines(
-    const std::filesystem::path& path) {
+MeshWork::Progress progress_lines(const std::filesystem::path& path) {
   using Clock = std::chrono::steady_clock;
   return [path, last = Clock::now()](std::string_view what, std::uint64_t triangles) mutable {
     if (Clock::now() - last < std::chrono::seconds(5)) return;

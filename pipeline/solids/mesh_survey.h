@@ -6,9 +6,8 @@
 
 namespace voxweld {
 
-// For MeshWork::progress: a line to the log every five seconds, for work that is in no stage.
-std::function<void(std::string_view, std::uint64_t)> progress_lines(
-    const std::filesystem::path& path);
+// A line to the log every five seconds, for work that is in no stage.
+MeshWork::Progress progress_lines(const std::filesystem::path& path);
 
 // InputError for one that is not closed, with its holes as read_closed_mesh tells them
 // (closed_mesh.h), or their first edges where they are too many for the memory. Warns of one that

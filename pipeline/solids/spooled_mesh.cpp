@@ -82,9 +82,7 @@ class SpooledMesh::Reading final : public MeshSink {
     put(own);
   }
 
-  std::uint64_t triangles() const {
-    return std::max(mesh_.triangles_, std::uint64_t{corners_.size()} / 3);
-  }
+  std::uint64_t triangles() const { return std::max(mesh_.triangles_, corners_.size() / 3); }
   void finish() {
     places_.flush();
     if (corners_.size() > 0) join();

@@ -16,11 +16,12 @@ namespace voxweld {
 
 // What work on such a mesh is given.
 struct MeshWork {
-  std::filesystem::path folder;   // for scratch files
-  std::uint64_t memory = 0;       // bytes that may be taken
-  std::function<void()> between;  // called now and then, to stop
-  // Called as often: what is done, and to how many triangles so far. May be empty.
-  std::function<void(std::string_view, std::uint64_t)> progress = {};
+  std::filesystem::path folder;  // for scratch files
+  std::uint64_t memory = 0;      // bytes that may be taken
+  // What is done, and to how many triangles so far.
+  using Progress = std::function<void(std::string_view, std::uint64_t)>;
+  std::function<void()> between;  // called now and then, to stop; may be empty
+  Progress progress = {};         // called as often; may be empty
 
   void step(std::string_view what, std::uint64_t triangles) const {
     if (between) between();

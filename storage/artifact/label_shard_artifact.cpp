@@ -149,8 +149,8 @@ void LabelShardWriter::append(const PieceHead& head) {
   append(std::as_bytes(std::span(&record, 1)));
 }
 
-PieceHead LabelShardWriter::piece(Material material, const BrickOctree& octree) {
-  const std::vector<PieceBlock> blocks = filled_blocks(octree);
+PieceHead LabelShardWriter::piece(Material material, const BrickOctree& octree,
+                                  std::span<const PieceBlock> blocks) {
   const auto size = [](const auto& values) { return static_cast<std::uint32_t>(values.size()); };
   PieceHead head;
   head.root = octree.root;
@@ -168,7 +168,7 @@ PieceHead LabelShardWriter::piece(Material material, const BrickOctree& octree) 
     return hash.finish();
   };
   const auto vertices = bytes_of(octree.vertices), polygons = bytes_of(octree.polygons),
-             counts = bytes_of(blocks), cells = bytes_of(octree.skin.cells),
+             counts = std::as_bytes(blocks), cells = bytes_of(octree.skin.cells),
              skin = bytes_of(octree.skin.vertices);
   record.body = hash_of(vertices, polygons, counts);
   record.skin = hash_of(cells, skin);

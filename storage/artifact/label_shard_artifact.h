@@ -84,7 +84,8 @@ class LabelShardWriter {
 
   // The pieces of one brick, in any order: between begin_brick and end_brick.
   void begin_brick(std::uint64_t code);
-  PieceHead piece(Material material, const BrickOctree& octree);
+  // blocks: filled_blocks(octree).
+  PieceHead piece(Material material, const BrickOctree& octree, std::span<const PieceBlock> blocks);
   void end_brick();
   // In place of these three, all that another artifact of this kind has of a brick, and f of each
   // piece. DamagedArtifact when one fails its checks.

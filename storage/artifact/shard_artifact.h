@@ -82,9 +82,6 @@ class ShardArtifact {
   void read_skin(std::uint64_t code, Skin& out) const;
   // Bytes the brick's parts take in memory.
   std::uint64_t brick_bytes(std::uint64_t code) const;
-  std::vector<BlockCount> block_counts(std::uint64_t code) const {
-    return read_block_counts(file_, code);
-  }
 
  private:
   template <class T>

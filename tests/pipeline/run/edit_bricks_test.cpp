@@ -37,7 +37,7 @@ class EditBricks : public ::testing::TestWithParam<const char*> {
     return std::make_unique<Scene>(cell_labels({side, side, side}, 60, 0.01, 3));
   }
 
-  // op: of labels, the second of two is `replace`.
+  // One of two kinds of edits: `add`, and `subtract`, or between labels `replace`.
   std::string cut(bool first, Vec3 center, double radius, int material) const {
     if (!of_labels()) return ball(first ? "add" : "subtract", center, radius);
     return ball(first ? "add" : "replace", center, radius) +
