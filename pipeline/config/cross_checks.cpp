@@ -160,8 +160,7 @@ class CrossChecks {
     };
     for (std::size_t i = 0; i < config_.edits.size(); ++i) {
       const EditConfig& edit = config_.edits[i];
-      const bool gives = edit.op == EditOp::add || edit.op == EditOp::replace;
-      if (mode != LabelMode::off && gives && !edit.material)
+      if (mode != LabelMode::off && gives_material(edit.op) && !edit.material)
         refuse(i + 1, "material is missing: expected the label that the solid gets");
       if (mode == LabelMode::off && edit.op == EditOp::replace)
         refuse(i + 1,

@@ -54,8 +54,7 @@ Axes axes_turned(Vec3 degrees) {
 Edit edit_of(const EditConfig& config) {
   Edit edit;
   edit.op = config.op;
-  const bool gives = config.op == EditOp::add || config.op == EditOp::replace;
-  if (gives) edit.material = config.material.value_or(exterior);
+  if (gives_material(config.op)) edit.material = config.material.value_or(exterior);
   Solid& solid = edit.solid;
   solid.shape = config.shape;
   solid.center = config.center;

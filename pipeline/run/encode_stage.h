@@ -8,7 +8,7 @@
 namespace voxweld {
 
 // Goes up whenever encode's bytes change.
-inline constexpr std::uint32_t encode_version = 1;
+inline constexpr std::uint32_t encode_version = 2;
 
 struct EncodeJob {
   const StitchJob* stitch = nullptr;

@@ -7,6 +7,7 @@
 
 #include "stages/build/label_grid.h"
 #include "stages/build/sign_grid.h"
+#include "storage/types/brick_octree.h"
 #include "storage/types/morton.h"
 
 namespace voxweld {
@@ -51,6 +52,9 @@ class ActiveCells {
   bool collapses(std::size_t i) const {
     if (joined_[i] == of_several_labels) return several_[several_before(i)].collapses;
     return collapsible(signs_[i]);
+  }
+  NormalSense normal_sense(std::size_t i) const {
+    return joined_[i] == of_several_labels ? NormalSense::either : NormalSense::outward;
   }
   const std::vector<std::uint32_t>& codes() const { return codes_; }
 

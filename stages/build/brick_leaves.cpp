@@ -46,25 +46,26 @@ void BrickLeaves::add_leaf(int l, std::size_t node) {
   const auto vertex = static_cast<std::uint32_t>(out_->vertices.size());
   std::fill(first_vertex_.begin() + static_cast<std::ptrdiff_t>(begin),
             first_vertex_.begin() + static_cast<std::ptrdiff_t>(end), vertex);
-  add_vertex(LeafCode::make(level.codes[node] << (3 * l), l, 0), leaf.solution,
-             pack_clusters(leaf.clusters));
+  const LeafCode code = LeafCode::make(level.codes[node] << (3 * l), l, 0);
+  add_vertex(code.with(leaf.clusters.sense), leaf.solution, pack_clusters(leaf.clusters));
   out_->counts.worst_residual =
       std::max(out_->counts.worst_residual, static_cast<double>(leaf.solution.residual));
 }
 
 void BrickLeaves::add_cell(std::size_t cell) {
   const std::uint32_t code = cells_->code(cell), first_sheet = nodes_->first_sheet(cell);
+  const NormalSense sense = cells_->normal_sense(cell);
   first_vertex_[cell] = static_cast<std::uint32_t>(out_->vertices.size());
   if (first_sheet == no_leaf) {
     const NodeLevel& level = nodes_->level(0);
     pending_.push_back({static_cast<std::uint32_t>(cell), first_vertex_[cell]});
-    add_vertex(LeafCode::make(code, 0, 0), {},
+    add_vertex(LeafCode::make(code, 0, 0).with(sense), {},
                pack_clusters(level.leaves[level.leaf[cell]].clusters));
     return;
   }
   for (int s = 0; s < cells_->sheets(cell).sheets; ++s) {
     const SheetVertex& sheet = nodes_->sheet(first_sheet + static_cast<std::size_t>(s));
-    add_vertex(LeafCode::make(code, 0, s), sheet.solution, sheet.normals);
+    add_vertex(LeafCode::make(code, 0, s).with(sense), sheet.solution, sheet.normals);
     note_finest(sheet.solution);
   }
 }

@@ -98,11 +98,12 @@ void BrickNodes::make_cells(const BrickFrame& frame, const ActiveCells& cells,
     const LocalCell c = cells.at(i);
     const CellSheets& sheets = cells.sheets(i);
     const bool may_collapse = cells.collapses(i);
+    const NormalSense sense = cells.normal_sense(i);
     if (simplify && (may_collapse || free)) {
       gather_planes(c, sheets, all_sheets, edges, parameters.spacing, planes);
       level.leaf[i] = static_cast<std::uint32_t>(level.leaves.size());
       level.leaves.emplace_back();
-      level.leaves.back().clusters = cluster_normals(planes.normal_span());
+      level.leaves.back().clusters = cluster_normals(planes.normal_span(), sense);
       keep_leaf[keep.add(cells.code(i), planes)] = level.leaf[i];
       if (keep.full()) flush_keep();
       if (may_collapse) continue;
@@ -111,7 +112,7 @@ void BrickNodes::make_cells(const BrickFrame& frame, const ActiveCells& cells,
     for (int sheet = 0; sheet < sheets.sheets; ++sheet) {
       gather_planes(c, sheets, sheet, edges, parameters.spacing, planes);
       const auto index = static_cast<std::uint32_t>(sheets_.size());
-      sheets_.push_back({{}, pack_clusters(cluster_normals(planes.normal_span()))});
+      sheets_.push_back({{}, pack_clusters(cluster_normals(planes.normal_span(), sense))});
       solve_sheet[solve.add(cells.code(i), planes)] = index;
       if (solve.full()) flush_solve();
     }

@@ -6,7 +6,7 @@ namespace voxweld {
 namespace {
 
 bool gives(const Edit& edit, Material material) {
-  return (edit.op == EditOp::add || edit.op == EditOp::replace) && edit.material == material;
+  return gives_material(edit.op) && edit.material == material;
 }
 
 // What no edit gives the label stays where it is.
@@ -36,7 +36,7 @@ LabelPart::LabelPart(Material material, const BrickPlace& place, const Box3& ext
 }
 
 EditOp LabelPart::op_of(const Edit& edit) const {
-  if (edit.op != EditOp::add && edit.op != EditOp::replace) return edit.op;
+  if (!gives_material(edit.op)) return edit.op;
   return edit.material == material_ ? edit.op : EditOp::subtract;
 }
 

@@ -84,16 +84,17 @@ void check_mesh(const TileMesh& mesh, const EncodeParameters& parameters) {
   if (parameters.normal_bits < 2 || parameters.normal_bits > 30)
     refuse(fmt::format("normals of {} bits, expected 2 to 30", parameters.normal_bits));
   if (mesh.normals.size() != mesh.positions.size() ||
-      mesh.corner_clusters.size() != mesh.triangles.size())
+      mesh.corner_normals.size() != mesh.triangles.size())
     refuse(
         fmt::format("normals are asked for, but {} of {} vertices and {} of {} triangles have "
                     "them",
-                    mesh.normals.size(), mesh.positions.size(), mesh.corner_clusters.size(),
+                    mesh.normals.size(), mesh.positions.size(), mesh.corner_normals.size(),
                     mesh.triangles.size()));
-  for (const auto& clusters : mesh.corner_clusters) {
-    if (std::max({clusters[0], clusters[1], clusters[2]}) >= max_clusters)
-      refuse(fmt::format("a corner takes normal cluster {}, a vertex has {}",
-                         std::max({clusters[0], clusters[1], clusters[2]}), max_clusters));
+  for (const auto& corners : mesh.corner_normals) {
+    for (const CornerNormal normal : corners)
+      if (!normal.valid())
+        refuse(fmt::format("a corner takes its normal from {:#x}, expected one of {} directions",
+                           normal.bits, max_clusters));
   }
 }
 

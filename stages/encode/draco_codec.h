@@ -45,7 +45,7 @@ struct EncodedMesh {
 // coordinates joins them again.
 // Preconditions: at least one triangle, coordinates in [0, 2^bits), bits <= max_lattice_bits, no
 // triangle with two equal corners (Draco would drop it); with normals, mesh.normals and
-// mesh.corner_clusters are filled. InputError for what is outside these. The same mesh gives the
+// mesh.corner_normals are filled. InputError for what is outside these. The same mesh gives the
 // same bytes.
 EncodedMesh encode_draco(const TileMesh& mesh, const EncodeParameters& parameters);
 

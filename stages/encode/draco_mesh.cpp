@@ -43,21 +43,49 @@ void set_face(draco::Mesh& out, std::size_t at, const Triangle& t) {
               {draco::PointIndex(t[0]), draco::PointIndex(t[1]), draco::PointIndex(t[2])});
 }
 
-// One point for each (vertex, cluster) pair that a corner uses, numbered by first use.
-struct CornerPoints {
-  std::vector<std::array<std::uint32_t, max_clusters>> of_vertex;
-  std::uint32_t count = 0;
-
-  explicit CornerPoints(const TileMesh& mesh)
-      : of_vertex(mesh.positions.size(), {no_point, no_point, no_point}) {
+// One point for each (vertex, normal) pair that a corner uses, numbered by first use.
+class CornerPoints {
+ public:
+  explicit CornerPoints(const TileMesh& mesh) {
+    for (const auto& corners : mesh.corner_normals)
+      for (const CornerNormal normal : corners)
+        normals_ = std::max(normals_, std::size_t{normal.bits} + 1);
+    point_.assign(mesh.positions.size() * normals_, no_point);
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
       for (std::size_t k = 0; k < 3; ++k) {
-        std::uint32_t& point = of_vertex[mesh.triangles[i][k]][mesh.corner_clusters[i][k]];
-        if (point == no_point) point = count++;
+        std::uint32_t& point = point_[slot(mesh.triangles[i][k], mesh.corner_normals[i][k])];
+        if (point == no_point) point = count_++;
       }
     }
   }
+  std::uint32_t count() const { return count_; }
+  std::uint32_t of(std::uint32_t vertex, CornerNormal normal) const {
+    return point_[slot(vertex, normal)];
+  }
+
+  // f(point, vertex, normal)
+  template <class F>
+  void each(F&& f) const {
+    for (std::size_t i = 0; i < point_.size(); ++i) {
+      if (point_[i] == no_point) continue;
+      f(point_[i], static_cast<std::uint32_t>(i / normals_),
+        CornerNormal{static_cast<std::uint8_t>(i % normals_)});
+    }
+  }
+
+ private:
+  std::size_t slot(std::uint32_t vertex, CornerNormal normal) const {
+    return vertex * normals_ + normal.bits;
+  }
+  std::size_t normals_ = 1;           // the most that a vertex may have, by their bits
+  std::vector<std::uint32_t> point_;  // of each vertex and normal
+  std::uint32_t count_ = 0;
 };
+
+void set_normal(draco::PointAttribute& attribute, std::size_t at, const Vec3& n) {
+  set_value(attribute, at,
+            {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
+}
 
 int add_positions(draco::Mesh& out, const TileMesh& mesh, bool identity) {
   const int id =
@@ -78,39 +106,33 @@ int fill_plain(draco::Mesh& out, const TileMesh& mesh) {
 
 DracoAttributes fill_with_normals(draco::Mesh& out, const TileMesh& mesh) {
   const CornerPoints points(mesh);
-  out.set_num_points(points.count);
+  out.set_num_points(points.count());
   DracoAttributes ids;
   ids.position = add_positions(out, mesh, false);
-  ids.normal = add_float_attribute(out, draco::GeometryAttribute::NORMAL, true, points.count);
+  ids.normal = add_float_attribute(out, draco::GeometryAttribute::NORMAL, true, points.count());
   draco::PointAttribute& position = *out.attribute(ids.position);
   draco::PointAttribute& normal = *out.attribute(ids.normal);
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    for (std::size_t c = 0; c < max_clusters; ++c) {
-      const std::uint32_t point = points.of_vertex[v][c];
-      if (point == no_point) continue;
-      const Vec3 n = unpack_normal(mesh.normals[v][c]);
-      position.SetPointMapEntry(draco::PointIndex(point),
-                                draco::AttributeValueIndex(static_cast<std::uint32_t>(v)));
-      set_value(normal, point,
-                {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
-    }
-  }
+  points.each([&](std::uint32_t point, std::uint32_t vertex, CornerNormal of_corner) {
+    position.SetPointMapEntry(draco::PointIndex(point), draco::AttributeValueIndex(vertex));
+    set_normal(normal, point, of_corner.of(mesh.normals[vertex]));
+  });
   out.SetNumFaces(mesh.triangles.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     Triangle corner;
     for (std::size_t k = 0; k < 3; ++k)
-      corner[k] = points.of_vertex[mesh.triangles[i][k]][mesh.corner_clusters[i][k]];
+      corner[k] = points.of(mesh.triangles[i][k], mesh.corner_normals[i][k]);
     set_face(out, i, corner);
   }
   return ids;
 }
 
-// One point for each vertex, normal cluster and pair that corners have together, numbered by first
+// One point for each vertex, normal and pair that corners have together, numbered by first
 // use.
 class LabelPoints {
  public:
   struct Point {
-    std::uint32_t vertex, cluster, pair;
+    std::uint32_t vertex, pair;
+    CornerNormal normal;
   };
   LabelPoints(const TileMesh& mesh, bool normals) : corners_(mesh.triangles.size()) {
     const std::uint64_t pairs = mesh.pairs.size();
@@ -118,12 +140,12 @@ class LabelPoints {
     known.reserve(mesh.positions.size() * 2);
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t vertex = mesh.triangles[i][k], pair = mesh.triangle_pairs[i],
-                            cluster = normals ? mesh.corner_clusters[i][k] : 0u;
-        const auto [at, is_new] =
-            known.try_emplace((vertex * std::uint64_t{max_clusters} + cluster) * pairs + pair,
-                              static_cast<std::uint32_t>(points_.size()));
-        if (is_new) points_.push_back({vertex, cluster, pair});
+        const std::uint32_t vertex = mesh.triangles[i][k], pair = mesh.triangle_pairs[i];
+        const CornerNormal normal = normals ? mesh.corner_normals[i][k] : CornerNormal{};
+        const auto [at, is_new] = known.try_emplace(
+            (vertex * std::uint64_t{CornerNormal::values} + normal.bits) * pairs + pair,
+            static_cast<std::uint32_t>(points_.size()));
+        if (is_new) points_.push_back({vertex, pair, normal});
         corners_[i][k] = at->second;
       }
   }
@@ -169,9 +191,7 @@ DracoAttributes fill_with_pairs(draco::Mesh& out, const TileMesh& mesh, bool nor
     out.attribute(ids.position)->SetPointMapEntry(at, draco::AttributeValueIndex(point.vertex));
     out.attribute(ids.pair)->SetPointMapEntry(at, draco::AttributeValueIndex(point.pair));
     if (!normals) continue;
-    const Vec3 n = unpack_normal(mesh.normals[point.vertex][point.cluster]);
-    set_value(*out.attribute(ids.normal), i,
-              {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
+    set_normal(*out.attribute(ids.normal), i, point.normal.of(mesh.normals[point.vertex]));
   }
   out.SetNumFaces(mesh.triangles.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) set_face(out, i, points.corners()[i]);

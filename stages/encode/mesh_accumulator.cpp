@@ -25,7 +25,7 @@ void MeshAccumulator::check(const TileMesh& tile) const {
   if (mesh_.triangles.empty()) return;
   if (!(tile.lattice == mesh_.lattice))
     throw InputError("cannot join tiles: they lie on different output lattices");
-  if (tile.corner_clusters.empty() != mesh_.corner_clusters.empty())
+  if (tile.corner_normals.empty() != mesh_.corner_normals.empty())
     throw InputError("cannot join tiles: only some of them have normals");
   if (tile.triangle_pairs.empty() != mesh_.triangle_pairs.empty())
     throw InputError("cannot join tiles: only some of them say which labels they separate");
@@ -71,8 +71,8 @@ void MeshAccumulator::append(const TileMesh& tile) {
       out[k] = m;
     }
   }
-  mesh_.corner_clusters.insert(mesh_.corner_clusters.end(), tile.corner_clusters.begin(),
-                               tile.corner_clusters.end());
+  mesh_.corner_normals.insert(mesh_.corner_normals.end(), tile.corner_normals.begin(),
+                              tile.corner_normals.end());
   append_pairs(tile);
   mesh_.quads += tile.quads;
   mesh_.polygon_triangles += tile.polygon_triangles;
@@ -113,7 +113,7 @@ TileMesh MeshAccumulator::take() {
 std::uint64_t MeshAccumulator::memory_bytes() const {
   return capacity_bytes(mesh_.positions) + capacity_bytes(mesh_.ids) +
          capacity_bytes(mesh_.normals) + capacity_bytes(mesh_.triangles) +
-         capacity_bytes(mesh_.corner_clusters) + capacity_bytes(merged_) + table_.memory_bytes();
+         capacity_bytes(mesh_.corner_normals) + capacity_bytes(merged_) + table_.memory_bytes();
 }
 
 std::uint64_t accumulator_memory_bytes(std::uint64_t vertices, std::uint64_t triangles,

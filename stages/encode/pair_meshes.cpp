@@ -88,7 +88,7 @@ std::vector<TileMesh> split_by_pair(const TileMesh& mesh) {
         }
         corner = number[corner];
       }
-      if (!mesh.corner_clusters.empty()) part.corner_clusters.push_back(mesh.corner_clusters[t]);
+      if (!mesh.corner_normals.empty()) part.corner_normals.push_back(mesh.corner_normals[t]);
     }
     for (const std::uint32_t v : vertices) {
       part.positions.push_back(mesh.positions[v]);

@@ -14,21 +14,42 @@ float length(const NormalSum& a) {
 void add(NormalSum& to, const NormalSum& what) {
   for (std::size_t i = 0; i < 3; ++i) to[i] += what[i];
 }
-
-// Cosine of the angle between two sums, scaled by the length of `a`: enough to compare and avoids
-// one division for each pair.
-bool near(const NormalSum& a, const NormalSum& b) {
-  return dot3(a, b) >= cluster_cosine * length(a) * length(b);
+void subtract(NormalSum& to, const NormalSum& what) {
+  for (std::size_t i = 0; i < 3; ++i) to[i] -= what[i];
 }
+
+// Sums are compared and added by their sense, or without it.
+class Grouping {
+ public:
+  explicit Grouping(NormalSense sense) : either_(sense == NormalSense::either) {}
+  float compare(const NormalSum& a, const NormalSum& b) const {
+    const float d = dot3(a, b);
+    return either_ ? std::abs(d) : d;
+  }
+  void join(NormalSum& to, const NormalSum& what) const {
+    if (either_ && dot3(to, what) < 0)
+      subtract(to, what);
+    else
+      add(to, what);
+  }
+  // Within the clusters' angle; without a division for each pair.
+  bool near(const NormalSum& a, const NormalSum& b) const {
+    return compare(a, b) >= cluster_cosine * length(a) * length(b);
+  }
+
+ private:
+  bool either_;
+};
 
 }  // namespace
 
-NormalClusters cluster_normals(std::span<const NormalSum> sums) {
-  NormalClusters clusters;
+NormalClusters cluster_normals(std::span<const NormalSum> sums, NormalSense sense) {
+  const Grouping grouping(sense);
+  NormalClusters clusters{{}, sense};
   NormalSum total{};
-  for (const NormalSum& sum : sums) add(total, sum);
+  for (const NormalSum& sum : sums) grouping.join(total, sum);
   bool one = length(total) > 0;  // opposite sheets may cancel
-  for (const NormalSum& sum : sums) one = one && near(sum, total);
+  for (const NormalSum& sum : sums) one = one && grouping.near(sum, total);
   if (one) {
     clusters.sum[0] = total;
     return clusters;
@@ -39,14 +60,14 @@ NormalClusters cluster_normals(std::span<const NormalSum> sums) {
     float best_cosine = -2;
     for (std::size_t k = 0; k < count; ++k) {
       const float scale = length(clusters.sum[k]);
-      const float cosine = scale > 0 ? dot3(clusters.sum[k], sum) / scale : -1.0f;
+      const float cosine = scale > 0 ? grouping.compare(clusters.sum[k], sum) / scale : -1.0f;
       if (cosine > best_cosine) {
         best_cosine = cosine;
         best = k;
       }
     }
     if (count < max_clusters && best_cosine < cluster_cosine * length(sum)) best = count++;
-    add(clusters.sum[best], sum);
+    grouping.join(clusters.sum[best], sum);
   }
   return clusters;
 }
@@ -62,17 +83,19 @@ std::array<PackedNormal, max_clusters> pack_clusters(const NormalClusters& clust
   return packed;
 }
 
-int nearest_cluster(const std::array<PackedNormal, max_clusters>& normals, Vec3 direction) {
-  if (normals[1] == no_normal && normals[2] == no_normal) return 0;
-  int best = 0;
+CornerNormal nearest_cluster(const std::array<PackedNormal, max_clusters>& normals, Vec3 direction,
+                             NormalSense sense) {
+  const bool either = sense == NormalSense::either;
+  if (!either && normals[1] == no_normal && normals[2] == no_normal) return {};
+  CornerNormal best;
   double best_dot = -1e300;
   for (int k = 0; k < max_clusters; ++k) {
     const PackedNormal packed = normals[static_cast<std::size_t>(k)];
     if (packed == no_normal) continue;
-    const double d = dot(unpack_normal(packed), direction);
-    if (d > best_dot) {
-      best_dot = d;
-      best = k;
+    const double d = dot(unpack_normal(packed), direction), likeness = either ? std::abs(d) : d;
+    if (likeness > best_dot) {
+      best_dot = likeness;
+      best = CornerNormal::make(k, either && d < 0);
     }
   }
   return best;

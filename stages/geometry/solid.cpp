@@ -211,8 +211,7 @@ std::optional<Material> material_after(std::span<const Edit> edits, const Bounds
   for (const Edit& edit : edits) {
     const bool replaces = edit.op == EditOp::replace;
     if (replaces && now == exterior) continue;
-    const bool gives = replaces || edit.op == EditOp::add;
-    const Material made = gives ? edit.material : exterior;
+    const Material made = gives_material(edit.op) ? edit.material : exterior;
     const Relation relation = relation_to(edit.solid, box);
     const Relation by = edit.op == EditOp::intersect ? Relation::outside : Relation::inside;
     if (relation == by && (now || !replaces))

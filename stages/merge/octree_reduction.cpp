@@ -194,7 +194,8 @@ bool OctreeReduction::collapse(const OpenNode& node, NodeSummary& result) {
   record.corners = corners.corners;
   record.qef = solver_.qef(0);
   record.clusters = clusters.merged();
-  record.vertex = {{}, solution.offset, pack_clusters(record.clusters)};
+  record.vertex = {LeafCode{}.with(record.clusters.sense), solution.offset,
+                   pack_clusters(record.clusters)};
   record.residual = solution.residual;
   ++collapsed_;
   return true;

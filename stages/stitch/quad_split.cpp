@@ -16,11 +16,13 @@ struct Corner {
   LatticePoint point{};
   std::array<Vec3, max_clusters> normals;
   std::size_t count = 0;  // of normals
+  bool either = false;    // sense
 };
 
 Corner unpack(const QuadCorner& packed) {
   Corner corner;
   corner.point = packed.point;
+  corner.either = packed.sense == NormalSense::either;
   for (const PackedNormal n : packed.normals)
     if (n != no_normal) corner.normals[corner.count++] = unpack_normal(n);
   return corner;
@@ -31,6 +33,14 @@ bool faces_away(const Corner& corner, const Vec3& area) {
   for (std::size_t k = 0; k < corner.count; ++k)
     if (dot(corner.normals[k], area) >= 0) return false;
   return corner.count > 0;
+}
+
+void turn_to_its_side(std::array<Corner, 4>& quad) {
+  const Vec3 area =
+      cross(difference(quad[0].point, quad[2].point), difference(quad[1].point, quad[3].point));
+  for (Corner& corner : quad)
+    for (std::size_t k = 0; corner.either && k < corner.count; ++k)
+      if (dot(corner.normals[k], area) < 0) corner.normals[k] = corner.normals[k] * -1.0;
 }
 
 struct Triangle {
@@ -83,7 +93,8 @@ Vec3 area_vector(const LatticePoint& a, const LatticePoint& b, const LatticePoin
 }
 
 bool cut_from_one(const std::array<QuadCorner, 4>& q) {
-  const std::array<Corner, 4> c{unpack(q[0]), unpack(q[1]), unpack(q[2]), unpack(q[3])};
+  std::array<Corner, 4> c{unpack(q[0]), unpack(q[1]), unpack(q[2]), unpack(q[3])};
+  turn_to_its_side(c);
   const Cut zero = cut(c[0], c[1], c[2], c[3]), one = cut(c[1], c[2], c[3], c[0]);
   if (zero.fault != one.fault) return one.fault < zero.fault;
   if (std::abs(zero.height - one.height) > 1) return one.height < zero.height;

@@ -13,6 +13,7 @@ struct QuadCorner {
   LatticePoint point{};
   VertexId id;
   std::array<PackedNormal, max_clusters> normals{};  // clusters of its Hermite normals
+  NormalSense sense = NormalSense::outward;
 };
 
 // True to cut from corner 1 to corner 3, false from 0 to 2. A function of the snapped positions,
@@ -24,6 +25,7 @@ struct QuadCorner {
 //      have both planes and the height is none, while across it each end has its own: so a crease
 //      is not bevelled. Heights within one lattice step, the accuracy of positions, are equal;
 //   3. the flatter cut, the shorter diagonal, the diagonal with the lowest id.
+// Normals of either sense are first turned to the quad's own side.
 bool cut_from_one(const std::array<QuadCorner, 4>& quad);
 
 // Twice the triangle's area vector, in lattice steps; exact.

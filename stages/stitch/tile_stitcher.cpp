@@ -111,7 +111,7 @@ TileStitcher::Corner TileStitcher::local_corner(const StitchBrick& brick, std::u
     const CellKey leaf = leaf_key(brick.key, v.leaf);
     const LatticePoint point = sheet == 0 ? snap_vertex(parameters_.frame, leaf, v.offset)
                                           : snap_sheets(parameters_.frame, leaf, group);
-    corner = {append(leaf, v.leaf.sheet(), point, v.normals), leaf.level};
+    corner = {append(VertexId::make(leaf, v.leaf.sheet()), point, v), leaf.level};
   }
   local_[vertex] = corner.index;
   return corner;
@@ -152,17 +152,18 @@ TileStitcher::Corner TileStitcher::shared_vertex(CellKey brick, std::span<const 
   const LeafVertex& source = above != nullptr ? above->vertex : v;
   const LatticePoint point = group.size() == 1 ? snap_vertex(parameters_.frame, leaf, source.offset)
                                                : snap_sheets(parameters_.frame, leaf, group);
-  const std::uint32_t index = append(leaf, v.leaf.sheet(), point, source.normals);
+  const std::uint32_t index = append(id, point, source);
   shared_.emplace(id.bits, index);
   return {index, leaf.level};
 }
 
-std::uint32_t TileStitcher::append(CellKey leaf, int sheet, const LatticePoint& point,
-                                   const std::array<PackedNormal, max_clusters>& normals) {
+std::uint32_t TileStitcher::append(VertexId id, const LatticePoint& point,
+                                   const LeafVertex& vertex) {
   const auto index = static_cast<std::uint32_t>(mesh_.positions.size());
   mesh_.positions.push_back(point);
-  mesh_.ids.push_back(VertexId::make(leaf, sheet));
-  mesh_.normals.push_back(normals);
+  mesh_.ids.push_back(id);
+  mesh_.normals.push_back(vertex.normals);
+  senses_.push_back(vertex.leaf.sense());
   return index;
 }
 
@@ -180,7 +181,8 @@ void TileStitcher::add_polygon(std::array<std::uint32_t, 4> corners) {
   ++mesh_.quads;
   std::array<QuadCorner, 4> quad;
   for (std::size_t k = 0; k < 4; ++k)
-    quad[k] = {mesh_.positions[corners[k]], mesh_.ids[corners[k]], mesh_.normals[corners[k]]};
+    quad[k] = {mesh_.positions[corners[k]], mesh_.ids[corners[k]], mesh_.normals[corners[k]],
+               senses_[corners[k]]};
   if (cut_from_one(quad)) {
     add_triangle(corners[1], corners[2], corners[3]);
     add_triangle(corners[1], corners[3], corners[0]);
@@ -196,9 +198,9 @@ void TileStitcher::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t 
   mesh_.triangles.push_back({a, b, c});
   if (!parameters_.normals) return;
   const auto cluster = [&](std::uint32_t v) {
-    return static_cast<std::uint8_t>(nearest_cluster(mesh_.normals[v], area));
+    return nearest_cluster(mesh_.normals[v], area, senses_[v]);
   };
-  mesh_.corner_clusters.push_back({cluster(a), cluster(b), cluster(c)});
+  mesh_.corner_normals.push_back({cluster(a), cluster(b), cluster(c)});
 }
 
 // Polygons that turned out to have fewer than three leaves may have brought in vertices that
@@ -226,9 +228,9 @@ TileMesh TileStitcher::finish() {
 }
 
 std::uint64_t stitch_bytes(std::uint64_t vertices, std::uint64_t polygons) {
-  // Position, id, normals of a vertex; two triangles with clusters of a polygon; vectors may have
-  // grown to twice their content, and hold old and new while they grow.
-  return vertices * 3 * (12 + 8 + 12) + polygons * 3 * 2 * (12 + 3) + vertices / 4 * 48;
+  // Position, id, normals and their sense of a vertex; two triangles with clusters of a polygon;
+  // vectors may have grown to twice their content, and hold old and new while they grow.
+  return vertices * 3 * (12 + 8 + 12 + 4) + polygons * 3 * 2 * (12 + 3) + vertices / 4 * 48;
 }
 
 }  // namespace voxweld

@@ -60,8 +60,7 @@ class TileStitcher {
   Corner foreign_corner(const StitchBrick& brick, CornerRef ref);
   Corner shared_vertex(CellKey brick, std::span<const LeafVertex> group);
   const TopLeaf* leaf_above(CellKey brick) const;
-  std::uint32_t append(CellKey leaf, int sheet, const LatticePoint& point,
-                       const std::array<PackedNormal, max_clusters>& normals);
+  std::uint32_t append(VertexId id, const LatticePoint& point, const LeafVertex& vertex);
   void add_polygon(std::array<std::uint32_t, 4> corners);
   void note_pair(const MaterialPair& pair);
   void sort_pairs();
@@ -70,6 +69,7 @@ class TileStitcher {
   StitchParameters parameters_;
   std::span<const TopLeaf> top_;
   TileMesh mesh_;
+  std::vector<NormalSense> senses_;  // of the mesh's vertices
   // Vertices that several bricks refer to, those of the skins and of the leaves above: found by id.
   std::unordered_map<std::uint64_t, std::uint32_t> shared_;
   std::map<MaterialPair, std::uint32_t> pairs_;  // place in mesh_.pairs, as first met

@@ -40,7 +40,7 @@ static_assert(std::has_unique_object_representations_v<SkinCell> &&
               std::has_unique_object_representations_v<PolygonRefs> &&
               std::has_unique_object_representations_v<CubeCount>);
 static_assert(sizeof(LeafVertex) == 28 && sizeof(SkinVertex) == 32 && sizeof(TopLeaf) == 48 &&
-              sizeof(RootRecord) == 8 + 52 + 36 + 28 + 4 + 64 &&
+              sizeof(RootRecord) == 8 + 52 + 40 + 28 + 8 + 64 &&
               std::has_unique_object_representations_v<MaterialPair> &&
               sizeof(ShardNodeRecord) == 40 + sizeof(RootRecord));
 

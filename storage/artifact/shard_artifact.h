@@ -28,7 +28,7 @@ namespace voxweld {
 
 inline constexpr std::array<char, 4> shard_kind = {'o', 'c', 't', 'r'};
 // Goes up whenever build's bytes change: format or mathematics.
-inline constexpr std::uint32_t shard_version = 6;
+inline constexpr std::uint32_t shard_version = 7;
 
 // One shard-sized cube of the octree. A shard at the volume's upper border also builds the layer of
 // bricks above it when that holds nothing but ring cells: such bricks lie in cubes of their own.

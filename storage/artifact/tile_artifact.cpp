@@ -9,7 +9,7 @@ enum Section : std::uint64_t {
   ids,
   normals,
   triangles,
-  corner_clusters,
+  corner_normals,
   pairs,
   triangle_pairs
 };
@@ -33,7 +33,7 @@ void write_mesh(ArtifactWriter& file, std::uint64_t number, const TileMesh& mesh
   file.section(first | ids, std::as_bytes(std::span(mesh.ids)));
   file.section(first | normals, std::as_bytes(std::span(mesh.normals)));
   file.section(first | triangles, std::as_bytes(std::span(mesh.triangles)));
-  file.section(first | corner_clusters, std::as_bytes(std::span(mesh.corner_clusters)));
+  file.section(first | corner_normals, std::as_bytes(std::span(mesh.corner_normals)));
   if (!mesh.pairs.empty()) {
     file.section(first | pairs, std::as_bytes(std::span(mesh.pairs)));
     file.section(first | triangle_pairs, std::as_bytes(std::span(mesh.triangle_pairs)));
@@ -98,7 +98,7 @@ TileMesh TileArtifact::read(std::size_t number) const {
   file_.read_array(first | ids, mesh.ids);
   file_.read_array(first | normals, mesh.normals);
   file_.read_array(first | triangles, mesh.triangles);
-  file_.read_array(first | corner_clusters, mesh.corner_clusters);
+  file_.read_array(first | corner_normals, mesh.corner_normals);
   if (file_.find(first | pairs) != nullptr) {
     file_.read_array(first | pairs, mesh.pairs);
     file_.read_array(first | triangle_pairs, mesh.triangle_pairs);
@@ -110,7 +110,7 @@ TileMesh TileArtifact::read(std::size_t number) const {
   }
   const bool normals_fit =
       mesh.normals.empty() || (mesh.normals.size() == mesh.positions.size() &&
-                               mesh.corner_clusters.size() == mesh.triangles.size());
+                               mesh.corner_normals.size() == mesh.triangles.size());
   if (mesh.positions.size() != h.vertices || mesh.ids.size() != h.vertices ||
       mesh.triangles.size() != h.triangles || !normals_fit)
     file_.damaged("its sections contradict each other");

@@ -1,6 +1,6 @@
 // A tile's mesh between stitch and encode. Kind "tile", a container with these sections:
 //   1 TileHeader (one)   2 positions, i32 x 3      3 vertex ids, u64    4 PackedNormal x 3, or
-//   empty 5 triangles, u32 x 3 6 corner clusters, u8 x 3, or empty
+//   empty 5 triangles, u32 x 3 6 CornerNormal x 3, or empty
 // and between labels: 7 MaterialPair 8 the triangles' pairs, u32
 // With labels.mode = "each" a file has a mesh for each of some labels: those of mesh i are
 // i << 8 | the numbers above, and
@@ -14,7 +14,7 @@
 namespace voxweld {
 
 inline constexpr std::array<char, 4> tile_kind = {'t', 'i', 'l', 'e'};
-inline constexpr std::uint32_t tile_version = 3;
+inline constexpr std::uint32_t tile_version = 4;
 
 // A tile's figures, without its mesh.
 struct TileHeader {

@@ -18,7 +18,7 @@
 namespace voxweld {
 
 inline constexpr std::array<char, 4> top_kind = {'t', 'o', 'p', 's'};
-inline constexpr std::uint32_t top_version = 5;
+inline constexpr std::uint32_t top_version = 6;
 
 inline constexpr std::uint64_t top_counts_section = 1, top_codes_section = 3,
                                top_shards_section = 4;

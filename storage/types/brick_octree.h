@@ -33,12 +33,19 @@ struct Qef {
   std::array<float, 3> mass{};  // mean of the crossings, relative to the node's centre
 };
 
+// outward: a normal's sense is the surface's. either: n and -n are one direction. Normals between
+// labels point out of the smaller one, so where more than two labels meet a surface that goes on
+// straight behind another has them on both its sides.
+enum class NormalSense : std::uint32_t { outward, either };
+
 // Sums of unit Hermite normals by direction; the unused ones are zero.
 struct NormalClusters {
   std::array<std::array<float, 3>, max_clusters> sum{};
+  NormalSense sense = NormalSense::outward;
 };
 
-// A leaf inside a brick: Morton code of its lowest cell (24 bits), level (4 bits), sheet (2 bits).
+// A leaf inside a brick: Morton code of its lowest cell (24 bits), level (4 bits), sheet (2 bits),
+// and the sense of its vertex's normals (1 bit).
 struct LeafCode {
   std::uint32_t bits = 0;
   static constexpr LeafCode make(std::uint32_t code, int level, int sheet) {
@@ -47,7 +54,11 @@ struct LeafCode {
   }
   constexpr std::uint32_t code() const { return bits & 0xffffff; }
   constexpr int level() const { return static_cast<int>(bits >> 24 & 15); }
+  constexpr LeafCode with(NormalSense sense) const {
+    return {bits | static_cast<std::uint32_t>(sense) << 30};
+  }
   constexpr int sheet() const { return static_cast<int>(bits >> 28 & 3); }
+  constexpr NormalSense sense() const { return static_cast<NormalSense>(bits >> 30 & 1); }
 };
 
 struct LeafVertex {
@@ -118,6 +129,7 @@ struct RootRecord {
   NormalClusters clusters;
   LeafVertex vertex;
   float residual = 0;  // root mean square distance reached (metric rms) or its sum's root (sum)
+  std::uint32_t unused = 0;  // or there were padding here, whose bytes are not told
   // labels.mode = "shared" only, and then in place of the signs: the corners' materials; those of a
   // homogeneous node are all its own, and it is `inside` whatever that is but `exterior`.
   std::array<Material, 8> corners{};

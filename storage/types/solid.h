@@ -46,6 +46,10 @@ struct Solid {
 // Of one material there is nothing to replace.
 enum class EditOp : std::uint8_t { add, subtract, intersect, replace };
 
+constexpr bool gives_material(EditOp op) {
+  return op == EditOp::add || op == EditOp::replace;
+}
+
 struct Edit {
   EditOp op = EditOp::add;
   Solid solid;

@@ -23,6 +23,24 @@ Vec3 unpack_normal(PackedNormal packed);  // unit length
 // A vertex keeps at most this many clusters of its Hermite normals.
 inline constexpr int max_clusters = 3;
 
+// Which of its vertex's clusters a triangle's corner takes its normal from, and whether it is that
+// direction's opposite (where labels meet, a direction serves both sides).
+struct CornerNormal {
+  std::uint8_t bits = 0;
+  static constexpr std::uint8_t values = 8;  // of bits
+  static constexpr CornerNormal make(int cluster, bool turned) {
+    return {static_cast<std::uint8_t>(cluster | (turned ? 4 : 0))};
+  }
+  constexpr std::uint8_t cluster() const { return bits & 3; }
+  constexpr bool turned() const { return (bits & 4) != 0; }
+  constexpr bool valid() const { return bits < values && cluster() < max_clusters; }
+  Vec3 of(const std::array<PackedNormal, max_clusters>& normals) const {
+    const Vec3 n = unpack_normal(normals[cluster()]);
+    return turned() ? n * -1.0 : n;
+  }
+  friend bool operator==(CornerNormal, CornerNormal) = default;
+};
+
 struct TileMesh {
   CellKey tile;
   OutputLattice lattice;
@@ -33,10 +51,10 @@ struct TileMesh {
   std::vector<VertexId> ids;
   std::vector<std::array<PackedNormal, max_clusters>> normals;
 
-  // For each triangle: its vertices, counter-clockwise seen from outside, and for each corner the
-  // cluster of that vertex it takes its normal from (empty when normals are off).
+  // For each triangle: its vertices, counter-clockwise seen from outside, and for each corner its
+  // normal (empty when normals are off).
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::array<std::uint8_t, 3>> corner_clusters;
+  std::vector<std::array<CornerNormal, 3>> corner_normals;
 
   // labels.mode = "shared" only: what is on either side of the triangles, ascending, and each
   // triangle's place in that.

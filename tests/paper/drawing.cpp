@@ -67,7 +67,7 @@ DecodedMesh shaded(const TileMesh& mesh) {
       const std::uint32_t v = mesh.triangles[i][k];
       corners[k] = static_cast<std::uint32_t>(out.positions.size());
       out.positions.push_back(to_point(place(mesh, v)));
-      out.normals.push_back(to_point(unpack_normal(mesh.normals[v][mesh.corner_clusters[i][k]])));
+      out.normals.push_back(to_point(mesh.corner_normals[i][k].of(mesh.normals[v])));
     }
     out.triangles.push_back(corners);
   }

@@ -29,8 +29,8 @@ inline void add_quad(TileMesh& mesh, const std::array<std::uint32_t, 4>& v,
                      const std::array<std::uint8_t, 4>& c = {}) {
   mesh.triangles.push_back({v[0], v[1], v[2]});
   mesh.triangles.push_back({v[0], v[2], v[3]});
-  mesh.corner_clusters.push_back({c[0], c[1], c[2]});
-  mesh.corner_clusters.push_back({c[0], c[2], c[3]});
+  mesh.corner_normals.push_back({c[0], c[1], c[2]});
+  mesh.corner_normals.push_back({c[0], c[2], c[3]});
   ++mesh.quads;
 }
 
@@ -143,7 +143,7 @@ inline std::vector<TileMesh> cut_into_tiles(const TileMesh& mesh, int level) {
       }
       corner[k] = found->second;
     }
-    tile.corner_clusters.push_back(mesh.corner_clusters[i]);
+    tile.corner_normals.push_back(mesh.corner_normals[i]);
     if (i % 2 == 0) ++tile.quads;
   }
   std::vector<TileMesh> out;

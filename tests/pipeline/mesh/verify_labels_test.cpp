@@ -60,12 +60,12 @@ TEST(VerifyLabels, EachIsClosedByItself) {
 TEST(VerifyLabels, ACrackIsNamedWithItsLabel) {
   OutputDirectory output = labels_output();
   output.damage = [&](std::size_t i, TileMesh& mesh) {
-    if (i == 5) mesh.triangles.pop_back(), mesh.corner_clusters.pop_back();
+    if (i == 5) mesh.triangles.pop_back(), mesh.corner_normals.pop_back();
   };
   expect_problem(output, "label 3 tile");
   expect_problem(output, "a crack");
   output.damage = [&](std::size_t i, TileMesh& mesh) {
-    if (i + 1 == output.tiles.size()) mesh.triangles.pop_back(), mesh.corner_clusters.pop_back();
+    if (i + 1 == output.tiles.size()) mesh.triangles.pop_back(), mesh.corner_normals.pop_back();
   };
   expect_problem(output, "label 1099511627776 tile 6/0,0,0");
 }

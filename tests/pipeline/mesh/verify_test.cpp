@@ -73,7 +73,7 @@ TEST(Verify, TilesOfAnySizeAndNoMergedMesh) {
 TEST(Verify, MissingTriangleIsACrack) {
   OutputDirectory output = torus_output();
   output.damage = [](std::size_t i, TileMesh& mesh) {
-    if (i == 5) mesh.triangles.pop_back(), mesh.corner_clusters.pop_back();
+    if (i == 5) mesh.triangles.pop_back(), mesh.corner_normals.pop_back();
   };
   expect_problem(output, "a crack");
   expect_problem(output, "triangles, ");
@@ -122,8 +122,8 @@ TEST(Verify, BowTieIsNotManifold) {
     for (const VertexId id : second.ids) both.ids.push_back({id.bits + 1});
     for (auto t : second.triangles)
       both.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
-    both.corner_clusters.insert(both.corner_clusters.end(), second.corner_clusters.begin(),
-                                second.corner_clusters.end());
+    both.corner_normals.insert(both.corner_normals.end(), second.corner_normals.begin(),
+                               second.corner_normals.end());
     output.tiles = testing::cut_into_tiles(both, level);
     expect_problem(output, "not 2-manifold");
     output.merged = false;
@@ -210,7 +210,7 @@ TEST(Verify, MergedMeshMustBeTheTiles) {
   output.remerge = [](TileMesh& mesh) { mesh.positions[7][0] += 2; };
   expect_problem(output, "mesh.drc: its 2304 triangles are not");
   output.remerge = [](TileMesh& mesh) {
-    mesh.triangles.pop_back(), mesh.corner_clusters.pop_back();
+    mesh.triangles.pop_back(), mesh.corner_normals.pop_back();
   };
   expect_problem(output, "OpenMesh finds 3 boundary edges");
 }
@@ -222,7 +222,7 @@ OutputDirectory open_output(bool on_border) {
   // x <= 0 for the outermost polygons: those are left out.
   TileMesh kept = torus;
   kept.triangles.clear();
-  kept.corner_clusters.clear();
+  kept.corner_normals.clear();
   for (std::size_t i = 0; i < torus.triangles.size(); i += 2) {
     bool outside = true;
     const std::int32_t limit = testing::snap(torus.lattice, {on_border ? 0.0 : 2.0, 0, 0})[0];
@@ -231,7 +231,7 @@ OutputDirectory open_output(bool on_border) {
         outside = outside && torus.positions[v][0] <= limit;
     for (std::size_t k = 0; k < 2 && !outside; ++k) {
       kept.triangles.push_back(torus.triangles[i + k]);
-      kept.corner_clusters.push_back(torus.corner_clusters[i + k]);
+      kept.corner_normals.push_back(torus.corner_normals[i + k]);
     }
   }
   EXPECT_LT(kept.triangles.size(), torus.triangles.size());
@@ -273,7 +273,7 @@ TEST(Verify, FreeTopologyAsksForBalancedEdgesOnly) {
       both.ids.push_back({second.ids[t[k]].bits + 1});
     }
   }
-  both.corner_clusters.resize(both.triangles.size());
+  both.corner_normals.resize(both.triangles.size());
   both.quads = both.triangles.size() / 2;
   output.tiles = testing::cut_into_tiles(both, 3);
   expect_problem(output, "not 2-manifold");
@@ -281,7 +281,7 @@ TEST(Verify, FreeTopologyAsksForBalancedEdgesOnly) {
   const VerifyReport report = verified(output);
   EXPECT_TRUE(report.good()) << to_text(report);
   output.damage = [](std::size_t i, TileMesh& mesh) {
-    if (i == 0) mesh.triangles.pop_back(), mesh.corner_clusters.pop_back();
+    if (i == 0) mesh.triangles.pop_back(), mesh.corner_normals.pop_back();
   };
   expect_problem(output, "a crack");
 }

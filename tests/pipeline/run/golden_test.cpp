@@ -80,17 +80,17 @@ class Goldens : public ::testing::Test {
 std::unique_ptr<Scene> Goldens::scene_;
 
 TEST_F(Goldens, Build) {
-  expect_recorded({"build", 6, "6b654967c5102800f77858f63b5606b3"}, shard_version,
+  expect_recorded({"build", 7, "cf9c24e5198e38e7d189270a5e03064e"}, shard_version,
                   hash_of(work(".octree"), shard_kind, shard_version));
 }
 
 TEST_F(Goldens, Merge) {
-  expect_recorded({"merge", 5, "7dbac32c696eb0a8e67d0adfb55f154d"}, top_version,
+  expect_recorded({"merge", 6, "84d4bf43f791bb5506f365ad9402b6c3"}, top_version,
                   hash_of(work(".tree"), top_kind, top_version));
 }
 
 TEST_F(Goldens, Stitch) {
-  expect_recorded({"stitch", 3, "b0677052728a31301b089b6f80595542"}, tile_version,
+  expect_recorded({"stitch", 4, "b0677052728a31301b089b6f80595542"}, tile_version,
                   hash_of(work(".tile"), tile_kind, tile_version));
 }
 
@@ -100,7 +100,7 @@ TEST_F(Goldens, Encode) {
   auto files = files_ending(scene_->output(), ".drc");
   const auto glb = files_ending(scene_->output(), ".glb");
   files.insert(files.end(), glb.begin(), glb.end());
-  expect_recorded({"encode", 1, "e5a39bfe9b234ac46bb821a3af6db056"}, encode_version,
+  expect_recorded({"encode", 2, "e5a39bfe9b234ac46bb821a3af6db056"}, encode_version,
                   hash_of(files));
 }
 
@@ -165,19 +165,19 @@ INSTANTIATE_TEST_SUITE_P(
                     label_shard_version,
                     build_version(label_shard_version),
                     top_version | label_top_version << 16,
-                    {Golden{"build of each label", 60202, "65db89a5af9b06583e0f859191fd3a98"},
-                     {"merge of each label", 65541, "a4423167e744091219eeacf83dfce8a5"},
-                     {"stitch of each label", 3, "af7cb56d8128246bee48081fb18c8a6b"},
-                     {"encode of each label", 1, "d9a743272ce43f259219e567f40eccd5"}}},
+                    {Golden{"build of each label", 70302, "9df9f739f162531aab6c2a8b50c65005"},
+                     {"merge of each label", 65542, "5fcac116c2fbef19372014586dc56bd1"},
+                     {"stitch of each label", 4, "af7cb56d8128246bee48081fb18c8a6b"},
+                     {"encode of each label", 2, "d9a743272ce43f259219e567f40eccd5"}}},
         LabelGolden{"shared",
                     shard_kind,
                     shard_version,
                     build_version(0),
                     top_version,
-                    {Golden{"build of shared labels", 60002, "12701a81fb9c1209fc6aad23c83e19fe"},
-                     {"merge of shared labels", 5, "0ff6b9a12d1890862a76295838a6871d"},
-                     {"stitch of shared labels", 3, "89fe889467e055c96964cc8e31aa45c1"},
-                     {"encode of shared labels", 1, "b88d24c3d5149db66ffa843244090311"}}}),
+                    {Golden{"build of shared labels", 70002, "5183b262e2845a0853b6a4cdee6abac1"},
+                     {"merge of shared labels", 6, "7993018ea81671249ffa7cba113f8312"},
+                     {"stitch of shared labels", 4, "2e2476ffb3ccbb885f7002e3ae870f2f"},
+                     {"encode of shared labels", 2, "40455fdcdc9450dc13f3b824527d763f"}}}),
     [](const auto& each) { return each.param.mode; });
 
 }  // namespace

@@ -155,7 +155,7 @@ TEST(DracoCodec, RefusesMeshesItCannotKeep) {
     change(mesh);
     EXPECT_THROW(encode_draco(mesh, {}), InputError);
   };
-  refused(good, [](TileMesh& m) { m.triangles.clear(), m.corner_clusters.clear(); });
+  refused(good, [](TileMesh& m) { m.triangles.clear(), m.corner_normals.clear(); });
   refused(good, [](TileMesh& m) { m.triangles[3][1] = 8; });
   refused(good, [](TileMesh& m) { m.triangles[3][1] = m.triangles[3][0]; });
   refused(good, [](TileMesh& m) { m.positions[2][1] = -1; });
@@ -166,7 +166,7 @@ TEST(DracoCodec, RefusesMeshesItCannotKeep) {
   refused(good, [](TileMesh& m) { m.lattice.origin[0] = 16777216 * m.lattice.step; });
   refused(good, [](TileMesh& m) { m.lattice.origin[2] = -16777217 * m.lattice.step; });
   refused(good, [](TileMesh& m) { m.normals.pop_back(); });
-  refused(good, [](TileMesh& m) { m.corner_clusters[0][0] = 3; });
+  refused(good, [](TileMesh& m) { m.corner_normals[0][0] = {3}; });
 }
 
 // Whatever is not refused must at least come back as a mesh in range.

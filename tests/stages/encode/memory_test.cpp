@@ -98,8 +98,9 @@ TEST(EncodeMemory, StaysUnderTheFigureTheBudgetUses) {
   std::mt19937 random(1);
   for (auto& q : noisy.positions)
     for (auto& c : q) c += static_cast<std::int32_t>(random() % 400);
-  for (auto& clusters : noisy.corner_clusters)
-    for (auto& c : clusters) c = static_cast<std::uint8_t>(random() % max_clusters);
+  for (auto& corners : noisy.corner_normals)
+    for (auto& c : corners)
+      c = CornerNormal::make(static_cast<int>(random() % max_clusters), random() % 2 != 0);
   const TileMesh cube = testing::make_cube(lattice, {1, 1, 1}, 100, n / 4);
   for (const TileMesh* mesh : std::initializer_list<const TileMesh*>{&torus, &cube, &noisy}) {
     for (const bool normals : {false, true}) {

@@ -25,7 +25,7 @@ TEST(MeshAccumulator, WeldsTilesById) {
   const TileMesh merged = join(testing::cut_into_tiles(whole, 3));
   EXPECT_EQ(merged.positions.size(), whole.positions.size());
   EXPECT_EQ(merged.triangles.size(), whole.triangles.size());
-  EXPECT_EQ(merged.corner_clusters.size(), whole.triangles.size());
+  EXPECT_EQ(merged.corner_normals.size(), whole.triangles.size());
   EXPECT_EQ(merged.normals.size(), whole.normals.size());
   EXPECT_EQ(merged.quads, whole.quads);
 }
@@ -40,7 +40,7 @@ TEST(MeshAccumulator, DoesNotDependOnWhereTheMeshIsCut) {
     EXPECT_EQ(again.ids, in_order.ids);
     EXPECT_EQ(again.triangles, in_order.triangles);
     EXPECT_EQ(again.normals, in_order.normals);
-    EXPECT_EQ(again.corner_clusters, in_order.corner_clusters);
+    EXPECT_EQ(again.corner_normals, in_order.corner_normals);
   }
 }
 
@@ -54,7 +54,7 @@ TEST(MeshAccumulator, RefusesTilesThatDoNotBelongTogether) {
     EXPECT_THROW(accumulator.append(other), InputError);
   };
   refused([](TileMesh& m) { m.lattice.bits = 15; });
-  refused([](TileMesh& m) { m.normals.clear(), m.corner_clusters.clear(); });
+  refused([](TileMesh& m) { m.normals.clear(), m.corner_normals.clear(); });
   refused([](TileMesh& m) {
     for (auto& q : m.positions) ++q[0];
   });

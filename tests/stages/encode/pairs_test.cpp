@@ -43,7 +43,7 @@ TileMesh book(int sheets, int length) {
       for (const auto& t : {std::array{spine[i], rim[i], spine[i + 1]},
                             std::array{rim[i], rim[i + 1], spine[i + 1]}}) {
         mesh.triangles.push_back(t);
-        mesh.corner_clusters.push_back({static_cast<std::uint8_t>(s % 3), 0, 1});
+        mesh.corner_normals.push_back({static_cast<std::uint8_t>(s % 3), 0, 1});
         mesh.triangle_pairs.push_back(static_cast<std::uint32_t>(s));
       }
   }
@@ -99,7 +99,7 @@ TEST(Pairs, JoinedTilesHaveThePairsOfAll) {
     TileMesh& part = parts[p];
     part = whole;
     part.triangles.clear();
-    part.corner_clusters.clear();
+    part.corner_normals.clear();
     part.triangle_pairs.clear();
     // Each tile has a list of its own.
     part.pairs.clear();
@@ -110,7 +110,7 @@ TEST(Pairs, JoinedTilesHaveThePairsOfAll) {
       if (place.try_emplace(pair, static_cast<std::uint32_t>(part.pairs.size())).second)
         part.pairs.push_back(whole.pairs[pair]);
       part.triangles.push_back(whole.triangles[i]);
-      part.corner_clusters.push_back(whole.corner_clusters[i]);
+      part.corner_normals.push_back(whole.corner_normals[i]);
       part.triangle_pairs.push_back(place[pair]);
     }
   }

@@ -12,15 +12,29 @@ using Quad = std::array<QuadCorner, 4>;
 constexpr Vec3 up{0, 0, 1}, front{0, -1, 0}, right{1, 0, 0};
 
 QuadCorner corner(LatticePoint point, std::uint64_t id, std::initializer_list<Vec3> normals) {
-  QuadCorner c{point, {id}, {}};
+  QuadCorner c{point, {id}, {}, NormalSense::outward};
   c.normals.fill(no_normal);
   std::transform(normals.begin(), normals.end(), c.normals.begin(), pack_normal);
   return c;
 }
 
+// The same whatever side the normals of some corners are on, where that says nothing.
+void expect_senses_do_not_matter(const Quad& quad, bool cut) {
+  for (unsigned corners = 0; corners < 16; ++corners) {
+    Quad turned = quad;
+    for (std::size_t k = 0; k < 4; ++k) {
+      turned[k].sense = NormalSense::either;
+      for (PackedNormal& n : turned[k].normals)
+        if ((corners >> k & 1) != 0 && n != no_normal) n = pack_normal(unpack_normal(n) * -1.0);
+    }
+    EXPECT_EQ(cut_from_one(turned), cut) << corners;
+  }
+}
+
 // The cut does not depend on the corner that comes first.
 bool cut_of(Quad quad) {
   const bool cut = cut_from_one(quad);
+  expect_senses_do_not_matter(quad, cut);
   std::rotate(quad.begin(), quad.begin() + 1, quad.end());
   EXPECT_NE(cut_from_one(quad), cut);
   return cut;
