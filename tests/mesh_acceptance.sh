@@ -36,12 +36,12 @@ fi
 mkdir -p "$scratch"
 
 failures=0
-echo "| mesh | seconds | verify | triangles | volume | vertices off: mean, most | mesh's: mean, most | sharp edges within 0.1 cells: share, mean, most |"
-echo "| --- | --- | --- | --- | --- | --- | --- | --- |"
+echo "| mesh | seconds | verify | triangles | volume | vertices off: mean, most | mesh's: mean, most | sharp edges within 0.1 cells: share, mean, most | folded edges |"
+echo "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"
 for name in fandisk.obj rocker-arm.obj anchor_dense.off joint.off knot2.off; do
   mesh=$data/meshes/$name
   if [ ! -f "$mesh" ]; then
-    echo "| $name | not there | | | | | | |"
+    echo "| $name | not there | | | | | | | |"
     continue
   fi
   config=$scratch/${name%.*}.toml
@@ -63,10 +63,11 @@ for name in fandisk.obj rocker-arm.obj anchor_dense.off joint.off knot2.off; do
     /^[0-9]+ triangles to/ { split($0, f, "[ ;]+"); triangles = f[4]; volume = f[6] " %" }
     /^output.s vertices/ { gsub(/[,:]/, ""); there = $7 ", " $9 }
     /^mesh.s vertices/ { gsub(/[,:]/, ""); back = $7 ", " $9 }
+    /^folded edges/ { gsub(/,/, ""); folded = $3 }
     /points of sharp edges/ { gsub(/[,:]/, ""); sharp = $13 " %, " $10 ", " $12 }
     END {
-      printf "| %s | %s | %s | %s | %s | %s | %s | %s |\n", name, seconds, good, triangles, volume,
-        there, back, sharp == "" ? "none" : sharp
+      printf "| %s | %s | %s | %s | %s | %s | %s | %s | %s |\n", name, seconds, good, triangles, volume,
+        there, back, sharp == "" ? "none" : sharp, folded
     }'
   rm -rf "${config%.toml}.work"
 done

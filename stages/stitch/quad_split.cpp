@@ -76,14 +76,42 @@ struct Cut {
   double height;  // in lattice steps
   double flatness;
   double length2;
+  std::array<Vec3, 2> area;  // of its triangles
 };
 
 // The cut of the quad a b c d from a to c.
 Cut cut(const Corner& a, const Corner& b, const Corner& c, const Corner& d) {
   const Triangle t = triangle(a, b, c), u = triangle(a, c, d);
   const Vec3 along = difference(a.point, c.point);
-  return {std::max(t.fault, u.fault), height(a, along) + height(c, along), flatness(t.area, u.area),
-          dot(along, along)};
+  return {std::max(t.fault, u.fault),
+          height(a, along) + height(c, along),
+          flatness(t.area, u.area),
+          dot(along, along),
+          {t.area, u.area}};
+}
+
+// The axis of the lattice edge that the quad's leaves have in common; -1 where they have no edge.
+int edge_axis(const std::array<QuadCorner, 4>& quad) {
+  Box3 common = quad[0].id.leaf().cells();
+  for (const QuadCorner& corner : quad) {
+    const Box3 cells = corner.id.leaf().cells();
+    for (int a = 0; a < 3; ++a) {
+      common.lo[a] = std::max(common.lo[a], cells.lo[a]);
+      common.hi[a] = std::min(common.hi[a], cells.hi[a]);
+    }
+  }
+  int axis = -1;
+  for (int a = 0; a < 3; ++a) {
+    if (common.hi[a] == common.lo[a]) continue;
+    if (common.hi[a] < common.lo[a] || axis >= 0) return -1;
+    axis = a;
+  }
+  return axis;
+}
+
+// Seen along its edge, whether one of the cut's triangles lies the other way round than the quad.
+bool turns_over(const Cut& cut, int axis) {
+  return axis >= 0 && cut.area[0][axis] * cut.area[1][axis] < 0;
 }
 
 }  // namespace
@@ -97,6 +125,11 @@ bool cut_from_one(const std::array<QuadCorner, 4>& q) {
   turn_to_its_side(c);
   const Cut zero = cut(c[0], c[1], c[2], c[3]), one = cut(c[1], c[2], c[3], c[0]);
   if (zero.fault != one.fault) return one.fault < zero.fault;
+  if (zero.fault == 1) {
+    const int axis = edge_axis(q);
+    const bool zero_turns = turns_over(zero, axis), one_turns = turns_over(one, axis);
+    if (zero_turns != one_turns) return zero_turns;
+  }
   if (std::abs(zero.height - one.height) > 1) return one.height < zero.height;
   if (zero.flatness != one.flatness) return one.flatness > zero.flatness;
   if (zero.length2 != one.length2) return one.length2 < zero.length2;

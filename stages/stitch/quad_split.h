@@ -19,7 +19,9 @@ struct QuadCorner {
 // True to cut from corner 1 to corner 3, false from 0 to 2. A function of the snapped positions,
 // the normals and the ids alone. In order:
 //   1. the cut with no triangle of no area, then with none that faces away from its corners'
-//      normals;
+//      normals; where each has one, the cut with no triangle turned over seen along the lattice
+//      edge that the quad's leaves share: they lie in the four quadrants around it, so one cut has
+//      none;
 //   2. the cut whose diagonal leaves the surface least: the height at which it passes each of its
 //      ends' tangent planes, the nearest of each end's, both together. Along a crease both ends
 //      have both planes and the height is none, while across it each end has its own: so a crease

@@ -1,6 +1,7 @@
 // How far a finished output lies from the true surface of a phantom.
 // usage: measure_output OUTPUT_DIR KIND SIZE
-// Prints, in voxels: vertices max mean p99, points inside the triangles max mean p99.
+// Prints, in voxels: vertices max mean p99, points inside the triangles max mean p99; and how many
+// edges turn by over 150 degrees.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -10,6 +11,7 @@
 #include "pipeline/mesh/manifest.h"
 #include "pipeline/phantom/measure.h"
 #include "storage/support/error.h"
+#include "tests/support/mesh_fidelity.h"
 
 int main(int argc, char** argv) try {
   using namespace voxweld;
@@ -22,6 +24,7 @@ int main(int argc, char** argv) try {
   const Vec3 spacing = manifest.frame.spacing;
   std::vector<std::array<float, 3>> points;
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  testing::WeldedMesh welded;
   for_each_mesh(argv[1], [&](const DecodedMesh& mesh) {
     const auto base = static_cast<std::uint32_t>(points.size());
     for (const auto& p : mesh.positions)
@@ -30,13 +33,14 @@ int main(int argc, char** argv) try {
                         static_cast<float>(static_cast<double>(p[2]) / spacing.z)});
     for (const auto& t : mesh.triangles)
       triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
+    welded.add(mesh);
   });
   const MeshDistance d = measure_mesh(*field, points, triangles);
   fmt::print(
       "{} {}: {} triangles; vertices max {:.3f} mean {:.4f} p99 {:.3f}; triangles max {:.3f} mean "
-      "{:.4f} p99 {:.3f}\n",
+      "{:.4f} p99 {:.3f}; {} folded edges\n",
       argv[2], argv[3], triangles.size(), d.vertices.max, d.vertices.mean, d.vertices.p99,
-      d.triangles.max, d.triangles.mean, d.triangles.p99);
+      d.triangles.max, d.triangles.mean, d.triangles.p99, testing::folded_edges(welded.mesh()));
   return 0;
 } catch (const voxweld::Error& error) {
   fmt::print(stderr, "{}\n", error.what());

@@ -45,6 +45,11 @@ inline std::vector<Vec3> points_on(const TriangleMesh& edges, double cell) {
   return points;
 }
 
+// Edges at which the surface turns right around: of triangles that lie on one another.
+inline std::size_t folded_edges(const TriangleMesh& mesh) {
+  return sharp_edges(mesh, 150).triangles.size();
+}
+
 // Decoded meshes put together again: what lies at one place is one vertex, as those are that have
 // several normals or stand in several tiles.
 class WeldedMesh {

@@ -90,7 +90,7 @@ TEST_F(Goldens, Merge) {
 }
 
 TEST_F(Goldens, Stitch) {
-  expect_recorded({"stitch", 4, "b0677052728a31301b089b6f80595542"}, tile_version,
+  expect_recorded({"stitch", 5, "7e17f328b6b4db97b03552756621f445"}, tile_version,
                   hash_of(work(".tile"), tile_kind, tile_version));
 }
 
@@ -100,7 +100,7 @@ TEST_F(Goldens, Encode) {
   auto files = files_ending(scene_->output(), ".drc");
   const auto glb = files_ending(scene_->output(), ".glb");
   files.insert(files.end(), glb.begin(), glb.end());
-  expect_recorded({"encode", 2, "e5a39bfe9b234ac46bb821a3af6db056"}, encode_version,
+  expect_recorded({"encode", 2, "1da4564afe0a5e249794e3aac34b9d94"}, encode_version,
                   hash_of(files));
 }
 
@@ -167,8 +167,8 @@ INSTANTIATE_TEST_SUITE_P(
                     top_version | label_top_version << 16,
                     {Golden{"build of each label", 70302, "9df9f739f162531aab6c2a8b50c65005"},
                      {"merge of each label", 65542, "5fcac116c2fbef19372014586dc56bd1"},
-                     {"stitch of each label", 4, "af7cb56d8128246bee48081fb18c8a6b"},
-                     {"encode of each label", 2, "d9a743272ce43f259219e567f40eccd5"}}},
+                     {"stitch of each label", 5, "7d75c734c0dbd97ad44f30c8346ac30f"},
+                     {"encode of each label", 2, "38ff357442240d0603474d87ddb6a867"}}},
         LabelGolden{"shared",
                     shard_kind,
                     shard_version,
@@ -176,8 +176,8 @@ INSTANTIATE_TEST_SUITE_P(
                     top_version,
                     {Golden{"build of shared labels", 70002, "5183b262e2845a0853b6a4cdee6abac1"},
                      {"merge of shared labels", 6, "7993018ea81671249ffa7cba113f8312"},
-                     {"stitch of shared labels", 4, "2e2476ffb3ccbb885f7002e3ae870f2f"},
-                     {"encode of shared labels", 2, "40455fdcdc9450dc13f3b824527d763f"}}}),
+                     {"stitch of shared labels", 5, "72c25daa7b77660f1e8f39a59e9770d5"},
+                     {"encode of shared labels", 2, "fd0cca0c691305fa8d98734ec337ab36"}}}),
     [](const auto& each) { return each.param.mode; });
 
 }  // namespace

@@ -81,6 +81,23 @@ TEST(QuadSplit, FacingAwayWeighsMoreThanHeight) {
   EXPECT_FALSE(cut_of(quad));
 }
 
+// Around a lattice edge along z, corner 1 reflex; both cuts have triangles that face away from
+// corner 3, and heights speak for the cut that turns one of its triangles over.
+TEST(QuadSplit, WhereNormalsSayNothingNoTriangleTurnsOver) {
+  const auto quad = [](CellKey last) {
+    const auto id = [](CellKey leaf) { return VertexId::make(leaf, 0).bits; };
+    return Quad{corner({95, 5, 0}, id({0, {3, 5, 0}}), {up}),
+                corner({110, 90, 0}, id({0, {4, 5, 0}}), {up}),
+                corner({195, 110, 0}, id({0, {4, 6, 0}}), {up}),
+                corner({20, 180, 40}, id(last), {Vec3{0, 0, -1}})};
+  };
+  EXPECT_TRUE(cut_of(quad({0, {3, 6, 0}})));
+  EXPECT_TRUE(cut_of(quad({1, {1, 3, 0}})));
+  // Without an edge in common heights decide.
+  EXPECT_FALSE(cut_from_one(quad({0, {3, 7, 0}})));
+  EXPECT_FALSE(cut_from_one(quad({0, {3, 6, 1}})));
+}
+
 TEST(QuadSplit, AvoidsATriangleWithoutArea) {
   // Corner 1 lies on the line from 0 to 2.
   const Quad quad{corner({0, 0, 0}, 1, {up}), corner({50, 0, 0}, 2, {up}),
