@@ -2,10 +2,13 @@
 // three triangles meet in an edge.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <set>
 
 #include "stages/encode/glb.h"
 #include "stages/encode/lattice_mesh.h"
@@ -43,7 +46,10 @@ TileMesh book(int sheets, int length) {
       for (const auto& t : {std::array{spine[i], rim[i], spine[i + 1]},
                             std::array{rim[i], rim[i + 1], spine[i + 1]}}) {
         mesh.triangles.push_back(t);
-        mesh.corner_normals.push_back({static_cast<std::uint8_t>(s % 3), 0, 1});
+        const bool turned = (s + mesh.triangles.size()) % 2 != 0;
+        mesh.corner_normals.push_back({CornerNormal::make(s % 3, turned),
+                                       CornerNormal::make(0, false),
+                                       CornerNormal::make(1, turned)});
         mesh.triangle_pairs.push_back(static_cast<std::uint32_t>(s));
       }
   }
@@ -80,6 +86,56 @@ TEST(Pairs, ComeBackFromBothFormats) {
       EXPECT_EQ(digest(glb), expected) << sheets;
       EXPECT_EQ(encode_draco(mesh, parameters).bytes, encoded.bytes);
     }
+}
+
+// A triangle's corners by place, each with its normal to a tenth.
+using ShadedTriangle = std::array<std::array<int, 6>, 3>;
+ShadedTriangle shaded(const std::array<Vec3, 3>& places, const std::array<Vec3, 3>& normals) {
+  const auto whole = [](double x) { return static_cast<int>(std::lround(x)); };
+  ShadedTriangle corners;
+  for (std::size_t k = 0; k < 3; ++k)
+    for (int a = 0; a < 3; ++a) {
+      corners[k][static_cast<std::size_t>(a)] = whole(places[k][a]);
+      corners[k][static_cast<std::size_t>(a) + 3] = whole(10 * normals[k][a]);
+    }
+  std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+  return corners;
+}
+std::multiset<ShadedTriangle> shaded(const TileMesh& mesh) {
+  std::multiset<ShadedTriangle> triangles;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    std::array<Vec3, 3> places, normals;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = mesh.triangles[i][k];
+      for (int a = 0; a < 3; ++a) places[k][a] = mesh.positions[v][static_cast<std::size_t>(a)];
+      normals[k] = mesh.corner_normals[i][k].of(mesh.normals[v]);
+    }
+    triangles.insert(shaded(places, normals));
+  }
+  return triangles;
+}
+std::multiset<ShadedTriangle> shaded(const DecodedMesh& mesh, const OutputLattice& lattice) {
+  std::multiset<ShadedTriangle> triangles;
+  for (const auto& t : mesh.triangles) {
+    std::array<Vec3, 3> places, normals;
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t a = 0; a < 3; ++a) {
+        places[k][static_cast<int>(a)] =
+            (static_cast<double>(mesh.positions[t[k]][a]) - lattice.origin[a]) / lattice.step;
+        normals[k][static_cast<int>(a)] = static_cast<double>(mesh.normals[t[k]][a]);
+      }
+    triangles.insert(shaded(places, normals));
+  }
+  return triangles;
+}
+
+TEST(Pairs, CornersKeepTheSideOfTheirNormals) {
+  for (const int sheets : {1, 3, 8}) {
+    const TileMesh mesh = book(sheets, 12);
+    const auto expected = shaded(mesh);
+    EXPECT_EQ(shaded(decode_draco(encode_draco(mesh, {}).bytes), mesh.lattice), expected);
+    EXPECT_EQ(shaded(decode_glb(glb_of(mesh, {})), mesh.lattice), expected) << sheets;
+  }
 }
 
 TEST(Pairs, TheDigestTellsOtherLabelsApart) {
