@@ -35,7 +35,9 @@ bool faces_away(const Corner& corner, const Vec3& area) {
   return corner.count > 0;
 }
 
+// Normals of either sense.
 void turn_to_its_side(std::array<Corner, 4>& quad) {
+  if (!std::any_of(quad.begin(), quad.end(), [](const Corner& c) { return c.either; })) return;
   const Vec3 area =
       cross(difference(quad[0].point, quad[2].point), difference(quad[1].point, quad[3].point));
   for (Corner& corner : quad)
