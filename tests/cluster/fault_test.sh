@@ -89,10 +89,7 @@ mesh_hash() { tree_hash "$1" ! -name '*.tmp-*'; }
 rm -rf "$folder"
 mkdir -p "$small"
 mount -t tmpfs -o size=128m,mode=1777 small "$small" || fail "cannot mount a small disk"
-# Where it was built may be below /tmp, of which every node has its own.
-mkdir "$folder/bin"
-cp "$voxweld" "$(dirname "$voxweld")/libvoxweld_image.so" "$folder/bin"
-voxweld=$folder/bin/voxweld
+install_program "$folder"
 cd "$folder"
 "$voxweld" phantom porous --size 192 --type uint8 -o "$folder/porous.nrrd" >/dev/null
 # The work is quick: each task's process is stopped most of its first two seconds, so that there is

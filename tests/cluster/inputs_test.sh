@@ -37,7 +37,7 @@ config() { # config SCENE: with what is its own on standard input
   cat - "$data/common" >"$data/$1.toml"
 }
 
-install_program
+install_program "$data"
 cd "$data"
 eval "$(CPUS=2 "$cluster" start)"
 step "a cluster of three nodes"

@@ -40,7 +40,7 @@ wait_until_finished() { # wait_until_finished NAME
   done
 }
 
-install_program
+install_program "$data"
 cd "$data"
 eval "$(CPUS=2,1,2 "$cluster" start)"
 step "a cluster of three nodes"

@@ -161,10 +161,7 @@ slot_times() {
 }
 
 rm -rf "$folder"
-mkdir -p "$folder/bin"
-# Where it was built may be below /tmp, of which every node has its own.
-cp "$voxweld" "$(dirname "$voxweld")/libvoxweld_image.so" "$folder/bin"
-voxweld=$folder/bin/voxweld
+install_program "$folder"
 cd "$folder"
 "$voxweld" phantom "$phantom" --size "$size" --type uint8 -o "$folder/phantom.raw" 2>phantom.log |
   grep -o 'surface.*' | tr , '\n' >suggested || fail "$(cat phantom.log)"

@@ -37,12 +37,12 @@ remove_shared_folder() {
   rm -rf "$folder"
 }
 
-# install_program: where every node sees it; sets voxweld. Where it was built may be below /tmp, of
-# which every node has its own.
+# install_program FOLDER: below it, where every node sees it; sets voxweld. Where it was built may be
+# below /tmp, of which every node has its own.
 install_program() {
-  mkdir -p "$data/bin"
-  cp "$voxweld" "$(dirname "$voxweld")/libvoxweld_image.so" "$data/bin"
-  voxweld=$data/bin/voxweld
+  mkdir -p "$1/bin"
+  cp "$voxweld" "$(dirname "$voxweld")/libvoxweld_image.so" "$1/bin"
+  voxweld=$1/bin/voxweld
 }
 
 fail() {
