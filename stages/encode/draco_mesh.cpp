@@ -127,8 +127,7 @@ DracoAttributes fill_with_normals(draco::Mesh& out, const TileMesh& mesh) {
   return ids;
 }
 
-// One point for each vertex, normal and pair that corners have together, numbered by first
-// use.
+// One point for each vertex, normal and pair that corners have together, numbered by first use.
 class LabelPoints {
  public:
   struct Point {

@@ -11,12 +11,6 @@ float dot3(const NormalSum& a, const NormalSum& b) {
 float length(const NormalSum& a) {
   return std::sqrt(dot3(a, a));
 }
-void add(NormalSum& to, const NormalSum& what) {
-  for (std::size_t i = 0; i < 3; ++i) to[i] += what[i];
-}
-void subtract(NormalSum& to, const NormalSum& what) {
-  for (std::size_t i = 0; i < 3; ++i) to[i] -= what[i];
-}
 
 // Sums are compared and added by their sense, or without it.
 class Grouping {
@@ -27,10 +21,8 @@ class Grouping {
     return either_ ? std::abs(d) : d;
   }
   void join(NormalSum& to, const NormalSum& what) const {
-    if (either_ && dot3(to, what) < 0)
-      subtract(to, what);
-    else
-      add(to, what);
+    const float sign = either_ && dot3(to, what) < 0 ? -1.0f : 1.0f;
+    for (std::size_t i = 0; i < 3; ++i) to[i] += sign * what[i];
   }
   // Within the clusters' angle; without a division for each pair.
   bool near(const NormalSum& a, const NormalSum& b) const {

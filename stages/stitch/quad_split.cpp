@@ -95,13 +95,7 @@ Cut cut(const Corner& a, const Corner& b, const Corner& c, const Corner& d) {
 // The axis of the lattice edge that the quad's leaves have in common; -1 where they have no edge.
 int edge_axis(const std::array<QuadCorner, 4>& quad) {
   Box3 common = quad[0].id.leaf().cells();
-  for (const QuadCorner& corner : quad) {
-    const Box3 cells = corner.id.leaf().cells();
-    for (int a = 0; a < 3; ++a) {
-      common.lo[a] = std::max(common.lo[a], cells.lo[a]);
-      common.hi[a] = std::min(common.hi[a], cells.hi[a]);
-    }
-  }
+  for (const QuadCorner& corner : quad) common = intersect(common, corner.id.leaf().cells());
   int axis = -1;
   for (int a = 0; a < 3; ++a) {
     if (common.hi[a] == common.lo[a]) continue;

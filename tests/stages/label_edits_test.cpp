@@ -5,14 +5,16 @@
 #include <map>
 #include <set>
 
-#include "tests/support/contour_in_memory.h"
+#include "tests/support/label_cases.h"
 #include "tests/support/mesh_check.h"
 
 namespace voxweld {
 namespace {
 
+using testing::box_edit;
 using testing::contour_in_memory;
 using testing::MemoryVolume;
+using testing::no_labels;
 
 // Two labels side by side in a block, 0 around it.
 MemoryVolume halves(std::int64_t side) {
@@ -26,19 +28,8 @@ MemoryVolume halves(std::int64_t side) {
   return MemoryVolume::of<std::uint16_t>(splat(side), v, SampleType::u16);
 }
 
-MemoryVolume nothing(std::int64_t side) {
-  return MemoryVolume::of<std::uint16_t>(
-      splat(side), std::vector<std::uint16_t>(static_cast<std::size_t>(side * side * side)),
-      SampleType::u16);
-}
-
 ContourParameters with_edits(const Edits& edits, double tolerance = 0.05) {
-  ContourParameters p;
-  p.labels.mode = LabelMode::shared;
-  MaterialRules rules;
-  rules.ranges.push_back({0, 0, false, exterior});
-  p.labels.rules = std::make_shared<const MaterialRules>(rules);
-  p.simplify.tolerance = tolerance;
+  ContourParameters p = testing::shared_labels(tolerance);
   p.edits = edits;
   return p;
 }
@@ -49,15 +40,6 @@ Edit ball(EditOp op, Material material, Vec3 center, double radius) {
   edit.material = material;
   edit.solid.center = center;
   edit.solid.radius = radius;
-  return edit;
-}
-Edit box(EditOp op, Material material, Vec3 center, Vec3 size) {
-  Edit edit;
-  edit.op = op;
-  edit.material = material;
-  edit.solid.shape = SolidShape::box;
-  edit.solid.center = center;
-  edit.solid.size = size;
   return edit;
 }
 
@@ -96,11 +78,11 @@ Volumes volumes(const MemoryVolume& volume, const ContourParameters& parameters,
 
 TEST(LabelEdits, SolidModellingWithMaterialsHasExactVolumes) {
   // A box of 1, a box of 2 over one of its corners, a hole through both.
-  const Edits edits = {box(EditOp::add, 1, {24.3, 25.1, 24.7}, {22, 20, 18}),
-                       box(EditOp::add, 2, {35.3, 35.1, 33.7}, {10, 12, 14}),
-                       box(EditOp::subtract, exterior, {24.3, 25.1, 24.7}, {4, 5, 100})};
+  const Edits edits = {box_edit(EditOp::add, 1, {24.3, 25.1, 24.7}, {22, 20, 18}),
+                       box_edit(EditOp::add, 2, {35.3, 35.1, 33.7}, {10, 12, 14}),
+                       box_edit(EditOp::subtract, exterior, {24.3, 25.1, 24.7}, {4, 5, 100})};
   for (const double tolerance : {0.001, 0.05}) {
-    const Volumes v = volumes(nothing(60), with_edits(edits, tolerance));
+    const Volumes v = volumes(no_labels(60), with_edits(edits, tolerance));
     EXPECT_EQ(v.unbalanced, 0u);
     // 2 took a corner of 5 x 6 x 7 from 1, the hole 4 x 5 x 18 of it and nothing of 2.
     EXPECT_NEAR(v.of.at(2), 10 * 12 * 14, 2) << tolerance;
@@ -126,7 +108,7 @@ TEST(LabelEdits, ReplaceTakesOnlyWhatIsThere) {
 
 TEST(LabelEdits, IntersectKeepsTheLabelsInTheSolid) {
   const Volumes v = volumes(
-      halves(48), with_edits({box(EditOp::intersect, exterior, {24, 24, 24}, {20, 16, 12})}));
+      halves(48), with_edits({box_edit(EditOp::intersect, exterior, {24, 24, 24}, {20, 16, 12})}));
   EXPECT_EQ(v.unbalanced, 0u);
   ASSERT_EQ(v.of.size(), 3u);
   EXPECT_NEAR(v.of.at(1) + v.of.at(2), 20 * 16 * 12, 8);
@@ -136,7 +118,7 @@ TEST(LabelEdits, IntersectKeepsTheLabelsInTheSolid) {
 TEST(LabelEdits, AUnionOfOneLabelHasNoWallInIt) {
   const Edits edits = {ball(EditOp::add, 5, {22, 24, 24}, 10),
                        ball(EditOp::add, 5, {30, 24, 24}, 10)};
-  const Volumes v = volumes(nothing(52), with_edits(edits));
+  const Volumes v = volumes(no_labels(52), with_edits(edits));
   EXPECT_EQ(v.unbalanced, 0u);
   EXPECT_EQ(v.of.size(), 2u);                            // and the outside
   const double cap = 3.14159265 * 6 * 6 * (30 - 6) / 3;  // of height 10 - 4, twice in the overlap
@@ -145,7 +127,7 @@ TEST(LabelEdits, AUnionOfOneLabelHasNoWallInIt) {
 
 TEST(LabelEdits, DoNotDependOnTheBricks) {
   const Edits edits = {ball(EditOp::add, 7, {20.2, 24.1, 30.3}, 11.3),
-                       box(EditOp::replace, 1, {30, 20, 22}, {13, 17, 20}),
+                       box_edit(EditOp::replace, 1, {30, 20, 22}, {13, 17, 20}),
                        ball(EditOp::subtract, exterior, {31.5, 33.3, 18.2}, 8)};
   const auto p = with_edits(edits);
   const MemoryVolume volume = halves(50);
@@ -165,15 +147,15 @@ TEST(LabelEdits, DoNotDependOnTheBricks) {
 // One material, added and taken away: what the edits of signs give, to the bit.
 TEST(LabelEdits, OfOneMaterialAreTheEditsOfSigns) {
   Edits edits = {ball(EditOp::add, 1, {22, 24, 24}, 10),
-                 box(EditOp::add, 1, {30.2, 24.4, 23.1}, {12, 13, 14}),
+                 box_edit(EditOp::add, 1, {30.2, 24.4, 23.1}, {12, 13, 14}),
                  ball(EditOp::subtract, exterior, {24, 20, 28}, 7),
-                 box(EditOp::intersect, exterior, {25, 25, 25}, {25, 22, 21})};
-  const auto labels = contour_in_memory(nothing(52), with_edits(edits), {5, 2048, 0.01});
+                 box_edit(EditOp::intersect, exterior, {25, 25, 25}, {25, 22, 21})};
+  const auto labels = contour_in_memory(no_labels(52), with_edits(edits), {5, 2048, 0.01});
   ContourParameters signs = with_edits(edits);
   signs.labels = {};
   signs.surface.isovalue = 1;
   for (Edit& edit : signs.edits) edit.material = exterior;
-  const auto scalar = contour_in_memory(nothing(52), signs, {5, 2048, 0.01});
+  const auto scalar = contour_in_memory(no_labels(52), signs, {5, 2048, 0.01});
   ASSERT_EQ(labels.tiles.size(), scalar.tiles.size());
   for (std::size_t t = 0; t < labels.tiles.size(); ++t) {
     EXPECT_EQ(labels.tiles[t].positions, scalar.tiles[t].positions);

@@ -3,42 +3,25 @@
 
 #include <cmath>
 
-#include "tests/support/contour_in_memory.h"
+#include "stages/stitch/quad_split.h"
+#include "tests/support/label_cases.h"
 
 namespace voxweld {
 namespace {
 
 using testing::contour_in_memory;
 using testing::MemoryContour;
-using testing::MemoryVolume;
-
-constexpr std::int64_t side = 48;
-
-Edit box(Material material, Vec3 center, Vec3 size) {
-  Edit edit;
-  edit.op = EditOp::add;
-  edit.material = material;
-  edit.solid.shape = SolidShape::box;
-  edit.solid.center = center;
-  edit.solid.size = size;
-  return edit;
-}
 
 // A plate, and a block sunk into its upper face: around the block's foot three labels meet, and the
 // plate's face ends there.
 MemoryContour plate_and_block(Material plate, Material block, double tolerance) {
-  ContourParameters p;
-  p.labels.mode = LabelMode::shared;
-  MaterialRules rules;
-  rules.ranges.push_back({0, 0, false, exterior});
-  p.labels.rules = std::make_shared<const MaterialRules>(rules);
-  p.simplify.enabled = tolerance > 0;
-  p.simplify.tolerance = tolerance;
+  const auto box = [](Material material, Vec3 center, Vec3 size) {
+    return testing::box_edit(EditOp::add, material, center, size);
+  };
+  ContourParameters p = testing::shared_labels(tolerance);
   p.edits = {box(plate, {23.3, 23.4, 14.2}, {34.2, 33.6, 12.4}),
              box(block, {22.7, 24.1, 24.1}, {14.6, 15.2, 7.4})};  // it ends where the plate does
-  const std::vector<std::uint16_t> empty(static_cast<std::size_t>(side * side * side));
-  return contour_in_memory(MemoryVolume::of<std::uint16_t>(splat(side), empty, SampleType::u16), p,
-                           {5, 500000, 0.001});
+  return contour_in_memory(testing::no_labels(48), p, {5, 500000, 0.001});
 }
 
 struct Shading {
@@ -50,12 +33,8 @@ Shading shading(const MemoryContour& contour) {
   Shading result;
   for (const TileMesh& tile : contour.tiles)
     for (std::size_t i = 0; i < tile.triangles.size(); ++i) {
-      Vec3 p[3];
-      for (std::size_t k = 0; k < 3; ++k)
-        for (int a = 0; a < 3; ++a)
-          p[k][a] = static_cast<double>(
-              tile.positions[tile.triangles[i][k]][static_cast<std::size_t>(a)]);
-      const Vec3 area = cross(p[1] - p[0], p[2] - p[0]);
+      const auto [a, b, c] = tile.triangles[i];
+      const Vec3 area = area_vector(tile.positions[a], tile.positions[b], tile.positions[c]);
       const double length = std::sqrt(dot(area, area));
       for (std::size_t k = 0; k < 3 && length > 0; ++k) {
         const Vec3 n = tile.corner_normals[i][k].of(tile.normals[tile.triangles[i][k]]);

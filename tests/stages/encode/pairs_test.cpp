@@ -90,13 +90,14 @@ TEST(Pairs, ComeBackFromBothFormats) {
 
 // A triangle's corners by place, each with its normal to a tenth.
 using ShadedTriangle = std::array<std::array<int, 6>, 3>;
-ShadedTriangle shaded(const std::array<Vec3, 3>& places, const std::array<Vec3, 3>& normals) {
-  const auto whole = [](double x) { return static_cast<int>(std::lround(x)); };
+ShadedTriangle shaded(const std::array<LatticePoint, 3>& places,
+                      const std::array<Vec3, 3>& normals) {
   ShadedTriangle corners;
   for (std::size_t k = 0; k < 3; ++k)
     for (int a = 0; a < 3; ++a) {
-      corners[k][static_cast<std::size_t>(a)] = whole(places[k][a]);
-      corners[k][static_cast<std::size_t>(a) + 3] = whole(10 * normals[k][a]);
+      corners[k][static_cast<std::size_t>(a)] = places[k][static_cast<std::size_t>(a)];
+      corners[k][static_cast<std::size_t>(a) + 3] =
+          static_cast<int>(std::lround(10 * normals[k][a]));
     }
   std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
   return corners;
@@ -104,10 +105,11 @@ ShadedTriangle shaded(const std::array<Vec3, 3>& places, const std::array<Vec3, 
 std::multiset<ShadedTriangle> shaded(const TileMesh& mesh) {
   std::multiset<ShadedTriangle> triangles;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    std::array<Vec3, 3> places, normals;
+    std::array<LatticePoint, 3> places;
+    std::array<Vec3, 3> normals;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = mesh.triangles[i][k];
-      for (int a = 0; a < 3; ++a) places[k][a] = mesh.positions[v][static_cast<std::size_t>(a)];
+      places[k] = mesh.positions[v];
       normals[k] = mesh.corner_normals[i][k].of(mesh.normals[v]);
     }
     triangles.insert(shaded(places, normals));
@@ -117,13 +119,13 @@ std::multiset<ShadedTriangle> shaded(const TileMesh& mesh) {
 std::multiset<ShadedTriangle> shaded(const DecodedMesh& mesh, const OutputLattice& lattice) {
   std::multiset<ShadedTriangle> triangles;
   for (const auto& t : mesh.triangles) {
-    std::array<Vec3, 3> places, normals;
-    for (std::size_t k = 0; k < 3; ++k)
-      for (std::size_t a = 0; a < 3; ++a) {
-        places[k][static_cast<int>(a)] =
-            (static_cast<double>(mesh.positions[t[k]][a]) - lattice.origin[a]) / lattice.step;
-        normals[k][static_cast<int>(a)] = static_cast<double>(mesh.normals[t[k]][a]);
-      }
+    std::array<LatticePoint, 3> places;
+    std::array<Vec3, 3> normals;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto &p = mesh.positions[t[k]], &n = mesh.normals[t[k]];
+      places[k] = testing::snap(lattice, {p[0], p[1], p[2]});
+      normals[k] = {n[0], n[1], n[2]};
+    }
     triangles.insert(shaded(places, normals));
   }
   return triangles;
