@@ -8,7 +8,7 @@
 #include "pipeline/cli/volume_arguments.h"
 #include "pipeline/config/commented.h"
 #include "pipeline/info/label_survey.h"
-#include "pipeline/run/open_input.h"
+#include "pipeline/ingest/open_input.h"
 #include "pipeline/solids/mesh_input.h"
 #include "pipeline/solids/mesh_survey.h"
 #include "stages/ingest/histogram_bins.h"

@@ -5,12 +5,12 @@
 #include <limits>
 
 #include "pipeline/cli/commands.h"
-#include "pipeline/mesh/export.h"
-#include "pipeline/mesh/load.h"
-#include "pipeline/mesh/manifest.h"
-#include "pipeline/mesh/render.h"
-#include "pipeline/mesh/verify.h"
+#include "pipeline/output/export.h"
+#include "pipeline/output/load.h"
+#include "pipeline/output/render.h"
+#include "pipeline/output/verify.h"
 #include "storage/image/image_file.h"
+#include "storage/manifest/manifest.h"
 #include "storage/support/error.h"
 
 namespace voxweld {

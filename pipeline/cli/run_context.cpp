@@ -7,10 +7,10 @@
 #include <optional>
 #include <thread>
 
-#include "pipeline/mesh/manifest.h"
 #include "pipeline/run/run.h"
 #include "pipeline/slurm/slurm_run.h"
-#include "stages/geometry/qef.h"
+#include "stages/contouring/qef.h"
+#include "storage/manifest/manifest.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "storage/support/provenance.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pipeline/cli/commands.h"
-#include "pipeline/run/context.h"
+#include "pipeline/stage/context.h"
 
 namespace voxweld {
 

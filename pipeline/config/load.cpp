@@ -12,7 +12,7 @@
 #include "pipeline/config/refuse.h"
 #include "pipeline/config/settings.h"
 #include "pipeline/config/suggest.h"
-#include "storage/readers/mesh_file.h"
+#include "storage/meshes/mesh_file.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 

@@ -1,8 +1,8 @@
 // The artifacts of build, merge, stitch and encode, and ingest's histogram and labels.
 #include "pipeline/info/kinds.h"
 #include "pipeline/info/label_survey.h"
-#include "pipeline/run/asset_record.h"
-#include "pipeline/run/histogram_artifact.h"
+#include "storage/artifact/asset_record.h"
+#include "storage/artifact/histogram_artifact.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/top_artifact.h"

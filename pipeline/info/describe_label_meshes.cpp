@@ -1,9 +1,9 @@
 // What labels.mode = "each" leaves: octrees, plans, tiles and the list of its labels.
 #include "pipeline/info/kinds.h"
-#include "pipeline/mesh/manifest.h"
 #include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
 #include "storage/artifact/tile_artifact.h"
+#include "storage/manifest/manifest.h"
 
 namespace voxweld {
 

@@ -2,11 +2,11 @@
 #include <algorithm>
 
 #include "pipeline/info/kinds.h"
-#include "pipeline/mesh/load.h"
-#include "pipeline/mesh/manifest.h"
-#include "pipeline/mesh/render.h"
-#include "stages/geometry/mesh_boundary.h"
-#include "storage/readers/mesh_file.h"
+#include "pipeline/output/load.h"
+#include "pipeline/output/render.h"
+#include "stages/solids/mesh_boundary.h"
+#include "storage/manifest/manifest.h"
+#include "storage/meshes/mesh_file.h"
 #include "storage/support/error.h"
 
 namespace voxweld {

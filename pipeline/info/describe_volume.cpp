@@ -5,7 +5,7 @@
 
 #include "pipeline/info/kinds.h"
 #include "pipeline/info/label_survey.h"
-#include "pipeline/run/open_input.h"
+#include "pipeline/ingest/open_input.h"
 #include "storage/spool/spool.h"
 #include "storage/spool/spool_record.h"
 #include "storage/store/layout.h"

@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "pipeline/info/kinds.h"
-#include "pipeline/mesh/manifest.h"
-#include "pipeline/run/open_input.h"
-#include "storage/readers/mesh_file.h"
+#include "pipeline/ingest/open_input.h"
+#include "storage/manifest/manifest.h"
+#include "storage/meshes/mesh_file.h"
 #include "storage/spool/spool_record.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"

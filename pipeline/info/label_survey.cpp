@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "pipeline/labels/label_tally.h"
+#include "pipeline/ingest/label_tally.h"
 #include "storage/support/error.h"
 
 namespace voxweld {

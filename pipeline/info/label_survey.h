@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "pipeline/info/facts.h"
-#include "pipeline/labels/label_counts.h"
+#include "storage/artifact/label_counts.h"
 
 namespace voxweld {
 

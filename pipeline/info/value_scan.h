@@ -6,7 +6,7 @@
 #include <span>
 
 #include "pipeline/executor/interrupt.h"
-#include "pipeline/run/volume_scan.h"
+#include "pipeline/ingest/volume_scan.h"
 
 namespace voxweld {
 

@@ -2,7 +2,8 @@
 
 #include <ctime>
 
-#include "pipeline/solids/local_edits.h"
+#include "pipeline/build/contour_parameters.h"
+#include "pipeline/build/local_edits.h"
 #include "stages/build/build_brick.h"
 #include "stages/build/label_bricks.h"
 #include "stages/ingest/statistics.h"
@@ -141,7 +142,7 @@ std::optional<BrickSample> sample_bricks(const RunContext& context, const Jobs& 
   BrickSample sums;
   if (config.input.has_samples()) sums.isovalue = config.surface.isovalue;
   const ContourParameters parameters =
-      contour_parameters(config, *source, jobs.chosen_labels(config));
+      contour_parameters(config, info.geometry, jobs.ingest().solid, jobs.chosen_labels(config));
   LocalEdits edits(parameters);
   for (const Index3& brick : chosen) sampler.build(brick, edits, sums);
   return sums;

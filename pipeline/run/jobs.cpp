@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/build/contour_parameters.h"
 #include "pipeline/config/settings.h"
-#include "pipeline/labels/label_choice.h"
-#include "pipeline/run/shard_builder.h"
+#include "pipeline/ingest/label_choice.h"
+#include "pipeline/stage/shard_memory.h"
+#include "pipeline/stage/unit_plan.h"
 #include "stages/encode/draco_codec.h"
 #include "stages/ingest/threshold.h"
 #include "stages/stitch/lattice_plan.h"
@@ -78,8 +80,8 @@ void Jobs::open_volume(Config& config) {
   warn_of_origin(config, info.geometry);
   const StagePaths paths = stage_paths(config, info, labels);
   build_.emplace(BuildJob{volume, brick_grid(config, info.geometry),
-                          contour_parameters(config, *volume.source, labels), paths.build,
-                          paths.build_key});
+                          contour_parameters(config, volume.geometry(), volume.solid, labels),
+                          paths.build, paths.build_key});
   if (ingest_.mesh) build_->largest_bin = largest_bin(*ingest_.mesh);
   merge_ = {&*build_, paths.merge, paths.merge_key,
             static_cast<std::uint64_t>(config.output.tile_vertices)};
@@ -107,13 +109,12 @@ void check_budget(const RunContext& context, const Jobs& jobs) {
   const bool replaces =
       std::any_of(config.edits.begin(), config.edits.end(),
                   [](const EditConfig& edit) { return edit.op == EditOp::replace; });
-  std::vector<StageMemory> needs = {
-      ingest_memory(config, jobs.ingest()),
-      {"build", 0,
-       ShardBuilder::memory_bytes(brick_grid(config, info.geometry), info.type, config.labels.mode,
-                                  replaces),
-       fmt::format("one brick (work.brick = {})", config.work.brick),
-       "raise run.memory or lower work.brick"}};
+  std::vector<StageMemory> needs = {ingest_memory(config, jobs.ingest()),
+                                    {"build", 0,
+                                     shard_memory_bytes(brick_grid(config, info.geometry),
+                                                        info.type, config.labels.mode, replaces),
+                                     fmt::format("one brick (work.brick = {})", config.work.brick),
+                                     "raise run.memory or lower work.brick"}};
   // The largest first: the figure it is refused with does for all.
   const auto bytes = [](const StageMemory& need) { return need.base_bytes + need.per_unit_bytes; };
   std::sort(needs.begin(), needs.end(),

@@ -3,9 +3,10 @@
 
 #include <optional>
 
-#include "pipeline/run/encode_stage.h"
-#include "pipeline/run/ingest_stage.h"
-#include "storage/readers/label_map.h"
+#include "pipeline/encode/encode_stage.h"
+#include "pipeline/ingest/ingest_stage.h"
+#include "pipeline/stage/stage_jobs.h"
+#include "storage/labels/label_map.h"
 
 namespace voxweld {
 

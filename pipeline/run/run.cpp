@@ -9,11 +9,14 @@
 #include <functional>
 #include <set>
 
+#include "pipeline/build/build_stage.h"
+#include "pipeline/encode/output_files.h"
 #include "pipeline/executor/error_set.h"
-#include "pipeline/labels/label_rules.h"
+#include "pipeline/ingest/label_rules.h"
+#include "pipeline/merge/merge_stage.h"
 #include "pipeline/run/jobs.h"
 #include "pipeline/run/last_config.h"
-#include "pipeline/run/output_files.h"
+#include "pipeline/stitch/stitch_stage.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 

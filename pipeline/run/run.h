@@ -5,7 +5,7 @@
 #include <string>
 
 #include "pipeline/config/settings.h"
-#include "pipeline/run/context.h"
+#include "pipeline/stage/context.h"
 
 namespace voxweld {
 

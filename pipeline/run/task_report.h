@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/run/context.h"
+#include "pipeline/stage/context.h"
 
 namespace voxweld {
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "pipeline/build/build_stage.h"
 #include "pipeline/slurm/batch_script.h"
 #include "pipeline/slurm/queued_tasks.h"
 #include "pipeline/slurm/task_cost.h"

@@ -7,10 +7,13 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "pipeline/build/build_stage.h"
+#include "pipeline/encode/output_files.h"
+#include "pipeline/merge/merge_stage.h"
 #include "pipeline/run/jobs.h"
-#include "pipeline/run/output_files.h"
 #include "pipeline/run/task_report.h"
 #include "pipeline/slurm/task_plan.h"
+#include "pipeline/stitch/stitch_stage.h"
 #include "storage/support/error.h"
 
 namespace voxweld {

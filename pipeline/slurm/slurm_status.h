@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "pipeline/config/settings.h"
-#include "pipeline/run/context.h"
 #include "pipeline/slurm/queued_tasks.h"
+#include "pipeline/stage/context.h"
 
 namespace voxweld {
 

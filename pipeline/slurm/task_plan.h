@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pipeline/executor/executor.h"
-#include "pipeline/run/unit_selection.h"
+#include "pipeline/stage/unit_selection.h"
 
 namespace voxweld {
 

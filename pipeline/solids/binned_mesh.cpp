@@ -2,7 +2,7 @@
 
 #include <cassert>
 
-#include "stages/geometry/local_mesh.h"
+#include "stages/solids/local_mesh.h"
 #include "storage/support/error.h"
 
 namespace voxweld {

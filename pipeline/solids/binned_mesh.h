@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "pipeline/solids/mesh_binning.h"
-#include "stages/geometry/lattice_solid.h"
-#include "storage/store/bounded_cache.h"
+#include "stages/solids/lattice_solid.h"
+#include "storage/support/bounded_cache.h"
 
 namespace voxweld {
 

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 
-#include "pipeline/run/context.h"
-#include "stages/geometry/mesh_solid.h"
-#include "stages/geometry/wound_mesh.h"
-#include "storage/readers/text_fields.h"
+#include "pipeline/stage/context.h"
+#include "stages/solids/mesh_solid.h"
+#include "stages/solids/wound_mesh.h"
 #include "storage/support/error.h"
+#include "storage/support/text_fields.h"
 
 namespace voxweld {
 namespace {

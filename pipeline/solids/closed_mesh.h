@@ -6,9 +6,9 @@
 #include <string>
 
 #include "pipeline/config/config.h"
-#include "stages/geometry/lattice_solid.h"
-#include "stages/geometry/mesh_boundary.h"
-#include "storage/readers/mesh_file.h"
+#include "stages/solids/lattice_solid.h"
+#include "stages/solids/mesh_boundary.h"
+#include "storage/meshes/mesh_file.h"
 
 namespace voxweld {
 

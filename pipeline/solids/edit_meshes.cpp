@@ -8,7 +8,7 @@
 #include <map>
 
 #include "pipeline/solids/closed_mesh.h"
-#include "stages/geometry/mesh_solid.h"
+#include "stages/solids/mesh_solid.h"
 #include "storage/support/error.h"
 
 namespace voxweld {

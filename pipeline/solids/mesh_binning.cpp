@@ -6,9 +6,9 @@
 #include <cstring>
 
 #include "pipeline/executor/memory_budget.h"
-#include "pipeline/run/context.h"
+#include "pipeline/stage/file_layout.h"
 #include "stages/build/build_brick.h"
-#include "stages/geometry/local_mesh.h"
+#include "stages/solids/local_mesh.h"
 #include "storage/support/error.h"
 #include "storage/support/record_sorter.h"
 

@@ -9,7 +9,7 @@
 #include <filesystem>
 
 #include "pipeline/solids/spooled_mesh.h"
-#include "stages/geometry/brick_grid.h"
+#include "stages/contouring/brick_grid.h"
 #include "storage/artifact/mesh_bin_artifact.h"
 #include "storage/types/volume.h"
 

@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "pipeline/solids/closed_mesh.h"
-#include "storage/readers/empty_source.h"
 #include "storage/support/error.h"
+#include "storage/volumes/empty_source.h"
 
 namespace voxweld {
 namespace {
@@ -95,7 +95,7 @@ void warn_of_cut_edits(const VolumeGeometry& geometry, const Edits& edits) {
   }
 }
 
-std::shared_ptr<SampleSource> open_mesh_input(const Config& config) {
+std::shared_ptr<MeshVolume> open_mesh_input(const Config& config) {
   const InputConfig& input = config.input;
   // What does not fit is streamed (streamed_mesh.h), but for winding numbers.
   const std::uint64_t budget = input.close == MeshClosing::winding

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "pipeline/config/config.h"
-#include "stages/geometry/solid.h"
+#include "stages/solids/solid.h"
 #include "storage/types/volume.h"
 
 namespace voxweld {
@@ -38,6 +38,6 @@ VolumeGeometry mesh_geometry(const InputConfig& config, const Bounds& bounds);
 void warn_of_cut_edits(const VolumeGeometry& geometry, const Edits& edits);
 
 // Reads and checks the mesh; InputError or FormatError where there is none to take.
-std::shared_ptr<SampleSource> open_mesh_input(const Config& config);
+std::shared_ptr<MeshVolume> open_mesh_input(const Config& config);
 
 }  // namespace voxweld

@@ -8,8 +8,8 @@
 #include <memory>
 #include <string_view>
 
-#include "stages/geometry/solid.h"
-#include "storage/readers/mesh_file.h"
+#include "stages/solids/solid.h"
+#include "storage/meshes/mesh_file.h"
 #include "storage/support/scratch_file.h"
 
 namespace voxweld {

@@ -5,11 +5,13 @@
 #include <sys/stat.h>
 
 #include "pipeline/executor/probe.h"
-#include "pipeline/run/shard_builder.h"
 #include "pipeline/solids/binned_mesh.h"
 #include "pipeline/solids/closed_mesh.h"
 #include "pipeline/solids/mesh_survey.h"
-#include "stages/geometry/local_mesh.h"
+#include "pipeline/stage/file_layout.h"
+#include "pipeline/stage/shard_memory.h"
+#include "pipeline/stage/volume.h"
+#include "stages/solids/local_mesh.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -106,7 +108,7 @@ void make_bins(const RunContext& context, StreamedMesh& mesh, const WorkerContex
   const std::uint64_t budget = context.config.run.memory;
   const std::uint64_t building =
       program_bytes() +
-      ShardBuilder::memory_bytes(mesh.binning.grid, SampleType::u8, LabelMode::off, false);
+      shard_memory_bytes(mesh.binning.grid, SampleType::u8, LabelMode::off, false);
   const BinLimits limits{budget, work.memory - work.memory / 3,
                          budget > building ? budget - building : 0};
   bin_mesh(*mesh.spooled, mesh.binning, work, limits);

@@ -2,9 +2,10 @@
 // brick (mesh_binning.h). What comes out is the same to the bit.
 #pragma once
 
-#include "pipeline/run/context.h"
 #include "pipeline/solids/mesh_binning.h"
 #include "pipeline/solids/mesh_input.h"
+#include "pipeline/stage/context.h"
+#include "pipeline/stage/stage_jobs.h"
 
 namespace voxweld {
 
@@ -37,10 +38,6 @@ StageMemory streaming_memory();
 void run_mesh_ingest(RunContext& context, StreamedMesh& mesh);
 
 // Of the largest bin, for build. Precondition: the bins are current.
-struct LargestBin {
-  std::uint64_t bytes = 0, triangles = 0;
-  std::uint64_t index_bytes = 0;  // of the shards' files that are open at once
-};
 LargestBin largest_bin(const StreamedMesh& mesh);
 
 }  // namespace voxweld

@@ -8,7 +8,7 @@
 
 #include "stages/build/active_cells.h"
 #include "stages/build/hermite.h"
-#include "stages/geometry/node_solver.h"
+#include "stages/contouring/node_solver.h"
 #include "storage/types/brick_octree.h"
 
 namespace voxweld {

@@ -11,7 +11,7 @@
 #include "stages/build/hermite.h"
 #include "stages/build/label_field.h"
 #include "stages/build/sign_grid.h"
-#include "stages/geometry/parameters.h"
+#include "stages/contouring/parameters.h"
 #include "storage/types/halo_block.h"
 
 namespace voxweld {

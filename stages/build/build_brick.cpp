@@ -7,7 +7,7 @@
 #include "stages/build/label_edits.h"
 #include "stages/build/label_hermite.h"
 #include "stages/build/label_part.h"
-#include "stages/geometry/solid.h"
+#include "stages/solids/solid.h"
 
 namespace voxweld {
 namespace {

@@ -7,9 +7,9 @@
 
 #include <memory>
 
-#include "stages/geometry/brick_grid.h"
-#include "stages/geometry/parameters.h"
-#include "stages/geometry/solid.h"
+#include "stages/contouring/brick_grid.h"
+#include "stages/contouring/parameters.h"
+#include "stages/solids/solid.h"
 #include "storage/types/brick_octree.h"
 #include "storage/types/halo_block.h"
 
@@ -36,7 +36,7 @@ inline Box3 sign_samples(const BrickGrid& grid, Index3 brick) {
 }
 
 // Where a brick's signs are looked at, in the frame spacing * sample index: edits that do not reach
-// this far (stages/geometry/solid.h) change nothing in the brick.
+// this far (stages/solids/solid.h) change nothing in the brick.
 Bounds brick_bounds(const BrickPlace& place, Vec3 spacing);
 
 // Working memory, reused from brick to brick: nothing is allocated once it has met the largest.

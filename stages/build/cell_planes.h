@@ -2,7 +2,7 @@
 #pragma once
 
 #include "stages/build/brick_nodes.h"
-#include "stages/geometry/normal_clusters.h"
+#include "stages/contouring/normal_clusters.h"
 
 namespace voxweld {
 

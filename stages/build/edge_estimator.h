@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "stages/build/hermite_edge.h"
-#include "stages/geometry/parameters.h"
+#include "stages/contouring/parameters.h"
 #include "storage/types/halo_block.h"
 
 namespace voxweld {

@@ -9,7 +9,7 @@
 #include "stages/build/hermite_edge.h"
 #include "stages/build/label_grid.h"
 #include "stages/build/sign_grid.h"
-#include "stages/geometry/parameters.h"
+#include "stages/contouring/parameters.h"
 #include "storage/types/halo_block.h"
 
 namespace voxweld {

@@ -6,7 +6,7 @@
 
 #include "stages/build/hermite.h"
 #include "stages/build/label_grid.h"
-#include "stages/geometry/volume_frame.h"
+#include "stages/solids/volume_frame.h"
 #include "storage/types/solid.h"
 
 namespace voxweld {

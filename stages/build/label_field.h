@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "stages/geometry/parameters.h"
+#include "stages/contouring/parameters.h"
 #include "storage/types/halo_block.h"
 
 namespace voxweld {

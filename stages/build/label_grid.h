@@ -6,7 +6,7 @@
 
 #include "stages/build/collapse_rule.h"
 #include "stages/build/material_block.h"
-#include "stages/geometry/label_topology.h"
+#include "stages/contouring/label_topology.h"
 
 namespace voxweld {
 

@@ -16,7 +16,7 @@
 
 #include "stages/build/brick_surface.h"
 #include "stages/build/build_brick.h"
-#include "stages/geometry/solid.h"
+#include "stages/solids/solid.h"
 
 namespace voxweld {
 

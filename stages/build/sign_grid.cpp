@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "stages/build/label_field.h"
-#include "stages/geometry/inside_test.h"
-#include "stages/geometry/lattice_solid.h"
-#include "stages/geometry/solid.h"
+#include "stages/contouring/inside_test.h"
+#include "stages/solids/lattice_solid.h"
+#include "stages/solids/solid.h"
 
 namespace voxweld {
 namespace {

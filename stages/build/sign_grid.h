@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "stages/build/collapse_rule.h"
-#include "stages/geometry/cell_topology.h"
-#include "stages/geometry/parameters.h"
-#include "stages/geometry/volume_frame.h"
+#include "stages/contouring/cell_topology.h"
+#include "stages/contouring/parameters.h"
+#include "stages/solids/volume_frame.h"
 #include "storage/types/halo_block.h"
 #include "storage/types/solid.h"
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "stages/geometry/lattice_solid.h"
-#include "stages/geometry/solid.h"
+#include "stages/solids/lattice_solid.h"
+#include "stages/solids/solid.h"
 
 namespace voxweld {
 namespace {

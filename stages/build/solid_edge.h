@@ -2,7 +2,7 @@
 #pragma once
 
 #include "stages/build/hermite_edge.h"
-#include "stages/geometry/volume_frame.h"
+#include "stages/solids/volume_frame.h"
 #include "storage/types/solid.h"
 
 namespace voxweld {

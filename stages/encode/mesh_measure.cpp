@@ -21,18 +21,6 @@ Wide3 cross_product(const Wide3& a, const Wide3& b) {
 
 }  // namespace
 
-MeshMeasure& MeshMeasure::operator+=(const MeshMeasure& other) {
-  if (other.empty) return *this;
-  if (empty) return *this = other;
-  volume6 += other.volume6;
-  area2 += other.area2;
-  for (std::size_t a = 0; a < 3; ++a) {
-    lo[a] = std::min(lo[a], other.lo[a]);
-    hi[a] = std::max(hi[a], other.hi[a]);
-  }
-  return *this;
-}
-
 MeshMeasure measure(std::span<const LatticePoint> positions,
                     std::span<const std::array<std::uint32_t, 3>> triangles) {
   MeshMeasure m;

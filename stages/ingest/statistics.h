@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "storage/store/shard_writer.h"
 #include "storage/types/histogram.h"
+#include "storage/types/sample_statistics.h"
 #include "storage/types/volume.h"
 
 namespace voxweld {

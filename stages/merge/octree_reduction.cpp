@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "stages/geometry/cell_topology.h"
-#include "stages/geometry/label_topology.h"
-#include "stages/geometry/normal_clusters.h"
+#include "stages/contouring/cell_topology.h"
+#include "stages/contouring/label_topology.h"
+#include "stages/contouring/normal_clusters.h"
 
 namespace voxweld {
 namespace {

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "stages/geometry/node_solver.h"
+#include "stages/contouring/node_solver.h"
 #include "storage/types/top_tree.h"
 
 namespace voxweld {

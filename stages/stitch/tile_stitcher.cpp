@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "stages/geometry/cell_topology.h"
-#include "stages/geometry/normal_clusters.h"
+#include "stages/contouring/cell_topology.h"
+#include "stages/contouring/normal_clusters.h"
 #include "stages/stitch/quad_split.h"
 
 namespace voxweld {

@@ -5,17 +5,17 @@
 
 #include <algorithm>
 
-#include "storage/readers/data_layout.h"
-#include "storage/readers/filters.h"
-#include "storage/readers/inflate_stream.h"
-#include "storage/readers/inrimage_reader.h"
-#include "storage/readers/metaimage_reader.h"
-#include "storage/readers/nifti_reader.h"
-#include "storage/readers/nrrd_reader.h"
-#include "storage/readers/raw_reader.h"
-#include "storage/readers/text_fields.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
+#include "storage/support/text_fields.h"
+#include "storage/volumes/data_layout.h"
+#include "storage/volumes/filters.h"
+#include "storage/volumes/inflate_stream.h"
+#include "storage/volumes/inrimage_reader.h"
+#include "storage/volumes/metaimage_reader.h"
+#include "storage/volumes/nifti_reader.h"
+#include "storage/volumes/nrrd_reader.h"
+#include "storage/volumes/raw_reader.h"
 
 namespace voxweld {
 namespace {

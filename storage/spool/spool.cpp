@@ -8,10 +8,10 @@
 #include <system_error>
 #include <utility>
 
-#include "storage/readers/data_layout.h"
 #include "storage/spool/spool_record.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
+#include "storage/volumes/data_layout.h"
 
 namespace voxweld {
 namespace {

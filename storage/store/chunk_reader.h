@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "storage/store/bounded_cache.h"
 #include "storage/store/zarr_metadata.h"
+#include "storage/support/bounded_cache.h"
 #include "storage/support/file_io.h"
 
 namespace voxweld {

@@ -13,20 +13,10 @@
 #include "storage/store/layout.h"
 #include "storage/store/shard_record.h"
 #include "storage/support/hash.h"
-#include "storage/types/histogram.h"
+#include "storage/types/sample_statistics.h"
 #include "storage/types/volume.h"
 
 namespace voxweld {
-
-// Takes the statistics of samples as they pass (stages/ingest has one).
-class SampleStatistics {
- public:
-  virtual ~SampleStatistics() = default;
-  // Adds samples (native byte order, a whole number of them) and returns their range.
-  virtual ValueRange add(std::span<const std::byte> samples) = 0;
-  // The histogram of all added since the last call.
-  virtual Histogram take() = 0;
-};
 
 // Memory of one writer, reused from shard to shard. One for each thread.
 struct ShardScratch {

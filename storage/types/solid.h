@@ -12,7 +12,7 @@
 
 namespace voxweld {
 
-class LatticeSolid;  // stages/geometry/lattice_solid.h
+class LatticeSolid;  // stages/solids/lattice_solid.h
 
 enum class SolidShape : std::uint8_t { sphere, box, cylinder, cone, torus, plane, mesh };
 

@@ -61,6 +61,8 @@ struct VolumeInfo {
   std::vector<std::string> warnings;
 };
 
+class RangedSource;
+
 class SampleSource {
  public:
   virtual ~SampleSource() = default;
@@ -74,6 +76,9 @@ class SampleSource {
   // Access::box may be called from many threads at once; the others from one at a time.
   // Throws FormatError for truncated or corrupt data, StorageError when the system fails.
   virtual void read(const Box3& box, std::byte* out) const = 0;
+
+  // The same source where it can tell ranges; else null.
+  virtual const RangedSource* ranges() const { return nullptr; }
 };
 
 // True when the source's lowest and highest values are known for a box without reading it.
@@ -87,6 +92,7 @@ struct ValueRange {
 // A source that can also tell ranges (the brick store). Conservative: may cover more than the box.
 class RangedSource : public SampleSource {
  public:
+  const RangedSource* ranges() const final { return this; }
   virtual ValueRange range(const Box3& box) const = 0;
 };
 

@@ -9,10 +9,10 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "pipeline/encode/listing.h"
 #include "pipeline/executor/probe.h"
-#include "pipeline/run/asset_record.h"
-#include "pipeline/run/listing.h"
-#include "pipeline/run/merge_stage.h"
+#include "pipeline/merge/merge_stage.h"
+#include "storage/artifact/asset_record.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/support/error.h"
 #include "tests/measure/scale_support.h"

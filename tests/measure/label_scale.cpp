@@ -10,13 +10,13 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "pipeline/encode/listing.h"
+#include "pipeline/encode/output_files.h"
 #include "pipeline/executor/probe.h"
-#include "pipeline/run/asset_record.h"
-#include "pipeline/run/listing.h"
-#include "pipeline/run/merge_stage.h"
-#include "pipeline/run/output_files.h"
-#include "pipeline/run/stitch_stage.h"
-#include "pipeline/run/stitch_work.h"
+#include "pipeline/merge/merge_stage.h"
+#include "pipeline/stitch/stitch_stage.h"
+#include "pipeline/stitch/stitch_work.h"
+#include "storage/artifact/asset_record.h"
 #include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
 #include "storage/artifact/tile_artifact.h"

@@ -8,9 +8,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "pipeline/mesh/load.h"
-#include "pipeline/mesh/manifest.h"
-#include "storage/readers/mesh_file.h"
+#include "pipeline/output/load.h"
+#include "storage/manifest/manifest.h"
+#include "storage/meshes/mesh_file.h"
 #include "storage/support/error.h"
 #include "tests/support/mesh_fidelity.h"
 

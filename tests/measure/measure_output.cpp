@@ -7,9 +7,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "pipeline/mesh/load.h"
-#include "pipeline/mesh/manifest.h"
+#include "pipeline/output/load.h"
 #include "pipeline/phantom/measure.h"
+#include "storage/manifest/manifest.h"
 #include "storage/support/error.h"
 #include "tests/support/mesh_fidelity.h"
 

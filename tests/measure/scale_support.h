@@ -6,11 +6,11 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "pipeline/encode/listing.h"
+#include "pipeline/encode/output_files.h"
 #include "pipeline/executor/console.h"
 #include "pipeline/executor/resources.h"
-#include "pipeline/run/context.h"
-#include "pipeline/run/listing.h"
-#include "pipeline/run/output_files.h"
+#include "pipeline/stage/context.h"
 
 namespace voxweld {
 

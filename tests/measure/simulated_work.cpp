@@ -5,7 +5,7 @@
 #include <numeric>
 #include <random>
 
-#include "pipeline/run/build_stage.h"
+#include "pipeline/build/build_stage.h"
 #include "storage/support/file_io.h"
 #include "tests/measure/stage_looks.h"
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "pipeline/mesh/render.h"
+#include "pipeline/output/render.h"
 #include "storage/types/tile_mesh.h"
 
 namespace voxweld::paper {

@@ -31,7 +31,7 @@ struct Frame3 {
 // What lies over the outline between `low` and `high` on the third axis. A lid is a fan from each
 // contour's first corner: where its triangles overlap an even number of times there is none, so
 // concave contours and holes need no triangulation, as long as inside is told by the even-odd rule
-// (stages/geometry/mesh_solid.h). Every edge is used an even number of times.
+// (stages/solids/mesh_solid.h). Every edge is used an even number of times.
 TriangleMesh extrude(const Outline& outline, double low, double high, const Frame3& frame);
 
 // As .off, every digit that it takes. StorageError where it cannot be written.

@@ -2,9 +2,9 @@
 
 #include <bit>
 
-#include "pipeline/labels/label_choice.h"
-#include "pipeline/run/context.h"
-#include "pipeline/run/open_input.h"
+#include "pipeline/build/contour_parameters.h"
+#include "pipeline/ingest/label_choice.h"
+#include "pipeline/ingest/open_input.h"
 #include "storage/support/error.h"
 
 namespace voxweld::paper {
@@ -25,9 +25,12 @@ ModelVolume load_model(const std::filesystem::path& config,
   model.config = load_config(config, overrides);
   if (!model.config.surface.isovalue)
     throw InputError(config.string() + ": surface.isovalue has to be a number here");
-  const auto source = open_input(model.config);
+  const auto mesh = open_mesh(model.config);
+  const std::shared_ptr<SampleSource> source = mesh ? mesh : open_input(model.config);
   const VolumeInfo& info = source->info();
-  model.parameters = contour_parameters(model.config, *source,
+  std::optional<Solid> solid;
+  if (mesh) solid = mesh->solid();
+  model.parameters = contour_parameters(model.config, info.geometry, solid,
                                         chosen_labels(model.config, read_labels_map(model.config)));
   model.empty = model.config.input.format == InputConfig::Format::empty;
   model.volume.type = info.type;

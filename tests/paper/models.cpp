@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "storage/readers/mesh_file.h"
+#include "storage/meshes/mesh_file.h"
 
 namespace voxweld::paper {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "stages/geometry/solid.h"
+#include "stages/solids/solid.h"
 #include "tests/paper/surface_net.h"
 #include "tests/paper/true_surface.h"
 #include "tests/support/contour_in_memory.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "stages/geometry/mesh_boundary.h"
+#include "stages/solids/mesh_boundary.h"
 #include "tests/paper/extrusion.h"
 #include "tests/paper/surface_net.h"
 #include "tests/paper/true_surface.h"

@@ -15,7 +15,7 @@ namespace {
 
 using testing::MemoryBricks;
 
-// As pipeline/run/shard_builder.cpp leaves out bricks of empty space.
+// As pipeline/build/shard_builder.cpp leaves out bricks of empty space.
 bool known_outside(const ModelVolume& model, const BrickPlace& place) {
   if (!model.empty) return false;
   const Bounds bounds = brick_bounds(place, model.parameters.spacing);

@@ -1,4 +1,4 @@
-#include "stages/geometry/cell_topology.h"
+#include "stages/contouring/cell_topology.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "stages/build/hermite.h"
-#include "stages/geometry/solid.h"
+#include "stages/solids/solid.h"
 
 namespace voxweld {
 namespace {

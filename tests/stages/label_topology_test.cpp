@@ -1,4 +1,4 @@
-#include "stages/geometry/label_topology.h"
+#include "stages/contouring/label_topology.h"
 
 #include <gtest/gtest.h>
 

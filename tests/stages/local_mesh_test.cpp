@@ -1,5 +1,5 @@
 // Parts of meshes against the whole: the same flips, crossings and sides, bit for bit.
-#include "stages/geometry/local_mesh.h"
+#include "stages/solids/local_mesh.h"
 
 #include <gtest/gtest.h>
 

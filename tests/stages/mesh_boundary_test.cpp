@@ -1,4 +1,4 @@
-#include "stages/geometry/mesh_boundary.h"
+#include "stages/solids/mesh_boundary.h"
 
 #include <gtest/gtest.h>
 

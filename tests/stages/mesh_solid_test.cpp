@@ -1,6 +1,6 @@
 // Meshes as solids against plain geometry: exact where lattice points lie on faces, edges and
 // corners, by winding numbers elsewhere.
-#include "stages/geometry/mesh_solid.h"
+#include "stages/solids/mesh_solid.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "stages/geometry/normal_clusters.h"
+#include "stages/contouring/normal_clusters.h"
 
 #include <gtest/gtest.h>
 

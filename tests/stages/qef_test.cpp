@@ -1,4 +1,4 @@
-#include "stages/geometry/qef.h"
+#include "stages/contouring/qef.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cstring>
 #include <random>
 
-#include "stages/geometry/node_solver.h"
+#include "stages/contouring/node_solver.h"
 
 namespace voxweld {
 namespace {

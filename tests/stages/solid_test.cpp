@@ -1,4 +1,4 @@
-#include "stages/geometry/solid.h"
+#include "stages/solids/solid.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Winding numbers against sums over all triangles.
-#include "stages/geometry/winding_number.h"
+#include "stages/solids/winding_number.h"
 
 #include <gtest/gtest.h>
 

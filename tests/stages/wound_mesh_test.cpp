@@ -1,9 +1,9 @@
 // Meshes with holes and overlaps on a lattice: against closed meshes, and against winding numbers.
-#include "stages/geometry/wound_mesh.h"
+#include "stages/solids/wound_mesh.h"
 
 #include <gtest/gtest.h>
 
-#include "stages/geometry/mesh_solid.h"
+#include "stages/solids/mesh_solid.h"
 #include "tests/support/triangle_meshes.h"
 
 namespace voxweld {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "stages/build/build_brick.h"
-#include "stages/geometry/parameters.h"
+#include "stages/contouring/parameters.h"
 #include "storage/types/brick_octree.h"
 #include "storage/types/tile_mesh.h"
 #include "storage/types/top_tree.h"

@@ -31,9 +31,10 @@ class TempDirectory {
   std::filesystem::path path_;
 };
 
-inline std::filesystem::path shared_data(const std::string& name) {
-  return std::filesystem::path(VOXWELD_SHARED_DATA) / name;
-}
+// Below the folder of real scans, which need not be there.
+std::filesystem::path shared_data(const std::string& name);
+// The program that was built beside the tests.
+std::filesystem::path program_path();
 
 }  // namespace voxweld::testing
 

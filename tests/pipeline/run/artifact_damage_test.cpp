@@ -3,7 +3,7 @@
 #include <fstream>
 #include <functional>
 
-#include "pipeline/labels/label_counts.h"
+#include "storage/artifact/label_counts.h"
 #include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
 #include "storage/artifact/shard_artifact.h"

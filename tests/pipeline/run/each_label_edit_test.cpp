@@ -6,8 +6,8 @@
 #include <numbers>
 #include <optional>
 
-#include "pipeline/mesh/manifest.h"
-#include "pipeline/mesh/verify.h"
+#include "pipeline/output/verify.h"
+#include "storage/manifest/manifest.h"
 #include "storage/support/file_io.h"
 #include "storage/support/hash.h"
 #include "tests/pipeline/run/label_volumes.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "pipeline/mesh/manifest.h"
+#include "storage/manifest/manifest.h"
 #include "storage/support/file_io.h"
 #include "storage/support/hash.h"
 #include "tests/pipeline/run/label_volumes.h"

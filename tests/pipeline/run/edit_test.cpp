@@ -4,8 +4,8 @@
 #include <fstream>
 #include <numbers>
 
-#include "pipeline/mesh/load.h"
-#include "pipeline/mesh/verify.h"
+#include "pipeline/output/load.h"
+#include "pipeline/output/verify.h"
 #include "tests/pipeline/run/edit_scene.h"
 
 namespace voxweld::testing {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "pipeline/run/encode_stage.h"
+#include "pipeline/encode/encode_stage.h"
 #include "stages/build/label_edge.h"
 #include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <functional>
 
-#include "pipeline/mesh/verify.h"
+#include "pipeline/output/verify.h"
 #include "storage/support/file_io.h"
 #include "tests/pipeline/run/label_volumes.h"
 #include "tests/pipeline/run/mesh_scene.h"

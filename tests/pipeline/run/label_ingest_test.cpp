@@ -3,8 +3,8 @@
 #include <fstream>
 #include <map>
 
-#include "pipeline/labels/label_counts.h"
 #include "pipeline/run/jobs.h"
+#include "storage/artifact/label_counts.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "tests/pipeline/run/scene.h"

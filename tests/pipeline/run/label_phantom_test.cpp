@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "pipeline/mesh/load.h"
-#include "pipeline/mesh/verify.h"
+#include "pipeline/output/load.h"
+#include "pipeline/output/verify.h"
 #include "pipeline/phantom/junctions_field.h"
 #include "storage/types/label_range.h"
 #include "tests/pipeline/run/scene.h"

@@ -1,5 +1,5 @@
 // The rules of a config against what its words say, label by label.
-#include "pipeline/labels/label_rules.h"
+#include "pipeline/ingest/label_rules.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>

@@ -1,6 +1,6 @@
 // Counting labels in bounded memory, and the file the counts are kept in, against counting them in
 // a map.
-#include "pipeline/labels/label_tally.h"
+#include "pipeline/ingest/label_tally.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <map>
 #include <random>
 
-#include "pipeline/labels/label_counts.h"
+#include "storage/artifact/label_counts.h"
 #include "storage/support/error.h"
 #include "tests/support/temp_directory.h"
 

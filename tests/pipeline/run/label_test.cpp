@@ -1,8 +1,8 @@
 // surface.label, end to end: one label of a label volume.
 #include <cmath>
 
-#include "pipeline/mesh/load.h"
-#include "pipeline/mesh/verify.h"
+#include "pipeline/output/load.h"
+#include "pipeline/output/verify.h"
 #include "tests/pipeline/run/label_volumes.h"
 #include "tests/pipeline/run/scene.h"
 

@@ -2,8 +2,8 @@
 // were one label from the start.
 #include <fstream>
 
-#include "pipeline/mesh/manifest.h"
-#include "pipeline/mesh/verify.h"
+#include "pipeline/output/verify.h"
+#include "storage/manifest/manifest.h"
 #include "tests/pipeline/run/label_volumes.h"
 #include "tests/pipeline/run/scene.h"
 

@@ -5,8 +5,8 @@
 
 #include <cctype>
 
-#include "pipeline/mesh/verify.h"
-#include "storage/readers/mesh_file.h"
+#include "pipeline/output/verify.h"
+#include "storage/meshes/mesh_file.h"
 #include "tests/pipeline/run/mesh_scene.h"
 
 namespace voxweld::testing {

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <random>
 
-#include "pipeline/mesh/verify.h"
-#include "storage/readers/mesh_file.h"
+#include "pipeline/output/verify.h"
+#include "storage/meshes/mesh_file.h"
 #include "storage/support/file_io.h"
 #include "tests/pipeline/run/mesh_scene.h"
 #include "tests/support/nearest_triangle.h"

@@ -4,8 +4,8 @@
 
 #include <fstream>
 
-#include "pipeline/mesh/verify.h"
-#include "storage/readers/mesh_file.h"
+#include "pipeline/output/verify.h"
+#include "storage/meshes/mesh_file.h"
 #include "tests/pipeline/run/mesh_scene.h"
 #include "tests/support/triangle_meshes.h"
 

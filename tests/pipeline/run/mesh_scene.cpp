@@ -4,9 +4,10 @@
 
 #include <fstream>
 
-#include "pipeline/mesh/load.h"
+#include "pipeline/output/load.h"
 #include "storage/support/file_io.h"
 #include "storage/support/hash.h"
+#include "tests/support/temp_directory.h"
 
 namespace voxweld::testing {
 
@@ -20,7 +21,7 @@ void write_off(const fs::path& path, const TriangleMesh& mesh) {
 }
 
 fs::path shared_mesh(const std::string& name) {
-  const fs::path path = fs::path(VOXWELD_SHARED_DATA) / name;
+  const fs::path path = testing::shared_data(name);
   return fs::exists(path) ? path : fs::path();
 }
 

@@ -3,8 +3,8 @@
 
 #include <cctype>
 
-#include "pipeline/mesh/verify.h"
-#include "storage/readers/mesh_file.h"
+#include "pipeline/output/verify.h"
+#include "storage/meshes/mesh_file.h"
 #include "tests/pipeline/run/mesh_scene.h"
 #include "tests/support/triangle_meshes.h"
 

@@ -4,8 +4,8 @@
 #include <map>
 #include <set>
 
-#include "pipeline/mesh/load.h"
-#include "pipeline/mesh/verify.h"
+#include "pipeline/output/load.h"
+#include "pipeline/output/verify.h"
 #include "tests/pipeline/run/scene.h"
 
 namespace voxweld::testing {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <stdexcept>
 #include <thread>
+#include "tests/support/temp_directory.h"
 
 namespace voxweld::testing {
 namespace {
@@ -36,7 +37,7 @@ std::string text_of(const Capture& file) {
 
 pid_t start(const std::vector<std::string>& arguments, const Capture& out, const Capture& err) {
   std::vector<char*> argv;
-  std::string name = VOXWELD_BINARY;
+  std::string name = program_path().string();
   std::vector<std::string> owned = arguments;
   argv.push_back(name.data());
   for (std::string& argument : owned) argv.push_back(argument.data());

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/mesh/load.h"
+#include "pipeline/output/load.h"
 #include "storage/types/box.h"
 #include "storage/types/sample_type.h"
 #include "tests/pipeline/run/program.h"

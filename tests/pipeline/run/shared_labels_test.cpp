@@ -4,9 +4,9 @@
 #include <map>
 #include <set>
 
-#include "pipeline/mesh/load.h"
-#include "pipeline/mesh/manifest.h"
-#include "pipeline/mesh/verify.h"
+#include "pipeline/output/load.h"
+#include "pipeline/output/verify.h"
+#include "storage/manifest/manifest.h"
 #include "tests/pipeline/run/scene.h"
 
 namespace voxweld::testing {

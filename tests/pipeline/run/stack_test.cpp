@@ -6,9 +6,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/mesh/manifest.h"
-#include "pipeline/mesh/verify.h"
+#include "pipeline/output/verify.h"
 #include "storage/image/image_file.h"
+#include "storage/manifest/manifest.h"
 #include "tests/pipeline/run/program.h"
 #include "tests/support/temp_directory.h"
 

@@ -13,7 +13,7 @@
 #include "pipeline/solids/closed_mesh.h"
 #include "pipeline/solids/edge_parity.h"
 #include "pipeline/solids/mesh_survey.h"
-#include "stages/geometry/mesh_solid.h"
+#include "stages/solids/mesh_solid.h"
 #include "storage/support/error.h"
 #include "tests/pipeline/run/mesh_formats.h"
 #include "tests/support/temp_directory.h"

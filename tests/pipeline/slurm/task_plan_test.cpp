@@ -8,7 +8,7 @@
 #include <chrono>
 #include <map>
 
-#include "pipeline/run/unit_selection.h"
+#include "pipeline/stage/unit_selection.h"
 
 namespace voxweld {
 namespace {

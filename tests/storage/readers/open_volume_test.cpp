@@ -1,7 +1,7 @@
 #include "storage/readers/open_volume.h"
 
-#include "storage/readers/dense_source.h"
-#include "tests/storage/readers/known_volume.h"
+#include "storage/volumes/dense_source.h"
+#include "tests/storage/volumes/known_volume.h"
 
 namespace voxweld::testing {
 namespace {

@@ -1,0 +1,53 @@
+#include "pipeline/build/contour_parameters.h"
+
+#include <utility>
+
+#include "pipeline/config/edits.h"
+#include "pipeline/solids/edit_meshes.h"
+#include "pipeline/solids/mesh_input.h"
+
+namespace voxweld {
+namespace {
+
+// The config's edits are in output coordinates; a mesh as input comes before them.
+Edits make_edits(const Config& config, const VolumeGeometry& geometry,
+                 const std::optional<Solid>& input) {
+  Edits edits = edits_of(config);
+  for (Edit& edit : edits) edit.solid.center = edit.solid.center - geometry.first;
+  load_edit_meshes(config, geometry, edits);
+  if (!input) return edits;
+  warn_of_cut_edits(geometry, edits);
+  edits.insert(edits.begin(), {EditOp::add, *input});
+  return edits;
+}
+
+}  // namespace
+
+ContourParameters contour_parameters(const Config& config, const VolumeGeometry& geometry,
+                                     const std::optional<Solid>& input, LabelParameters labels) {
+  // The enumerators of both come in the order of the settings' table.
+  ContourParameters p;
+  p.spacing = geometry.spacing;
+  p.surface.label = config.surface.label;
+  p.surface.isovalue = config.surface.isovalue.value();
+  p.surface.inside =
+      config.surface.inside == SurfaceConfig::Inside::above ? Inside::above : Inside::below;
+  p.surface.border =
+      config.surface.border == SurfaceConfig::Border::closed ? Border::closed : Border::open;
+  p.surface.gradient =
+      config.surface.gradient == SurfaceConfig::Gradient::eno ? Gradient::eno : Gradient::central;
+  p.labels = std::move(labels);
+  const SimplifyConfig& s = config.simplify;
+  p.simplify.enabled = s.enabled;
+  p.simplify.tolerance =
+      s.tolerance *
+      (s.tolerance_unit == SimplifyConfig::Unit::voxel ? smallest_spacing(geometry) : 1.0);
+  p.simplify.metric = s.metric == SimplifyConfig::Metric::rms ? Metric::rms : Metric::sum;
+  p.simplify.topology =
+      s.topology == SimplifyConfig::Topology::safe ? Topology::safe : Topology::free;
+  p.simplify.qef = s.qef == SimplifyConfig::Qef::qr ? QefForm::qr : QefForm::normal;
+  p.edits = make_edits(config, geometry, input);
+  return p;
+}
+
+}  // namespace voxweld

@@ -1,0 +1,16 @@
+// From a config and its volume to what the contouring depends on.
+#pragma once
+
+#include "pipeline/config/config.h"
+#include "pipeline/stage/volume.h"
+#include "stages/contouring/parameters.h"
+
+namespace voxweld {
+
+// Reads the meshes that edits name; throws what that throws.
+// Preconditions: the isovalue is resolved; `labels` are of the same config. input: as
+// Volume::solid.
+ContourParameters contour_parameters(const Config& config, const VolumeGeometry& geometry,
+                                     const std::optional<Solid>& input, LabelParameters labels);
+
+}  // namespace voxweld

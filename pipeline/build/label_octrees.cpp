@@ -1,0 +1,182 @@
+#include "pipeline/build/label_octrees.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "pipeline/stage/shard_memory.h"
+
+namespace voxweld {
+namespace {
+
+// What the reduction and the directory need of one label in one brick; then, where the brick is
+// split, a PieceBlock for each block that holds anything.
+struct Note {
+  PieceHead head;
+  std::uint64_t blocks = 0;
+};
+
+bool has_surface(const PieceHead& head) {
+  return head.root.state != NodeState::inside;
+}
+
+template <class T>
+void append(std::vector<std::byte>& out, const T* values, std::size_t count) {
+  const std::size_t at = out.size();
+  out.resize(at + count * sizeof(T));
+  if (count > 0) std::memcpy(out.data() + at, values, count * sizeof(T));
+}
+
+}  // namespace
+
+LabelOctrees::LabelOctrees(const BuildJob& job)
+    : job_(job), notes_(job.folder, label_notes_bytes) {}
+
+void LabelOctrees::begin(Index3 shard, Hash128 input_stamp) {
+  shard_ = shard;
+  notes_.clear();
+  summary_ = ShardSummary{};
+  history_ = ShardHistory{};
+  out_ = std::make_unique<LabelShardWriter>(shard_artifact_path(job_, shard),
+                                            shard_key(job_, shard), input_stamp);
+}
+
+void LabelOctrees::build(const HaloBlock& block, Index3 first, std::int64_t count,
+                         const WorkerContext& worker) {
+  labels_.fill(block, job_.parameters);
+  for (std::int64_t i = 0; i < count; ++i)
+    build_brick({job_.grid.brick_level(), first + Index3{i, 0, 0}}, worker);
+}
+
+void LabelOctrees::build_brick(const CellKey& brick, const WorkerContext& worker) {
+  BuiltBrick built{morton_encode(brick.at), brick_key(job_, brick.at), {}, {}};
+  bool any = false, surface = false;
+  labels_.each({brick.lo(), brick.level}, job_.parameters,
+               [&](Material material, const BrickOctree& octree) {
+                 worker.check_interrupt();
+                 const NodeState state = octree.root.state;
+                 add_counts(octree.counts, built.counts, state != NodeState::leaf);
+                 if (state == NodeState::outside) return;
+                 if (!any) out_->begin_brick(built.code);
+                 any = true;
+                 const std::vector<PieceBlock> blocks = filled_blocks(octree);
+                 const PieceHead head = out_->piece(material, octree, blocks);
+                 surface = surface || has_surface(head);
+                 note(brick.at, head, blocks);
+               });
+  if (any) out_->end_brick();
+  note(built, surface);
+}
+
+void LabelOctrees::keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) {
+  bool surface = false;
+  out_->brick(built.code, from, [&](const PieceHead& head, std::span<const PieceBlock> blocks) {
+    surface = surface || has_surface(head);
+    note(brick, head, blocks);
+  });
+  note(built, surface);
+}
+
+void LabelOctrees::note(const BuiltBrick& built, bool surface) {
+  add_counts(built.counts, summary_.counts, true);
+  if (surface) ++summary_.active_bricks;
+  history_.bricks.push_back(built);
+}
+
+void LabelOctrees::inside(Index3 brick, Material material) {
+  PieceHead head;
+  head.piece.key = {material, morton_encode(brick)};
+  head.root = filled_brick().root;
+  note(brick, head, {});
+}
+
+void LabelOctrees::note(Index3 brick, const PieceHead& head, std::span<const PieceBlock> blocks) {
+  if (head.root.state != NodeState::split) blocks = {};
+  const Note note{head, blocks.size()};
+  note_.clear();
+  append(note_, &note, 1);
+  append(note_, blocks.data(), blocks.size());
+  notes_.push({head.piece.key.material, morton_encode(brick)}, note_);
+}
+
+// The nodes of one label after the other, and in each its cubes, as the notes come.
+class LabelOctrees::NodeWriter {
+ public:
+  NodeWriter(const BuildJob& job, ShardSummary& summary, LabelShardWriter& out)
+      : job_(job), summary_(summary), out_(out) {
+    sink_.node = &node_.node;
+    sink_.summary = &summary;
+    sink_.brick_level = job.grid.brick_level();
+  }
+
+  void add(Material material, const CellKey& brick, std::span<const std::byte> bytes) {
+    open(material, brick);
+    Note note;
+    std::memcpy(&note, bytes.data(), sizeof note);
+    std::vector<PieceBlock> blocks(note.blocks);
+    if (note.blocks > 0)
+      std::memcpy(blocks.data(), bytes.data() + sizeof note, note.blocks * sizeof(PieceBlock));
+    const bool leaf = note.head.root.state == NodeState::leaf;
+    if (has_surface(note.head)) add_piece(note.head.piece);
+    reduction_->push({brick, note.head.root, leaf ? note.head.piece.polygons : 0u});
+    for (const PieceBlock& block : blocks)
+      sink_.cube({brick.code() + (std::uint64_t{block.block} << (3 * block_level)), block_level,
+                  block.vertices, block.polygons});
+  }
+
+  // After the last, and between one cube and the next.
+  void close() {
+    if (!reduction_) return;
+    const NodeSummary reduced = reduction_->finish();
+    summary_.collapsed_above += reduction_->collapsed();
+    node_.node.record = reduced.record;
+    node_.node.polygons = reduced.polygons;
+    content_->bytes(std::as_bytes(std::span(node_.node.leaves)));
+    node_.content = content_->finish();
+    out_.node(node_);
+    reduction_.reset();
+  }
+
+ private:
+  void open(Material material, const CellKey& brick) {
+    const int up = job_.grid.shard_level() - brick.level;
+    const CellKey cube{job_.grid.shard_level(),
+                       {brick.at.x >> up, brick.at.y >> up, brick.at.z >> up}};
+    if (reduction_ && node_.material == material && node_.node.key == cube) return;
+    close();
+    node_ = {};
+    node_.material = material;
+    node_.node.key = cube;
+    content_.emplace();
+    reduction_.emplace(cube, job_.grid.domain_level(), job_.parameters, sink_);
+  }
+
+  void add_piece(const PieceRecord& piece) {
+    out_.directory(piece);
+    node_.largest_piece = std::max(node_.largest_piece, piece.body_bytes() + piece.skin_bytes());
+    content_->integer(static_cast<std::int64_t>(piece.key.brick)).hash(piece.body).hash(piece.skin);
+  }
+
+  const BuildJob& job_;
+  ShardSummary& summary_;
+  LabelShardWriter& out_;
+  LabelNode node_;  // under way
+  NodeCollector sink_;
+  std::optional<KeyHasher> content_;
+  std::optional<OctreeReduction> reduction_;
+};
+
+void LabelOctrees::finish(Hash128 input, std::vector<BuiltRun> runs) {
+  summary_.bricks = static_cast<std::uint64_t>(job_.grid.shard_bricks(shard_).count());
+  summary_.input = input;
+  history_.runs = std::move(runs);
+  NodeWriter nodes(job_, summary_, *out_);
+  SortKey key;
+  while (notes_.next(key, note_))
+    nodes.add(key.major, {job_.grid.brick_level(), morton_decode(key.minor)}, note_);
+  nodes.close();
+  out_->finish(summary_, history_);
+  out_.reset();
+  notes_.clear();
+}
+
+}  // namespace voxweld

@@ -1,0 +1,41 @@
+// labels.mode = "each": every label of a shard has an octree of its own, built from the samples of
+// all of them at once.
+#pragma once
+
+#include <optional>
+
+#include "pipeline/build/shard_octrees.h"
+#include "stages/build/label_bricks.h"
+#include "storage/artifact/label_shard_artifact.h"
+#include "storage/support/record_sorter.h"
+
+namespace voxweld {
+
+class LabelOctrees : public ShardOctrees {
+ public:
+  explicit LabelOctrees(const BuildJob& job);
+
+  void begin(Index3 shard, Hash128 input_stamp) override;
+  void build(const HaloBlock& block, Index3 first, std::int64_t count,
+             const WorkerContext& worker) override;
+  void inside(Index3 brick, Material material) override;
+  void keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) override;
+  void finish(Hash128 input, std::vector<BuiltRun> runs) override;
+
+ private:
+  class NodeWriter;
+  void build_brick(const CellKey& brick, const WorkerContext& worker);
+  void note(const BuiltBrick& built, bool surface);
+  void note(Index3 brick, const PieceHead& head, std::span<const PieceBlock> blocks);
+
+  const BuildJob& job_;
+  LabelBricks labels_;
+  Index3 shard_;
+  std::unique_ptr<LabelShardWriter> out_;
+  RecordSorter notes_;  // of all pieces, by label and brick
+  std::vector<std::byte> note_;
+  ShardSummary summary_;
+  ShardHistory history_;
+};
+
+}  // namespace voxweld

@@ -1,0 +1,249 @@
+#include "pipeline/build/shard_builder.h"
+
+#include <algorithm>
+
+#include "pipeline/build/common_material.h"
+#include "pipeline/stage/shard_memory.h"
+#include "stages/contouring/inside_test.h"
+
+namespace voxweld {
+namespace {
+
+Box3 brick_samples(const BuildJob& job, Index3 brick) {
+  return intersect(halo_samples(place_of_brick(job.grid, brick), job.parameters),
+                   Box3{{}, job.grid.size()});
+}
+
+}  // namespace
+
+ShardBuilder::ShardBuilder(const BuildJob& job) : job_(job), octrees_(make_shard_octrees(job)) {}
+
+namespace {
+
+// Ranges of 64-bit integers are rounded outward, so one value alone may stand for its neighbours.
+NodeState label_state(const ValueRange& range, double label, bool in_ring) {
+  constexpr double exact = 9007199254740992.0;  // 2^53
+  if (range.empty || label < range.lo || label > range.hi) return NodeState::outside;
+  const bool alone = range.lo == label && range.hi == label && label < exact;
+  return alone && !in_ring ? NodeState::inside : NodeState::split;
+}
+
+}  // namespace
+
+// Of the cells' corners: lattice point u is sample u - 1.
+Box3 ShardBuilder::touched_samples(Index3 brick) const {
+  const std::int64_t side = std::int64_t{1} << job_.grid.brick_level();
+  const Index3 lo = brick * side - splat(1);
+  return {lo, lo + splat(side + 1)};
+}
+
+Bounds ShardBuilder::bounds_of(Index3 brick) const {
+  return brick_bounds(place_of_brick(job_.grid, brick), job_.parameters.spacing);
+}
+
+bool ShardBuilder::meets_ring(Index3 brick) const {
+  const Box3 touched = touched_samples(brick);
+  return intersect(touched, Box3{{}, job_.grid.size()}) != touched;
+}
+
+// What is known of a brick without reading it: the ranges, then the edits that reach it.
+ShardBuilder::KnownBrick ShardBuilder::find_known(Index3 brick) const {
+  if (job_.parameters.labels.mode != LabelMode::off) return known_label(brick);
+  const NodeState unedited = unedited_state(brick);
+  if (job_.parameters.edits.empty()) return {unedited, exterior};
+  const Relation before = unedited == NodeState::inside    ? Relation::inside
+                          : unedited == NodeState::outside ? Relation::outside
+                                                           : Relation::mixed;
+  switch (
+      side_after(job_.parameters.edits, bounds_of(brick), before, sign_samples(job_.grid, brick))) {
+    case Relation::outside:
+      return {NodeState::outside, exterior};
+    case Relation::inside:
+      return {meets_ring(brick) ? NodeState::split : NodeState::inside, exterior};
+    case Relation::mixed:
+      break;
+  }
+  return {NodeState::split, exterior};
+}
+
+// The one material that all samples its cells touch are known to be of, ring apart, after the
+// edits.
+ShardBuilder::KnownBrick ShardBuilder::known_label(Index3 brick) const {
+  const Box3 touched = touched_samples(brick);
+  const Box3 real = intersect(touched, Box3{{}, job_.grid.size()});
+  if (real.empty()) return {NodeState::outside, exterior};
+  std::optional<Material> material;
+  if (job_.volume.ranges() != nullptr)
+    material = common_material(*job_.parameters.labels.rules, job_.volume.ranges()->range(real));
+  if (!job_.parameters.edits.empty())
+    material = material_after(job_.parameters.edits, bounds_of(brick), material);
+  if (!material || (*material != exterior && real != touched)) return {NodeState::split, exterior};
+  if (*material == exterior) return {NodeState::outside, exterior};
+  return {NodeState::inside, *material};
+}
+
+// Whether the known ranges say that no cell of the brick has a sign change: all samples its cells
+// touch, upper planes and the ring included, are on one side. `split` means: read it.
+NodeState ShardBuilder::unedited_state(Index3 brick) const {
+  const Box3 touched = touched_samples(brick);
+  const Box3 real = intersect(touched, Box3{{}, job_.grid.size()});
+  if (real.empty()) return NodeState::outside;
+  if (job_.volume.ranges() == nullptr) return NodeState::split;
+  const bool in_ring = real != touched;
+  const ValueRange range = job_.volume.ranges()->range(real);
+  const SurfaceParameters& surface = job_.parameters.surface;
+  if (surface.label) return label_state(range, static_cast<double>(*surface.label), in_ring);
+  const bool above = surface.inside == Inside::above;
+  // Ranges are rounded outward where a double cannot hold the value, so strict comparisons decide.
+  const bool all_out =
+      range.empty || (above ? range.hi < surface.isovalue : range.lo > surface.isovalue);
+  const bool all_in = !range.empty && !range.any_nan && !in_ring &&
+                      (above ? range.lo >= surface.isovalue : range.hi <= surface.isovalue);
+  return all_out ? NodeState::outside : all_in ? NodeState::inside : NodeState::split;
+}
+
+// The bricks row, row + 1 .. end - 1 along x: maximal runs of those that must be read, cut where
+// the samples would become too many.
+std::vector<ShardBuilder::Run> ShardBuilder::runs_of(Index3 row, std::int64_t end) const {
+  const bool labels = job_.parameters.labels.mode == LabelMode::each;
+  const std::uint64_t most =
+      labels ? label_run_samples : run_bytes / sample_bytes(job_.volume.source->info().type);
+  std::vector<Run> runs;
+  for (Index3 brick = row; brick.x < end; ++brick.x) {
+    if (known_of(brick).state != NodeState::split) continue;
+    const Box3 samples = brick_samples(job_, brick);
+    if (!runs.empty() && runs.back().first.x + runs.back().count == brick.x) {
+      Box3 joined = runs.back().samples;
+      joined.hi.x = samples.hi.x;
+      if (static_cast<std::uint64_t>(joined.count()) <= most) {
+        runs.back().samples = joined;
+        ++runs.back().count;
+        continue;
+      }
+    }
+    runs.push_back({brick, 1, samples});
+  }
+  return runs;
+}
+
+template <class F>
+void ShardBuilder::each_run(Index3 shard, F&& f) {
+  const Box3 bricks = job_.grid.shard_bricks(shard);
+  for (std::int64_t z = bricks.lo.z; z < bricks.hi.z; ++z)
+    for (std::int64_t y = bricks.lo.y; y < bricks.hi.y; ++y)
+      for (const Run& run : runs_of({bricks.lo.x, y, z}, bricks.hi.x)) f(run);
+}
+
+template <class F>
+void ShardBuilder::each_brick(Index3 shard, F&& f) const {
+  const Box3 bricks = job_.grid.shard_bricks(shard);
+  for (std::int64_t z = bricks.lo.z; z < bricks.hi.z; ++z)
+    for (std::int64_t y = bricks.lo.y; y < bricks.hi.y; ++y)
+      for (std::int64_t x = bricks.lo.x; x < bricks.hi.x; ++x) f(Index3{x, y, z});
+}
+
+void ShardBuilder::look_at(Index3 shard) {
+  shard_bricks_ = job_.grid.shard_bricks(shard);
+  known_.clear();
+  each_brick(shard, [&](Index3 brick) { known_.push_back(find_known(brick)); });
+}
+
+const ShardBuilder::KnownBrick& ShardBuilder::known_of(Index3 brick) const {
+  const Index3 at = brick - shard_bricks_.lo, size = shard_bricks_.size();
+  return known_[static_cast<std::size_t>((at.z * size.y + at.y) * size.x + at.x)];
+}
+
+// A brick that is not read may change sides without a sample changing in those that are.
+void ShardBuilder::note_sides(Index3 shard, StreamHasher& hash) const {
+  each_brick(shard, [&](Index3 brick) {
+    const KnownBrick& known = known_of(brick);
+    hash.update(std::as_bytes(std::span(&known.state, 1)));
+    if (known.material != exterior) hash.update(std::as_bytes(std::span(&known.material, 1)));
+  });
+}
+
+Hash128 ShardBuilder::read(const Run& run) {
+  const std::size_t size = sample_bytes(job_.volume.source->info().type);
+  samples_.resize(static_cast<std::size_t>(run.samples.count()) * size);
+  if (!run.samples.empty()) job_.volume.source->read(run.samples, samples_.data());
+  StreamHasher hash;
+  hash.update(std::as_bytes(std::span(&run.samples, 1)));
+  hash.update(samples_);
+  return hash.finish();
+}
+
+Hash128 ShardBuilder::input_hash(Index3 shard) {
+  look_at(shard);
+  StreamHasher hash;
+  note_sides(shard, hash);
+  each_run(shard, [&](const Run& run) {
+    const Hash128 samples = read(run);
+    hash.update(std::as_bytes(std::span(&samples, 1)));
+  });
+  return hash.finish();
+}
+
+// Bricks whose edits are those of the earlier build are taken over; what is read is read in whole
+// runs, unless all of one is taken over.
+BuiltRun ShardBuilder::build_run(const Run& run, const EarlierShard* earlier,
+                                 const WorkerContext& worker) {
+  std::vector<const BuiltBrick*> kept(static_cast<std::size_t>(run.count), nullptr);
+  const auto brick = [&](std::size_t i) {
+    return run.first + Index3{static_cast<std::int64_t>(i), 0, 0};
+  };
+  if (earlier != nullptr)
+    for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = earlier->brick(job_, brick(i));
+  const bool all_kept = std::ranges::find(kept, nullptr) == kept.end();
+  const BuiltRun* known = all_kept && earlier ? earlier->run(run.first, run.count) : nullptr;
+  const BuiltRun built = known ? *known : BuiltRun{run.first, run.count, read(run)};
+  const Index3 extent = run.samples.size();
+  const HaloBlock block{job_.volume.source->info().type,
+                        job_.grid.size(),
+                        run.samples,
+                        samples_.data(),
+                        extent.x,
+                        extent.x * extent.y};
+  for (std::size_t i = 0; i < kept.size();) {
+    std::size_t end = i;
+    while (end < kept.size() && kept[end] == nullptr) ++end;
+    if (end > i) octrees_->build(block, brick(i), static_cast<std::int64_t>(end - i), worker);
+    bricks_.built += end - i;
+    for (i = end; i < kept.size() && kept[i] != nullptr; ++i, ++bricks_.kept)
+      octrees_->keep(brick(i), *kept[i], earlier->artifact());
+  }
+  return built;
+}
+
+void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlier,
+                         const WorkerContext& worker) {
+  look_at(shard);
+  StreamHasher hash;
+  note_sides(shard, hash);
+  octrees_->begin(shard, stamp);
+  std::vector<BuiltRun> runs;
+  each_run(shard, [&](const Run& run) {
+    runs.push_back(build_run(run, earlier, worker));
+    hash.update(std::as_bytes(std::span(&runs.back().samples, 1)));
+  });
+  each_brick(shard, [&](Index3 brick) {
+    const KnownBrick& known = known_of(brick);
+    if (known.state == NodeState::inside) octrees_->inside(brick, known.material);
+  });
+  octrees_->finish(hash.finish(), std::move(runs));
+}
+
+void ShardBuilder::build(Index3 shard, const WorkerContext& worker) {
+  const BrickReport before = bricks_;
+  const Hash128 stamp = job_.volume.stamp(shard_samples(job_, shard));
+  if (const auto earlier = EarlierShard::open(job_, shard, stamp)) {
+    try {
+      return build(shard, stamp, &*earlier, worker);
+    } catch (const DamagedArtifact& damage) {
+      if (damage.path() != earlier->artifact().path()) throw;
+      bricks_ = before;
+    }
+  }
+  build(shard, stamp, nullptr, worker);
+}
+
+}  // namespace voxweld

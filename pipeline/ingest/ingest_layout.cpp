@@ -1,0 +1,44 @@
+#include "pipeline/ingest/ingest_layout.h"
+
+#include "pipeline/stage/artifacts.h"
+
+namespace voxweld {
+
+StoreLayout store_layout(const Config& config, const IngestJob& job) {
+  StoreLayout layout;
+  layout.array = store_path(job.folder);
+  layout.records = store_records_path(job.folder);
+  layout.type = job.info.type;
+  layout.geometry = job.info.geometry;
+  layout.parameters.chunk = config.work.chunk;
+  layout.parameters.shard = config.work.brick * config.work.shard;
+  return layout;
+}
+
+std::vector<Index3> shards_of(const StoreLayout& layout) {
+  std::vector<Index3> shards;
+  const Index3 grid = layout.shard_grid();
+  for (std::int64_t z = 0; z < grid.z; ++z)
+    for (std::int64_t y = 0; y < grid.y; ++y)
+      for (std::int64_t x = 0; x < grid.x; ++x) shards.push_back({x, y, z});
+  return shards;
+}
+
+Hash128 files_stamp(const IngestJob& job, std::size_t begin, std::size_t end) {
+  KeyHasher stamp;
+  stamp.hash(job.parameters);
+  for (std::size_t i = begin; i < end; ++i) {
+    const InputFile& file = job.info.files[i];
+    stamp.text(file.path).integer(static_cast<std::int64_t>(file.size)).integer(file.mtime_ns);
+  }
+  return stamp.finish();
+}
+
+Hash128 store_shard_key(const IngestJob& job, const StoreLayout& layout, Index3 shard) {
+  if (!job.file_per_slice) return job.stamp;
+  const Box3 samples = layout.shard_samples(shard);
+  return files_stamp(job, static_cast<std::size_t>(samples.lo.z),
+                     static_cast<std::size_t>(samples.hi.z));
+}
+
+}  // namespace voxweld

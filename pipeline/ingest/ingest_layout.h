@@ -1,0 +1,20 @@
+// How ingest cuts the volume: the shards of the brick store, which are also the units where nothing
+// is copied.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/ingest/ingest_stage.h"
+#include "storage/store/layout.h"
+
+namespace voxweld {
+
+StoreLayout store_layout(const Config& config, const IngestJob& job);
+std::vector<Index3> shards_of(const StoreLayout& layout);  // x fastest
+
+// Of some of the input's files and how they are read.
+Hash128 files_stamp(const IngestJob& job, std::size_t begin, std::size_t end);
+// What a store shard is made from.
+Hash128 store_shard_key(const IngestJob& job, const StoreLayout& layout, Index3 shard);
+
+}  // namespace voxweld

@@ -1,0 +1,296 @@
+#include "pipeline/merge/label_merge.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include "pipeline/executor/probe.h"
+#include "stages/merge/octree_reduction.h"
+#include "stages/merge/tile_planner.h"
+#include "storage/artifact/label_shard_artifact.h"
+#include "storage/artifact/label_top.h"
+#include "storage/support/error.h"
+#include "storage/support/record_sorter.h"
+
+namespace voxweld {
+namespace {
+
+// Small labels are delivered several at a time. A batch ends before a label whose number says so,
+// one in so many, and not by counting: then a label that comes or goes moves no batch but its own.
+constexpr std::uint64_t labels_a_batch = 64, most_labels_a_batch = 256;
+
+// Steele, Lea, Flood, "Fast Splittable Pseudorandom Number Generators", 2014.
+std::uint64_t mixed(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15u;
+  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+  return x ^ x >> 31;
+}
+
+// What stitching a tile of one label reads, as a hash.
+class TileInputs {
+ public:
+  TileInputs(const BrickGrid& grid, Material material, std::span<const SurfaceNode> nodes,
+             std::span<const TopLeaf> leaves)
+      : cube_level_(grid.shard_level()),
+        brick_(std::int64_t{1} << grid.brick_level()),
+        material_(material),
+        nodes_(nodes),
+        leaves_(leaves) {}
+
+  void add_to(KeyHasher& key, const PlannedTile& tile) const {
+    key.integer(static_cast<std::int64_t>(material_));
+    key.integer(static_cast<std::int64_t>(tile.code)).integer(tile.level);
+    for (const SurfaceNode* node : nodes_read(tile.key())) {
+      key.integer(static_cast<std::int64_t>(node->code)).hash(node->content);
+      if (const TopLeaf* leaf = leaf_above(node->code))
+        key.bytes(std::as_bytes(std::span(leaf, 1)));
+    }
+  }
+
+ private:
+  CellKey cube_of(const SurfaceNode& node) const {
+    return {cube_level_, morton_decode(node.code >> (3 * cube_level_))};
+  }
+
+  // Of the cubes that the tile's bricks and their upper neighbours lie in.
+  std::vector<const SurfaceNode*> nodes_read(CellKey tile) const {
+    std::vector<const SurfaceNode*> found;
+    const CellKey within = cube_level_ <= tile.level ? tile : cube_around(tile);
+    const Box3 reached{tile.lo(), tile.cells().hi + splat(brick_)};
+    const std::uint64_t begin = within.code(), end = begin + (std::uint64_t{1} << 3 * within.level);
+    for (auto node = at_or_after(begin); node != nodes_.end() && node->code < end; ++node) {
+      found.push_back(&*node);
+      for (int d = 1; d < 8; ++d) {
+        const CellKey cube = cube_of(*node);
+        const CellKey upper{cube_level_, cube.at + Index3{d & 1, d >> 1 & 1, d >> 2}};
+        if (within.cells().contains(upper.cells()) || intersect(upper.cells(), reached).empty())
+          continue;
+        const auto at = at_or_after(upper.code());
+        if (at != nodes_.end() && at->code == upper.code()) found.push_back(&*at);
+      }
+    }
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+  }
+  CellKey cube_around(CellKey tile) const {
+    while (tile.level < cube_level_) tile = tile.parent();
+    return tile;
+  }
+  std::span<const SurfaceNode>::iterator at_or_after(std::uint64_t code) const {
+    return std::lower_bound(nodes_.begin(), nodes_.end(), code,
+                            [](const SurfaceNode& node, std::uint64_t c) { return node.code < c; });
+  }
+  const TopLeaf* leaf_above(std::uint64_t code) const {
+    const auto after =
+        std::upper_bound(leaves_.begin(), leaves_.end(), code,
+                         [](std::uint64_t c, const TopLeaf& leaf) { return c < leaf.code; });
+    if (after == leaves_.begin()) return nullptr;
+    const TopLeaf& leaf = *(after - 1);
+    return code - leaf.code < std::uint64_t{1} << (3 * leaf.level) ? &leaf : nullptr;
+  }
+
+  int cube_level_;
+  std::int64_t brick_;
+  Material material_;
+  std::span<const SurfaceNode> nodes_;  // ascending
+  std::span<const TopLeaf> leaves_;     // those no shard knows of, ascending
+};
+
+// Labels of one tile put together until a batch is full.
+class BatchPlanner {
+ public:
+  BatchPlanner(LabelTopWriter& out, std::uint64_t most_vertices)
+      : out_(out), most_vertices_(most_vertices) {}
+
+  // The label that was ended last, with its tiles.
+  void add(Material material, std::span<const PlannedTile> tiles, const TileInputs& inputs,
+           std::uint64_t largest_piece) {
+    const std::uint64_t surface = out_.surfaces() - 1, first_tile = out_.tiles() - tiles.size();
+    if (tiles.size() != 1 || ends_before(material, tiles[0])) finish();
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+      if (!key_) begin(material, surface, first_tile + i, tiles.size(), tiles[i]);
+      inputs.add_to(*key_, tiles[i]);
+      ++batch_.tiles;
+      batch_.vertices += tiles[i].vertices;
+      batch_.polygons += tiles[i].polygons;
+      batch_.most_vertices = std::max(batch_.most_vertices, tiles[i].vertices);
+      batch_.most_polygons = std::max(batch_.most_polygons, tiles[i].polygons);
+      batch_.largest_piece = std::max(batch_.largest_piece, largest_piece);
+      if (tiles.size() > 1) finish();
+    }
+    if (tiles.size() == 1) batch_.surfaces = surface - batch_.first_surface + 1;
+  }
+
+  void finish() {
+    if (!key_) return;
+    batch_.inputs = key_->finish();
+    out_.batch(batch_);
+    key_.reset();
+  }
+
+ private:
+  bool ends_before(Material material, const PlannedTile& tile) const {
+    return key_ && (mixed(material) % labels_a_batch == 0 || batch_.tiles == most_labels_a_batch ||
+                    batch_.vertices + tile.vertices > most_vertices_);
+  }
+  void begin(Material material, std::uint64_t surface, std::uint64_t first_tile,
+             std::uint64_t surface_tiles, const PlannedTile& tile) {
+    key_.emplace();
+    batch_ = {};
+    batch_.material = material;
+    batch_.first_surface = surface;
+    batch_.surfaces = 1;
+    batch_.first_tile = first_tile;
+    batch_.surface_tiles = surface_tiles;
+    batch_.tile_code = tile.code;
+    batch_.tile_level = tile.level;
+  }
+
+  LabelTopWriter& out_;
+  std::uint64_t most_vertices_;
+  BatchRecord batch_;  // under way while key_ is
+  std::optional<KeyHasher> key_;
+};
+
+// One label after the other, from its nodes in Morton order.
+class LabelMerger : private ReductionSink {
+ public:
+  LabelMerger(const MergeJob& job, LabelTopWriter& out, MergeCounts& counts)
+      : job_(job),
+        grid_(job.build->grid),
+        out_(out),
+        counts_(counts),
+        batches_(out, job.tile_vertices) {}
+
+  void add(const LabelNode& node) {
+    if (!reduction_ || node.material != material_) {
+      close();
+      open(node.material);
+    }
+    reduction_->push({node.node.key, node.node.record, node.node.polygons});
+    for (const TopLeaf& leaf : node.node.leaves) {
+      ++counts_.top_leaves;
+      out_.leaf(leaf);
+    }
+    for (const CubeCount& count : node.node.cubes) planner_->push(count);
+    if (node.node.record.state == NodeState::inside) return;
+    nodes_.push_back({node.node.key.code(), node.content});
+    largest_piece_ = std::max(largest_piece_, node.largest_piece);
+  }
+
+  void finish() {
+    close();
+    batches_.finish();
+  }
+
+ private:
+  void open(Material material) {
+    material_ = material;
+    const int domain = grid_.domain_level();
+    const CellKey root{std::max(domain, grid_.shard_level()), {}};
+    planner_.emplace(std::max(domain, block_level), job_.tile_vertices,
+                     [this](const PlannedTile& tile) { tiles_.push_back(tile); });
+    ReductionSink& sink = *this;
+    reduction_.emplace(root, domain, job_.build->parameters, sink);
+  }
+
+  void close() {
+    if (!reduction_) return;
+    OctreeReduction::settle(reduction_->finish(), *this);
+    counts_.collapsed_above += reduction_->collapsed();
+    planner_->finish();
+    for (const SurfaceNode& node : nodes_) out_.node(node);
+    for (const PlannedTile& tile : tiles_) out_.tile(tile);
+    out_.end_surface(material_);
+    batches_.add(material_, tiles_, TileInputs(grid_, material_, nodes_, leaves_), largest_piece_);
+    reduction_.reset();
+    nodes_.clear();
+    tiles_.clear();
+    leaves_.clear();
+    largest_piece_ = 0;
+  }
+
+  void leaf(CellKey key, const RootRecord& record) override {
+    ++counts_.vertices;
+    ++counts_.leaves[static_cast<std::size_t>(key.level)];
+    counts_.worst_residual = std::max(counts_.worst_residual, static_cast<double>(record.residual));
+    if (key.level <= grid_.brick_level()) return;
+    ++counts_.top_leaves;
+    leaves_.push_back(
+        {key.code(), static_cast<std::uint32_t>(key.level), record.vertex, record.residual, 0});
+    out_.leaf(leaves_.back());
+  }
+  void cube(const CubeCount& count) override { planner_->push(count); }
+
+  const MergeJob& job_;
+  const BrickGrid& grid_;
+  LabelTopWriter& out_;
+  MergeCounts& counts_;
+  BatchPlanner batches_;
+  Material material_ = exterior;
+  std::optional<OctreeReduction> reduction_;
+  std::optional<TilePlanner> planner_;
+  std::vector<SurfaceNode> nodes_;
+  std::vector<PlannedTile> tiles_;
+  std::vector<TopLeaf> leaves_;
+  std::uint64_t largest_piece_ = 0;
+};
+
+// What is read of one shard ahead: the first of its nodes, which mostly are all.
+struct ShardRoots {
+  std::unique_ptr<LabelShardArtifact> file;
+  ShardSummary summary;
+  std::vector<std::pair<SortKey, std::vector<std::byte>>> nodes;
+};
+constexpr std::size_t shards_ahead = 32;  // of 256 KiB each, or one node
+
+template <class F>
+void each_node(const LabelShardArtifact& file, std::uint64_t page, F&& f) {
+  file.each_node(page, [&](const LabelNode& node, std::span<const std::byte> bytes) {
+    f(SortKey{node.material, node.node.key.code()}, bytes);
+  });
+}
+
+ShardRoots read_roots(const BuildJob& job, Index3 shard) {
+  ShardRoots roots;
+  roots.file = std::make_unique<LabelShardArtifact>(shard_artifact_path(job, shard));
+  if (roots.file->key() != shard_key(job, shard))
+    throw DamagedArtifact(roots.file->path(), "is of other parameters");
+  roots.summary = roots.file->summary();
+  if (roots.file->node_pages() > 0)
+    each_node(*roots.file, 0, [&](SortKey key, std::span<const std::byte> bytes) {
+      roots.nodes.emplace_back(key, std::vector<std::byte>(bytes.begin(), bytes.end()));
+    });
+  return roots;
+}
+
+}  // namespace
+
+void merge_labels(const MergeJob& job, std::uint64_t memory) {
+  MergeCounts counts;
+  std::vector<Hash128> contents;
+  RecordSorter nodes(job.folder, memory);
+  const std::vector<Index3> shards = job.build->grid.all_shards();
+  const auto push = [&](SortKey key, std::span<const std::byte> bytes) { nodes.push(key, bytes); };
+  probe_in_order<ShardRoots>(
+      shards.size(), shards_ahead, [&](std::size_t i) { return read_roots(*job.build, shards[i]); },
+      [&](std::size_t, ShardRoots&& roots) {
+        contents.push_back(roots.file->content_hash());
+        add_summary(roots.summary, counts);
+        for (const auto& [key, bytes] : roots.nodes) push(key, bytes);
+        for (std::uint64_t page = 1; page < roots.file->node_pages(); ++page)
+          each_node(*roots.file, page, push);
+      });
+
+  LabelTopWriter out(job.path(), job.key);
+  LabelMerger merger(job, out, counts);
+  SortKey key;
+  std::vector<std::byte> bytes;
+  while (nodes.next(key, bytes)) merger.add(label_node_of(bytes));
+  merger.finish();
+  out.finish(counts, contents);
+}
+
+}  // namespace voxweld

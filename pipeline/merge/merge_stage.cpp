@@ -1,0 +1,174 @@
+#include "pipeline/merge/merge_stage.h"
+
+#include <algorithm>
+
+#include "pipeline/executor/probe.h"
+#include "pipeline/merge/label_merge.h"
+#include "stages/merge/octree_reduction.h"
+#include "stages/merge/tile_planner.h"
+#include "storage/artifact/shard_artifact.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+// Content hashes of what build has left, in the order of its units.
+std::vector<Hash128> shard_hashes(const BuildJob& job) {
+  const std::vector<Index3> shards = job.grid.all_shards();
+  std::vector<Hash128> hashes(shards.size());
+  probe_all(shards.size(),
+            [&](std::size_t i) { hashes[i] = open_octrees(job, shards[i]).content_hash(); });
+  return hashes;
+}
+
+struct Sink : ReductionSink {
+  TopArtifactWriter* out = nullptr;
+  TilePlanner* planner = nullptr;
+  MergeCounts* counts = nullptr;
+  int brick_level = 0;
+
+  void leaf(CellKey key, const RootRecord& record) override {
+    ++counts->vertices;
+    ++counts->leaves[static_cast<std::size_t>(key.level)];
+    counts->worst_residual = std::max(counts->worst_residual, static_cast<double>(record.residual));
+    if (key.level > brick_level)
+      top({key.code(), static_cast<std::uint32_t>(key.level), record.vertex, record.residual, 0});
+  }
+  void cube(const CubeCount& count) override { planner->push(count); }
+  void top(const TopLeaf& leaf) {
+    ++counts->top_leaves;
+    out->leaf(leaf);
+  }
+};
+
+constexpr std::size_t cubes_ahead = 128;  // up to 100 KiB each
+
+// What merge reads of one octree artifact: one cube's part of it.
+struct CubeRoots {
+  Hash128 content;
+  ShardSummary summary;
+  std::vector<ShardNode> nodes;
+};
+
+CubeRoots read_roots(const BuildJob& job, const BrickGrid::Cube& cube) {
+  const ShardArtifact artifact(shard_artifact_path(job, cube.shard));
+  if (artifact.key() != shard_key(job, cube.shard))
+    throw DamagedArtifact(artifact.path(), "is of other parameters");
+  CubeRoots roots{artifact.content_hash(), artifact.summary(), artifact.nodes()};
+  std::erase_if(roots.nodes, [&](const ShardNode& node) { return !(node.key == cube.key); });
+  return roots;
+}
+
+// Puts the shards' summaries and hashes in the order of build's units: a shard may have several
+// cubes, which come in the order of the octree.
+class ShardTotals {
+ public:
+  explicit ShardTotals(const BrickGrid& grid) {
+    for (const Index3& shard : grid.all_shards()) codes_.push_back(morton_encode(shard));
+    hashes_.resize(codes_.size());
+    seen_.resize(codes_.size());
+  }
+  void add(Index3 shard, const CubeRoots& roots, MergeCounts& counts) {
+    const auto found = std::lower_bound(codes_.begin(), codes_.end(), morton_encode(shard));
+    const auto at = static_cast<std::size_t>(found - codes_.begin());
+    if (seen_[at]) return;
+    seen_[at] = true;
+    hashes_[at] = roots.content;
+    add_summary(roots.summary, counts);
+  }
+  const std::vector<Hash128>& hashes() const { return hashes_; }
+
+ private:
+  std::vector<std::uint64_t> codes_;  // ascending
+  std::vector<Hash128> hashes_;       // beside them
+  std::vector<bool> seen_;
+};
+
+void merge(const MergeJob& job) {
+  const BrickGrid& grid = job.build->grid;
+  const ContourParameters& parameters = job.build->parameters;
+  TopArtifactWriter out(job.path(), job.key);
+  TilePlanner planner(std::max(grid.domain_level(), block_level), job.tile_vertices,
+                      [&](const PlannedTile& tile) { out.tile(tile); });
+  MergeCounts counts;
+  ShardTotals shards(grid);
+
+  Sink sink;
+  sink.out = &out;
+  sink.planner = &planner;
+  sink.counts = &counts;
+  sink.brick_level = grid.brick_level();
+  const CellKey root{std::max(grid.domain_level(), grid.shard_level()), {}};
+  OctreeReduction reduction(root, grid.domain_level(), parameters, sink);
+  const std::vector<BrickGrid::Cube> cubes = grid.all_cubes();
+  probe_in_order<CubeRoots>(
+      cubes.size(), cubes_ahead, [&](std::size_t i) { return read_roots(*job.build, cubes[i]); },
+      [&](std::size_t i, CubeRoots&& roots) {
+        shards.add(cubes[i].shard, roots, counts);
+        for (const ShardNode& node : roots.nodes) {
+          reduction.push({node.key, node.record, node.polygons});
+          for (const TopLeaf& leaf : node.leaves) sink.top(leaf);
+          for (const CubeCount& count : node.cubes) planner.push(count);
+        }
+      });
+  OctreeReduction::settle(reduction.finish(), sink);
+  counts.collapsed_above += reduction.collapsed();
+  planner.finish();
+  out.finish(counts, shards.hashes());
+}
+
+// Of the nodes of all labels those that are held at once, beside the program itself.
+std::uint64_t merge_memory(const RunContext& context) {
+  constexpr std::uint64_t least = std::uint64_t{4} << 20, most = std::uint64_t{256} << 20;
+  const std::uint64_t total = context.budget().total, taken = program_bytes();
+  return std::clamp(total > taken ? (total - taken) / 4 : 0, least, most);
+}
+
+}  // namespace
+
+void add_summary(const ShardSummary& shard, MergeCounts& counts) {
+  counts.bricks += shard.bricks;
+  counts.active_bricks += shard.active_bricks;
+  counts.active_cells += shard.counts.active_cells;
+  counts.crossing_edges += shard.counts.crossing_edges;
+  counts.vertices += shard.counts.vertices;
+  counts.collapsed_above += shard.collapsed_above;
+  counts.worst_residual = std::max(counts.worst_residual, shard.counts.worst_residual);
+  counts.worst_finest = std::max(counts.worst_finest, shard.counts.worst_finest);
+  for (std::size_t l = 0; l < counts.leaves.size(); ++l) counts.leaves[l] += shard.counts.leaves[l];
+}
+
+bool merge_is_there(const MergeJob& job) {
+  return std::filesystem::exists(job.path()) && TopArtifact(job.path()).key() == job.key;
+}
+
+bool merge_is_current(const MergeJob& job) {
+  if (!std::filesystem::exists(job.path())) return false;
+  try {
+    const TopArtifact artifact(job.path());
+    return artifact.key() == job.key && artifact.shards() == shard_hashes(*job.build);
+  } catch (const DamagedArtifact& damage) {
+    if (damage.path() == job.path()) return false;
+    throw;
+  }
+}
+
+void run_merge(RunContext& context, const MergeJob& job) {
+  StageRun stage;
+  stage.stage = "merge";
+  stage.noun = "trees";
+  const bool current = merge_is_current(job);
+  stage.reused = current ? 1 : 0;
+  std::vector<Unit> units;
+  if (!current) units.push_back({0, "top tree", 1});
+  stage.identity = job.folder.filename().string();
+  stage.done = [&](const Unit&) { return merge_is_current(job); };
+  run_stage(context, stage, units, 1, [&](const Unit&, WorkerContext&) {
+    if (job.build->parameters.labels.mode == LabelMode::each)
+      merge_labels(job, merge_memory(context));
+    else
+      merge(job);
+  });
+}
+
+}  // namespace voxweld

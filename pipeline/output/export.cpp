@@ -1,0 +1,90 @@
+#include "pipeline/output/export.h"
+
+#include <fmt/format.h>
+
+#include <OpenMesh/Core/IO/MeshIO.hh>
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <array>
+#include <limits>
+#include <sstream>
+#include <string_view>
+
+#include "storage/support/error.h"
+#include "storage/support/file_io.h"
+
+namespace voxweld {
+namespace {
+
+// Points of float, as in the decoded files.
+using ExportMesh = OpenMesh::TriMesh_ArrayKernelT<>;
+
+void check_extension(const std::filesystem::path& path) {
+  constexpr std::array<std::string_view, 4> known{".ply", ".obj", ".stl", ".off"};
+  for (const std::string_view extension : known)
+    if (path.extension() == extension) return;
+  throw InputError(fmt::format("{}: cannot export to \"{}\", expected .ply, .obj, .stl or .off",
+                               path.string(), path.extension().string()));
+}
+
+// Three vertices of its own for each triangle: OpenMesh's structure refuses triangles that meet in
+// a complex edge, and an export must not lose any.
+void add_apart(ExportMesh& out, const DecodedMesh& mesh, const std::array<std::uint32_t, 3>& t) {
+  std::array<OpenMesh::VertexHandle, 3> v;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto& p = mesh.positions[t[k]];
+    v[k] = out.add_vertex({p[0], p[1], p[2]});
+    if (mesh.normals.empty()) continue;
+    const auto& n = mesh.normals[t[k]];
+    out.set_normal(v[k], {n[0], n[1], n[2]});
+  }
+  out.add_face(v[0], v[1], v[2]);
+}
+
+ExportMesh build(const DecodedMesh& mesh) {
+  omerr().disable();  // each refused face, each file written: on stderr and stdout
+  omlog().disable();
+  ExportMesh out;
+  if (!mesh.normals.empty()) out.request_vertex_normals();
+  out.reserve(mesh.positions.size(), 3 * mesh.triangles.size() / 2, mesh.triangles.size());
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const auto& p = mesh.positions[i];
+    const auto v = out.add_vertex({p[0], p[1], p[2]});
+    if (!mesh.normals.empty())
+      out.set_normal(v, {mesh.normals[i][0], mesh.normals[i][1], mesh.normals[i][2]});
+  }
+  for (const auto& t : mesh.triangles) {
+    const auto handle = [](std::uint32_t v) { return OpenMesh::VertexHandle(static_cast<int>(v)); };
+    if (!out.add_face(handle(t[0]), handle(t[1]), handle(t[2])).is_valid()) add_apart(out, mesh, t);
+  }
+  return out;
+}
+
+}  // namespace
+
+void export_mesh(const DecodedMesh& mesh, const std::filesystem::path& path) {
+  check_extension(path);
+  const std::string extension = path.extension().string();
+  const ExportMesh built = build(mesh);
+  OpenMesh::IO::Options options;
+  if (extension == ".ply" || extension == ".stl") options += OpenMesh::IO::Options::Binary;
+  if (!mesh.normals.empty() && extension != ".stl") options += OpenMesh::IO::Options::VertexNormal;
+  std::ostringstream text;
+  const int digits = std::numeric_limits<float>::max_digits10;
+  if (!OpenMesh::IO::write_mesh(built, text, extension, options, digits))
+    throw StorageError(fmt::format("cannot write {}: OpenMesh refused the mesh", path.string()));
+  write_whole_file(path, as_bytes(text.str()), Durability::fsync);
+}
+
+void export_mesh(const TileMesh& mesh, const std::filesystem::path& path) {
+  check_extension(path);
+  DecodedMesh out;
+  out.triangles = mesh.triangles;
+  out.positions.reserve(mesh.positions.size());
+  for (const auto& q : mesh.positions)
+    out.positions.push_back({static_cast<float>(mesh.lattice.coordinate(0, q[0])),
+                             static_cast<float>(mesh.lattice.coordinate(1, q[1])),
+                             static_cast<float>(mesh.lattice.coordinate(2, q[2]))});
+  export_mesh(out, path);
+}
+
+}  // namespace voxweld

@@ -1,0 +1,246 @@
+#include "pipeline/output/render.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "stages/encode/label_colour.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+constexpr int max_side = 16384;
+constexpr Vec3 front_colour{0.74, 0.70, 0.62}, back_colour{0.85, 0.22, 0.18};
+
+double radians(double degrees) {
+  return degrees * std::numbers::pi / 180;
+}
+double length(Vec3 v) {
+  return std::sqrt(dot(v, v));
+}
+Vec3 unit(Vec3 v) {
+  const double l = length(v);
+  return l > 0 ? v * (1 / l) : Vec3{0, 0, 1};
+}
+Vec3 to_vec(const std::array<float, 3>& p) {
+  return {p[0], p[1], p[2]};
+}
+
+void check(const RenderOptions& o) {
+  const auto refuse = [](const char* what, auto found, const char* expected) {
+    throw InputError(fmt::format("cannot render: {} is {}, expected {}", what, found, expected));
+  };
+  if (o.width < 1 || o.width > max_side) refuse("the width", o.width, "1 to 16384");
+  if (o.height < 1 || o.height > max_side) refuse("the height", o.height, "1 to 16384");
+  if (o.supersample < 1 || o.supersample > 4) refuse("supersample", o.supersample, "1 to 4");
+  if (!(o.zoom > 0) || !std::isfinite(o.zoom)) refuse("the zoom", o.zoom, "a number above 0");
+  if (!(o.field_of_view >= 0 && o.field_of_view <= 120))
+    refuse("the field of view", o.field_of_view, "0 to 120 degrees");
+  if (!std::isfinite(o.azimuth) || !std::isfinite(o.elevation))
+    refuse("an angle", o.azimuth, "numbers in degrees");
+}
+
+// Light on a front-facing normal in the eye's frame (x right, y up, z to the eye), in linear units.
+double light(Vec3 n) {
+  constexpr Vec3 key{-0.58, 0.58, 0.57};  // upper left, towards the viewer
+  const double head = std::max(0.0, n.z);
+  const double soft = 0.5 + 0.5 * dot(n, key);  // wraps around: no hard terminator
+  return 0.06 + 0.24 * head + 0.70 * soft * soft;
+}
+
+std::array<std::uint8_t, 3> encoded(Vec3 linear) {
+  std::array<std::uint8_t, 3> out;
+  for (int c = 0; c < 3; ++c)
+    out[static_cast<std::size_t>(c)] =
+        static_cast<std::uint8_t>(std::lround(255 * std::sqrt(std::clamp(linear[c], 0.0, 1.0))));
+  return out;
+}
+
+}  // namespace
+
+struct Renderer::Projected {
+  double x = 0, y = 0;   // samples, y down
+  double nearness = 0;   // grows towards the eye, linear in x and y on a plane
+  bool visible = false;  // in front of the eye
+};
+
+struct Renderer::Corner {
+  Projected at;
+  Vec3 position, normal;  // in the eye's frame
+};
+
+MeshBounds bounds_of(std::span<const DecodedMesh> meshes) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  MeshBounds b{{inf, inf, inf}, {-inf, -inf, -inf}};
+  for (const DecodedMesh& mesh : meshes) {
+    for (const auto& p : mesh.positions) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const double v = p[static_cast<std::size_t>(axis)];
+        b.lo[axis] = std::min(b.lo[axis], v);
+        b.hi[axis] = std::max(b.hi[axis], v);
+      }
+    }
+  }
+  if (b.lo.x > b.hi.x) return {};
+  return b;
+}
+
+Renderer::Renderer(const MeshBounds& bounds, const RenderOptions& options) : options_(options) {
+  check(options);
+  width_ = options.width * options.supersample;
+  height_ = options.height * options.supersample;
+  const double a = radians(options.azimuth), e = radians(options.elevation);
+  back_ = {std::sin(a) * std::cos(e), -std::cos(a) * std::cos(e), std::sin(e)};
+  right_ = {std::cos(a), std::sin(a), 0};
+  up_ = cross(back_, right_);
+  centre_ = options.centre.value_or((bounds.lo + bounds.hi) * 0.5);
+  const double radius = std::max(length(bounds.hi - bounds.lo) / 2, 1e-12);
+  const double half = std::min(width_, height_) / 2.0;
+  if (options.field_of_view > 0) {
+    const double f = radians(options.field_of_view) / 2;
+    distance_ = radius / std::sin(f);
+    scale_ = half * options.zoom / std::tan(f);
+  } else {
+    scale_ = half * options.zoom / radius;
+  }
+  const auto samples = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+  depth_.assign(samples, -std::numeric_limits<float>::infinity());
+  colour_.resize(samples);
+  for (int y = 0; y < height_; ++y) {
+    const double t = static_cast<double>(y) / height_;
+    const auto sky = encoded(Vec3{0.93, 0.95, 0.97} * (1 - t) + Vec3{0.78, 0.80, 0.83} * t);
+    std::fill_n(colour_.begin() + static_cast<std::ptrdiff_t>(y) * width_, width_, sky);
+  }
+}
+
+std::uint64_t Renderer::memory_bytes() const {
+  return depth_.size() * (sizeof(float) + 3);
+}
+
+Renderer::Projected Renderer::project(const std::array<float, 3>& p) const {
+  const Vec3 d = to_vec(p) - centre_;
+  const double x = dot(d, right_), y = dot(d, up_), z = dot(d, back_);
+  if (distance_ == 0) return {width_ / 2.0 + x * scale_, height_ / 2.0 - y * scale_, z, true};
+  const double ahead = distance_ - z;
+  if (!(ahead > 1e-3 * distance_)) return {};
+  return {width_ / 2.0 + x * scale_ / ahead, height_ / 2.0 - y * scale_ / ahead, 1 / ahead, true};
+}
+
+bool Renderer::is_cut(const DecodedMesh& mesh, const std::array<std::uint32_t, 3>& triangle) const {
+  for (std::size_t a = 0; a < 3; ++a)
+    for (const std::uint32_t v : triangle)
+      if (options_.cut[a] && static_cast<double>(mesh.positions[v][a]) > *options_.cut[a])
+        return true;
+  return false;
+}
+
+Vec3 Renderer::colour_of(Material label) const {
+  const auto c = given_colour(given_, label).value_or(label_colour(label));
+  return {c[0], c[1], c[2]};
+}
+
+void Renderer::draw(const DecodedMesh& mesh, std::optional<Material> label) {
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const std::array<std::uint32_t, 3>& t = mesh.triangles[i];
+    if (is_cut(mesh, t)) continue;
+    Colours colours{front_colour, back_colour};
+    if (label) colours.front = colour_of(*label);
+    if (!mesh.triangle_pairs.empty())
+      colours.front = colours.back = colour_of(mesh.pairs[mesh.triangle_pairs[i]].inside);
+    std::array<Corner, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      Corner& c = corners[k];
+      c.at = project(mesh.positions[t[k]]);
+      const Vec3 d = to_vec(mesh.positions[t[k]]) - centre_;
+      c.position = {dot(d, right_), dot(d, up_), dot(d, back_)};
+      if (mesh.normals.empty()) continue;
+      const Vec3 n = to_vec(mesh.normals[t[k]]);
+      c.normal = {dot(n, right_), dot(n, up_), dot(n, back_)};
+    }
+    draw_triangle(corners, colours);
+  }
+}
+
+void Renderer::draw_triangle(const std::array<Corner, 3>& c, const Colours& colours) {
+  if (!c[0].at.visible || !c[1].at.visible || !c[2].at.visible) return;
+  // Twice the area on the screen; y points down, so a counter-clockwise triangle has a negative
+  // one.
+  const double area = (c[1].at.x - c[0].at.x) * (c[2].at.y - c[0].at.y) -
+                      (c[2].at.x - c[0].at.x) * (c[1].at.y - c[0].at.y);
+  if (area == 0 || !std::isfinite(area)) return;
+  const Vec3 face = unit(cross(c[1].position - c[0].position, c[2].position - c[0].position));
+  fill(c, {area, face, area > 0}, colours);
+}
+
+void Renderer::fill(const std::array<Corner, 3>& c, const Facing& facing, const Colours& colours) {
+  const auto clamp_sample = [](double v, int size) {
+    return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(size)));
+  };
+  const auto [x_lo, x_hi] = std::minmax({c[0].at.x, c[1].at.x, c[2].at.x});
+  const auto [y_lo, y_hi] = std::minmax({c[0].at.y, c[1].at.y, c[2].at.y});
+  const int x0 = clamp_sample(std::floor(x_lo), width_), x1 = clamp_sample(x_hi + 1, width_);
+  const int y0 = clamp_sample(std::floor(y_lo), height_), y1 = clamp_sample(y_hi + 1, height_);
+  const bool smooth = dot(c[0].normal, c[0].normal) > 0;
+  for (int y = y0; y < y1; ++y) {
+    for (int x = x0; x < x1; ++x) {
+      const double px = x + 0.5, py = y + 0.5;
+      std::array<double, 3> w;  // barycentric on the screen
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Projected &p = c[(k + 1) % 3].at, &q = c[(k + 2) % 3].at;
+        w[k] = ((q.x - p.x) * (py - p.y) - (q.y - p.y) * (px - p.x)) / facing.area;
+      }
+      if (w[0] < 0 || w[1] < 0 || w[2] < 0) continue;
+      const auto nearness = static_cast<float>(w[0] * c[0].at.nearness + w[1] * c[1].at.nearness +
+                                               w[2] * c[2].at.nearness);
+      const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                             static_cast<std::size_t>(x);
+      if (!(nearness > depth_[at])) continue;
+      depth_[at] = nearness;
+      Vec3 n = facing.normal;
+      if (smooth) n = unit(c[0].normal * w[0] + c[1].normal * w[1] + c[2].normal * w[2]);
+      if (facing.back) n = n * -1;
+      colour_[at] = encoded((facing.back ? colours.back : colours.front) * light(n));
+    }
+  }
+}
+
+Image Renderer::finish() const {
+  Image image{options_.width, options_.height, {}};
+  const int s = options_.supersample;
+  image.rgb.reserve(3 * static_cast<std::size_t>(image.width) *
+                    static_cast<std::size_t>(image.height));
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      std::array<int, 3> sum{};
+      for (int i = 0; i < s * s; ++i) {
+        const std::size_t at =
+            static_cast<std::size_t>(y * s + i / s) * static_cast<std::size_t>(width_) +
+            static_cast<std::size_t>(x * s + i % s);
+        for (std::size_t k = 0; k < 3; ++k) sum[k] += colour_[at][k];
+      }
+      for (const int v : sum)
+        image.rgb.push_back(static_cast<std::uint8_t>((v + s * s / 2) / (s * s)));
+    }
+  }
+  return image;
+}
+
+Image render_mesh(std::span<const DecodedMesh> meshes, const RenderOptions& options) {
+  Renderer renderer(bounds_of(meshes), options);
+  for (const DecodedMesh& mesh : meshes) renderer.draw(mesh);
+  return renderer.finish();
+}
+
+Image render_mesh(const MeshBounds& bounds,
+                  const std::function<void(const std::function<void(const DecodedMesh&)>&)>& tiles,
+                  const RenderOptions& options) {
+  Renderer renderer(bounds, options);
+  tiles([&](const DecodedMesh& mesh) { renderer.draw(mesh); });
+  return renderer.finish();
+}
+
+}  // namespace voxweld

@@ -1,0 +1,154 @@
+#include "pipeline/output/verify_tiles.h"
+
+#include <fmt/format.h>
+
+#include "pipeline/output/seam_check.h"
+#include "stages/encode/glb.h"
+#include "storage/support/error.h"
+#include "storage/support/file_io.h"
+#include "storage/support/hash.h"
+#include "storage/support/hash_file.h"
+
+namespace voxweld {
+namespace {
+
+namespace fs = std::filesystem;
+
+void compare(const FileRecord& record, std::uint64_t bytes, Hash128 found, Problems& problems) {
+  if (bytes != record.bytes)
+    problems.push_back({record.path, fmt::format("has {} bytes, {} are listed: write it again",
+                                                 bytes, record.bytes)});
+  else if (const std::string hash = to_hex(found); hash != record.xxh3_128)
+    problems.push_back({record.path, fmt::format("damaged: its hash is {}, {} is listed: write it "
+                                                 "again",
+                                                 hash, record.xxh3_128)});
+}
+
+std::optional<LatticeMesh> decoded(std::span<const std::byte> bytes, bool glb,
+                                   const std::string& path, const OutputLattice& lattice,
+                                   Problems& problems) {
+  if (bytes.empty()) return std::nullopt;
+  try {
+    return weld(glb ? decode_glb(bytes, path) : decode_draco(bytes, path), lattice, path);
+  } catch (const Error& e) {
+    problems.push_back({path, e.what()});
+    return std::nullopt;
+  }
+}
+
+void expect(TileResult& result, const char* what, std::uint64_t found, std::uint64_t listed) {
+  if (found != listed)
+    result.problems.push_back(
+        {record_name(result.record), fmt::format("has {} {}, {} are listed", found, what, listed)});
+}
+
+void check_listing(TileResult& result) {
+  const TileRecord& r = result.record;
+  expect(result, "triangles by its quads and polygon triangles", 2 * r.quads + r.polygon_triangles,
+         r.triangles);
+}
+
+}  // namespace
+
+std::vector<std::byte> checked_file(const fs::path& directory, const FileRecord& record,
+                                    Problems& problems) {
+  std::vector<std::byte> bytes;
+  try {
+    bytes = read_whole_file(directory / record.path);
+  } catch (const Error& e) {
+    problems.push_back({record.path, e.what()});
+    return bytes;
+  }
+  compare(record, bytes.size(), hash_bytes(bytes), problems);
+  return bytes;
+}
+
+void check_file(const fs::path& directory, const FileRecord& record, Problems& problems) {
+  try {
+    const ReadFile file(directory / record.path);
+    compare(record, file.size(), hash_file(file), problems);
+  } catch (const Error& e) {
+    problems.push_back({record.path, e.what()});
+  }
+}
+
+std::optional<LatticeMesh> MeshFiles::decode(const OutputLattice& lattice,
+                                             Problems& problems) const {
+  auto mesh = decoded(drc, false, drc_path, lattice, problems);
+  if (glb.empty()) return mesh;
+  auto other = decoded(glb, true, glb_path, lattice, problems);
+  if (!mesh) return other;
+  if (other && digest(*other) != digest(*mesh))
+    problems.push_back({glb_path, "its triangles differ from those of " + drc_path});
+  return mesh;
+}
+
+std::string record_name(const TileRecord& record) {
+  const std::string tile = tile_name(record.tile);
+  return record.label ? fmt::format("label {} {}", *record.label, tile) : tile;
+}
+
+TileResult TileReader::check(TileRecord record) const {
+  TileResult result;
+  result.record = std::move(record);
+  std::optional<LatticeMesh> mesh = read(result);
+  check_listing(result);
+  if (mesh) check_mesh(*mesh, result);
+  return result;
+}
+
+Problems TileReader::use_of(const TileRecord& record,
+                            const std::vector<LatticePoint>& points) const {
+  TileResult result;
+  result.record = record;
+  const std::optional<LatticeMesh> mesh = read(result);
+  Problems problems;
+  if (!mesh) return problems;  // said before
+  PointIndex index;
+  for (const LatticePoint& q : mesh->positions) index.add(q);
+  for (const LatticePoint& q : points) {
+    if (index.find(q) == PointIndex::none) continue;
+    const Vec3 p = frame_.position(q);
+    problems.push_back(
+        {fmt::format("{} at ({}, {}, {})", record_name(record), p.x, p.y, p.z),
+         "not 2-manifold: this vertex is surrounded in its tile and used by another one too"});
+  }
+  return problems;
+}
+
+std::optional<LatticeMesh> TileReader::read(TileResult& result) const {
+  MeshFiles files;
+  bool any = false;
+  for (const FileRecord& file : result.record.files) {
+    auto bytes = checked_file(directory_, file, result.problems);
+    ++result.files;
+    result.bytes += bytes.size();
+    if (file.format != "drc" && file.format != "glb") continue;
+    any = true;
+    (file.format == "drc" ? files.drc : files.glb) = std::move(bytes);
+    (file.format == "drc" ? files.drc_path : files.glb_path) = file.path;
+  }
+  if (!any)
+    result.problems.push_back(
+        {record_name(result.record), "lists no .drc or .glb file: its mesh cannot be checked"});
+  return files.decode(manifest_.lattice, result.problems);
+}
+
+void TileReader::check_mesh(LatticeMesh& mesh, TileResult& result) const {
+  expect(result, "vertices", mesh.positions.size(), result.record.vertices);
+  expect(result, "triangles", mesh.triangles.size(), result.record.triangles);
+  result.triangles = digest(mesh);
+  if (result.record.label) result.measure = measure(mesh.positions, mesh.triangles);
+  const std::uint64_t degenerate = drop_degenerate(mesh);
+  if (degenerate > 0)
+    result.problems.push_back({record_name(result.record),
+                               fmt::format("has {} triangles with two equal corners", degenerate)});
+  const bool shared = manifest_.labels == LabelMode::shared;
+  if (shared && mesh.pairs.empty() && !mesh.triangles.empty())
+    result.problems.push_back(
+        {record_name(result.record), "does not say which labels its triangles separate"});
+  result.seams = shared && !mesh.pairs.empty() ? find_label_seams(mesh, result.record.tile, frame_)
+                                               : find_seams(mesh, result.record.tile, frame_);
+}
+
+}  // namespace voxweld

@@ -1,0 +1,188 @@
+#include "pipeline/stage/artifacts.h"
+
+#include <fmt/format.h>
+
+#include "pipeline/config/settings.h"
+#include "pipeline/stage/file_layout.h"
+#include "stages/build/build_brick.h"
+#include "stages/build/label_edge.h"
+#include "stages/solids/lattice_solid.h"
+#include "storage/artifact/label_counts.h"
+#include "storage/artifact/label_shard_artifact.h"
+#include "storage/artifact/label_top.h"
+#include "storage/artifact/shard_artifact.h"
+#include "storage/artifact/tile_artifact.h"
+#include "storage/artifact/top_artifact.h"
+
+namespace voxweld {
+namespace {
+
+void feed(KeyHasher& key, Vec3 v) {
+  for (int a = 0; a < 3; ++a) key.real(v[a]);
+}
+
+void feed(KeyHasher& key, const Edit& edit) {
+  const Solid& solid = edit.solid;
+  key.integer(static_cast<std::int64_t>(edit.op)).integer(static_cast<std::int64_t>(solid.shape));
+  if (edit.material != exterior) key.integer(static_cast<std::int64_t>(edit.material));
+  feed(key, solid.center);
+  for (const Vec3& axis : solid.axes) feed(key, axis);
+  feed(key, solid.size);
+  key.real(solid.radius).real(solid.height).real(solid.tube);
+  // What is in the file, not where it lies.
+  if (solid.mesh != nullptr) key.real(solid.scale).hash(solid.mesh->source());
+}
+
+Hash128 key_within(const BuildJob& job, const Bounds& bounds) {
+  KeyHasher key;
+  bool any = false;
+  for (const Edit& edit : job.parameters.edits) {
+    if (!edit_reaches(edit, bounds)) continue;
+    if (!any) key.hash(job.key).text("edits");
+    any = true;
+    feed(key, edit);
+  }
+  return any ? key.finish() : job.key;
+}
+
+Box3 halo(const BuildJob& job, Index3 brick) {
+  return halo_samples(place_of_brick(job.grid, brick), job.parameters);
+}
+
+std::string grid_name(Index3 at, const char* ending) {
+  return fmt::format("{}-{}-{}{}", at.x, at.y, at.z, ending);
+}
+
+}  // namespace
+
+StagePaths stage_paths(const Config& config, const VolumeInfo& info,
+                       const LabelParameters& labels) {
+  const VolumeGeometry& g = info.geometry;
+  const auto vec = [](KeyHasher& key, Vec3 v) { key.real(v.x).real(v.y).real(v.z); };
+  StagePaths paths;
+  const std::filesystem::path& work = config.work.directory;
+  KeyHasher ingest;
+  ingest.hash(parameter_hash(config, Stage::ingest)).text(config.input.path.string());
+  paths.ingest = work / ("ingest-" + short_hex(ingest.finish()));
+
+  KeyHasher build;
+  const bool each = config.labels.mode == LabelMode::each;
+  build.text("build").integer(shard_version).hash(parameter_hash(config, Stage::build));
+  if (each) build.integer(label_shard_version);
+  build.text(sample_type_name(info.type));
+  build.integer(g.size.x).integer(g.size.y).integer(g.size.z);
+  vec(build, g.spacing);
+  if (each || labels.mode != LabelMode::off || config.surface.label)
+    build.integer(label_estimate_version);
+  if (labels.mode != LabelMode::off) build.hash(hash_of(*labels.rules));
+  paths.build_key = build.finish();
+  paths.build = work / ("build-" + short_hex(paths.build_key));
+
+  const auto next = [&](Stage stage, std::uint32_t version, Hash128 before) {
+    KeyHasher key;
+    key.text(stage_name(stage)).integer(version).hash(before).hash(parameter_hash(config, stage));
+    return key.finish();
+  };
+  const std::uint32_t of_labels = each ? label_top_version << 16 : 0;
+  paths.merge_key = next(Stage::merge, top_version | of_labels, paths.build_key);
+  paths.merge = work / ("merge-" + short_hex(paths.merge_key));
+  paths.stitch_key = next(Stage::stitch, tile_version, paths.merge_key);
+  if (g.first != Vec3{}) {
+    KeyHasher stitch;
+    stitch.hash(paths.stitch_key).text("first");
+    vec(stitch, g.first);
+    paths.stitch_key = stitch.finish();
+  }
+  paths.stitch = work / ("stitch-" + short_hex(paths.stitch_key));
+  KeyHasher encode;
+  encode.hash(next(Stage::encode, encode_version, paths.stitch_key));
+  vec(encode, g.origin);
+  for (const Vec3& axis : g.direction) vec(encode, axis);
+  encode.text(g.unit);
+  paths.encode_key = encode.finish();
+  paths.encode = work / ("encode-" + short_hex(paths.encode_key));
+  return paths;
+}
+
+std::filesystem::path store_path(const std::filesystem::path& ingest) {
+  return ingest / "volume.zarr";
+}
+
+std::filesystem::path store_records_path(const std::filesystem::path& ingest) {
+  return ingest / "records";
+}
+
+std::filesystem::path histogram_path(const std::filesystem::path& ingest) {
+  return ingest / "histogram";
+}
+
+std::filesystem::path label_counts_path(const std::filesystem::path& ingest) {
+  return ingest / "labels.all";
+}
+
+std::filesystem::path label_counts_path(const std::filesystem::path& ingest, Index3 shard) {
+  return fanned_out(ingest / "labels", shard, grid_name(shard, ".labels"));
+}
+
+Hash128 label_counts_key(Hash128 samples) {
+  return KeyHasher().text("labels").integer(label_counts_version).hash(samples).finish();
+}
+
+std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard) {
+  return fanned_out(job.folder, shard, grid_name(shard, ".octree"));
+}
+
+ArtifactReader open_octrees(const BuildJob& job, Index3 shard) {
+  const bool labels = job.parameters.labels.mode == LabelMode::each;
+  return ArtifactReader(shard_artifact_path(job, shard), labels ? label_shard_kind : shard_kind,
+                        labels ? label_shard_version : shard_version);
+}
+
+Hash128 shard_key(const BuildJob& job, Index3 shard) {
+  return key_within(job, shard_bounds(job, shard));
+}
+
+Hash128 brick_key(const BuildJob& job, Index3 brick) {
+  return key_within(job, brick_bounds(place_of_brick(job.grid, brick), job.parameters.spacing));
+}
+
+Box3 shard_samples(const BuildJob& job, Index3 shard) {
+  const Box3 bricks = job.grid.shard_bricks(shard);
+  const Box3 first = halo(job, bricks.lo), last = halo(job, bricks.hi - splat(1));
+  return intersect({first.lo, last.hi}, Box3{{}, job.grid.size()});
+}
+
+Bounds shard_bounds(const BuildJob& job, Index3 shard) {
+  const Box3 bricks = job.grid.shard_bricks(shard);
+  const auto bounds = [&](Index3 brick) {
+    return brick_bounds(place_of_brick(job.grid, brick), job.parameters.spacing);
+  };
+  return {bounds(bricks.lo).lo, bounds(bricks.hi - splat(1)).hi};
+}
+
+std::filesystem::path tile_artifact_path(const StitchJob& job, const UnitPlan& plan,
+                                         std::uint64_t unit) {
+  return plan.path(job.folder, unit, ".tile");
+}
+
+std::filesystem::path asset_record_path(const EncodeJob& job, const UnitPlan& plan,
+                                        std::uint64_t unit) {
+  return plan.path(job.folder, unit, ".record");
+}
+
+std::filesystem::path merged_record_path(const EncodeJob& job) {
+  return job.folder / "merged.record";
+}
+
+Hash128 hash_of(const MaterialRules& rules) {
+  KeyHasher hash;
+  hash.text("materials").integer(rules.others ? 1 : 0);
+  for (const MaterialRange& range : rules.ranges)
+    hash.integer(static_cast<std::int64_t>(range.first))
+        .integer(static_cast<std::int64_t>(range.last))
+        .integer(range.own ? 1 : 0)
+        .integer(static_cast<std::int64_t>(range.material));
+  return hash.finish();
+}
+
+}  // namespace voxweld

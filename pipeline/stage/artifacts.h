@@ -1,0 +1,65 @@
+// Where the artifacts of a run lie, and by which keys they are known: the one place for both.
+//
+//   <work>/ingest-<hash>/volume.zarr, records/, histogram, labels.all, labels/, mesh-<hash>/
+//   <work>/build-<hash>/<fanned out>/<x>-<y>-<z>.octree
+//   <work>/merge-<hash>/top.tree
+//   <work>/stitch-<hash>/.../<tile>.tile
+//   <work>/encode-<hash>/.../<tile>.record, merged.record
+//
+// A folder's hash is of what its stage and those before it read of the config, so that a task of an
+// older config cannot overwrite what a newer one made. An artifact's own key says the rest: the
+// edits that reach a shard, the content of a tile's inputs.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "pipeline/stage/stage_jobs.h"
+#include "pipeline/stage/unit_plan.h"
+#include "stages/solids/solid.h"
+#include "storage/artifact/container.h"
+
+namespace voxweld {
+
+// Goes up whenever encode's bytes change. (The versions of the others stand beside their formats.)
+inline constexpr std::uint32_t encode_version = 2;
+
+// Folders of a run's artifacts, each named for what its stage and those before it read.
+struct StagePaths {
+  std::filesystem::path ingest, build, merge, stitch, encode;
+  Hash128 build_key, merge_key, stitch_key, encode_key;  // parameters, all stages before included
+};
+// info: with output_geometry; for the ingest folder alone it is not looked at.
+StagePaths stage_paths(const Config& config, const VolumeInfo& info, const LabelParameters& labels);
+
+// Of ingest's folder.
+std::filesystem::path store_path(const std::filesystem::path& ingest);
+std::filesystem::path store_records_path(const std::filesystem::path& ingest);
+std::filesystem::path histogram_path(const std::filesystem::path& ingest);
+std::filesystem::path label_counts_path(const std::filesystem::path& ingest);
+std::filesystem::path label_counts_path(const std::filesystem::path& ingest, Index3 shard);
+Hash128 label_counts_key(Hash128 samples);
+
+std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard);
+// The shard's artifact, whichever kind of octrees it holds.
+ArtifactReader open_octrees(const BuildJob& job, Index3 shard);
+// Of the shard's octree: the parameters, and the edits that reach it. What an edit does not reach
+// stays as it is when the edit comes, changes or goes.
+Hash128 shard_key(const BuildJob& job, Index3 shard);
+// The same of one brick.
+Hash128 brick_key(const BuildJob& job, Index3 brick);
+// The samples build reads for the shard, or would were no brick left out.
+Box3 shard_samples(const BuildJob& job, Index3 shard);
+// Where the shard's signs are looked at, for edits: spacing * sample index.
+Bounds shard_bounds(const BuildJob& job, Index3 shard);
+
+std::filesystem::path tile_artifact_path(const StitchJob& job, const UnitPlan& plan,
+                                         std::uint64_t unit);
+std::filesystem::path asset_record_path(const EncodeJob& job, const UnitPlan& plan,
+                                        std::uint64_t unit);
+std::filesystem::path merged_record_path(const EncodeJob& job);
+
+// Equal for equal rules.
+Hash128 hash_of(const MaterialRules& rules);
+
+}  // namespace voxweld

@@ -1,0 +1,72 @@
+// What all stages of a run share: the config, the executor, and how units are run.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pipeline/config/config.h"
+#include "pipeline/executor/executor.h"
+#include "pipeline/executor/memory_budget.h"
+#include "pipeline/executor/progress.h"
+#include "pipeline/stage/unit_selection.h"
+
+namespace voxweld {
+
+// What a stage did, for the manifest and the summary.
+struct StageReport {
+  std::string stage;
+  std::uint64_t units = 0;  // in all
+  std::uint64_t ran = 0;    // those that were missing
+  StageFigures figures;
+};
+
+// Of the shards that build worked on, in this process.
+struct BrickReport {
+  std::uint64_t built = 0;
+  std::uint64_t kept = 0;  // as they were before the edits changed
+  BrickReport& operator+=(const BrickReport& other) {
+    built += other.built;
+    kept += other.kept;
+    return *this;
+  }
+};
+
+struct RunContext {
+  Config config;
+  Executor* executor = nullptr;
+  std::shared_ptr<Console> console;
+  ProgressSettings progress;
+  const InterruptFlag* interrupt = nullptr;
+  int threads = 1;          // as the config has it, resolved
+  UnitSelection selection;  // the units to do, where this is one task of several
+  bool inputs_checked =
+      false;  // the stages before are known to be complete: no look at all of them
+  std::vector<StageReport> reports;
+  BrickReport bricks;
+
+  MemoryBudget budget() const { return {config.run.memory}; }
+};
+
+// What the program itself has resident before any unit runs, with room for the allocator's slack:
+// more once the image module is loaded, which takes 120 MiB.
+std::uint64_t program_bytes();
+
+// One stage's units on the executor, measured and shown; appends to context.reports.
+struct StageRun {
+  std::string stage;   // "build"
+  std::string noun;    // "shards"
+  StageMemory memory;  // base_bytes is filled in
+  std::uint64_t reused = 0;
+  UnitOrder order = UnitOrder::largest_first;
+  std::function<bool(const Unit&)> done;  // as RunOptions has them
+  std::string identity;
+};
+// How many units fit run.memory at once: the worker slots the work may see, scratch for each.
+int stage_threads(const RunContext& context, StageMemory memory);
+void run_stage(RunContext& context, const StageRun& stage, const std::vector<Unit>& units,
+               int threads, const UnitWork& work);
+
+}  // namespace voxweld

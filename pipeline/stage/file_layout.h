@@ -1,0 +1,17 @@
+// How names of artifacts spread over folders.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "storage/support/hash.h"
+#include "storage/types/box.h"
+
+namespace voxweld {
+
+std::string short_hex(Hash128 hash);  // 12 digits
+// "<x>-<y>-<z>" and a folder for it that keeps every folder small.
+std::filesystem::path fanned_out(const std::filesystem::path& root, Index3 at,
+                                 const std::string& name);
+
+}  // namespace voxweld

@@ -1,0 +1,42 @@
+#include "pipeline/stage/shard_memory.h"
+
+#include <algorithm>
+
+#include "stages/build/build_brick.h"
+#include "stages/build/label_bricks.h"
+#include "stages/contouring/parameters.h"
+#include "storage/artifact/shard_artifact.h"
+#include "storage/types/brick_octree.h"
+
+namespace voxweld {
+namespace {
+
+// Of labels' octrees beside their samples and what build_brick takes: each of `samples` samples may
+// be of another label.
+std::uint64_t label_octrees_bytes(const BrickGrid& grid, std::uint64_t samples) {
+  const std::uint64_t side16 = std::uint64_t{1} << (grid.shard_level() - block_level);
+  return LabelBricks::memory_bytes(samples) + 2 * label_notes_bytes +
+         side16 * side16 * side16 * 4 * sizeof(CubeCount) + (std::uint64_t{1} << 20);
+}
+
+}  // namespace
+
+std::uint64_t shard_memory_bytes(const BrickGrid& grid, SampleType type, LabelMode labels,
+                                 bool replaces) {
+  const std::uint64_t side = (std::uint64_t{1} << grid.brick_level()) + 2 +
+                             std::uint64_t{2} * (gradient_halo + label_halo);
+  const std::uint64_t one = side * side * side;
+  const std::uint64_t brick = build_brick_bytes(grid.brick_level());
+  if (labels == LabelMode::each) {
+    const std::uint64_t samples = std::max(one, label_run_samples);
+    return samples * sample_bytes(type) + brick + label_octrees_bytes(grid, samples) +
+           (replaces ? build_replacing_bytes(grid.brick_level()) : 0);
+  }
+  const std::uint64_t side16 = std::uint64_t{1} << (grid.shard_level() - block_level);
+  const std::uint64_t of_labels =
+      labels == LabelMode::shared ? build_labels_bytes(grid.brick_level()) : 0;
+  return std::max(one * sample_bytes(type), run_bytes) + brick + of_labels +
+         side16 * side16 * side16 * 2 * sizeof(CubeCount);
+}
+
+}  // namespace voxweld

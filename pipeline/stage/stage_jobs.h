@@ -1,0 +1,59 @@
+// What each stage after ingest is asked to do: plain data, wired to each other by pipeline/run.
+#pragma once
+
+#include <filesystem>
+
+#include "pipeline/stage/volume.h"
+#include "stages/contouring/brick_grid.h"
+#include "stages/contouring/parameters.h"
+#include "stages/stitch/tile_stitcher.h"
+#include "storage/support/hash.h"
+#include "storage/types/material_table.h"
+
+namespace voxweld {
+
+// Of a mesh as the input that lies in pieces on disk: the largest of them.
+struct LargestBin {
+  std::uint64_t bytes = 0, triangles = 0;
+  std::uint64_t index_bytes = 0;  // of the shards' files that are open at once
+};
+
+struct BuildJob {
+  Volume volume;
+  BrickGrid grid;
+  ContourParameters parameters;
+  std::filesystem::path folder;
+  Hash128 key;
+  // Part of the brick store could not be made: shards that would read it are left out.
+  bool partial_input = false;
+  LargestBin largest_bin = {};
+};
+
+struct MergeJob {
+  const BuildJob* build = nullptr;
+  std::filesystem::path folder;
+  Hash128 key;  // of the parameters; the artifact also says which octrees it was merged from
+  std::uint64_t tile_vertices = 500000;
+
+  std::filesystem::path path() const { return folder / "top.tree"; }
+};
+
+struct StitchJob {
+  const BuildJob* build = nullptr;
+  const MergeJob* merge = nullptr;
+  StitchParameters parameters;
+  std::filesystem::path folder;
+  Hash128 key;
+};
+
+struct EncodeJob {
+  const StitchJob* stitch = nullptr;
+  VolumeGeometry frame;
+  std::filesystem::path folder;  // of the sidecar records
+  std::filesystem::path output;
+  Hash128 key;
+  const MaterialTable* materials = nullptr;  // for the list of labels, and colours of .glb
+  bool coloured = false;                     // there are files with colours, and colours for them
+};
+
+}  // namespace voxweld

@@ -1,0 +1,133 @@
+#include "pipeline/stitch/label_stitch.h"
+
+#include <algorithm>
+#include <map>
+
+#include "pipeline/stitch/tile_inputs.h"
+#include "storage/artifact/label_shard_artifact.h"
+#include "storage/artifact/label_top.h"
+#include "storage/artifact/tile_artifact.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+// The pieces of one label, found through the directories of the shards it is in.
+class LabelPieces : public BrickPieces {
+ public:
+  LabelPieces(const BuildJob& job, LabelShardFiles& files, Material material)
+      : job_(job), files_(files), material_(material) {}
+
+  // Those in one shard, by brick; null where the brick is not in the grid.
+  const std::vector<PieceRecord>* of_shard(Index3 brick) {
+    if (!Box3{{}, job_.grid.bricks()}.contains(brick)) return nullptr;
+    const std::uint64_t shard = morton_encode(job_.grid.shard_of(brick));
+    const auto found = shards_.find(shard);
+    if (found != shards_.end()) return &found->second;
+    if (shards_.size() == most_shards) shards_.clear();
+    return &shards_.emplace(shard, files_.of_brick(brick)->pieces(material_)).first->second;
+  }
+  void read(const CellKey& brick, BrickOctree& out) override {
+    const PieceRecord* piece = find(brick.at);
+    if (piece == nullptr) throw std::logic_error("stitch: a brick of the tile has no piece");
+    files_.of_brick(brick.at)->read_piece(*piece, brick.level, out);
+  }
+  bool read_skin(Index3 brick, Skin& out) override {
+    const PieceRecord* piece = find(brick);
+    if (piece == nullptr) return false;
+    files_.of_brick(brick)->read_skin(*piece, out);
+    return true;
+  }
+
+ private:
+  static constexpr std::size_t most_shards = 64;  // a brick reads of eight
+  const PieceRecord* find(Index3 brick) {
+    const std::vector<PieceRecord>* pieces = of_shard(brick);
+    if (pieces == nullptr) return nullptr;
+    const std::uint64_t code = morton_encode(brick);
+    const auto at = std::lower_bound(
+        pieces->begin(), pieces->end(), code,
+        [](const PieceRecord& piece, std::uint64_t c) { return piece.key.brick < c; });
+    return at != pieces->end() && at->key.brick == code ? &*at : nullptr;
+  }
+
+  const BuildJob& job_;
+  LabelShardFiles& files_;
+  Material material_;
+  std::map<std::uint64_t, std::vector<PieceRecord>> shards_;
+};
+
+class LabelStitch : public StitchWork {
+ public:
+  LabelStitch(const StitchJob& job, const TopArtifact& top)
+      : job_(job), top_(top), batches_(top_.batches()), files_(*job.build, top) {}
+
+  // Merge has looked at all it reads.
+  Hash128 key(std::uint64_t unit) override {
+    return KeyHasher().hash(job_.key).hash(batches_[unit].inputs).finish();
+  }
+  std::uint64_t brick_bytes(std::uint64_t unit) override {
+    // As read and as held, once for the brick and once for its neighbours' skins.
+    return 4 * batches_[unit].largest_piece;
+  }
+  void run(std::uint64_t unit, const std::filesystem::path& path, StitchScratch& scratch,
+           WorkerContext& worker) override {
+    const BatchRecord& batch = batches_[unit];
+    const auto surfaces = top_.surfaces(batch.first_surface, batch.surfaces);
+    const auto tiles = top_.tiles(batch.first_tile, batch.tiles);
+    LabelTilesWriter out(path, key(unit));
+    for (std::size_t i = 0; i < tiles.size(); ++i)
+      out.add(surfaces[i].material, stitched(surfaces[i], tiles[i], scratch, worker));
+    out.finish();
+  }
+
+ private:
+  TileMesh stitched(const SurfaceRecord& surface, const PlannedTile& tile, StitchScratch& scratch,
+                    WorkerContext& worker) {
+    LabelPieces pieces(*job_.build, files_, surface.material);
+    const std::vector<CellKey> bricks = bricks_of(surface, tile, pieces);
+    return stitch_tile(job_, tile, bricks, above(surface, bricks), pieces, scratch, worker);
+  }
+
+  // The bricks with a surface of the label that the tile meets, in Morton order.
+  std::vector<CellKey> bricks_of(const SurfaceRecord& surface, const PlannedTile& tile,
+                                 LabelPieces& pieces) {
+    const BrickGrid& grid = job_.build->grid;
+    const int level = grid.brick_level(), cube_level = grid.shard_level();
+    const std::uint64_t begin = tile.code, end = begin + (std::uint64_t{1} << (3 * tile.level));
+    const auto end_of = [](std::uint64_t code, int l) {
+      return code + (std::uint64_t{1} << (3 * l));
+    };
+    std::vector<CellKey> bricks;
+    for (const SurfaceNode& node : top_.nodes(surface, cube_level, begin, end)) {
+      const Index3 first = morton_decode(node.code >> (3 * level));
+      for (const PieceRecord& piece : *pieces.of_shard(first)) {
+        const std::uint64_t code = piece.key.brick << (3 * level);
+        const bool in_cube = code >= node.code && code < end_of(node.code, cube_level);
+        if (in_cube && code < end && end_of(code, level) > begin)
+          bricks.push_back({level, morton_decode(piece.key.brick)});
+      }
+    }
+    return bricks;
+  }
+
+  std::vector<TopLeaf> above(const SurfaceRecord& surface, const std::vector<CellKey>& bricks) {
+    if (surface.leaves == 0) return {};
+    return leaves_above(job_.build->grid, bricks, [&](std::uint64_t begin, std::uint64_t end) {
+      return top_.leaves(surface, begin, end);
+    });
+  }
+
+  const StitchJob& job_;
+  LabelTop top_;
+  std::vector<BatchRecord> batches_;
+  LabelShardFiles files_;
+};
+
+}  // namespace
+
+std::unique_ptr<StitchWork> label_stitch(const StitchJob& job, const TopArtifact& top) {
+  return std::make_unique<LabelStitch>(job, top);
+}
+
+}  // namespace voxweld

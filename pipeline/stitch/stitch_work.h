@@ -1,0 +1,46 @@
+// How one unit of stitch is done, for tiles of one surface and for labels.
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "pipeline/stitch/stitch_stage.h"
+
+namespace voxweld {
+
+// A worker's brick and its neighbours' skins, reused.
+struct StitchScratch {
+  BrickOctree brick;
+  std::array<Skin, 8> upper;
+};
+
+class StitchWork {
+ public:
+  virtual ~StitchWork() = default;
+  // Of the unit's artifact, from the inputs that lie there now. Thread-safe.
+  virtual Hash128 key(std::uint64_t unit) = 0;
+  // Bytes that the bricks it reads take at most, beside the mesh.
+  virtual std::uint64_t brick_bytes(std::uint64_t unit) = 0;
+  // Reads, stitches and writes the artifact.
+  virtual void run(std::uint64_t unit, const std::filesystem::path& path, StitchScratch& scratch,
+                   WorkerContext& worker) = 0;
+};
+
+// The one for labels.mode of the job. top: the job's, outlives it.
+std::unique_ptr<StitchWork> stitch_work(const StitchJob& job, const TopArtifact& top);
+
+// The octree of one surface, brick by brick.
+class BrickPieces {
+ public:
+  virtual ~BrickPieces() = default;
+  virtual void read(const CellKey& brick, BrickOctree& out) = 0;
+  // False where the brick has no surface.
+  virtual bool read_skin(Index3 brick, Skin& out) = 0;
+};
+
+// bricks: those with a surface that the tile meets, in Morton order; above: as leaves_above.
+TileMesh stitch_tile(const StitchJob& job, const PlannedTile& tile, std::span<const CellKey> bricks,
+                     std::span<const TopLeaf> above, BrickPieces& pieces, StitchScratch& scratch,
+                     WorkerContext& worker);
+
+}  // namespace voxweld

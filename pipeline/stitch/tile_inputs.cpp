@@ -1,0 +1,123 @@
+#include "pipeline/stitch/tile_inputs.h"
+
+#include <algorithm>
+
+#include "storage/support/error.h"
+
+namespace voxweld {
+
+template <class Artifact>
+OpenShards<Artifact>::OpenShards(const BuildJob& job, const TopArtifact& top)
+    : job_(job), top_path_(top.path()), merged_(top.shards()) {
+  for (const Index3& shard : job.grid.all_shards()) codes_.push_back(morton_encode(shard));
+  if (merged_.size() != codes_.size()) throw DamagedArtifact(top_path_, "is of other shards");
+}
+
+template <class Artifact>
+Hash128 OpenShards<Artifact>::merged_hash(Index3 shard) const {
+  const auto at = std::lower_bound(codes_.begin(), codes_.end(), morton_encode(shard));
+  return merged_[static_cast<std::size_t>(at - codes_.begin())];
+}
+
+template <class Artifact>
+std::shared_ptr<const Artifact> OpenShards<Artifact>::of_brick(Index3 brick) {
+  if (!Box3{{}, job_.grid.bricks()}.contains(brick)) return nullptr;
+  const Index3 shard = job_.grid.shard_of(brick);
+  const std::uint64_t code = morton_encode(shard);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (const auto found = open_.find(code); found != open_.end()) return found->second;
+  }
+  // Outside the lock: others shall not wait for this file. Two may open it; one is kept.
+  auto file = std::make_shared<const Artifact>(shard_artifact_path(job_, shard));
+  if (file->content_hash() != merged_hash(shard))
+    throw DamagedArtifact(top_path_, "was merged from another " + file->path() + " than is there");
+  const std::scoped_lock lock(mutex_);
+  const auto [kept, is_new] = open_.emplace(code, file);
+  if (!is_new) return kept->second;
+  order_.push_back(code);
+  if (order_.size() > most_open) {
+    open_.erase(order_.front());
+    order_.pop_front();
+  }
+  return file;
+}
+
+template class OpenShards<ShardArtifact>;
+template class OpenShards<LabelShardArtifact>;
+
+std::vector<CellKey> tile_bricks(const BuildJob& job, CellKey tile, ShardFiles& files) {
+  const int level = job.grid.brick_level();
+  const std::int64_t side = std::int64_t{1} << level;
+  const Box3 cells = tile.cells();
+  Box3 range{{cells.lo.x / side, cells.lo.y / side, cells.lo.z / side},
+             {(cells.hi.x + side - 1) / side, (cells.hi.y + side - 1) / side,
+              (cells.hi.z + side - 1) / side}};
+  range = intersect(range, Box3{{}, job.grid.bricks()});
+  std::vector<std::uint64_t> codes;
+  for (std::int64_t z = range.lo.z; z < range.hi.z; ++z)
+    for (std::int64_t y = range.lo.y; y < range.hi.y; ++y)
+      for (std::int64_t x = range.lo.x; x < range.hi.x; ++x) {
+        const std::uint64_t code = morton_encode({x, y, z});
+        if (files.of_brick({x, y, z})->has_brick(code)) codes.push_back(code);
+      }
+  std::sort(codes.begin(), codes.end());
+  std::vector<CellKey> bricks;
+  bricks.reserve(codes.size());
+  for (const std::uint64_t code : codes) bricks.push_back({level, morton_decode(code)});
+  return bricks;
+}
+
+std::vector<TopLeaf> leaves_above(const BuildJob& job, const std::vector<CellKey>& bricks,
+                                  const TopArtifact& top) {
+  return leaves_above(job.grid, bricks, [&](std::uint64_t begin, std::uint64_t end) {
+    return top.leaves(begin, end);
+  });
+}
+
+std::vector<TopLeaf> leaves_above(
+    const BrickGrid& grid, const std::vector<CellKey>& bricks,
+    const std::function<std::vector<TopLeaf>(std::uint64_t, std::uint64_t)>& leaves) {
+  std::vector<TopLeaf> found;
+  const std::uint64_t cells = std::uint64_t{1} << (3 * grid.brick_level());
+  std::vector<std::uint64_t> codes;
+  for (const CellKey& brick : bricks)
+    for (int d = 0; d < 8; ++d)
+      codes.push_back(CellKey{brick.level, upper_neighbour(brick.at, d)}.code());
+  std::sort(codes.begin(), codes.end());
+  codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
+  // Neighbouring codes are asked for together.
+  for (std::size_t i = 0; i < codes.size();) {
+    std::size_t j = i + 1;
+    while (j < codes.size() && codes[j] == codes[j - 1] + cells) ++j;
+    for (const TopLeaf& leaf : leaves(codes[i], codes[j - 1] + cells))
+      if (found.empty() || found.back().code < leaf.code) found.push_back(leaf);
+    i = j;
+  }
+  return found;
+}
+
+Hash128 tile_key(const StitchJob& job, const PlannedTile& tile, const std::vector<CellKey>& bricks,
+                 const std::vector<TopLeaf>& above, ShardFiles& files) {
+  KeyHasher key;
+  key.hash(job.key).integer(static_cast<std::int64_t>(tile.code)).integer(tile.level);
+  key.bytes(std::as_bytes(std::span(above)));
+  for (const CellKey& brick : bricks) {
+    key.integer(static_cast<std::int64_t>(brick.code()));
+    files.of_brick(brick.at)->add_brick_hashes(morton_encode(brick.at), key);
+    for (int d = 1; d < 8; ++d) {
+      const Index3 at = upper_neighbour(brick.at, d);
+      if (const auto file = files.of_brick(at)) file->add_skin_hashes(morton_encode(at), key);
+    }
+  }
+  return key.finish();
+}
+
+std::uint64_t largest_brick_bytes(const std::vector<CellKey>& bricks, ShardFiles& files) {
+  std::uint64_t largest = 0;
+  for (const CellKey& brick : bricks)
+    largest = std::max(largest, files.of_brick(brick.at)->brick_bytes(morton_encode(brick.at)));
+  return 2 * largest;
+}
+
+}  // namespace voxweld

@@ -1,0 +1,70 @@
+// QEFs of octree nodes, eight at a time: from planes, from children, and their minimisers. The one
+// place that decides whether a node collapses, used inside bricks (build) and above them (merge),
+// so that both give the same bits.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "stages/contouring/parameters.h"
+#include "stages/contouring/qef.h"
+
+namespace voxweld {
+
+// One Hermite datum as a QEF row takes it.
+struct HermitePlane {
+  std::array<double, 3> normal{};  // unit, outward
+  std::array<double, 3>
+      point{};  // relative to the cell's centre, index units scaled by the spacing
+};
+
+struct NodeSolution {
+  std::array<float, 3> offset{};  // from the node's centre, inside the node
+  float residual = 0;             // metric rms: root mean square distance; sum: root of the sum
+};
+
+class NodeSolver {
+ public:
+  explicit NodeSolver(const ContourParameters& parameters);
+
+  // A batch of finest cells: up to 12 planes a lane, in edge order.
+  void clear_planes();
+  void set_planes(std::size_t lane, const HermitePlane* planes, int count);
+  void reduce();  // planes -> factors
+
+  // A batch of nodes to merge from children of level `child_level`.
+  void clear_children();
+  void set_child(std::size_t lane, int octant, const Qef& child);
+  void merge(int child_level);  // children -> factors
+
+  void load(std::size_t lane, const Qef& qef);  // a stored QEF -> factor
+
+  // Factors -> minimisers inside nodes of this level; only the lanes below `count` count.
+  void solve(int level, std::size_t count);
+  Qef qef(std::size_t lane) const { return store_lane(factors_, lane); }
+  NodeSolution solution(std::size_t lane) const;
+
+  // With qef = "normal" sums are in the volume's coordinates: each lane's node centre there. The QR
+  // form has no use for it.
+  bool needs_centres() const { return parameters_.simplify.qef == QefForm::normal; }
+  void set_centre(std::size_t lane, Vec3 centre) { centres_[lane] = centre; }
+
+  bool within_tolerance(const NodeSolution& solution) const {
+    return static_cast<double>(solution.residual) <= parameters_.simplify.tolerance;
+  }
+
+ private:
+  Vec3 half_side(int level) const {
+    return parameters_.spacing * (0.5 * static_cast<double>(std::int64_t{1} << level));
+  }
+
+  ContourParameters parameters_;
+  const QefKernels& kernels_;
+  PlaneBatch planes_;
+  ChildBatch children_;
+  FactorBatch factors_;
+  SolutionBatch solutions_;
+  std::array<Vec3, lanes> centres_{};
+};
+
+}  // namespace voxweld

@@ -1,0 +1,191 @@
+#include "stages/contouring/qef.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace voxweld {
+namespace {
+
+// A QEF in plain form for the rare minimiser outside its cell.
+struct Plain {
+  double r[3][3]{};  // columns of the factor: r[column][row]
+  double b[3]{};
+  double rho2 = 0;
+  double mass[3]{};
+};
+
+Plain plain_lane(const FactorBatch& f, std::size_t lane) {
+  const auto at = [&](std::size_t i) { return f.r[i][lane]; };
+  Plain p;
+  p.r[0][0] = at(0);
+  p.r[1][0] = at(1);
+  p.r[2][0] = at(2);
+  p.r[1][1] = at(4);
+  p.r[2][1] = at(5);
+  p.r[2][2] = at(7);
+  p.b[0] = at(3);
+  p.b[1] = at(6);
+  p.b[2] = at(8);
+  p.rho2 = at(9) * at(9);
+  for (std::size_t a = 0; a < 3; ++a) p.mass[a] = f.mass[a][lane];
+  return p;
+}
+
+double energy_at(const Plain& p, const double* x) {
+  double sum = p.rho2;
+  for (int i = 0; i < 3; ++i) {
+    const double e = p.r[0][i] * x[0] + p.r[1][i] * x[1] + p.r[2][i] * x[2] - p.b[i];
+    sum += e * e;
+  }
+  return sum;
+}
+
+double squared(const double* v) {
+  return v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+}
+double inner(const double* u, const double* v) {
+  return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+}
+
+// The right-hand side with the given coordinates put in and the others at zero.
+void residual_rhs(const Plain& p, const double* x, double* c) {
+  for (int i = 0; i < 3; ++i)
+    c[i] = p.b[i] - p.r[0][i] * x[0] - p.r[1][i] * x[1] - p.r[2][i] * x[2];
+}
+
+// Minimises over axes u and v with the third coordinate fixed in x; x[u], x[v] enter as the start
+// (mass point) and leave as the solution. Columns are made orthogonal by one exact rotation.
+void solve_face(const Plain& p, int u, int v, double cut, double* x) {
+  double c[3];
+  residual_rhs(p, x, c);
+  double wu[3], wv[3];
+  std::copy(p.r[u], p.r[u] + 3, wu);
+  std::copy(p.r[v], p.r[v] + 3, wv);
+  const double d = squared(wv) - squared(wu), g = 2 * inner(wu, wv);
+  const double divisor = std::abs(d) + std::sqrt(d * d + g * g);
+  const double t = divisor > 0 ? (d < 0 ? -g : g) / divisor : 0;
+  const double cosine = 1 / std::sqrt(1 + t * t), sine = cosine * t;
+  for (int i = 0; i < 3; ++i) {
+    const double a = wu[i], b = wv[i];
+    wu[i] = cosine * a - sine * b;
+    wv[i] = sine * a + cosine * b;
+  }
+  const double su = squared(wu), sv = squared(wv);
+  const double yu = su > cut ? inner(wu, c) / su : 0, yv = sv > cut ? inner(wv, c) / sv : 0;
+  x[u] += cosine * yu + sine * yv;
+  x[v] += cosine * yv - sine * yu;
+}
+
+void solve_edge(const Plain& p, int axis, double cut, double* x) {
+  double c[3];
+  residual_rhs(p, x, c);
+  const double s = squared(p.r[axis]);
+  if (s > cut) x[axis] += inner(p.r[axis], c) / s;
+}
+
+struct Best {
+  double x[3]{};
+  double energy = 0;
+  bool any = false;
+  void offer(const Plain& p, const double* candidate) {
+    const double e = energy_at(p, candidate);
+    if (any && !(e < energy)) return;
+    std::copy(candidate, candidate + 3, x);
+    energy = e;
+    any = true;
+  }
+};
+
+}  // namespace
+
+namespace {
+
+std::array<const QefKernels*, 3> widest_first() {
+  return {qef_kernels_avx512(), qef_kernels_avx2(), &qef_kernels_base()};
+}
+
+const QefKernels*& chosen_kernels() {
+  static const QefKernels* chosen = [] {
+    for (const QefKernels* kernels : widest_first())
+      if (kernels != nullptr) return kernels;
+    return &qef_kernels_base();
+  }();
+  return chosen;
+}
+
+}  // namespace
+
+const QefKernels& qef_kernels() {
+  return *chosen_kernels();
+}
+
+bool choose_qef_kernels(std::string_view name) {
+  for (const QefKernels* kernels : widest_first()) {
+    if (kernels == nullptr || kernels->name != name) continue;
+    chosen_kernels() = kernels;
+    return true;
+  }
+  return false;
+}
+
+Qef store_lane(const FactorBatch& factor, std::size_t lane) {
+  Qef qef;
+  for (std::size_t i = 0; i < 10; ++i) qef.r[i] = static_cast<float>(factor.r[i][lane]);
+  for (std::size_t a = 0; a < 3; ++a) qef.mass[a] = static_cast<float>(factor.mass[a][lane]);
+  return qef;
+}
+
+void load_lane(const Qef& qef, std::size_t lane, FactorBatch& factor) {
+  double planes = 0;
+  for (std::size_t i = 0; i < 10; ++i) {
+    const double r = static_cast<double>(qef.r[i]);
+    factor.r[i][lane] = r;
+    if (i != 3 && i != 6 && i < 8) planes += r * r;
+  }
+  for (std::size_t a = 0; a < 3; ++a) factor.mass[a][lane] = static_cast<double>(qef.mass[a]);
+  factor.planes[lane] = planes;
+}
+
+void constrain_lane(const FactorBatch& factor, std::size_t lane, Vec3 half, double threshold,
+                    SolutionBatch& solution) {
+  const double h[3] = {half.x, half.y, half.z};
+  bool inside = true;
+  for (std::size_t a = 0; a < 3; ++a) inside = inside && std::abs(solution.x[a][lane]) <= h[a];
+  if (inside) return;
+
+  const Plain p = plain_lane(factor, lane);
+  // The cut must not depend on which face is tried: it is that of the largest column norm, within a
+  // factor of sqrt(3) of the largest singular value.
+  double largest = 0;
+  for (const auto& column : p.r) largest = std::max(largest, squared(column));
+  const double cut = largest * threshold * threshold;
+  const auto clamped_mass = [&](int axis) { return std::clamp(p.mass[axis], -h[axis], h[axis]); };
+
+  Best best;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double side : {-1.0, 1.0}) {
+      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+      double x[3];
+      x[axis] = side * h[axis];
+      x[u] = clamped_mass(u);
+      x[v] = clamped_mass(v);
+      solve_face(p, u, v, cut, x);
+      if (std::abs(x[u]) <= h[u] && std::abs(x[v]) <= h[v]) best.offer(p, x);
+    }
+  for (int axis = 0; axis < 3; ++axis)
+    for (int corner = 0; corner < 4; ++corner) {
+      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+      double x[3];
+      x[axis] = clamped_mass(axis);
+      x[u] = (corner & 1) != 0 ? h[u] : -h[u];
+      x[v] = (corner & 2) != 0 ? h[v] : -h[v];
+      solve_edge(p, axis, cut, x);
+      x[axis] = std::clamp(x[axis], -h[axis], h[axis]);
+      best.offer(p, x);
+    }
+  for (std::size_t a = 0; a < 3; ++a) solution.x[a][lane] = best.x[a];
+  solution.energy[lane] = best.energy;
+}
+
+}  // namespace voxweld

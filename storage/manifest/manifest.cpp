@@ -1,0 +1,173 @@
+#include "storage/manifest/manifest.h"
+
+#include <fmt/format.h>
+
+#include "storage/manifest/json_value.h"
+
+namespace voxweld {
+namespace {
+
+using nlohmann::json;
+using nlohmann::ordered_json;
+using Value = JsonValue;
+
+constexpr const char* format_name = "voxweld-manifest";
+constexpr int format_version = 2;
+
+ordered_json to_json(const VolumeGeometry& frame) {
+  ordered_json direction = ordered_json::array();
+  for (const Vec3& d : frame.direction) direction.push_back(to_json(d));
+  return {{"size", to_json(frame.size)},
+          {"spacing", to_json(frame.spacing)},
+          {"unit", frame.unit},
+          {"first", to_json(frame.first)},
+          {"origin", to_json(frame.origin)},
+          {"direction", std::move(direction)},
+          {"space", frame.space}};
+}
+
+ordered_json to_json(const ManifestCounts& c) {
+  return {{"bricks", c.bricks},
+          {"active_bricks", c.active_bricks},
+          {"collapsed_above_bricks", c.collapsed_above},
+          {"leaves", c.leaves},
+          {"vertices", c.vertices},
+          {"quads", c.quads},
+          {"triangles", c.triangles},
+          {"output_triangles", c.output_triangles},
+          {"tiles", c.tiles},
+          {"collinear", c.collinear},
+          {"files", c.files},
+          {"bytes", c.bytes}};
+}
+
+ordered_json to_json(const ManifestCounts& c, bool labels) {
+  ordered_json out = to_json(c);
+  if (labels) out["labels"] = c.labels;
+  return out;
+}
+
+OutputLattice lattice_of(const Value& value) {
+  OutputLattice lattice;
+  lattice.step = value.at("step").positive();
+  lattice.bits = static_cast<int>(value.at("bits").integer(1, max_lattice_bits));
+  const Vec3 origin = value.at("origin").vector();
+  lattice.origin = {origin.x, origin.y, origin.z};
+  return lattice;
+}
+
+VolumeGeometry frame_of(const Value& value) {
+  VolumeGeometry frame;
+  const auto size = value.at("size").items(3), spacing = value.at("spacing").items(3);
+  const auto direction = value.at("direction").items(3);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const int a = static_cast<int>(axis);
+    frame.size[a] = size[axis].integer(1, std::int64_t{1} << 40);
+    frame.spacing[a] = spacing[axis].positive();
+    frame.direction[axis] = direction[axis].vector();
+  }
+  if (value.has("first")) frame.first = value.at("first").vector();
+  frame.origin = value.at("origin").vector();
+  frame.unit = value.at("unit").text();
+  if (value.has("space")) frame.space = value.at("space").text();
+  return frame;
+}
+
+ManifestCounts counts_of(const Value& value) {
+  ManifestCounts c;
+  c.bricks = value.at("bricks").count();
+  c.active_bricks = value.at("active_bricks").count();
+  c.collapsed_above = value.at("collapsed_above_bricks").count();
+  for (const Value& level : value.at("leaves").items()) c.leaves.push_back(level.count());
+  c.vertices = value.at("vertices").count();
+  c.quads = value.at("quads").count();
+  c.triangles = value.at("triangles").count();
+  c.output_triangles = value.at("output_triangles").count();
+  c.tiles = value.at("tiles").count();
+  c.collinear = value.at("collinear").count();
+  c.files = value.at("files").count();
+  c.bytes = value.at("bytes").count();
+  if (value.has("labels")) c.labels = value.at("labels").count();
+  return c;
+}
+
+std::optional<MergedFiles> merged_of(const Value& value) {
+  if (value.is_null()) return std::nullopt;
+  MergedFiles merged;
+  if (value.has("drc")) merged.drc = relative_path(value.at("drc"));
+  if (value.has("glb")) merged.glb = relative_path(value.at("glb"));
+  return merged;
+}
+
+std::unique_ptr<json> section(const Value& document, const char* key) {
+  return document.has(key) ? std::make_unique<json>(document.at(key).raw()) : nullptr;
+}
+
+}  // namespace
+
+Manifest::Manifest() = default;
+Manifest::~Manifest() = default;
+Manifest::Manifest(Manifest&&) noexcept = default;
+Manifest& Manifest::operator=(Manifest&&) noexcept = default;
+
+void write_manifest(const Manifest& manifest, const std::filesystem::path& path,
+                    Durability durability) {
+  ordered_json out = {{"format", format_name}, {"version", format_version}};
+  const OutputLattice& lattice = manifest.lattice;
+  out["lattice"] = {{"step", lattice.step}, {"bits", lattice.bits}, {"origin", lattice.origin}};
+  out["border"] = manifest.open_border ? "open" : "closed";
+  if (manifest.border_slack > 0) out["border_slack"] = manifest.border_slack;
+  out["topology"] = manifest.free_topology ? "free" : "safe";
+  if (manifest.labels != LabelMode::off)
+    out["labels"] = manifest.labels == LabelMode::each ? "each" : "shared";
+  out["frame"] = to_json(manifest.frame);
+  out["counts"] = to_json(manifest.counts, manifest.labels != LabelMode::off);
+  out["merged"] = nullptr;
+  if (manifest.merged) {
+    out["merged"] = ordered_json::object();
+    if (!manifest.merged->drc.empty()) out["merged"]["drc"] = manifest.merged->drc;
+    if (!manifest.merged->glb.empty()) out["merged"]["glb"] = manifest.merged->glb;
+  }
+  const std::pair<const char*, const json*> sections[] = {{"input", manifest.input.get()},
+                                                          {"config", manifest.config.get()},
+                                                          {"stages", manifest.stages.get()},
+                                                          {"error", manifest.error.get()},
+                                                          {"made_by", manifest.made_by.get()}};
+  for (const auto& [key, value] : sections)
+    if (value != nullptr) out[key] = *value;
+  out["files"] = ordered_json::array();
+  for (const FileRecord& file : manifest.files) out["files"].push_back(to_json(file));
+  write_whole_file(path, as_bytes(out.dump(2) + "\n"), durability);
+}
+
+Manifest read_manifest(const std::filesystem::path& path) {
+  const std::vector<std::byte> bytes = read_whole_file(path);
+  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const json parsed = parse_text(text, path.string());
+  const Value document(parsed, path.string(), "");
+  if (document.at("format").text() != format_name)
+    document.at("format").wrong(fmt::format("\"{}\"", format_name));
+  if (document.at("version").count() != format_version)
+    document.at("version").wrong(fmt::format("{}", format_version));
+  Manifest manifest;
+  manifest.lattice = lattice_of(document.at("lattice"));
+  manifest.open_border = document.at("border").choice("closed", "open");
+  if (document.has("border_slack")) manifest.border_slack = document.at("border_slack").real();
+  manifest.free_topology = document.at("topology").choice("safe", "free");
+  if (document.has("labels"))
+    manifest.labels =
+        document.at("labels").choice("each", "shared") ? LabelMode::shared : LabelMode::each;
+  manifest.frame = frame_of(document.at("frame"));
+  manifest.counts = counts_of(document.at("counts"));
+  manifest.merged = merged_of(document.at("merged"));
+  for (const Value& file : document.at("files").items())
+    manifest.files.push_back(file_record(file, true));
+  manifest.input = section(document, "input");
+  manifest.config = section(document, "config");
+  manifest.stages = section(document, "stages");
+  manifest.error = section(document, "error");
+  manifest.made_by = section(document, "made_by");
+  return manifest;
+}
+
+}  // namespace voxweld
