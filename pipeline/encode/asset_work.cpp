@@ -1,0 +1,190 @@
+#include "pipeline/encode/asset_work.h"
+
+#include <algorithm>
+
+#include "pipeline/executor/probe.h"
+#include "stages/encode/adjacency.h"
+#include "stages/encode/draco_codec.h"
+#include "stages/encode/glb.h"
+#include "stages/encode/mesh_accumulator.h"
+#include "stages/encode/mesh_measure.h"
+#include "stages/encode/pair_meshes.h"
+#include "storage/artifact/asset_record.h"
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+// What files are made of beside the parameters: the mesh, and the colours its labels are given.
+Hash128 content_of(const EncodeJob& job, const TileArtifact& tile) {
+  if (!job.coloured) return tile.content_hash();
+  std::vector<Material> labels = tile.labels();
+  for (const MaterialPair& pair : tile.read_label_pairs()) labels.push_back(pair.inside);
+  std::sort(labels.begin(), labels.end());
+  labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
+  KeyHasher key;
+  key.hash(tile.content_hash());
+  bool any = false;
+  for (const Material label : labels) {
+    const MaterialEntry* entry = job.materials->find(label);
+    if (entry == nullptr || !entry->color) continue;
+    any = true;
+    key.integer(static_cast<std::int64_t>(label));
+    for (const std::uint8_t level : {entry->color->red, entry->color->green, entry->color->blue})
+      key.integer(level);
+  }
+  return any ? key.finish() : tile.content_hash();
+}
+
+Hash128 asset_key(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit,
+                  const TileArtifact& tile) {
+  KeyHasher key;
+  key.hash(job.key).hash(content_of(job, tile));
+  if (plan.spread(unit)) key.text("spread");
+  // The record says how many vertices each label's octree has there; of those that only polygons of
+  // other tiles use the tile knows nothing.
+  if (!tile.labels().empty())
+    for (const PlannedMesh& mesh : plan.meshes(unit))
+      key.integer(static_cast<std::int64_t>(mesh.vertices));
+  return key.finish();
+}
+
+Hash128 merged_key(const EncodeJob& job, const UnitPlan& plan) {
+  KeyHasher key;
+  std::vector<Hash128> contents(plan.size());
+  probe_all(plan.size(),
+            [&](std::size_t i) { contents[i] = content_of(job, tile_of(job, plan, i)); });
+  key.text("merged").hash(job.key);
+  for (const Hash128& content : contents) key.hash(content);
+  return key.finish();
+}
+
+// A primitive, and so a Draco buffer, for each pair of labels.
+std::vector<std::byte> glb_by_pair(const TileMesh& mesh, const EncodeParameters& parameters,
+                                   const GlbParameters& glb) {
+  const std::vector<TileMesh> meshes = split_by_pair(mesh);
+  std::vector<GlbPart> parts;
+  for (std::size_t i = 0; i < meshes.size(); ++i)
+    parts.push_back({encode_draco(meshes[i], parameters), mesh.pairs[i]});
+  return wrap_glb(parts, glb);
+}
+
+// One Draco buffer serves both formats, but between labels. label: whose mesh it is, if of any.
+std::vector<FileRecord> write_formats(const RunContext& context, const EncodeJob& job,
+                                      const TileMesh& mesh, const std::string& stem,
+                                      Material label) {
+  EncodeParameters parameters;
+  parameters.normals = context.config.output.normals;
+  GlbParameters glb;
+  glb.frame = job.frame;
+  glb.materials = job.materials;
+  glb.label = label;
+  std::optional<EncodedMesh> whole;
+  const auto encoded = [&]() -> const EncodedMesh& {
+    if (!whole) whole = encode_draco(mesh, parameters);
+    return *whole;
+  };
+  std::vector<FileRecord> files;
+  for (const OutputConfig::Format format : context.config.output.formats) {
+    if (format == OutputConfig::Format::drc)
+      files.push_back(write_asset(job.output, stem + ".drc", "drc", encoded().bytes));
+    else
+      files.push_back(write_asset(
+          job.output, stem + ".glb", "glb",
+          mesh.pairs.empty() ? wrap_glb(encoded(), glb) : glb_by_pair(mesh, parameters, glb)));
+  }
+  return files;
+}
+
+// One more mesh of the record.
+void add_mesh(AssetRecord& record, const TileMesh& mesh, const std::vector<FileRecord>& files) {
+  record.vertices += mesh.positions.size();
+  record.triangles += mesh.triangles.size();
+  record.quads += mesh.quads;
+  record.polygon_triangles += mesh.polygon_triangles;
+  record.collinear += mesh.collinear;
+  record.files.insert(record.files.end(), files.begin(), files.end());
+}
+
+LabelAsset label_asset(Material label, const TileMesh& mesh, std::uint64_t octree_vertices,
+                       std::size_t files) {
+  return {label,
+          mesh.tile,
+          octree_vertices,
+          mesh.positions.size(),
+          mesh.triangles.size(),
+          mesh.quads,
+          mesh.polygon_triangles,
+          measure(mesh.positions, mesh.triangles),
+          files};
+}
+
+void add_boundaries(AssetRecord& record, const TileMesh& mesh) {
+  for (const LabelBoundary& boundary : measure_labels(mesh)) {
+    LabelAsset& asset = record.labels.emplace_back();
+    asset.label = boundary.label;
+    asset.tile = mesh.tile;
+    asset.octree_vertices = asset.vertices = boundary.vertices;
+    asset.triangles = boundary.triangles;
+    asset.measure = boundary.measure;
+  }
+}
+
+}  // namespace
+
+TileArtifact tile_of(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit) {
+  return TileArtifact(tile_artifact_path(*job.stitch, plan, unit));
+}
+
+void encode_unit(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
+                 std::uint64_t unit, const WorkerContext& worker) {
+  const TileArtifact artifact = tile_of(job, plan, unit);
+  const std::vector<PlannedMesh> planned = plan.meshes(unit);
+  if (artifact.meshes() != planned.size())
+    throw DamagedArtifact(artifact.path(), "has other meshes than are planned");
+  AssetRecord record;
+  record.key = asset_key(job, plan, unit, artifact);
+  for (std::size_t i = 0; i < planned.size(); ++i) {
+    worker.check_interrupt();
+    const TileMesh mesh = artifact.read(i);
+    std::vector<FileRecord> files;
+    // A tile may own polygons none of which has three leaves: it has no mesh, and no files.
+    if (!mesh.triangles.empty() && context.config.output.tiles)
+      files = write_formats(context, job, mesh, planned[i].stem,
+                            artifact.labels().empty() ? exterior : artifact.labels()[i]);
+    add_mesh(record, mesh, files);
+    if (!mesh.pairs.empty()) add_boundaries(record, mesh);
+    if (!artifact.labels().empty())
+      record.labels.push_back(
+          label_asset(artifact.labels()[i], mesh, planned[i].vertices, files.size()));
+  }
+  write_asset_record(asset_record_path(job, plan, unit), record, job.output);
+}
+
+void encode_merged(const RunContext& context, const EncodeJob& job, const UnitPlan& plan) {
+  MeshAccumulator accumulator;
+  for (std::uint64_t unit = 0; unit < plan.size(); ++unit) {
+    if (context.interrupt != nullptr) context.interrupt->check();
+    const TileMesh mesh = tile_of(job, plan, unit).read();
+    if (!mesh.triangles.empty()) accumulator.append(mesh);
+  }
+  TileMesh mesh = accumulator.take();
+  if (context.config.surface.border == SurfaceConfig::Border::open && mesh.pairs.empty())
+    split_fans(mesh);
+  AssetRecord record;
+  record.key = merged_key(job, plan);
+  add_mesh(record, mesh, write_formats(context, job, mesh, "mesh", exterior));
+  write_asset_record(merged_record_path(job), record, job.output);
+}
+
+bool unit_is_current(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit) {
+  const std::filesystem::path record = asset_record_path(job, plan, unit);
+  if (!std::filesystem::exists(record)) return false;
+  return asset_is_current(record, asset_key(job, plan, unit, tile_of(job, plan, unit)), job.output);
+}
+
+bool merged_is_current(const EncodeJob& job, const UnitPlan& plan) {
+  return asset_is_current(merged_record_path(job), merged_key(job, plan), job.output);
+}
+
+}  // namespace voxweld
