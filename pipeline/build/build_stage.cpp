@@ -46,17 +46,9 @@ ArtifactState state_of(const BuildJob& job, Index3 shard) {
   }
 }
 
-StageMemory build_memory(const RunContext& context, const BuildJob& job) {
-  const Edits& edits = job.parameters.edits;
-  const bool replaces = std::any_of(edits.begin(), edits.end(),
-                                    [](const Edit& edit) { return edit.op == EditOp::replace; });
-  std::string unit = fmt::format("one brick (work.brick = {})", context.config.work.brick);
-  if (job.largest_bin.triangles > 0)
-    unit += fmt::format(" with up to {} triangles of the mesh", job.largest_bin.triangles);
-  return {"build", job.largest_bin.index_bytes,
-          job.largest_bin.bytes + shard_memory_bytes(job.grid, job.volume.source->info().type,
-                                                     job.parameters.labels.mode, replaces),
-          unit, "raise run.memory or lower work.brick"};
+bool replaces_labels(const Edits& edits) {
+  return std::any_of(edits.begin(), edits.end(),
+                     [](const Edit& edit) { return edit.op == EditOp::replace; });
 }
 
 // Of a brick that is skipped, against one with a surface.
@@ -64,7 +56,7 @@ constexpr double cost_of_empty_brick = 0.01;
 
 // As shard_units; bricks count in full where the volume's ranges leave room for a surface. The
 // ranges of one brick's own samples do for that: one record is read for a shard.
-std::vector<Unit> weighed_units(const BuildJob& job, const std::vector<std::uint64_t>& numbers) {
+std::vector<Unit> weighed_units(const BuildJob& job, std::span<const std::uint64_t> numbers) {
   std::vector<Unit> units = shard_units(job.grid, numbers);
   if (job.volume.ranges() == nullptr) return units;
   const std::vector<Index3> shards = job.grid.all_shards();
@@ -92,14 +84,6 @@ std::vector<Unit> weighed_units(const BuildJob& job, const std::vector<std::uint
   return units;
 }
 
-// One for each worker slot.
-std::vector<std::unique_ptr<ShardBuilder>> make_builders(const BuildJob& job, int threads) {
-  std::vector<std::unique_ptr<ShardBuilder>> builders;
-  builders.reserve(static_cast<std::size_t>(threads));
-  for (int i = 0; i < threads; ++i) builders.push_back(std::make_unique<ShardBuilder>(job));
-  return builders;
-}
-
 // Whether the samples are those the artifact was made from; then it says so from now on.
 bool proven(const BuildJob& job, Index3 shard, ShardBuilder& builder) {
   const auto path = shard_artifact_path(job, shard);
@@ -107,55 +91,6 @@ bool proven(const BuildJob& job, Index3 shard, ShardBuilder& builder) {
   if (builder.input_hash(shard) != read_summary(open_octrees(job, shard)).input) return false;
   restamp_artifact(path, stamp);
   return true;
-}
-
-}  // namespace
-
-std::vector<Unit> shard_units(const BrickGrid& grid, const std::vector<std::uint64_t>& numbers) {
-  const std::vector<Index3> shards = grid.all_shards();
-  std::vector<Unit> units;
-  for (const std::uint64_t number : numbers) {
-    const Index3 shard = shards[number];
-    units.push_back({number, fmt::format("shard {}/{}/{}", shard.x, shard.y, shard.z),
-                     static_cast<double>(grid.shard_bricks(shard).count())});
-  }
-  return units;
-}
-
-BuildStatus build_status(const RunContext& context, const BuildJob& job) {
-  BuildStatus status;
-  const std::vector<Index3> shards = job.grid.all_shards();
-  context.selection.check("build", "shards", shards.size());
-  std::vector<ArtifactState> states(shards.size(), ArtifactState::current);
-  probe_all(shards.size(), [&](std::size_t i) {
-    if (context.selection.contains(i)) states[i] = state_of(job, shards[i]);
-  });
-  for (std::size_t i = 0; i < shards.size(); ++i) {
-    if (states[i] == ArtifactState::missing) status.missing.push_back(i);
-    if (states[i] == ArtifactState::unproven) status.unproven.push_back(i);
-  }
-  return status;
-}
-
-void prove(RunContext& context, const BuildJob& job, BuildStatus& status) {
-  if (status.unproven.empty()) return;
-  StageRun stage;
-  stage.stage = "check";
-  stage.noun = "shards";
-  stage.memory = build_memory(context, job);
-  const int threads = stage_threads(context, stage.memory);
-  const auto builders = make_builders(job, threads);
-  const std::vector<Index3> shards = job.grid.all_shards();
-  std::mutex mutex;
-  run_stage(context, stage, shard_units(job.grid, status.unproven), threads,
-            [&](const Unit& unit, WorkerContext& worker) {
-              ShardBuilder& builder = *builders[static_cast<std::size_t>(worker.slot())];
-              if (proven(job, shards[unit.key], builder)) return;
-              const std::scoped_lock lock(mutex);
-              status.missing.push_back(unit.key);
-            });
-  std::sort(status.missing.begin(), status.missing.end());
-  status.unproven.clear();
 }
 
 // What of the volume the config's edits have a say in; they are the last of all, behind the mesh
@@ -173,36 +108,115 @@ void report_edits(const BuildJob& job, std::size_t count) {
                shards.size());
 }
 
-void run_build(RunContext& context, const BuildJob& job) {
-  if (context.selection.all()) report_edits(job, context.config.edits.size());
-  BuildStatus status = build_status(context, job);
-  if (context.executor->in_process()) prove(context, job, status);
+class BuildWork final : public StageWork {
+ public:
+  explicit BuildWork(const BuildJob& job) : job_(job), shards_(job.grid.all_shards()) {}
 
-  // Elsewhere the one that builds a shard first looks whether it has to.
-  std::vector<std::uint64_t> numbers = status.missing;
-  numbers.insert(numbers.end(), status.unproven.begin(), status.unproven.end());
-  std::sort(numbers.begin(), numbers.end());
+  Stage stage() const override { return Stage::build; }
+  std::string noun() const override { return "shards"; }
+  std::string identity() const override { return job_.folder.filename().string(); }
+  std::uint64_t size() const override { return shards_.size(); }
+  std::vector<Unit> units(std::span<const std::uint64_t> numbers) const override {
+    return weighed_units(job_, numbers);
+  }
+  bool done(std::uint64_t unit) override {
+    return state_of(job_, shards_[unit]) == ArtifactState::current;
+  }
+  StageLook look(const UnitSelection& selection) override;
+  void prove(RunContext& context, StageLook& look) override;
+
+  StageMemory memory(std::span<const std::uint64_t>) override;
+  void open(RunContext& context, const StageLook&) override {
+    if (context.selection.all()) report_edits(job_, context.config.edits.size());
+  }
+  void begin(RunContext&, std::span<const std::uint64_t>, int threads) override {
+    builders_.clear();
+    for (int i = 0; i < threads; ++i) builders_.push_back(std::make_unique<ShardBuilder>(job_));
+  }
+  void run(const Unit& unit, WorkerContext& worker) override {
+    builder(worker).build(shards_[unit.key], worker);
+  }
+  void end(RunContext& context) override {
+    for (const auto& builder : builders_) context.bricks += builder->bricks();
+    builders_.clear();
+    if (context.bricks.kept > 0)
+      spdlog::info("of these shards' bricks {} were built and {} kept: no edit of theirs changed",
+                   context.bricks.built, context.bricks.kept);
+  }
+
+ private:
+  ShardBuilder& builder(const WorkerContext& worker) {
+    return *builders_[static_cast<std::size_t>(worker.slot())];
+  }
+
+  const BuildJob& job_;
+  const std::vector<Index3> shards_;
+  std::vector<std::unique_ptr<ShardBuilder>> builders_;  // one a worker
+};
+
+StageLook BuildWork::look(const UnitSelection& selection) {
+  StageLook look;
+  look.units = size();
+  std::vector<ArtifactState> states(shards_.size(), ArtifactState::current);
+  probe_all(shards_.size(), [&](std::size_t i) {
+    if (selection.contains(i)) states[i] = state_of(job_, shards_[i]);
+  });
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (states[i] == ArtifactState::missing) look.missing.push_back(i);
+    if (states[i] == ArtifactState::unproven) look.unproven.push_back(i);
+  }
+  return look;
+}
+
+// Reads the samples of the unproven again and compares their content hash with what the artifacts
+// were made from: those that are the same get the volume's stamp, the others become missing.
+void BuildWork::prove(RunContext& context, StageLook& look) {
+  if (look.unproven.empty()) return;
   StageRun stage;
-  stage.stage = "build";
+  stage.stage = "check";
   stage.noun = "shards";
-  const std::vector<Index3> shards = job.grid.all_shards();
-  stage.reused = context.selection.count(shards.size()) - numbers.size();
-  stage.memory = build_memory(context, job);
+  stage.memory = memory(look.unproven);
   const int threads = stage_threads(context, stage.memory);
-  const auto builders = make_builders(job, threads);
-  stage.identity = job.folder.filename().string();
-  stage.done = [&](const Unit& unit) {
-    return state_of(job, shards[unit.key]) == ArtifactState::current;
-  };
-  run_stage(context, stage, weighed_units(job, numbers), threads,
+  begin(context, look.unproven, threads);
+  std::mutex mutex;
+  run_stage(context, stage, shard_units(job_.grid, look.unproven), threads,
             [&](const Unit& unit, WorkerContext& worker) {
-              ShardBuilder& builder = *builders[static_cast<std::size_t>(worker.slot())];
-              builder.build(shards[unit.key], worker);
+              if (proven(job_, shards_[unit.key], builder(worker))) return;
+              const std::scoped_lock lock(mutex);
+              look.missing.push_back(unit.key);
             });
-  for (const auto& builder : builders) context.bricks += builder->bricks();
-  if (context.bricks.kept > 0)
-    spdlog::info("of these shards' bricks {} were built and {} kept: no edit of theirs changed",
-                 context.bricks.built, context.bricks.kept);
+  builders_.clear();
+  std::sort(look.missing.begin(), look.missing.end());
+  look.unproven.clear();
+}
+
+StageMemory BuildWork::memory(std::span<const std::uint64_t>) {
+  const std::int64_t side = std::int64_t{1} << job_.grid.brick_level();
+  std::string unit = fmt::format("one brick (work.brick = {})", side);
+  if (job_.largest_bin.triangles > 0)
+    unit += fmt::format(" with up to {} triangles of the mesh", job_.largest_bin.triangles);
+  const ShardMemory shard =
+      shard_memory(job_.grid, job_.volume.source->info().type, job_.parameters.labels.mode,
+                   replaces_labels(job_.parameters.edits));
+  return {"build", job_.largest_bin.index_bytes,           shard.brick,
+          unit,    "raise run.memory or lower work.brick", shard.worker + job_.largest_bin.bytes};
+}
+
+}  // namespace
+
+std::vector<Unit> shard_units(const BrickGrid& grid, std::span<const std::uint64_t> numbers) {
+  const std::vector<Index3> shards = grid.all_shards();
+  std::vector<Unit> units;
+  for (const std::uint64_t number : numbers) {
+    const Index3 shard = shards[number];
+    units.push_back({number, fmt::format("shard {}/{}/{}", shard.x, shard.y, shard.z),
+                     static_cast<double>(grid.shard_bricks(shard).count())});
+  }
+  return units;
+}
+
+std::unique_ptr<StageWork> build_stage(const BuildJob& job) {
+  return std::make_unique<BuildWork>(job);
 }
 
 }  // namespace voxweld

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "pipeline/build/build_stage.h"
+#include "pipeline/stage/artifacts.h"
 #include "storage/artifact/shard_summary.h"
 
 namespace voxweld {

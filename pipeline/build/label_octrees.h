@@ -15,6 +15,8 @@ class LabelOctrees : public ShardOctrees {
  public:
   explicit LabelOctrees(const BuildJob& job);
 
+  void share_memory(MemoryShare* share) override;
+  void free_buffers() override { labels_.free_buffers(); }
   void begin(Index3 shard, Hash128 input_stamp) override;
   void build(const HaloBlock& block, Index3 first, std::int64_t count,
              const WorkerContext& worker) override;
@@ -30,6 +32,7 @@ class LabelOctrees : public ShardOctrees {
 
   const BuildJob& job_;
   LabelBricks labels_;
+  MemoryShare* share_ = nullptr;
   Index3 shard_;
   std::unique_ptr<LabelShardWriter> out_;
   RecordSorter notes_;  // of all pieces, by label and brick

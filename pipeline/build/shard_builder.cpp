@@ -233,6 +233,12 @@ void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlie
 }
 
 void ShardBuilder::build(Index3 shard, const WorkerContext& worker) {
+  MemoryShare share(worker.memory(), worker.interrupt(), [this] { octrees_->free_buffers(); });
+  octrees_->share_memory(&share);
+  struct Unshared {
+    ShardOctrees& octrees;
+    ~Unshared() { octrees.share_memory(nullptr); }
+  } unshared{*octrees_};
   const BrickReport before = bricks_;
   const Hash128 stamp = job_.volume.stamp(shard_samples(job_, shard));
   if (const auto earlier = EarlierShard::open(job_, shard, stamp)) {

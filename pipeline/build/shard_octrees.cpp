@@ -34,6 +34,15 @@ class SurfaceOctrees : public ShardOctrees {
  public:
   explicit SurfaceOctrees(const BuildJob& job) : job_(job), edits_(job.parameters) {}
 
+  void share_memory(MemoryShare* share) override {
+    share_ = share;
+    scratch_.reserve = nullptr;
+    if (share != nullptr) scratch_.reserve = [share](std::uint64_t bytes) { share->reserve(bytes); };
+  }
+  void free_buffers() override {
+    scratch_.free_buffers();
+    brick_ = {};
+  }
   void begin(Index3 shard, Hash128 input_stamp) override {
     shard_ = shard;
     roots_.clear();
@@ -77,6 +86,7 @@ class SurfaceOctrees : public ShardOctrees {
   LocalEdits edits_;
   BrickScratch scratch_;
   BrickOctree brick_;
+  MemoryShare* share_ = nullptr;
   Index3 shard_;
   std::unique_ptr<ShardArtifactWriter> out_;
   std::vector<Root> roots_;
@@ -122,6 +132,7 @@ void SurfaceOctrees::build(const HaloBlock& block, Index3 first, std::int64_t co
     if (brick_.root.state == NodeState::outside) continue;
     note_surface(key, brick_.root, brick_.blocks);
     if (brick_.root.state != NodeState::inside) out_->brick(morton_encode(key.at), brick_);
+    if (share_ != nullptr) share_->yield();
   }
 }
 

@@ -4,7 +4,9 @@
 
 #include <memory>
 
-#include "pipeline/build/build_stage.h"
+#include "pipeline/executor/memory_pool.h"
+#include "pipeline/stage/artifacts.h"
+#include "pipeline/stage/context.h"
 #include "stages/build/build_brick.h"
 #include "stages/merge/octree_reduction.h"
 #include "storage/artifact/shard_artifact.h"
@@ -16,6 +18,10 @@ namespace voxweld {
 class ShardOctrees {
  public:
   virtual ~ShardOctrees() = default;
+  // From now on bricks take their memory from this share; null: from nothing.
+  virtual void share_memory(MemoryShare* share) = 0;
+  // Gives what bricks have left behind back to the system.
+  virtual void free_buffers() = 0;
   virtual void begin(Index3 shard, Hash128 input_stamp) = 0;
   // `count` bricks along x from `first` on, of samples that reach as far around them as they need.
   // `worker` is asked to stop between bricks.

@@ -4,6 +4,7 @@
 #include "pipeline/cli/run_context.h"
 #include "pipeline/run/run.h"
 #include "pipeline/run/task_report.h"
+#include "pipeline/stage/stage_work.h"
 
 namespace voxweld {
 namespace {
@@ -11,11 +12,10 @@ namespace {
 // The units a task is to do, and where it says how it went.
 void add_task_options(CLI::App& command, RunArguments& arguments, Stage stage) {
   if (stage == Stage::merge) return;
-  const bool shards = stage == Stage::ingest || stage == Stage::build;
+  const std::string units = unit_option(stage);
   auto* list = command.add_option(
-      shards ? "--shards" : "--tiles", arguments.units,
-      std::string("Only these ") + (shards ? "shards" : "tiles") +
-          ", by number: 0-63,70. What they need must be there" +
+      "--" + units, arguments.units,
+      "Only these " + units + ", by number: 0-63,70. What they need must be there" +
           (stage == Stage::encode ? "; the merged mesh is the one after the last tile" : ""));
   command
       .add_option("--part", arguments.part,
@@ -25,8 +25,7 @@ void add_task_options(CLI::App& command, RunArguments& arguments, Stage stage) {
 
 UnitSelection selection_of(const RunArguments& arguments, Stage stage) {
   if (!arguments.units.empty())
-    return UnitSelection::list(
-        arguments.units, stage == Stage::ingest || stage == Stage::build ? "--shards" : "--tiles");
+    return UnitSelection::list(arguments.units, std::string("--") + unit_option(stage));
   return arguments.part.empty() ? UnitSelection() : UnitSelection::part(arguments.part);
 }
 

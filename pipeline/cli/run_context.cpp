@@ -7,6 +7,7 @@
 #include <optional>
 #include <thread>
 
+#include "pipeline/run/jobs.h"
 #include "pipeline/run/run.h"
 #include "pipeline/slurm/slurm_run.h"
 #include "stages/contouring/qef.h"
@@ -50,6 +51,8 @@ RunContext make_context(Program& program, const RunArguments& arguments, Executo
   if (context.config.run.executor == RunConfig::Executor::slurm &&
       context.config.work.copy == WorkConfig::Copy::automatic)
     context.config.work.copy = WorkConfig::Copy::always;
+  if (context.config.output.tile_vertices == 0)
+    context.config.output.tile_vertices = fitting_tile_vertices(context.config);
   context.executor = &executor;
   context.console = program.console;
   context.progress.enabled = shows_progress(program.log_level);

@@ -131,9 +131,9 @@ struct OutputConfig {
   std::filesystem::path directory;                           // absolute
   std::vector<Format> formats = {Format::drc, Format::glb};  // not empty, no duplicates
   Merged merged = Merged::automatic;
-  bool tiles = true;  // false only where merged is not `never`
-  std::int64_t tile_vertices = 500000;
-  double precision = 0.01;  // voxels (the smallest spacing)
+  bool tiles = true;               // false only where merged is not `never`
+  std::int64_t tile_vertices = 0;  // 0: 500000, fewer where run.memory is small
+  double precision = 0.01;         // voxels (the smallest spacing)
   bool normals = true;
 
   friend bool operator==(const OutputConfig&, const OutputConfig&) = default;

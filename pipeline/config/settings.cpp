@@ -255,8 +255,12 @@ std::vector<Setting> output_settings() {
           binding::switch_of(output, &Output::merged), encode),
       row({"output", "tiles", "Write the tiles as files of their own."},
           binding::flag(output, &Output::tiles), encode),
-      row({"output", "tile_vertices", "The most vertices a tile may have."},
-          binding::integer(output, &Output::tile_vertices, IntegerRule{1024, 1000000000}), merge),
+      row({"output", "tile_vertices",
+           "The most vertices a tile may have. \"auto\" is 500000, and less where run.memory is "
+           "too "
+           "small to encode several such tiles at once."},
+          binding::integer_or_auto(output, &Output::tile_vertices, IntegerRule{1024, 1000000000}),
+          merge),
       row({"output", "precision",
            "The step coordinates are rounded to, at most, in smallest spacings."},
           binding::positive(output, &Output::precision), stitch),

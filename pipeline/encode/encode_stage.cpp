@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "pipeline/encode/asset_work.h"
 #include "pipeline/encode/listing.h"
@@ -62,13 +63,12 @@ void write_listing(const EncodeJob& job, const UnitPlan& plan, bool merged, File
   write_listing(listing, earlier, std::move(manifest));
 }
 
-void count_label_pairs(const EncodeJob& job, const UnitPlan& plan, EncodeStatus& status) {
-  if (label_mode(job) != LabelMode::shared) return;
+// Of tiles between labels: how many pairs each lists.
+std::vector<std::uint64_t> label_pairs_of(const EncodeJob& job, const UnitPlan& plan) {
+  if (label_mode(job) != LabelMode::shared) return {};
   std::vector<std::uint64_t> counts(plan.size());
   probe_all(plan.size(), [&](std::size_t i) { counts[i] = tile_of(job, plan, i).label_pairs(); });
-  for (const std::uint64_t count : counts) status.label_pairs += count;
-  for (const std::uint64_t unit : status.missing)
-    status.most_label_pairs = std::max(status.most_label_pairs, counts[unit]);
+  return counts;
 }
 
 bool writes_glb(const Config& config) {
@@ -82,63 +82,139 @@ std::uint64_t label_pair_bytes(const Config& config, std::uint64_t pairs) {
   return pairs * (writes_glb(config) ? 12 * 1024 : 256);
 }
 
-// The merged mesh takes the memory of the whole process: in this one it is made alone, after the
-// tiles; elsewhere it is one more unit.
-void encode_missing(RunContext& context, const EncodeJob& job, const UnitPlan& plan,
-                    const EncodeStatus& status, bool merged_planned) {
-  StageRun stage;
-  stage.stage = "encode";
-  stage.noun = label_mode(job) == LabelMode::each ? "groups" : "meshes";
-  const bool merged_done = merged_planned && !status.merged_missing;
-  stage.reused = context.selection.count(plan.size()) - status.missing.size() +
-                 (merged_done && context.selection.contains(plan.size()) ? 1 : 0);
-  stage.memory = encode_memory(context.config, plan.largest_tiles());
-  const std::uint64_t pairs = status.most_label_pairs;
-  stage.memory.per_unit_bytes += label_pair_bytes(context.config, pairs);
-  if (pairs > 0) stage.memory.unit += fmt::format(" with {} pairs of labels", pairs);
-  if (pairs > 0 && writes_glb(context.config))
-    stage.memory.advice =
-        "raise run.memory, lower output.tile_vertices, or leave \"glb\", whose pairs are meshes of "
-        "their own, out of output.formats; what is finished is kept";
-  stage.identity = job.folder.filename().string();
-  stage.done = [&](const Unit& unit) {
-    return unit.key < plan.size() ? unit_is_current(job, plan, unit.key)
-                                  : merged_is_current(job, plan);
-  };
-  const bool here = context.executor->in_process();
+std::uint64_t sum(const std::vector<std::uint64_t>& values) {
+  return std::accumulate(values.begin(), values.end(), std::uint64_t{0});
+}
+
+// The tiles as the plan has them, then the merged mesh where there is to be one: by far the largest
+// unit, so it comes first.
+class EncodeStage final : public StageWork {
+ public:
+  explicit EncodeStage(EncodeInputs inputs)
+      : config_(inputs.config),
+        job_(inputs.job),
+        top_(inputs.top),
+        plan_(inputs.plan),
+        manifest_(std::move(inputs.manifest)),
+        pairs_(label_pairs_of(job_, plan_)),
+        merged_(plan_merged(config_, plan_, sum(pairs_))) {}
+
+  Stage stage() const override { return Stage::encode; }
+  std::string noun() const override {
+    return label_mode(job_) == LabelMode::each ? "groups" : "meshes";
+  }
+  std::string identity() const override { return job_.folder.filename().string(); }
+  std::uint64_t size() const override { return plan_.size() + (merged_.write ? 1 : 0); }
+  std::vector<Unit> units(std::span<const std::uint64_t> numbers) const override;
+  bool done(std::uint64_t unit) override {
+    return is_merged(unit) ? merged_is_current(job_, plan_) : unit_is_current(job_, plan_, unit);
+  }
+  StageLook look(const UnitSelection& selection) override;
+  std::string missing_text(const StageLook& look) const override;
+
+  StageMemory memory(std::span<const std::uint64_t> numbers) override;
+  std::uint64_t bytes(std::uint64_t unit) override;
+  void open(RunContext& context, const StageLook& look) override;
+  void begin(RunContext& context, std::span<const std::uint64_t>, int) override {
+    context_ = &context;
+  }
+  void run(const Unit& unit, WorkerContext& worker) override {
+    if (is_merged(unit.key))
+      encode_merged(*context_, job_, plan_);
+    else
+      encode_unit(*context_, job_, plan_, unit.key, worker);
+  }
+  void close(RunContext& context) override;
+
+ private:
+  bool is_merged(std::uint64_t unit) const { return unit == plan_.size(); }
+  std::uint64_t pairs_in(std::uint64_t unit) const { return pairs_.empty() ? 0 : pairs_[unit]; }
+
+  const Config& config_;
+  const EncodeJob& job_;
+  const TopArtifact& top_;
+  const UnitPlan& plan_;
+  const std::function<Manifest()> manifest_;
+  const std::vector<std::uint64_t> pairs_;  // of labels, in each tile
+  const MergedPlan merged_;
+  const RunContext* context_ = nullptr;
+};
+
+std::vector<Unit> EncodeStage::units(std::span<const std::uint64_t> numbers) const {
   std::vector<Unit> units;
   double polygons = 0;
-  for (const std::uint64_t number : status.missing) {
-    units.push_back({number, plan.name(number), static_cast<double>(plan.total(number).polygons)});
-    polygons += units.back().weight;
+  for (std::uint64_t unit = 0; unit < plan_.size() && merged_.write; ++unit)
+    polygons += static_cast<double>(plan_.total(unit).polygons);
+  for (const std::uint64_t number : numbers)
+    if (is_merged(number))
+      units.push_back({number, "merged mesh", polygons});
+    else
+      units.push_back(
+          {number, plan_.name(number), static_cast<double>(plan_.total(number).polygons)});
+  return units;
+}
+
+StageLook EncodeStage::look(const UnitSelection& selection) {
+  StageLook look = StageWork::look(selection);
+  if (selection.all() && !output_is_finished(job_.output))
+    look.rest = "the manifest or the list of tiles is missing";
+  return look;
+}
+
+std::string EncodeStage::missing_text(const StageLook& look) const {
+  if (look.missing.empty()) return look.rest;
+  const bool merged = is_merged(look.missing.back());
+  return fmt::format("{} of {} tiles{} missing", look.missing.size() - (merged ? 1 : 0),
+                     plan_.size(), merged ? " and the merged mesh" : "");
+}
+
+std::uint64_t EncodeStage::bytes(std::uint64_t unit) {
+  if (is_merged(unit)) return merged_.bytes;
+  return encode_bytes(config_, plan_.largest(unit)) + label_pair_bytes(config_, pairs_in(unit));
+}
+
+StageMemory EncodeStage::memory(std::span<const std::uint64_t> numbers) {
+  std::uint64_t need = 0, pairs = 0;
+  for (const std::uint64_t number : numbers) {
+    if (is_merged(number)) continue;  // planned to fit
+    need = std::max(need, bytes(number));
+    pairs = std::max(pairs, pairs_in(number));
   }
-  if (status.merged_missing && !here) units.push_back({plan.size(), "merged mesh", polygons});
-  const StageMeter meter;
-  run_stage(context, stage, units, stage_threads(context, stage.memory),
-            [&](const Unit& unit, WorkerContext& worker) {
-              encode_unit(context, job, plan, unit.key, worker);
-            });
-  if (!status.merged_missing || !here) return;
-  encode_merged(context, job, plan);
-  StageReport& report = context.reports.back();
-  report.figures = meter.read();
-  ++report.ran;
-  ++report.units;
+  StageMemory memory{
+      "encode", 0, need,
+      fmt::format("one tile (output.tile_vertices = {})", config_.output.tile_vertices),
+      "raise run.memory or lower output.tile_vertices; what is finished is kept"};
+  if (pairs > 0) memory.unit += fmt::format(" with {} pairs of labels", pairs);
+  if (pairs > 0 && writes_glb(config_))
+    memory.advice =
+        "raise run.memory, lower output.tile_vertices, or leave \"glb\", whose pairs are meshes of "
+        "their own, out of output.formats; what is finished is kept";
+  return memory;
+}
+
+void EncodeStage::open(RunContext& context, const StageLook& look) {
+  if (!merged_.why_not.empty())
+    spdlog::warn("no merged mesh: {}; the tiles are complete", merged_.why_not);
+  if (look.missing.empty()) return;
+  FileNames names(job_.folder);
+  begin_output(job_.output, planned_key(job_, top_, merged_.write), names,
+               [&](FileNames& all) { add_planned(context, plan_, merged_.write, all); });
+}
+
+void EncodeStage::close(RunContext& context) {
+  Manifest manifest = manifest_();
+  manifest.stages = std::make_unique<nlohmann::json>(stages_json(context));
+  FileNames earlier(job_.folder);
+  add_files_of_earlier_runs(job_.output, earlier);
+  write_listing(job_, plan_, merged_.write, earlier, std::move(manifest));
 }
 
 }  // namespace
 
-StageMemory encode_memory(const Config& config, const std::vector<PlannedTile>& tiles) {
-  std::uint64_t need = 0;
-  for (const PlannedTile& tile : tiles) {
-    // A tile also refers to vertices beyond its border.
-    const std::uint64_t v = tile.vertices + tile.vertices / 4, t = 2 * tile.polygons;
-    need = std::max(need, stitch_bytes(v, tile.polygons) / 2 +
-                              encode_memory_bytes(v, t, config.output.normals));
-  }
-  return {"encode", 0, need,
-          fmt::format("one tile (output.tile_vertices = {})", config.output.tile_vertices),
-          "raise run.memory or lower output.tile_vertices; what is finished is kept"};
+std::uint64_t encode_bytes(const Config& config, const PlannedTile& tile) {
+  // A tile also refers to vertices beyond its border.
+  const std::uint64_t v = tile.vertices + tile.vertices / 4, t = 2 * tile.polygons;
+  return stitch_bytes(v, tile.polygons) / 2 + encode_memory_bytes(v, t, config.output.normals);
 }
 
 MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_t label_pairs) {
@@ -152,15 +228,15 @@ MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_
     triangles += 2 * tile.polygons;
   }
   if (config.output.merged == OutputConfig::Merged::never) return plan;
-  plan.bytes = program_bytes() +
-               accumulator_memory_bytes(vertices, triangles, config.output.normals) +
+  plan.bytes = accumulator_memory_bytes(vertices, triangles, config.output.normals) +
                encode_memory_bytes(vertices, triangles, config.output.normals) +
                label_pair_bytes(config, label_pairs);
-  plan.write = plan.bytes <= config.run.memory;
+  const std::uint64_t whole = program_bytes() + plan.bytes;
+  plan.write = whole <= config.run.memory;
   if (plan.write) return plan;
   const std::string figures =
       fmt::format("one mesh of {} triangles takes {} to encode, run.memory is {}", triangles,
-                  readable_bytes(static_cast<double>(plan.bytes)), exact_bytes(config.run.memory));
+                  readable_bytes(static_cast<double>(whole)), exact_bytes(config.run.memory));
   if (config.output.merged == OutputConfig::Merged::always)
     throw InputError("output.merged = true: " + figures +
                      "; raise run.memory, or leave output.merged = \"auto\" and use the tiles");
@@ -168,41 +244,8 @@ MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_
   return plan;
 }
 
-EncodeStatus encode_status(const RunContext& context, const EncodeJob& job,
-                           const TopArtifact& top) {
-  EncodeStatus status;
-  const auto plan = unit_plan(top, label_mode(job));
-  const auto missing = probe_which(plan->size(), [&](std::size_t i) {
-    return context.selection.contains(i) && !unit_is_current(job, *plan, i);
-  });
-  status.missing.assign(missing.begin(), missing.end());
-  count_label_pairs(job, *plan, status);
-  if (context.selection.contains(plan->size()) &&
-      plan_merged(context.config, *plan, status.label_pairs).write)
-    status.merged_missing = !merged_is_current(job, *plan);
-  return status;
-}
-
-void run_encode(RunContext& context, const EncodeJob& job, Manifest manifest) {
-  const TopArtifact top(job.stitch->merge->path());
-  const auto plan = unit_plan(top, label_mode(job));
-  context.selection.check("encode", "tiles", plan->size() + 1);
-  const EncodeStatus status = encode_status(context, job, top);
-  const MergedPlan merged = plan_merged(context.config, *plan, status.label_pairs);
-  if (!merged.why_not.empty())
-    spdlog::warn("no merged mesh: {}; the tiles are complete", merged.why_not);
-
-  if (!status.current()) {
-    FileNames names(job.folder);
-    begin_output(job.output, planned_key(job, top, merged.write), names,
-                 [&](FileNames& all) { add_planned(context, *plan, merged.write, all); });
-  }
-  encode_missing(context, job, *plan, status, merged.write);
-  if (!context.selection.all()) return;
-  manifest.stages = std::make_unique<nlohmann::json>(stages_json(context));
-  FileNames earlier(job.folder);
-  add_files_of_earlier_runs(job.output, earlier);
-  write_listing(job, *plan, merged.write, earlier, std::move(manifest));
+std::unique_ptr<StageWork> encode_stage(EncodeInputs inputs) {
+  return std::make_unique<EncodeStage>(std::move(inputs));
 }
 
 }  // namespace voxweld

@@ -2,38 +2,36 @@
 #pragma once
 
 #include "pipeline/stage/artifacts.h"
-#include "pipeline/stage/context.h"
+#include "pipeline/stage/stage_work.h"
 #include "storage/manifest/manifest.h"
 
 namespace voxweld {
-
-// Units are numbered as UnitPlan has them; the merged mesh comes after them.
-struct EncodeStatus {
-  std::vector<std::uint64_t> missing;  // units whose files are missing, changed or of other inputs
-  bool merged_missing = false;
-  // Of tiles between labels: how many pairs all of them list, one by one, and the most that one of
-  // the missing does.
-  std::uint64_t label_pairs = 0, most_label_pairs = 0;
-  bool current() const { return missing.empty() && !merged_missing; }
-};
 
 // Whether the merged mesh is to be written: "auto" leaves it out when it does not fit run.memory.
 // Throws InputError where it is asked for and does not fit.
 struct MergedPlan {
   bool write = false;
-  std::uint64_t bytes = 0;  // what it takes in memory
+  std::uint64_t bytes = 0;  // what it takes in memory, beside the program
   std::string why_not;      // for the user, when auto leaves it out
 };
 // label_pairs: of its triangles (labels.mode = "shared"), once stitch has found them.
 MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_t label_pairs = 0);
 
-// What encoding the largest of these tiles takes.
-StageMemory encode_memory(const Config& config, const std::vector<PlannedTile>& tiles);
+// What encoding a tile of that size takes.
+std::uint64_t encode_bytes(const Config& config, const PlannedTile& tile);
 
-// Precondition: stitch is current.
-EncodeStatus encode_status(const RunContext& context, const EncodeJob& job, const TopArtifact& top);
-// Writes what is missing of the files context selects; where it selects all, also tiles.jsonl and
-// manifest.json.
-void run_encode(RunContext& context, const EncodeJob& job, Manifest manifest);
+// What the work refers to, and outlives it.
+struct EncodeInputs {
+  const Config& config;
+  const EncodeJob& job;
+  const TopArtifact& top;
+  const UnitPlan& plan;
+  // The manifest but for what encode adds, once all units are there.
+  std::function<Manifest()> manifest;
+};
+
+// Units as the plan has them, then the merged mesh. Afterwards, where all are selected, the lists
+// of files and the manifest.
+std::unique_ptr<StageWork> encode_stage(EncodeInputs inputs);
 
 }  // namespace voxweld

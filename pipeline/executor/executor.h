@@ -12,6 +12,7 @@
 
 namespace voxweld {
 
+class MemoryPool;
 class StageProgress;
 struct StageFigures;
 
@@ -43,7 +44,9 @@ struct RunOptions {
   // What names the stage's work for such an executor: the same for the same parameters, and no
   // other. Empty: nothing of an earlier process is taken over.
   std::string identity;
-  // Where such an executor adds what its processes took: cpu_s, and the largest peak_resident.
+  // What the units share, for work that knows only on its way what it takes. Null: nothing is shared.
+  MemoryPool* memory = nullptr;
+  // Where an executor whose units run in other processes adds what its processes took: cpu_s, and the largest peak_resident.
   StageFigures* elsewhere = nullptr;
 };
 
@@ -57,6 +60,9 @@ class WorkerContext {
   int slot() const { return slot_; }
   // Counts bytes towards the rate that is shown.
   void add_bytes(std::uint64_t bytes);
+  // Precondition: the stage shares memory.
+  MemoryPool& memory() const { return *options_.memory; }
+  const InterruptFlag* interrupt() const { return options_.interrupt; }
   // Throws Interrupted once a stop was asked for; long units call it between their pieces.
   void check_interrupt() const {
     if (options_.interrupt != nullptr) options_.interrupt->check();

@@ -22,7 +22,8 @@ std::uint64_t saturating_sum(std::uint64_t a, std::uint64_t b) {
 }  // namespace
 
 int threads_within(const MemoryBudget& budget, const StageMemory& need, int wanted_threads) {
-  const std::uint64_t smallest = saturating_sum(need.base_bytes, need.per_unit_bytes);
+  const std::uint64_t fixed = saturating_sum(need.base_bytes, need.per_unit_bytes);
+  const std::uint64_t smallest = saturating_sum(fixed, need.per_worker_bytes);
   if (smallest > budget.total) {
     // Rounded up, so that the figure named is one that works.
     const std::uint64_t enough = smallest / mebibyte + (smallest % mebibyte != 0 ? 1 : 0);
@@ -31,8 +32,8 @@ int threads_within(const MemoryBudget& budget, const StageMemory& need, int want
                     exact_bytes(budget.total), need.stage, enough, need.unit, need.advice));
   }
   const auto wanted = static_cast<std::uint64_t>(std::max(wanted_threads, 1));
-  if (need.per_unit_bytes == 0) return static_cast<int>(wanted);
-  return static_cast<int>(std::min(wanted, (budget.total - need.base_bytes) / need.per_unit_bytes));
+  if (need.per_worker_bytes == 0) return static_cast<int>(wanted);
+  return static_cast<int>(std::min(wanted, (budget.total - fixed) / need.per_worker_bytes));
 }
 
 std::string exact_bytes(std::uint64_t bytes) {

@@ -1,4 +1,4 @@
-// How many units may be under way at once within the memory the user allows.
+// How many workers may be at work at once within the memory the user allows.
 #pragma once
 
 #include <cstdint>
@@ -15,12 +15,17 @@ struct StageMemory {
   std::string stage;  // "build"
   // Needed however many threads run: the program itself, shared tables, readers.
   std::uint64_t base_bytes = 0;
-  std::uint64_t per_unit_bytes = 0;  // for each unit under way
+  // The most that one unit takes. Units under way wait for each other where theirs do not fit
+  // together (memory_pool.h).
+  std::uint64_t per_unit_bytes = 0;
   std::string unit;                  // "one brick (brick = 256)"
   std::string advice;                // "raise run.memory or lower work.brick"
+  // What a worker keeps from one unit to the next.
+  std::uint64_t per_worker_bytes = 0;
 };
 
-// The most threads, at most `wanted_threads`, whose units fit the budget together; at least 1.
+// The most threads, at most `wanted_threads`, whose workers fit the budget beside the largest unit; at
+// least 1.
 // Precondition: wanted_threads >= 1.
 // Throws InputError naming the smallest run.memory that would do where not even one unit fits.
 int threads_within(const MemoryBudget& budget, const StageMemory& need, int wanted_threads);

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "pipeline/solids/streamed_mesh.h"
-#include "pipeline/stage/context.h"
+#include "pipeline/stage/stage_work.h"
 #include "pipeline/stage/volume.h"
 #include "storage/store/layout.h"
 #include "storage/types/histogram.h"
@@ -37,28 +37,9 @@ struct IngestJob {
 IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder,
                       const InterruptFlag* interrupt);
 
-struct IngestStatus {
-  std::uint64_t units = 0, missing = 0;  // shards to copy or to count the labels of
-  bool metadata_missing = false;         // the store's zarr.json
-  bool histogram_missing = false;        // where the isovalue is to be chosen from it
-  bool labels_missing = false;           // the volume's counts, where labels are meshed
-  bool mesh_missing = false;             // the mesh that is to be cut up; counted in missing
-  bool current() const {
-    return missing == 0 && !metadata_missing && !histogram_missing && !labels_missing;
-  }
-};
-// Of the units context selects, which are numbered x fastest.
-IngestStatus ingest_status(const RunContext& context, const IngestJob& job);
-
-// What is missing, in words; of a status that is not current.
-std::string missing_text(const IngestJob& job, const IngestStatus& status);
-
-// The missing ones; none where the input is read in place.
-std::vector<Unit> missing_units(const RunContext& context, const IngestJob& job);
-
-// What one unit of it takes. No bytes where there are none.
-StageMemory ingest_memory(const Config& config, const IngestJob& job);
-void run_ingest(RunContext& context, const IngestJob& job);
+// What ingest has to do for it: units are shards to copy or to count the labels of, x fastest, or
+// the one mesh that is to be cut up; none where the input is read in place. job: outlives the work.
+std::unique_ptr<StageWork> ingest_stage(const Config& config, const IngestJob& job);
 
 // What ingest leaves. Precondition: it is current.
 Volume ingested_volume(const Config& config, const IngestJob& job);

@@ -39,8 +39,13 @@ ScanResult scan_volume(RunContext& context, const SampleSource& source, const st
   run.order = UnitOrder::as_given;
   const std::uint64_t largest_row =
       static_cast<std::uint64_t>(info.geometry.size.x) * sample_bytes(info.type);
-  run.memory = {stage, 0, std::max(band_bytes, largest_row) + (std::uint64_t{16} << 20),
-                "one band of rows", "raise run.memory"};
+  // A worker keeps its band and its bins.
+  run.memory = {stage,
+                0,
+                0,
+                "one band of rows",
+                "raise run.memory",
+                std::max(band_bytes, largest_row) + (std::uint64_t{16} << 20)};
   const int threads = stage_threads(context, run.memory);
   struct Worker {
     std::vector<std::byte> samples;

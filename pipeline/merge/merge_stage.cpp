@@ -124,6 +124,47 @@ std::uint64_t merge_memory(const RunContext& context) {
   return std::clamp(total > taken ? (total - taken) / 4 : 0, least, most);
 }
 
+class MergeWork final : public StageWork {
+ public:
+  explicit MergeWork(const MergeJob& job) : job_(job) {}
+
+  Stage stage() const override { return Stage::merge; }
+  std::string noun() const override { return "trees"; }
+  std::string identity() const override { return job_.folder.filename().string(); }
+  std::uint64_t size() const override { return 1; }
+  std::vector<Unit> units(std::span<const std::uint64_t> numbers) const override {
+    return std::vector<Unit>(numbers.size(), Unit{0, "top tree", 1});
+  }
+  bool done(std::uint64_t) override {
+    if (!std::filesystem::exists(job_.path())) return false;
+    try {
+      const TopArtifact artifact(job_.path());
+      return artifact.key() == job_.key && artifact.shards() == shard_hashes(*job_.build);
+    } catch (const DamagedArtifact& damage) {
+      if (damage.path() == job_.path()) return false;
+      throw;
+    }
+  }
+  std::string missing_text(const StageLook&) const override { return {}; }
+
+  StageMemory memory(std::span<const std::uint64_t>) override {
+    return {"merge", 0, 0, "the top tree", "raise run.memory"};
+  }
+  void begin(RunContext& context, std::span<const std::uint64_t>, int) override {
+    label_bytes_ = merge_memory(context);
+  }
+  void run(const Unit&, WorkerContext&) override {
+    if (job_.build->parameters.labels.mode == LabelMode::each)
+      merge_labels(job_, label_bytes_);
+    else
+      merge(job_);
+  }
+
+ private:
+  const MergeJob& job_;
+  std::uint64_t label_bytes_ = 0;
+};
+
 }  // namespace
 
 void add_summary(const ShardSummary& shard, MergeCounts& counts) {
@@ -142,33 +183,8 @@ bool merge_is_there(const MergeJob& job) {
   return std::filesystem::exists(job.path()) && TopArtifact(job.path()).key() == job.key;
 }
 
-bool merge_is_current(const MergeJob& job) {
-  if (!std::filesystem::exists(job.path())) return false;
-  try {
-    const TopArtifact artifact(job.path());
-    return artifact.key() == job.key && artifact.shards() == shard_hashes(*job.build);
-  } catch (const DamagedArtifact& damage) {
-    if (damage.path() == job.path()) return false;
-    throw;
-  }
-}
-
-void run_merge(RunContext& context, const MergeJob& job) {
-  StageRun stage;
-  stage.stage = "merge";
-  stage.noun = "trees";
-  const bool current = merge_is_current(job);
-  stage.reused = current ? 1 : 0;
-  std::vector<Unit> units;
-  if (!current) units.push_back({0, "top tree", 1});
-  stage.identity = job.folder.filename().string();
-  stage.done = [&](const Unit&) { return merge_is_current(job); };
-  run_stage(context, stage, units, 1, [&](const Unit&, WorkerContext&) {
-    if (job.build->parameters.labels.mode == LabelMode::each)
-      merge_labels(job, merge_memory(context));
-    else
-      merge(job);
-  });
+std::unique_ptr<StageWork> merge_stage(const MergeJob& job) {
+  return std::make_unique<MergeWork>(job);
 }
 
 }  // namespace voxweld

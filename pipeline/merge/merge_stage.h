@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pipeline/stage/artifacts.h"
-#include "pipeline/stage/context.h"
+#include "pipeline/stage/stage_work.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/top_artifact.h"
 
@@ -11,10 +11,10 @@ namespace voxweld {
 // A shard's part of the counts.
 void add_summary(const ShardSummary& shard, MergeCounts& counts);
 
-// Precondition: no shard is missing.
 // Whether there is a top tree of these parameters, without a look at the octrees.
 bool merge_is_there(const MergeJob& job);
-bool merge_is_current(const MergeJob& job);
-void run_merge(RunContext& context, const MergeJob& job);
+
+// One unit: the top tree. job: outlives the work.
+std::unique_ptr<StageWork> merge_stage(const MergeJob& job);
 
 }  // namespace voxweld

@@ -24,7 +24,7 @@ std::shared_ptr<const SampleSource> readable(const RunContext& context, const Jo
   const IngestJob& job = jobs.ingest();
   if (job.mesh && !bins_are_current(*job.mesh)) return nullptr;
   if (job.input && job.input->info().access == Access::box) return job.input;
-  if (job.copy && ingest_status(context, job).missing == 0)
+  if (job.copy && ingest_stage(context.config, job)->look(context.selection).missing.empty())
     return ingested_volume(context.config, job).source;
   return nullptr;
 }

@@ -109,47 +109,58 @@ void check_budget(const RunContext& context, const Jobs& jobs) {
   const bool replaces =
       std::any_of(config.edits.begin(), config.edits.end(),
                   [](const EditConfig& edit) { return edit.op == EditOp::replace; });
-  std::vector<StageMemory> needs = {ingest_memory(config, jobs.ingest()),
-                                    {"build", 0,
-                                     shard_memory_bytes(brick_grid(config, info.geometry),
-                                                        info.type, config.labels.mode, replaces),
-                                     fmt::format("one brick (work.brick = {})", config.work.brick),
-                                     "raise run.memory or lower work.brick"}};
+  const ShardMemory shard =
+      shard_memory(brick_grid(config, info.geometry), info.type, config.labels.mode, replaces);
+  std::vector<StageMemory> needs = {
+      ingest_stage(config, jobs.ingest())->memory({}),
+      {"build", 0, shard.brick, fmt::format("one brick (work.brick = {})", config.work.brick),
+       "raise run.memory or lower work.brick", shard.worker}};
   // The largest first: the figure it is refused with does for all.
-  const auto bytes = [](const StageMemory& need) { return need.base_bytes + need.per_unit_bytes; };
+  const auto bytes = [](const StageMemory& need) {
+    return need.base_bytes + need.per_unit_bytes + need.per_worker_bytes;
+  };
   std::sort(needs.begin(), needs.end(),
             [&](const StageMemory& a, const StageMemory& b) { return bytes(a) > bytes(b); });
   for (const StageMemory& need : needs) stage_threads(context, need);
 }
 
+namespace {
+
+// Of a tile with so many vertices: as many polygons, which is what closed surfaces of quads have.
+std::uint64_t tile_bytes(const Config& config, std::int64_t vertices) {
+  PlannedTile tile;
+  tile.vertices = tile.polygons = static_cast<std::uint64_t>(vertices);
+  return encode_bytes(config, tile);
+}
+
+}  // namespace
+
+std::int64_t fitting_tile_vertices(const Config& config) {
+  constexpr std::int64_t good = 500000, least = 1024;
+  // Depends on the config alone, so that every process of a run has the same.
+  constexpr std::uint64_t program = std::uint64_t{64} << 20, at_once = 4;
+  const std::uint64_t memory = config.run.memory;
+  const std::uint64_t most = memory > program ? (memory - program) / at_once : 0;
+  std::int64_t vertices = good;
+  while (vertices / 2 >= least && tile_bytes(config, vertices) > most) vertices /= 2;
+  return vertices;
+}
+
 void warn_of_large_tiles(const RunContext& context) {
   const Config& config = context.config;
-  // As many polygons as vertices: what closed surfaces of quads have.
-  const auto bytes_of = [&](std::uint64_t vertices) {
-    PlannedTile tile;
-    tile.vertices = tile.polygons = vertices;
-    return program_bytes() + encode_memory(config, {tile}).per_unit_bytes;
-  };
-  const auto limit = static_cast<std::uint64_t>(config.output.tile_vertices);
   const std::uint64_t memory = context.budget().total;
-  if (bytes_of(limit) <= memory) return;
-  std::uint64_t fits = limit;
-  while (fits > 1024 && bytes_of(fits) > memory) fits = fits / 8 * 7;
+  const std::int64_t limit = config.output.tile_vertices;
+  const std::uint64_t largest = program_bytes() + tile_bytes(config, limit);
+  if (largest <= memory) return;
   spdlog::warn(
       "run.memory = {} is not enough for a tile of output.tile_vertices = {}, which takes up to {} "
-      "to encode: should there be one so large, the run ends after merge; up to {} vertices fit",
-      exact_bytes(memory), limit, readable_bytes(static_cast<double>(bytes_of(limit))), fits);
+      "to encode: should there be one so large, the run ends after merge; leave the key out and "
+      "tiles are made that fit",
+      exact_bytes(memory), limit, readable_bytes(static_cast<double>(largest)));
 }
 
-void check_plan(const RunContext& context, const Jobs& jobs) {
-  const TopArtifact top(jobs.merge().path());
-  const auto plan = unit_plan(top, context.config.labels.mode);
-  stage_threads(context, encode_memory(context.config, plan->largest_tiles()));
-  plan_merged(context.config, *plan);
-}
-
-Manifest make_manifest(const RunContext& context, const Jobs& jobs) {
-  const MergeCounts counts = TopArtifact(jobs.merge().path()).counts();
+Manifest make_manifest(const Config& config, const Jobs& jobs, const TopArtifact& top) {
+  const MergeCounts counts = top.counts();
   const VolumeInfo& info = jobs.ingest().info;
   const ContourParameters& parameters = jobs.build().parameters;
   Manifest m;
@@ -166,13 +177,11 @@ Manifest make_manifest(const RunContext& context, const Jobs& jobs) {
   while (levels > 1 && counts.leaves[levels - 1] == 0) --levels;
   m.counts.leaves.assign(counts.leaves.begin(),
                          counts.leaves.begin() + static_cast<std::ptrdiff_t>(levels));
-  m.input =
-      std::make_unique<nlohmann::json>(nlohmann::json{{"path", context.config.input.path.string()},
-                                                      {"format", info.format},
-                                                      {"type", sample_type_name(info.type)}});
-  m.config = std::make_unique<nlohmann::json>(
-      nlohmann::json{{"fingerprint", to_hex(config_fingerprint(context.config))},
-                     {"toml", canonical_toml(context.config)}});
+  m.input = std::make_unique<nlohmann::json>(nlohmann::json{{"path", config.input.path.string()},
+                                                            {"format", info.format},
+                                                            {"type", sample_type_name(info.type)}});
+  m.config = std::make_unique<nlohmann::json>(nlohmann::json{
+      {"fingerprint", to_hex(config_fingerprint(config))}, {"toml", canonical_toml(config)}});
   m.error = std::make_unique<nlohmann::json>(
       nlohmann::json{{"metric", parameters.simplify.metric == Metric::rms ? "rms" : "sum"},
                      {"tolerance", parameters.simplify.tolerance},

@@ -51,13 +51,14 @@ class Jobs {
 
 // Refuses, before any work, a run.memory that is too small for one unit of ingest or build.
 void check_budget(const RunContext& context, const Jobs& jobs);
-// Warns, before any work, where a tile of output.tile_vertices could be too large for run.memory.
-void warn_of_large_tiles(const RunContext& context);
-// The same as check_budget for the tiles and the merged mesh, once merge has planned them: how
-// large they are is the volume's to say, and output.tile_vertices only bounds it.
-void check_plan(const RunContext& context, const Jobs& jobs);
 
-// The manifest but for what encode adds. Precondition: merge is current.
-Manifest make_manifest(const RunContext& context, const Jobs& jobs);
+// The most vertices of a tile, where the config leaves that open: as many as are good to have in
+// one file, halved until several such tiles can be encoded at once within run.memory.
+std::int64_t fitting_tile_vertices(const Config& config);
+// Warns, before any work, where a tile of the config's output.tile_vertices could be too large.
+void warn_of_large_tiles(const RunContext& context);
+
+// The manifest but for what encode adds. top: of these jobs.
+Manifest make_manifest(const Config& config, const Jobs& jobs, const TopArtifact& top);
 
 }  // namespace voxweld

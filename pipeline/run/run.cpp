@@ -4,28 +4,28 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <functional>
+#include <optional>
 #include <set>
 
-#include "pipeline/build/build_stage.h"
+#include "pipeline/encode/encode_stage.h"
 #include "pipeline/encode/output_files.h"
 #include "pipeline/executor/error_set.h"
 #include "pipeline/ingest/label_rules.h"
 #include "pipeline/merge/merge_stage.h"
-#include "pipeline/run/jobs.h"
 #include "pipeline/run/last_config.h"
-#include "pipeline/stitch/stitch_stage.h"
+#include "pipeline/run/stages.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 
 namespace voxweld {
 namespace {
 
-void check_surface(RunContext& context, const Jobs& jobs) {
-  const MergeCounts counts = TopArtifact(jobs.merge().path()).counts();
-  if (counts.crossing_edges != 0) return;
+void check_surface(RunContext& context, Stages& stages) {
+  if (stages.top().counts().crossing_edges != 0) return;
+  const Jobs& jobs = stages.jobs();
   if (const std::size_t edits = context.config.edits.size(); edits > 0)
     throw InputError(fmt::format(
         "no surface: after the {} of the config all samples are on one side; leave out or change "
@@ -70,21 +70,47 @@ void check_writable(const std::filesystem::path& directory, const std::string& k
                                       : fmt::format("{} is not a directory", there.string())));
 }
 
+// How large tiles are is the volume's to say, and output.tile_vertices only bounds it: once they
+// are planned, a run.memory that is too small for one of them is refused before any is made.
+void check_plan(RunContext& context, Stages& stages) {
+  const UnitPlan& plan = stages.plan();
+  StageMemory largest{
+      "encode", 0, 0,
+      fmt::format("one tile (output.tile_vertices = {})", context.config.output.tile_vertices),
+      "raise run.memory or lower output.tile_vertices; what is finished is kept"};
+  for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
+    largest.per_unit_bytes =
+        std::max(largest.per_unit_bytes, encode_bytes(context.config, plan.largest(unit)));
+  stage_threads(context, largest);
+  plan_merged(context.config, plan);
+}
+
+// What is to be known before a stage's first unit.
+void check_before(RunContext& context, Stages& stages, Stage stage) {
+  if (stage != Stage::stitch && stage != Stage::encode) return;
+  check_surface(context, stages);
+  check_plan(context, stages);
+}
+
 // Something of the input cannot be read, and that is the user's to mend. What the rest of it is
 // enough for is built meanwhile: when it is mended only the remainder is left to do.
-void ingest_or_build_the_rest(RunContext& context, Jobs& jobs) {
+void build_what_is_there(RunContext& context, Stages& stages) {
+  const StageLook look = stages.open(Stage::ingest).look(context.selection);
+  if (look.missing.size() == look.units || !context.config.surface.isovalue.has_value() ||
+      asks_for_sizes(context.config.labels))
+    return;
+  spdlog::warn("{} of {} shards of the input cannot be read; building what the others allow",
+               look.missing.size(), look.units);
+  StageWork& build = stages.open(Stage::build);
+  stages.jobs().build_what_is_there();
+  do_stage(context, build);
+}
+
+void ingest_or_build_the_rest(RunContext& context, Stages& stages) {
   try {
-    run_ingest(context, jobs.ingest());
+    do_stage(context, stages.open(Stage::ingest));
   } catch (const Error& error) {
-    const IngestStatus status = ingest_status(context, jobs.ingest());
-    if (error.exit_code() != 2 || status.missing == status.units ||
-        !context.config.surface.isovalue.has_value() || asks_for_sizes(context.config.labels))
-      throw;
-    spdlog::warn("{} of {} shards of the input cannot be read; building what the others allow",
-                 status.missing, status.units);
-    jobs.open_volume(context.config);
-    jobs.build_what_is_there();
-    run_build(context, jobs.build());
+    if (error.exit_code() == 2) build_what_is_there(context, stages);
     throw;
   }
 }
@@ -102,18 +128,15 @@ void clear_temporaries_of_tasks(const Config& config, const Jobs& jobs) {
 
 // ingest -> build -> merge -> stitch -> encode
 void run_stages(RunContext& context) {
-  Jobs jobs(context.config, context.interrupt);
-  check_budget(context, jobs);
+  Stages stages(context);
+  check_budget(context, stages.jobs());
   warn_of_large_tiles(context);
-  ingest_or_build_the_rest(context, jobs);
-  jobs.open_volume(context.config);
-  run_build(context, jobs.build());
-  run_merge(context, jobs.merge());
-  check_surface(context, jobs);
-  check_plan(context, jobs);
-  run_stitch(context, jobs.stitch());
-  run_encode(context, jobs.encode(), make_manifest(context, jobs));
-  if (!context.executor->in_process()) clear_temporaries_of_tasks(context.config, jobs);
+  ingest_or_build_the_rest(context, stages);
+  for (const Stage stage : {Stage::build, Stage::merge, Stage::stitch, Stage::encode}) {
+    check_before(context, stages, stage);
+    do_stage(context, stages.open(stage));
+  }
+  if (!context.executor->in_process()) clear_temporaries_of_tasks(context.config, stages.jobs());
 }
 
 // Of runs that were killed. Only where we write: the directories may hold others' files too.
@@ -140,10 +163,23 @@ void mend(const std::exception& error, std::set<std::string>& mended) {
   }
 }
 
-bool build_is_current(RunContext& context, const BuildJob& job) {
-  BuildStatus status = build_status(context, job);
-  prove(context, job, status);
-  return status.current();
+// Whether nothing of the stage is left to do. A task that does a share reads the few artifacts that
+// its share needs, and those say whether they fit: there, a look at all of them is left out.
+bool is_current(RunContext& context, Stages& stages, Stage stage) {
+  const bool share = !context.selection.all();
+  if (share && stage == Stage::ingest) return true;
+  StageWork& work = stages.open(stage);
+  if (share && stage != Stage::stitch)
+    return stage != Stage::merge || merge_is_there(stages.jobs().merge());
+  StageLook look = work.look(context.selection);
+  work.prove(context, look);
+  return look.current();
+}
+
+std::string would_run(StageWork& work, const StageLook& look, const std::string& changes) {
+  std::string what = work.missing_text(look);
+  if (!what.empty()) what = ": " + what;
+  return "would run" + what + (changes.empty() ? "" : " (" + changes + ")");
 }
 
 }  // namespace
@@ -169,33 +205,19 @@ void run_all(RunContext& context) {
 }
 
 void run_one(RunContext& context, Stage stage) {
-  Jobs jobs(context.config, context.interrupt);
-  check_budget(context, jobs);
-  const auto need = [&](Stage before, const std::function<bool()>& there) {
-    if (!context.inputs_checked && !there())
-      throw InputError(
-          fmt::format("stage {} needs what stage {} makes, and that is missing or out of date; run "
-                      "`voxweld {} CONFIG` first, or `voxweld run CONFIG` for all",
-                      stage_name(stage), stage_name(before), stage_name(before)));
-  };
-  if (stage == Stage::ingest) return run_ingest(context, jobs.ingest());
-  if (context.selection.all())
-    need(Stage::ingest, [&] { return ingest_status(context, jobs.ingest()).current(); });
-  jobs.open_volume(context.config);
-  if (stage == Stage::build) return run_build(context, jobs.build());
-  // A task reads the few artifacts that its share needs, and those say whether they fit.
-  const bool share = !context.selection.all();
-  if (!share) need(Stage::build, [&] { return build_is_current(context, jobs.build()); });
-  if (stage == Stage::merge) return run_merge(context, jobs.merge());
-  need(Stage::merge,
-       [&] { return share ? merge_is_there(jobs.merge()) : merge_is_current(jobs.merge()); });
-  check_surface(context, jobs);
-  check_plan(context, jobs);
-  if (stage == Stage::stitch) return run_stitch(context, jobs.stitch());
-  need(Stage::stitch, [&] {
-    return missing_tiles(context, jobs.stitch(), TopArtifact(jobs.merge().path())).empty();
-  });
-  run_encode(context, jobs.encode(), make_manifest(context, jobs));
+  Stages stages(context);
+  check_budget(context, stages.jobs());
+  for (const Stage before : all_stages) {
+    if (before == stage) break;
+    if (context.inputs_checked || is_current(context, stages, before)) continue;
+    throw InputError(
+        fmt::format("stage {} needs what stage {} makes, and that is missing or out of date; run "
+                    "`voxweld {} CONFIG` first, or `voxweld run CONFIG` for all",
+                    stage_name(stage), stage_name(before), stage_name(before)));
+  }
+  StageWork& work = stages.open(stage);
+  check_before(context, stages, stage);
+  do_stage(context, work);
 }
 
 std::string dry_run(RunContext& context) {
@@ -203,61 +225,23 @@ std::string dry_run(RunContext& context) {
   const auto say = [&](Stage stage, const std::string& what) {
     text += fmt::format("{:<7} {}\n", stage_name(stage), what);
   };
-  const auto later = [&](Stage from, const std::string& why) {
-    for (const Stage stage : all_stages)
-      if (stage >= from) say(stage, "would run: " + why);
-  };
-  const auto because = [&](Stage stage) {
-    const std::string why = changed_since_last(context.config, stage);
-    return why.empty() ? std::string() : " (" + why + ")";
-  };
-  Jobs jobs(context.config, context.interrupt);
-  const IngestStatus ingest = ingest_status(context, jobs.ingest());
-  if (!ingest.current()) {
-    say(Stage::ingest, "would run: " + missing_text(jobs.ingest(), ingest) +
-                           (ingest.missing > 0 ? because(Stage::ingest) : ""));
-    later(Stage::build, "waits for ingest");
-    return text;
-  }
-  say(Stage::ingest, jobs.ingest().copy || jobs.ingest().mesh
-                         ? "up to date"
-                         : "nothing to do: the input is read in place");
-  jobs.open_volume(context.config);
-  BuildStatus shards = build_status(context, jobs.build());
-  prove(context, jobs.build(), shards);
-  const std::size_t all = jobs.build().grid.all_shards().size();
-  if (!shards.missing.empty()) {
-    say(Stage::build, fmt::format("would run: {} of {} shards missing{}", shards.missing.size(),
-                                  all, because(Stage::build)));
-    later(Stage::merge, "waits for build");
-    return text;
-  }
-  say(Stage::build, "up to date");
-  if (!merge_is_current(jobs.merge())) {
-    say(Stage::merge, "would run" + because(Stage::merge));
-    later(Stage::stitch, "waits for merge");
-    return text;
-  }
-  say(Stage::merge, "up to date");
-  const TopArtifact top(jobs.merge().path());
-  const std::uint64_t units = unit_plan(top, context.config.labels.mode)->size();
-  const auto tiles = missing_tiles(context, jobs.stitch(), top);
-  if (!tiles.empty()) {
-    say(Stage::stitch, fmt::format("would run: {} of {} tiles missing{}", tiles.size(), units,
-                                   because(Stage::stitch)));
-    later(Stage::encode, "waits for stitch");
-    return text;
-  }
-  say(Stage::stitch, "up to date");
-  const EncodeStatus status = encode_status(context, jobs.encode(), top);
-  if (status.missing.empty() && !status.merged_missing) {
-    say(Stage::encode, output_is_finished(context.config.output.directory)
-                           ? "up to date"
-                           : "would run: the manifest or the list of tiles is missing");
-  } else {
-    say(Stage::encode,
-        fmt::format("would run: {} of {} tiles{} missing{}", status.missing.size(), units,
-                    status.merged_missing ? " and the merged mesh" : "", because(Stage::encode)));
+  Stages stages(context);
+  std::optional<Stage> waits_for;
+  for (const Stage stage : all_stages) {
+    if (waits_for) {
+      say(stage, fmt::format("would run: waits for {}", stage_name(*waits_for)));
+      continue;
+    }
+    StageWork& work = stages.open(stage);
+    StageLook look = work.look(context.selection);
+    work.prove(context, look);
+    if (look.current()) {
+      say(stage, work.current_text());
+      continue;
+    }
+    const bool units = !look.missing.empty();
+    say(stage, would_run(work, look, units ? changed_since_last(context.config, stage) : ""));
+    waits_for = stage;
   }
   return text;
 }

@@ -136,7 +136,8 @@ std::vector<SubmittedStep> submit_chain(RunContext& context, const SlurmSetup& s
   const Jobs jobs(context.config, context.interrupt);
   check_budget(context, jobs);
   warn_of_large_tiles(context);
-  const std::vector<Unit> ingest = missing_units(context, jobs.ingest());
+  const auto ingest_work = ingest_stage(context.config, jobs.ingest());
+  const std::vector<Unit> ingest = ingest_work->units(ingest_work->look(context.selection).to_do());
   const BrickGrid grid = brick_grid(context.config, jobs.ingest().info.geometry);
   std::vector<std::uint64_t> shards(grid.all_shards().size());
   std::iota(shards.begin(), shards.end(), std::uint64_t{0});

@@ -7,13 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "pipeline/build/build_stage.h"
-#include "pipeline/encode/output_files.h"
-#include "pipeline/merge/merge_stage.h"
-#include "pipeline/run/jobs.h"
+#include "pipeline/run/stages.h"
 #include "pipeline/run/task_report.h"
 #include "pipeline/slurm/task_plan.h"
-#include "pipeline/stitch/stitch_stage.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -23,33 +19,17 @@ constexpr std::uint64_t longest_log = std::uint64_t{64} << 10;  // shown of one 
 
 // The stages in order, as far as what lies there tells.
 void look_at_results(RunContext& context, RunStatus& status) {
-  for (const Stage stage : all_stages) {
-    const bool shards = stage == Stage::ingest || stage == Stage::build;
-    status.stages.push_back({stage, shards ? "shards" : stage == Stage::merge ? "trees" : "tiles"});
-  }
-  const auto set = [&](Stage stage, std::uint64_t units, std::uint64_t missing) {
-    StageState& state = status.stages[static_cast<std::size_t>(stage)];
-    state.units = units;
-    state.there = units - missing;
+  for (const Stage stage : all_stages)
+    status.stages.push_back({stage, stage == Stage::merge ? "trees" : unit_option(stage)});
+  Stages stages(context);
+  for (StageState& state : status.stages) {
+    const StageLook look = stages.open(state.stage).look({});
+    state.units = look.units;
+    state.there = look.units - look.to_do().size();
     state.known = true;
-    return missing == 0;
-  };
-  Jobs jobs(context.config, context.interrupt);
-  const IngestStatus ingest = ingest_status(context, jobs.ingest());
-  set(Stage::ingest, ingest.units, ingest.missing);
-  if (!ingest.current()) return;
-  jobs.open_volume(context.config);
-  const BuildStatus build = build_status(context, jobs.build());
-  if (!set(Stage::build, jobs.build().grid.all_shards().size(),
-           build.missing.size() + build.unproven.size()))
-    return;
-  if (!set(Stage::merge, 1, merge_is_current(jobs.merge()) ? 0 : 1)) return;
-  const TopArtifact top(jobs.merge().path());
-  const std::uint64_t tiles = unit_plan(top, context.config.labels.mode)->size();
-  if (!set(Stage::stitch, tiles, missing_tiles(context, jobs.stitch(), top).size())) return;
-  const EncodeStatus encode = encode_status(context, jobs.encode(), top);
-  status.finished = set(Stage::encode, tiles, encode.missing.size()) && encode.current() &&
-                    output_is_finished(context.config.output.directory);
+    if (!look.current()) return;
+  }
+  status.finished = true;
 }
 
 void look_at_queue(const std::vector<KnownArray>& arrays, SlurmClient& client, RunStatus& status) {

@@ -98,23 +98,6 @@ void check_same(const StreamedMesh& mesh, const SpooledMesh& spooled) {
                    ": the mesh has changed since this run began; start it again");
 }
 
-void make_bins(const RunContext& context, StreamedMesh& mesh, const WorkerContext& worker) {
-  MeshWork work = work_for(context.config, mesh.folder, context.interrupt);
-  work.between = [&] { worker.check_interrupt(); };
-  if (mesh.spooled == nullptr) {
-    mesh.spooled = std::make_shared<SpooledMesh>(mesh.path, work);
-    check_same(mesh, *mesh.spooled);
-  }
-  const std::uint64_t budget = context.config.run.memory;
-  const std::uint64_t building =
-      program_bytes() +
-      shard_memory_bytes(mesh.binning.grid, SampleType::u8, LabelMode::off, false);
-  const BinLimits limits{budget, work.memory - work.memory / 3,
-                         budget > building ? budget - building : 0};
-  bin_mesh(*mesh.spooled, mesh.binning, work, limits);
-  mesh.spooled.reset();
-}
-
 }  // namespace
 
 bool streams_mesh(const Config& config) {
@@ -164,29 +147,23 @@ bool bins_are_current(const StreamedMesh& mesh) {
       .empty();
 }
 
-Unit mesh_unit(const StreamedMesh& mesh) {
-  return {0, "mesh " + mesh.path.filename().string(), static_cast<double>(mesh.record.triangles)};
-}
-
 StageMemory streaming_memory() {
   return {"ingest", 0, least_memory, "a mesh that is read by pieces", "raise run.memory"};
 }
 
-void run_mesh_ingest(RunContext& context, StreamedMesh& mesh) {
-  context.selection.check("ingest", "shards", 1);
-  std::vector<Unit> units;
-  if (context.selection.contains(0) && !bins_are_current(mesh)) units.push_back(mesh_unit(mesh));
-  StageRun stage;
-  stage.stage = "ingest";
-  stage.noun = "meshes";
-  stage.reused = units.empty() ? 1 : 0;
-  stage.memory = streaming_memory();
-  stage.identity = mesh.binning.folder.filename().string();
-  stage.done = [&](const Unit&) { return bins_are_current(mesh); };
-  const int threads = stage_threads(context, stage.memory);
-  if (units.empty() || !context.executor->in_process()) mesh.spooled.reset();
-  run_stage(context, stage, units, threads,
-            [&](const Unit&, WorkerContext& worker) { make_bins(context, mesh, worker); });
+void make_bins(const Config& config, StreamedMesh& mesh, const InterruptFlag* interrupt) {
+  const MeshWork work = work_for(config, mesh.folder, interrupt);
+  if (mesh.spooled == nullptr) {
+    mesh.spooled = std::make_shared<SpooledMesh>(mesh.path, work);
+    check_same(mesh, *mesh.spooled);
+  }
+  const std::uint64_t budget = config.run.memory;
+  const std::uint64_t building =
+      program_bytes() +
+      shard_memory(mesh.binning.grid, SampleType::u8, LabelMode::off, false).whole();
+  const BinLimits limits{budget, work.memory - work.memory / 3,
+                         budget > building ? budget - building : 0};
+  bin_mesh(*mesh.spooled, mesh.binning, work, limits);
   mesh.spooled.reset();
 }
 

@@ -31,11 +31,10 @@ std::shared_ptr<StreamedMesh> plan_streamed_mesh(const Config& config,
 
 bool bins_are_current(const StreamedMesh& mesh);
 
-// The one unit of ingest.
-Unit mesh_unit(const StreamedMesh& mesh);
+// Makes the bins that are missing. Throws what reading the mesh does; Interrupted.
+void make_bins(const Config& config, StreamedMesh& mesh, const InterruptFlag* interrupt);
+// What that takes.
 StageMemory streaming_memory();
-// Makes the bins that are missing, as a stage of its own.
-void run_mesh_ingest(RunContext& context, StreamedMesh& mesh);
 
 // Of the largest bin, for build. Precondition: the bins are current.
 LargestBin largest_bin(const StreamedMesh& mesh);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "pipeline/executor/memory_pool.h"
+
 namespace voxweld {
 
 std::uint64_t program_bytes() {
@@ -15,6 +17,18 @@ int stage_threads(const RunContext& context, StageMemory memory) {
   return threads_within(context.budget(), memory, context.threads);
 }
 
+namespace {
+
+// The program may have grown since the threads were counted: then units wait for each other sooner.
+std::uint64_t units_share(const RunContext& context, const StageMemory& memory, int threads) {
+  const std::uint64_t taken =
+      memory.base_bytes + static_cast<std::uint64_t>(threads) * memory.per_worker_bytes;
+  const std::uint64_t total = context.budget().total;
+  return std::max(total > taken ? total - taken : 0, memory.per_unit_bytes);
+}
+
+}  // namespace
+
 void run_stage(RunContext& context, const StageRun& stage, const std::vector<Unit>& units,
                int threads, const UnitWork& work) {
   release_free_memory();
@@ -23,9 +37,23 @@ void run_stage(RunContext& context, const StageRun& stage, const std::vector<Uni
   for (const Unit& unit : units) start.weight += unit.weight;
   StageProgress progress(context.console, context.progress, start);
   StageFigures elsewhere;
-  const RunOptions options{threads,    stage.order,    &progress, context.interrupt,
-                           stage.done, stage.identity, &elsewhere};
-  context.executor->run_units(stage.stage, units, work, options);
+  StageMemory memory = stage.memory;
+  memory.base_bytes += program_bytes();
+  MemoryPool pool(units_share(context, memory, threads));
+  RunOptions options;
+  options.threads = threads;
+  options.order = stage.order;
+  options.progress = &progress;
+  options.interrupt = context.interrupt;
+  options.done = stage.done;
+  options.identity = stage.identity;
+  options.memory = &pool;
+  options.elsewhere = &elsewhere;
+  const UnitWork within = [&](const Unit& unit, WorkerContext& worker) {
+    const MemoryLoan loan(pool, stage.bytes ? stage.bytes(unit) : 0, context.interrupt);
+    work(unit, worker);
+  };
+  context.executor->run_units(stage.stage, units, within, options);
   StageFigures figures = meter.read();
   if (!context.executor->in_process()) {
     figures.cpu_s = elsewhere.cpu_s;

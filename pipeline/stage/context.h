@@ -58,13 +58,17 @@ std::uint64_t program_bytes();
 struct StageRun {
   std::string stage;   // "build"
   std::string noun;    // "shards"
-  StageMemory memory;  // base_bytes is filled in
+  StageMemory memory;  // base_bytes: beside the program itself
+  // What a unit takes of what they share, set aside while it is under way. Empty: nothing, its work
+  // asks by itself (WorkerContext::memory).
+  std::function<std::uint64_t(const Unit&)> bytes;
   std::uint64_t reused = 0;
   UnitOrder order = UnitOrder::largest_first;
   std::function<bool(const Unit&)> done;  // as RunOptions has them
   std::string identity;
 };
-// How many units fit run.memory at once: the worker slots the work may see, scratch for each.
+// How many workers fit run.memory at once: the slots the work may see, scratch for each.
+// InputError where not even one does.
 int stage_threads(const RunContext& context, StageMemory memory);
 void run_stage(RunContext& context, const StageRun& stage, const std::vector<Unit>& units,
                int threads, const UnitWork& work);

@@ -21,22 +21,25 @@ std::uint64_t label_octrees_bytes(const BrickGrid& grid, std::uint64_t samples) 
 
 }  // namespace
 
-std::uint64_t shard_memory_bytes(const BrickGrid& grid, SampleType type, LabelMode labels,
-                                 bool replaces) {
-  const std::uint64_t side = (std::uint64_t{1} << grid.brick_level()) + 2 +
-                             std::uint64_t{2} * (gradient_halo + label_halo);
+ShardMemory shard_memory(const BrickGrid& grid, SampleType type, LabelMode labels, bool replaces) {
+  const std::uint64_t brick = std::uint64_t{1} << grid.brick_level();
+  const std::uint64_t halo = 2 + std::uint64_t{2} * (gradient_halo + label_halo);
+  const std::uint64_t side = brick + halo;
   const std::uint64_t one = side * side * side;
-  const std::uint64_t brick = build_brick_bytes(grid.brick_level());
+  ShardMemory memory;
+  memory.brick = build_brick_bytes(grid.brick_level());
   if (labels == LabelMode::each) {
     const std::uint64_t samples = std::max(one, label_run_samples);
-    return samples * sample_bytes(type) + brick + label_octrees_bytes(grid, samples) +
-           (replaces ? build_replacing_bytes(grid.brick_level()) : 0);
+    memory.worker = samples * sample_bytes(type) + label_octrees_bytes(grid, samples) +
+                    (replaces ? build_replacing_bytes(grid.brick_level()) : 0);
+    return memory;
   }
+  const std::uint64_t row = ((std::uint64_t{1} << grid.shard_level()) + halo) * side * side;
   const std::uint64_t side16 = std::uint64_t{1} << (grid.shard_level() - block_level);
-  const std::uint64_t of_labels =
-      labels == LabelMode::shared ? build_labels_bytes(grid.brick_level()) : 0;
-  return std::max(one * sample_bytes(type), run_bytes) + brick + of_labels +
-         side16 * side16 * side16 * 2 * sizeof(CubeCount);
+  memory.worker = std::max(one * sample_bytes(type), std::min(row * sample_bytes(type), run_bytes)) +
+                  (labels == LabelMode::shared ? build_labels_bytes(grid.brick_level()) : 0) +
+                  side16 * side16 * side16 * 2 * sizeof(CubeCount);
+  return memory;
 }
 
 }  // namespace voxweld

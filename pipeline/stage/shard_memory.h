@@ -1,4 +1,4 @@
-// What building one shard takes, whatever its samples are.
+// What building one shard takes.
 #pragma once
 
 #include "stages/contouring/brick_grid.h"
@@ -15,8 +15,17 @@ inline constexpr std::uint64_t label_run_samples = std::uint64_t{1} << 18;
 // Of pieces of labels, held before they go to disk.
 inline constexpr std::uint64_t label_notes_bytes = std::uint64_t{8} << 20;
 
-// Bytes of one builder at work on one shard. replaces: an edit replaces labels.
-std::uint64_t shard_memory_bytes(const BrickGrid& grid, SampleType type, LabelMode labels,
-                                 bool replaces);
+struct ShardMemory {
+  // Of one worker, whatever the samples are: those it has read, and what a shard's own octree needs.
+  std::uint64_t worker = 0;
+  // The most that one brick can take: the worst there is. Most take a tenth of it, and say so before
+  // they do (BrickScratch::reserve).
+  std::uint64_t brick = 0;
+
+  std::uint64_t whole() const { return worker + brick; }
+};
+
+// replaces: an edit replaces labels.
+ShardMemory shard_memory(const BrickGrid& grid, SampleType type, LabelMode labels, bool replaces);
 
 }  // namespace voxweld

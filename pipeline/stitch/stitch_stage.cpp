@@ -23,62 +23,74 @@ bool is_current(const std::filesystem::path& path, StitchWork& work, std::uint64
   }
 }
 
-// The most bytes that stitching one of these units takes.
-std::uint64_t largest_unit_bytes(const UnitPlan& plan, const std::vector<std::uint64_t>& numbers,
-                                 StitchWork& work) {
-  std::vector<std::uint64_t> need(numbers.size());
-  probe_all(numbers.size(), [&](std::size_t i) {
-    const PlannedTile tile = plan.largest(numbers[i]);
-    need[i] = stitch_bytes(tile.vertices + tile.vertices / 4, tile.polygons) +
-              work.brick_bytes(numbers[i]);
-  });
-  return need.empty() ? 0 : *std::max_element(need.begin(), need.end());
-}
+class StitchStage final : public StageWork {
+ public:
+  StitchStage(const StitchJob& job, const TopArtifact& top, const UnitPlan& plan)
+      : job_(job), plan_(plan), work_(stitch_work(job, top)) {}
+
+  Stage stage() const override { return Stage::stitch; }
+  std::string noun() const override {
+    return job_.build->parameters.labels.mode == LabelMode::each ? "batches" : "tiles";
+  }
+  std::string identity() const override { return job_.folder.filename().string(); }
+  std::uint64_t size() const override { return plan_.size(); }
+  std::vector<Unit> units(std::span<const std::uint64_t> numbers) const override {
+    std::vector<Unit> units;
+    for (const std::uint64_t number : numbers) {
+      const PlannedTile total = plan_.total(number);
+      units.push_back(
+          {number, plan_.name(number), static_cast<double>(total.vertices + total.polygons)});
+    }
+    return units;
+  }
+  bool done(std::uint64_t unit) override {
+    return is_current(tile_artifact_path(job_, plan_, unit), *work_, unit);
+  }
+  std::string missing_text(const StageLook& look) const override {
+    return fmt::format("{} of {} tiles missing", look.missing.size(), look.units);
+  }
+
+  // A worker keeps the largest brick it has read.
+  StageMemory memory(std::span<const std::uint64_t> numbers) override {
+    std::vector<std::uint64_t> bricks(numbers.size());
+    probe_all(numbers.size(), [&](std::size_t i) { bricks[i] = work_->brick_bytes(numbers[i]); });
+    std::uint64_t largest = 0, brick = 0;
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      largest = std::max(largest, bytes(numbers[i]));
+      brick = std::max(brick, bricks[i]);
+    }
+    return {"stitch",
+            0,
+            largest,
+            fmt::format("one tile (output.tile_vertices = {})", job_.merge->tile_vertices),
+            "raise run.memory or lower output.tile_vertices",
+            brick};
+  }
+  std::uint64_t bytes(std::uint64_t unit) override {
+    const PlannedTile tile = plan_.largest(unit);
+    return stitch_bytes(tile.vertices + tile.vertices / 4, tile.polygons);
+  }
+  void begin(RunContext&, std::span<const std::uint64_t>, int threads) override {
+    scratch_ = std::vector<StitchScratch>(static_cast<std::size_t>(threads));
+  }
+  void run(const Unit& unit, WorkerContext& worker) override {
+    work_->run(unit.key, tile_artifact_path(job_, plan_, unit.key),
+               scratch_[static_cast<std::size_t>(worker.slot())], worker);
+  }
+  void end(RunContext&) override { scratch_.clear(); }
+
+ private:
+  const StitchJob& job_;
+  const UnitPlan& plan_;
+  std::unique_ptr<StitchWork> work_;
+  std::vector<StitchScratch> scratch_;  // one a worker
+};
 
 }  // namespace
 
-std::vector<std::uint64_t> missing_tiles(const RunContext& context, const StitchJob& job,
-                                         const TopArtifact& top) {
-  const auto plan = unit_plan(top, job.build->parameters.labels.mode);
-  const auto work = stitch_work(job, top);
-  const auto missing = probe_which(plan->size(), [&](std::size_t i) {
-    return context.selection.contains(i) &&
-           !is_current(tile_artifact_path(job, *plan, i), *work, i);
-  });
-  return {missing.begin(), missing.end()};
-}
-
-void run_stitch(RunContext& context, const StitchJob& job) {
-  const TopArtifact top(job.merge->path());
-  const auto plan = unit_plan(top, job.build->parameters.labels.mode);
-  context.selection.check("stitch", "tiles", plan->size());
-  const std::vector<std::uint64_t> missing = missing_tiles(context, job, top);
-  const auto work = stitch_work(job, top);
-  std::vector<Unit> units;
-  for (const std::uint64_t number : missing) {
-    const PlannedTile total = plan->total(number);
-    units.push_back(
-        {number, plan->name(number), static_cast<double>(total.vertices + total.polygons)});
-  }
-  // Elsewhere each process looks at its own units.
-  const std::uint64_t need =
-      context.executor->in_process() ? largest_unit_bytes(*plan, missing, *work) : 0;
-  StageRun stage;
-  stage.stage = "stitch";
-  stage.noun = job.build->parameters.labels.mode == LabelMode::each ? "batches" : "tiles";
-  stage.reused = context.selection.count(plan->size()) - missing.size();
-  stage.memory = {
-      "stitch", 0, need,
-      fmt::format("one tile (output.tile_vertices = {})", context.config.output.tile_vertices),
-      "raise run.memory or lower output.tile_vertices"};
-  const int threads = stage_threads(context, stage.memory);
-  stage.identity = job.folder.filename().string();
-  const auto path_of = [&](const Unit& unit) { return tile_artifact_path(job, *plan, unit.key); };
-  stage.done = [&](const Unit& unit) { return is_current(path_of(unit), *work, unit.key); };
-  std::vector<StitchScratch> scratch(static_cast<std::size_t>(threads));
-  run_stage(context, stage, units, threads, [&](const Unit& unit, WorkerContext& worker) {
-    work->run(unit.key, path_of(unit), scratch[static_cast<std::size_t>(worker.slot())], worker);
-  });
+std::unique_ptr<StageWork> stitch_stage(const StitchJob& job, const TopArtifact& top,
+                                        const UnitPlan& plan) {
+  return std::make_unique<StitchStage>(job, top, plan);
 }
 
 }  // namespace voxweld

@@ -2,14 +2,12 @@
 #pragma once
 
 #include "pipeline/stage/artifacts.h"
-#include "pipeline/stage/context.h"
+#include "pipeline/stage/stage_work.h"
 
 namespace voxweld {
 
-// Which of the units context selects are missing or made from other inputs. Precondition: merge is
-// current.
-std::vector<std::uint64_t> missing_tiles(const RunContext& context, const StitchJob& job,
-                                         const TopArtifact& top);
-void run_stitch(RunContext& context, const StitchJob& job);
+// Units as the plan has them. All three outlive the work.
+std::unique_ptr<StageWork> stitch_stage(const StitchJob& job, const TopArtifact& top,
+                                        const UnitPlan& plan);
 
 }  // namespace voxweld

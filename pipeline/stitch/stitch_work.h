@@ -4,7 +4,9 @@
 #include <array>
 #include <memory>
 
-#include "pipeline/stitch/stitch_stage.h"
+#include "pipeline/stage/artifacts.h"
+#include "pipeline/stage/context.h"
+#include "storage/artifact/top_artifact.h"
 
 namespace voxweld {
 

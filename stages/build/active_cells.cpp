@@ -23,7 +23,7 @@ constexpr LocalCell place_in_block(std::uint32_t code) {
 
 }  // namespace
 
-void ActiveCells::clear(int side, const Box3& where) {
+void ActiveCells::begin(int side, const Box3& where) {
   side_ = side;
   row_words_ = static_cast<std::size_t>(side_ + 63) / 64;
   rows_.resize(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_) * row_words_);
@@ -35,15 +35,34 @@ void ActiveCells::clear(int side, const Box3& where) {
     window_.lo[a] &= ~std::int64_t{3};
     window_.hi[a] = (window_.hi[a] + 3) & ~std::int64_t{3};
   }
+}
+
+void ActiveCells::free_lists() {
+  codes_ = {};
+  places_ = {};
+  signs_ = {};
+  joined_ = {};
+  several_ = {};
+}
+
+std::size_t ActiveCells::count_rows() const {
+  std::size_t count = 0;
+  for (auto z = window_.lo.z; z < window_.hi.z; ++z)
+    for (auto y = window_.lo.y; y < window_.hi.y; ++y) {
+      const std::uint64_t* row = rows_.data() + static_cast<std::size_t>(z * side_ + y) * row_words_;
+      for (std::size_t w = 0; w < row_words_; ++w)
+        count += static_cast<std::size_t>(std::popcount(row[w]));
+    }
+  return count;
+}
+
+template <class Add>
+void ActiveCells::each_active(const Add& add) {
   codes_.clear();
   places_.clear();
   signs_.clear();
   joined_.clear();
   several_.clear();
-}
-
-template <class Add>
-void ActiveCells::each_active(const Add& add) {
   each_active({std::countr_zero(static_cast<unsigned>(side_)) - 2, {}}, add);
 }
 
@@ -69,15 +88,23 @@ void ActiveCells::each_active(CellKey blocks, const Add& add) {
   }
 }
 
-void ActiveCells::find(const SignGrid& signs, int side, const Box3& where) {
-  clear(side, where);
+std::size_t ActiveCells::count(const SignGrid& signs, int side, const Box3& where) {
+  begin(side, where);
   find_rows(signs);
+  return count_rows();
+}
+
+void ActiveCells::find(const SignGrid& signs) {
   each_active([&](std::uint32_t code, LocalCell c) { add_cell(signs, code, c); });
 }
 
-void ActiveCells::find(const LabelGrid& labels) {
-  clear(labels.side(), Box3{{}, splat(labels.side())});
+std::size_t ActiveCells::count(const LabelGrid& labels) {
+  begin(labels.side(), Box3{{}, splat(labels.side())});
   find_rows(labels);
+  return count_rows();
+}
+
+void ActiveCells::find(const LabelGrid& labels) {
   each_active([&](std::uint32_t code, LocalCell c) { add_cell(labels, code, c); });
 }
 

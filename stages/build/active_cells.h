@@ -29,12 +29,17 @@ constexpr std::uint32_t next_along(std::uint32_t code, int axis) {
 
 class ActiveCells {
  public:
+  // How many there are, before anything is allocated for them; then find() lists them.
   // where: of cells relative to the brick, those that may have a sign change; no other is looked
   // at.
-  void find(const SignGrid& signs, int side, const Box3& where);
+  std::size_t count(const SignGrid& signs, int side, const Box3& where);
+  void find(const SignGrid& signs);
   // Those whose corners are not all of one label. The sign bytes of cells of two labels have the
   // smaller one inside; those of more labels are of no meaning.
+  std::size_t count(const LabelGrid& labels);
   void find(const LabelGrid& labels);
+  // Gives the lists' memory back; what count() found stays.
+  void free_lists();
 
   std::size_t size() const { return codes_.size(); }
   std::uint32_t code(std::size_t i) const { return codes_[i]; }
@@ -66,7 +71,8 @@ class ActiveCells {
   }
 
  private:
-  void clear(int side, const Box3& where);
+  void begin(int side, const Box3& where);
+  std::size_t count_rows() const;
   void find_rows(const SignGrid& signs);
   void find_rows(const LabelGrid& labels);
   // add(code, place) of every active cell, in Morton order.

@@ -60,6 +60,13 @@ class BrickSurface {
   const SignGrid& signs() const { return signs_; }
   const HermiteEdges& edges() const { return edges_; }
 
+  // Gives the crossings' memory back.
+  void free_edges() {
+    edges_ = {};
+    edges_before_ = {};
+    common_edges_ = {};
+  }
+
   // Of the volume: first the sides, then the crossings.
   // Precondition: as build_brick.
   void find_signs(const HaloBlock& block, const BrickWindow& window,

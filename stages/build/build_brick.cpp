@@ -1,5 +1,6 @@
 #include "stages/build/build_brick.h"
 
+#include <algorithm>
 #include <type_traits>
 
 #include "stages/build/brick_polygons.h"
@@ -92,6 +93,17 @@ struct BrickScratch::Parts {
 BrickScratch::BrickScratch() : parts_(std::make_unique<Parts>()) {}
 BrickScratch::~BrickScratch() = default;
 
+void BrickScratch::free_buffers() {
+  Parts& s = *parts_;
+  s.surface.free_edges();
+  s.any_label.free_edges();
+  s.cells.free_lists();
+  s.label_edges = {};
+  s.nodes = {};
+  s.leaves = {};
+  s.vertex_marks = {};
+}
+
 Box3 halo_samples(const BrickPlace& place, const ContourParameters& parameters) {
   // Lattice points -1 .. side + 1 for the signs of the cells -1 .. side; the gradient of a crossing
   // in the brick reaches from its lattice points 0 .. side. Lattice point u is sample u - 1.
@@ -127,6 +139,14 @@ void build_octree(const BrickFrame& frame, Index3 volume_size, const Grid& grid,
   out.root = make_root(frame, grid, s.nodes, parameters, out);
 }
 
+void reserve_for(const BrickScratch& scratch, int level, std::uint64_t active_cells) {
+  if (scratch.reserve) scratch.reserve(build_brick_bytes(level, active_cells));
+}
+// Before edits, whose crossings are found before it is known what they leave.
+void reserve_worst(const BrickScratch& scratch, int level) {
+  if (scratch.reserve) scratch.reserve(build_brick_bytes(level));
+}
+
 HaloBlock part_of(const HaloBlock& block, const Box3& box) {
   HaloBlock part = block;
   part.samples = intersect(block.samples, box);
@@ -138,7 +158,8 @@ HaloBlock part_of(const HaloBlock& block, const Box3& box) {
 }
 
 void build_shared(const HaloBlock& block, const BrickFrame& frame,
-                  const ContourParameters& parameters, BrickScratch::Parts& s, BrickOctree& out) {
+                  const ContourParameters& parameters, BrickScratch& scratch, BrickOctree& out) {
+  BrickScratch::Parts& s = scratch.parts();
   const Bounds bounds = brick_bounds({frame.origin, frame.level}, parameters.spacing);
   std::vector<const Edit*> edits;
   std::vector<Material> given;
@@ -151,18 +172,22 @@ void build_shared(const HaloBlock& block, const BrickFrame& frame,
                    *parameters.labels.rules, given);
   s.label_grid.fill(s.materials, frame.origin, frame.side());
   if (!edits.empty()) {
+    reserve_worst(scratch, frame.level);
     s.label_hermite.compute(s.materials.block(), frame.origin, s.label_grid, parameters.spacing,
                             s.label_edges);
     for (const Edit* edit : edits)
       s.label_edits.apply(*edit, {block.size, parameters.spacing}, frame.origin, s.label_grid,
                           s.label_edges);
   }
-  s.cells.find(s.label_grid);
-  out.counts.active_cells = s.cells.size();
-  if (s.cells.size() == 0) {
+  const std::size_t active = s.cells.count(s.label_grid);
+  if (edits.empty()) reserve_for(scratch, frame.level, active);
+  clear(out, frame.level);
+  out.counts.active_cells = active;
+  if (active == 0) {
     out.root = whole_brick(s.label_grid);
     return;
   }
+  s.cells.find(s.label_grid);
   if (edits.empty())
     s.label_hermite.compute(s.materials.block(), frame.origin, s.label_grid, parameters.spacing,
                             s.label_edges);
@@ -171,27 +196,36 @@ void build_shared(const HaloBlock& block, const BrickFrame& frame,
 
 // Of the surface found; with_edges: its crossings are.
 void build_surface(const HaloBlock& block, const BrickFrame& frame, const BrickWindow& window,
-                   bool with_edges, const ContourParameters& parameters, BrickScratch::Parts& s,
+                   bool with_edges, const ContourParameters& parameters, BrickScratch& scratch,
                    BrickOctree& out) {
-  s.cells.find(s.surface.signs(), frame.side(), window.cells);
-  out.counts.active_cells = s.cells.size();
-  if (s.cells.size() == 0) {
+  BrickScratch::Parts& s = scratch.parts();
+  const std::size_t active = s.cells.count(s.surface.signs(), frame.side(), window.cells);
+  if (!with_edges) reserve_for(scratch, frame.level, active);
+  clear(out, frame.level);
+  out.counts.active_cells = active;
+  if (active == 0) {
     out.root = whole_brick(s.surface.signs());
     return;
   }
+  s.cells.find(s.surface.signs());
   if (!with_edges) s.surface.find_edges(block, window, parameters);
   build_octree(frame, block.size, s.surface.signs(), s.surface.edges(), parameters, s, out);
 }
 
 // The edits that reach the brick; true when there are any.
 bool apply_edits(const HaloBlock& block, const BrickPlace& place, const BrickWindow& window,
-                 const ContourParameters& parameters, SignGrid& solid, BrickSurface& surface) {
+                 const ContourParameters& parameters, BrickScratch& scratch) {
+  SignGrid& solid = scratch.parts().solid;
+  BrickSurface& surface = scratch.parts().surface;
   const VolumeFrame frame{block.size, parameters.spacing};
   const Bounds bounds = brick_bounds(place, parameters.spacing);
   bool any = false;
   for (const Edit& edit : parameters.edits) {
     if (!edit_reaches(edit, bounds)) continue;
-    if (!any) surface.find_edges(block, window, parameters);
+    if (!any) {
+      reserve_worst(scratch, place.level);
+      surface.find_edges(block, window, parameters);
+    }
     any = true;
     solid.fill(edit.solid, frame, window.origin, window.side);
     surface.apply(edit, solid, frame, window);
@@ -210,38 +244,45 @@ void build_brick(const HaloBlock& block, const BrickPlace& place, const Box3& ex
                  const ContourParameters& parameters, BrickScratch& scratch, BrickOctree& out) {
   BrickScratch::Parts& s = scratch.parts();
   const BrickFrame frame{place.origin, place.level, domain_level(block.size)};
-  clear(out, place.level);
   if (parameters.labels.mode == LabelMode::shared)
-    return build_shared(block, frame, parameters, s, out);
+    return build_shared(block, frame, parameters, scratch, out);
   const BrickWindow window = parameters.edits.empty()
                                  ? BrickWindow(place.origin, frame.side(), extent)
                                  : BrickWindow::everywhere(place.origin, frame.side());
   s.surface.find_signs(block, window, parameters.surface);
-  const bool edited = apply_edits(block, place, window, parameters, s.solid, s.surface);
-  build_surface(block, frame, window, edited, parameters, s, out);
+  const bool edited = apply_edits(block, place, window, parameters, scratch);
+  build_surface(block, frame, window, edited, parameters, scratch, out);
 }
 
 void build_brick(const HaloBlock& block, const BrickPlace& place, const LabelPart& part,
                  const ContourParameters& parameters, BrickScratch& scratch, BrickOctree& out) {
   BrickScratch::Parts& s = scratch.parts();
   const BrickFrame frame{place.origin, place.level, domain_level(block.size)};
-  clear(out, place.level);
   s.surface.find_signs(block, part.window(), parameters.surface);
+  if (part.is_edited()) reserve_worst(scratch, place.level);
   const bool edited = part.apply_edits(block, parameters, s.surface, s.any_label);
-  build_surface(block, frame, part.window(), edited, parameters, s, out);
+  build_surface(block, frame, part.window(), edited, parameters, scratch, out);
 }
 
 std::uint64_t build_brick_bytes(int level) {
   const std::uint64_t side = std::uint64_t{1} << level;
-  const std::uint64_t cells = side * side * side, points = (side + 3) * (side + 3) * (side + 3);
-  // Worst cases: every lattice edge crosses (3 a cell, and a polygon each); every cell is active. A
-  // cell keeps either a QEF (and the level above an eighth of those, and so on) or up to four
-  // sheets, each a SheetVertex and a LeafVertex. Vectors may have grown to twice their content.
+  return build_brick_bytes(level, side * side * side);
+}
+
+std::uint64_t build_brick_bytes(int level, std::uint64_t active_cells) {
+  const std::uint64_t side = std::uint64_t{1} << level;
+  const std::uint64_t points = (side + 3) * (side + 3) * (side + 3);
+  // Worst cases of an active cell: three edges that cross and a polygon each, and those of the upper
+  // border planes. A cell keeps either a QEF (and the level above an eighth of those, and so on) or
+  // up to four sheets, each a SheetVertex and a LeafVertex. Vectors may have grown to twice their
+  // content.
   const std::uint64_t per_edge = sizeof(HermiteEdge) + 2 * sizeof(PolygonRefs);
   const std::uint64_t per_cell =
       16 + std::uint64_t{2} * 4 * (sizeof(SheetVertex) + sizeof(LeafVertex));
+  const std::uint64_t border = std::min(3 * side * side * 3, 4 * active_cells);
   const std::uint64_t filtered = (side + 11) * (side + 11) * (side + 11);
-  return points / 2 + 2 * filtered * sizeof(std::int32_t) + 3 * cells * per_edge + cells * per_cell;
+  return points / 2 + 2 * filtered * sizeof(std::int32_t) + border * sizeof(HermiteEdge) +
+         3 * active_cells * per_edge + active_cells * per_cell;
 }
 
 std::uint64_t build_labels_bytes(int level) {

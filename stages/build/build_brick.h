@@ -5,6 +5,8 @@
 // says of its cells depends on the volume and the parameters alone.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 
 #include "stages/contouring/brick_grid.h"
@@ -47,6 +49,13 @@ class BrickScratch {
   struct Parts;
   Parts& parts() { return *parts_; }
 
+  // Called with the bytes that a brick takes, this memory and the result included, once its active
+  // cells are counted and before anything large is allocated for it. May be empty. It may call
+  // free_buffers and empty the result, and may throw.
+  std::function<void(std::uint64_t)> reserve;
+  // Gives what bricks so far have left here back to the system.
+  void free_buffers();
+
  private:
   std::unique_ptr<Parts> parts_;
 };
@@ -68,6 +77,8 @@ void build_brick(const HaloBlock& block, const BrickPlace& place, const LabelPar
 
 // An upper bound on what build_brick and its result hold, in bytes, for the worst volume there is.
 std::uint64_t build_brick_bytes(int level);
+// The same for a brick with so many active cells.
+std::uint64_t build_brick_bytes(int level, std::uint64_t active_cells);
 // And what it holds beyond that between labels (labels.mode = "shared"), each sample being another.
 std::uint64_t build_labels_bytes(int level);
 // And for one label of several where an edit replaces labels by it (label_part.h).

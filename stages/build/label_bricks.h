@@ -26,6 +26,15 @@ class LabelBricks {
   void each(const BrickPlace& place, const ContourParameters& parameters,
             const std::function<void(Material, const BrickOctree&)>& f);
 
+  // As those of BrickScratch.
+  void set_reserve(std::function<void(std::uint64_t)> reserve) {
+    scratch_.reserve = std::move(reserve);
+  }
+  void free_buffers() {
+    scratch_.free_buffers();
+    brick_ = {};
+  }
+
   // An upper bound on what it holds beside build_brick_bytes, for blocks of so many samples, each
   // of which may be of another label.
   static std::uint64_t memory_bytes(std::uint64_t samples);

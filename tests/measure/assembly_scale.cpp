@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "pipeline/build/build_stage.h"
 #include "pipeline/encode/listing.h"
 #include "pipeline/executor/probe.h"
 #include "pipeline/merge/merge_stage.h"
@@ -67,15 +68,15 @@ int run(const std::string& folder, std::int64_t side, std::uint64_t percent) {
   const auto shards = build.grid.all_shards();
   fmt::print("{} shards\n", shards.size());
   timed("build: write what is missing", [&] {
-    for (const std::uint64_t i : build_status(context, build).missing)
+    for (const std::uint64_t i : build_stage(build)->look({}).missing)
       write_shard(build, shards[i], percent);
   });
   timed("build: look at what is there", [&] {
-    if (!build_status(context, build).current()) throw InputError("shards are missing");
+    if (!build_stage(build)->look({}).current()) throw InputError("shards are missing");
   });
   MergeJob merge{&build, folder + "/merge", {3, 4}, 500000};
   std::filesystem::remove(merge.path());
-  timed("merge", [&] { run_merge(context, merge); });
+  timed("merge", [&] { do_stage(context, *merge_stage(merge)); });
 
   Listing listing;
   listing.output = folder + "/mesh";

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "pipeline/build/build_stage.h"
 #include "pipeline/encode/listing.h"
 #include "pipeline/encode/output_files.h"
 #include "pipeline/executor/probe.h"
@@ -130,13 +131,13 @@ int run(const std::string& folder, std::uint64_t labels, std::int64_t side) {
   const auto shards = build.grid.all_shards();
   fmt::print("{} labels in {} shards\n", labels, shards.size());
   timed("build: write what is missing", [&] {
-    const auto status = build_status(context, build);
+    const StageLook look = build_stage(build)->look({});
     const auto found = labels_of_shards(build.grid, labels);
-    for (const std::uint64_t i : status.missing) write_shard(build, shards[i], found[i]);
+    for (const std::uint64_t i : look.missing) write_shard(build, shards[i], found[i]);
   });
   MergeJob merge{&build, folder + "/merge", {3, 4}, 500000};
   std::filesystem::remove(merge.path());
-  timed("merge", [&] { run_merge(context, merge); });
+  timed("merge", [&] { do_stage(context, *merge_stage(merge)); });
 
   const TopArtifact top(merge.path());
   const auto plan = unit_plan(top, LabelMode::each);
@@ -147,7 +148,7 @@ int run(const std::string& folder, std::uint64_t labels, std::int64_t side) {
   stitch.folder = folder + "/stitch";
   timed("stitch: write the batches", [&] { write_batches(stitch, top, *plan); });
   timed("stitch: look at what is there", [&] {
-    if (!missing_tiles(context, stitch, top).empty()) throw InputError("batches are missing");
+    if (!stitch_stage(stitch, top, *plan)->look({}).current()) throw InputError("batches are missing");
   });
   Listing listing;
   listing.output = folder + "/mesh";

@@ -115,10 +115,12 @@ namespace {
 
 void find_cells(const ModelVolume& model, HermiteBrick& brick) {
   if (between_labels(model)) {
+    brick.cells.count(brick.labels);
     brick.cells.find(brick.labels);
     brick.root = root_of_homogeneous(brick.labels);
   } else {
-    brick.cells.find(brick.signs, brick.frame.side(), {{}, splat(brick.frame.side())});
+    brick.cells.count(brick.signs, brick.frame.side(), {{}, splat(brick.frame.side())});
+    brick.cells.find(brick.signs);
     brick.root = root_of_homogeneous(brick.signs);
   }
 }

@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::uint64_t mebibyte = 1 << 20, gibibyte = 1 << 30;
 
-StageMemory build_needs(std::uint64_t base, std::uint64_t per_unit) {
-  return {"build", base, per_unit, "one brick (brick = 256)",
-          "raise run.memory or lower work.brick"};
+StageMemory build_needs(std::uint64_t base, std::uint64_t per_unit, std::uint64_t per_worker = 0) {
+  return {"build",    base, per_unit, "one brick (brick = 256)", "raise run.memory or lower work.brick",
+          per_worker};
 }
 
 std::string refusal(std::uint64_t budget, const StageMemory& need) {
@@ -28,13 +28,14 @@ std::string refusal(std::uint64_t budget, const StageMemory& need) {
   return {};
 }
 
-TEST(MemoryBudget, GivesTheThreadsThatFitAndNoMoreThanWanted) {
-  const StageMemory need = build_needs(40 * mebibyte, 50 * mebibyte);
+TEST(MemoryBudget, GivesTheWorkersThatFitBesideTheLargestUnitAndNoMoreThanWanted) {
+  const StageMemory need = build_needs(30 * mebibyte, 10 * mebibyte, 50 * mebibyte);
   EXPECT_EQ(threads_within({90 * mebibyte}, need, 8), 1);
   EXPECT_EQ(threads_within({139 * mebibyte}, need, 8), 1);
   EXPECT_EQ(threads_within({140 * mebibyte}, need, 8), 2);
   EXPECT_EQ(threads_within({4096 * mebibyte}, need, 8), 8);
-  EXPECT_EQ(threads_within({40 * mebibyte}, build_needs(40 * mebibyte, 0), 8), 8);
+  // Units wait for each other: one that fits is enough for all workers.
+  EXPECT_EQ(threads_within({40 * mebibyte}, build_needs(30 * mebibyte, 10 * mebibyte), 8), 8);
 }
 
 TEST(MemoryBudget, RefusesNamingAFigureThatWouldDo) {

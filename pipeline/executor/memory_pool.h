@@ -1,0 +1,91 @@
+// Memory that the units under way share. Each says what it takes once it knows, and waits its turn
+// where that would pass the budget, so that as many run at once as really fit.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <mutex>
+
+#include "pipeline/executor/interrupt.h"
+
+namespace voxweld {
+
+// Bytes handed out, first come, first served. Thread-safe.
+//
+// Nobody may wait while holding what the one before it waits for: a worker that has to wait gives
+// back all that it can do without first (MemoryShare does).
+class MemoryPool {
+ public:
+  explicit MemoryPool(std::uint64_t bytes) : total_(bytes) {}
+
+  std::uint64_t total() const { return total_; }
+  // At once or not at all; not at all while others wait.
+  bool try_take(std::uint64_t bytes);
+  // Waits until they are free. Whoever asks for more than there is gets them once nobody else has
+  // any: the one who plans has made sure that one unit fits.
+  // Throws Interrupted when a stop is asked for meanwhile; interrupt may be null.
+  void take(std::uint64_t bytes, const InterruptFlag* interrupt);
+  void give_back(std::uint64_t bytes);
+  // Whether somebody waits.
+  bool wanted() const;
+  // The most that was handed out at a time, and how often somebody had to wait.
+  std::uint64_t peak() const;
+  std::uint64_t waits() const;
+
+ private:
+  bool fits(std::uint64_t bytes) const { return taken_ == 0 || bytes <= total_ - taken_; }
+
+  const std::uint64_t total_;
+  mutable std::mutex mutex_;
+  std::condition_variable freed_;
+  std::deque<std::uint64_t> queue_;  // tickets of those who wait
+  std::uint64_t next_ticket_ = 0;
+  std::uint64_t taken_ = 0, peak_ = 0, waits_ = 0;
+};
+
+// What one piece of work takes of a pool, from its beginning to its end.
+class MemoryLoan {
+ public:
+  // Waits as MemoryPool::take does.
+  MemoryLoan(MemoryPool& pool, std::uint64_t bytes, const InterruptFlag* interrupt)
+      : pool_(pool), bytes_(bytes) {
+    if (bytes_ > 0) pool_.take(bytes_, interrupt);
+  }
+  ~MemoryLoan() { pool_.give_back(bytes_); }
+  MemoryLoan(const MemoryLoan&) = delete;
+  MemoryLoan& operator=(const MemoryLoan&) = delete;
+
+ private:
+  MemoryPool& pool_;
+  std::uint64_t bytes_;
+};
+
+// What one worker holds of a pool: it grows to the most a piece of work needed, since the worker's
+// buffers do, and is given back, buffers and all, when somebody waits.
+class MemoryShare {
+ public:
+  // free_buffers: gives the worker's buffers back to the system; called when the share is.
+  MemoryShare(MemoryPool& pool, const InterruptFlag* interrupt, std::function<void()> free_buffers)
+      : pool_(pool), interrupt_(interrupt), free_buffers_(std::move(free_buffers)) {}
+  ~MemoryShare() { release(); }
+  MemoryShare(const MemoryShare&) = delete;
+  MemoryShare& operator=(const MemoryShare&) = delete;
+
+  // Before work that takes so many bytes, buffers included.
+  void reserve(std::uint64_t bytes);
+  // Between two pieces of work: where others wait, lets go of everything.
+  void yield();
+  std::uint64_t held() const { return held_; }
+
+ private:
+  void release();
+
+  MemoryPool& pool_;
+  const InterruptFlag* interrupt_;
+  std::function<void()> free_buffers_;
+  std::uint64_t held_ = 0;
+};
+
+}  // namespace voxweld

@@ -1,0 +1,40 @@
+// The five stages of one config, in their order, each made when those before it are current.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+
+#include "pipeline/run/jobs.h"
+#include "pipeline/stage/stage_work.h"
+#include "pipeline/stage/unit_plan.h"
+#include "storage/artifact/top_artifact.h"
+
+namespace voxweld {
+
+class Stages {
+ public:
+  // Opens the input. context: outlives this; open() resolves what of its config only the volume can
+  // tell (the isovalue).
+  explicit Stages(RunContext& context)
+      : context_(context), jobs_(context.config, context.interrupt) {}
+
+  Jobs& jobs() { return jobs_; }
+  // Precondition: the stages before it are current, or known to be enough for the units asked for.
+  StageWork& open(Stage stage);
+  // The top tree, opened once. Precondition: merge is current.
+  const TopArtifact& top();
+  const UnitPlan& plan();
+
+ private:
+  std::unique_ptr<StageWork> make(Stage stage);
+
+  RunContext& context_;
+  Jobs jobs_;
+  bool volume_is_open_ = false;
+  std::optional<TopArtifact> top_;
+  std::unique_ptr<UnitPlan> plan_;
+  std::array<std::unique_ptr<StageWork>, all_stages.size()> works_;
+};
+
+}  // namespace voxweld

@@ -1,0 +1,79 @@
+#include "pipeline/stage/stage_work.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pipeline/executor/probe.h"
+
+namespace voxweld {
+
+const char* unit_option(Stage stage) {
+  return stage == Stage::ingest || stage == Stage::build ? "shards" : "tiles";
+}
+
+std::vector<std::uint64_t> StageLook::to_do() const {
+  std::vector<std::uint64_t> all = missing;
+  all.insert(all.end(), unproven.begin(), unproven.end());
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+StageLook StageWork::look(const UnitSelection& selection) {
+  StageLook look;
+  look.units = size();
+  const auto missing =
+      probe_which(look.units, [&](std::size_t i) { return selection.contains(i) && !done(i); });
+  look.missing.assign(missing.begin(), missing.end());
+  return look;
+}
+
+std::string StageWork::missing_text(const StageLook& look) const {
+  return look.to_do().empty()
+             ? look.rest
+             : fmt::format("{} of {} {} missing", look.to_do().size(), look.units, noun());
+}
+
+namespace {
+
+void do_units(RunContext& context, StageWork& work, std::uint64_t units,
+              const std::vector<std::uint64_t>& numbers) {
+  const bool here = context.executor->in_process();
+  StageRun stage;
+  stage.stage = std::string(stage_name(work.stage()));
+  stage.noun = work.noun();
+  stage.reused = context.selection.count(units) - numbers.size();
+  stage.order = work.order();
+  stage.identity = work.identity();
+  stage.done = [&](const Unit& unit) { return work.done(unit.key); };
+  if (here) {
+    stage.memory = work.memory(numbers);
+    stage.bytes = [&](const Unit& unit) { return work.bytes(unit.key); };
+  }
+  const int threads = stage_threads(context, stage.memory);
+  if (here) work.begin(context, numbers, threads);
+  run_stage(context, stage, work.units(numbers), threads,
+            [&](const Unit& unit, WorkerContext& worker) { work.run(unit, worker); });
+  if (here) work.end(context);
+}
+
+}  // namespace
+
+void do_stage(RunContext& context, StageWork& work) {
+  context.selection.check(stage_name(work.stage()), unit_option(work.stage()), work.size());
+  StageLook look = work.look(context.selection);
+  // Elsewhere the one that does a unit first looks whether it has to.
+  if (context.executor->in_process()) work.prove(context, look);
+  const std::vector<std::uint64_t> numbers = look.to_do();
+  work.open(context, look);
+  if (look.units > 0) do_units(context, work, look.units, numbers);
+  if (context.selection.all()) work.close(context);
+}
+
+void check_memory(const RunContext& context, StageWork& work) {
+  std::vector<std::uint64_t> all(work.size());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
+  stage_threads(context, work.memory(all));
+}
+
+}  // namespace voxweld
