@@ -28,7 +28,6 @@
 namespace voxweld {
 namespace {
 
-constexpr std::uint64_t band_bytes = std::uint64_t{8} << 20;  // read at once for a shard
 constexpr std::size_t records_ahead = 64;  // a record of 16-bit samples may take half a megabyte
 
 Histogram store_histogram(const StoreLayout& layout) {
@@ -206,7 +205,7 @@ class ShardWork {
   struct Worker {
     ShardScratch scratch;
     HistogramStatistics statistics;
-    explicit Worker(SampleType type) : statistics(type) { scratch.band_bytes = band_bytes; }
+    explicit Worker(SampleType type) : statistics(type) { scratch.band_bytes = ingest_band_bytes; }
   };
 
   void run(const Unit& unit, Worker& worker, WorkerContext& context) {
@@ -356,7 +355,8 @@ StageMemory ingest_memory(const Config& config, const IngestJob& job) {
   if (!job.copy) return memory;
   const VolumeInfo& info = job.info;
   memory.base_bytes = info.access == Access::box ? info.largest_decode : spooling_bytes(info);
-  memory.per_unit_bytes += shard_writer_bytes(layout, 1, band_bytes) + (std::uint64_t{16} << 20);
+  memory.per_unit_bytes +=
+      shard_writer_bytes(layout, 1, ingest_band_bytes) + (std::uint64_t{16} << 20);
   return memory;
 }
 
