@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds everything (Release) and runs all tests. Closes on ctest's own summary, which is kept in
-# BUILD_DIR/ctest.log.
+# Builds everything (Release) and runs all tests; tests/install_packages.sh has what that needs.
+# Closes on ctest's own summary, which is kept in BUILD_DIR/ctest.log.
 # Usage: tests/run.sh [BUILD_DIR]        (default: build, which pipeline/quickstart.sh shares)
 set -euo pipefail
 case ${1:-} in -h | --help)
@@ -14,7 +14,8 @@ build=${1:-$root/build}
 jobs=$(nproc)
 
 # What the configuration finds is of interest only when it fails.
-if ! configured=$(cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release 2>&1); then
+if ! configured=$(cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release \
+  -DVOXWELD_TESTS=ON 2>&1); then
   printf '%s\n' "$configured" >&2
   exit 1
 fi

@@ -26,7 +26,7 @@ export ASAN_OPTIONS=${ASAN_OPTIONS:-strict_string_checks=1:detect_stack_use_afte
 export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1:halt_on_error=1}
 export TSAN_OPTIONS=${TSAN_OPTIONS:-halt_on_error=1:second_deadlock_stack=1:history_size=7:suppressions=$root/configs/presets/tsan_suppressions.txt}
 # The thread sanitizer of GCC 12 does not start where addresses are randomized over more bits than
-# it expects; tests are also started by the build, to be listed.
+# it expects.
 fixed_addresses=()
 if [ "$kind" = tsan ] && setarch "$(uname -m)" -R true 2>/dev/null; then
   fixed_addresses=(setarch "$(uname -m)" -R)

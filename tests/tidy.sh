@@ -1,24 +1,27 @@
 #!/usr/bin/env bash
 # Runs clang-tidy (checks in .clang-tidy) over our sources; any warning fails.
 # Usage: tests/tidy.sh [BUILD_DIR] [FILE.cpp...]
-#   BUILD_DIR (default: build) must be configured: its compile_commands.json says how each file is
-#   compiled. Without files: all of storage, stages, pipeline and tests that it knows.
+#   BUILD_DIR must be configured with VOXWELD_UNITY=OFF: its compile_commands.json says how each
+#   file is compiled. Default: build-tidy, which is configured so. Without files: all of storage,
+#   stages, pipeline and tests that it knows.
 set -euo pipefail
 case ${1:-} in -h | --help)
-  sed -n '2,5s/^# //p' "$0"
+  sed -n '2,6s/^# //p' "$0"
   exit 0
   ;;
 esac
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-build=$root/build
 if [ -d "${1:-}" ]; then
   build=$1
   shift
+else
+  build=$root/build-tidy
+  cmake -S "$root" -B "$build" -G Ninja -DVOXWELD_UNITY=OFF >/dev/null
 fi
 commands=$build/compile_commands.json
 if [ ! -f "$commands" ]; then
-  echo "tidy: no $commands; configure first: cmake -S . -B $build -G Ninja" >&2
+  echo "tidy: no $commands; configure first: cmake -S . -B $build -G Ninja -DVOXWELD_UNITY=OFF" >&2
   exit 2
 fi
 files=("$@")

@@ -78,13 +78,13 @@ Binding path(std::filesystem::path EditConfig::*member) {
           [=](const EditConfig& e) { return ConfigValue{(e.*member).string()}; }};
 }
 
-struct Words {
+struct EditWords {
   const char* key;
   const char* description;
   const char* sample;
 };
 
-EditSetting row(Words words, Binding bound, Shapes shapes = {}) {
+EditSetting row(EditWords words, Binding bound, Shapes shapes = {}) {
   EditSetting setting;
   setting.key = words.key;
   setting.rule = std::move(bound.rule);

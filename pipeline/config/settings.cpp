@@ -34,14 +34,14 @@ constexpr Stages mesh_lengths = {Stage::build, Stage::merge, Stage::stitch};
 // The open result is the closed one less some polygons, and those are made in stitch.
 constexpr Stages border = {Stage::build, Stage::stitch};
 
-struct Words {
+struct SettingWords {
   const char* table;
   const char* key;
   const char* description;
   const char* default_note = "";
 };
 
-Setting row(Words words, binding::Binding bound, Stages stages) {
+Setting row(SettingWords words, binding::Binding bound, Stages stages) {
   Setting setting;
   setting.table = words.table;
   setting.key = words.key;

@@ -9,6 +9,8 @@
 
 namespace voxweld {
 
+constexpr std::uint64_t ingest_band_bytes = std::uint64_t{8} << 20;  // of samples, read at once
+
 StoreLayout store_layout(const Config& config, const IngestJob& job);
 std::vector<Index3> shards_of(const StoreLayout& layout);  // x fastest
 

@@ -79,9 +79,8 @@ class InPlaceIngest final : public StageWork {
   void run(const Unit&, WorkerContext&) override {}
   void close(RunContext& context) override {
     if (job_.histogram && !histogram_is_current(job_))
-      write_histogram_artifact(
-          histogram_path(job_.folder),
-          {job_.stamp, scan_volume(context, *job_.input, "ingest").histogram});
+      write_histogram_artifact(histogram_path(job_.folder),
+                               {job_.stamp, scan_volume(context, *job_.input, "ingest").histogram});
   }
 
  private:

@@ -13,7 +13,6 @@
 namespace voxweld {
 namespace {
 
-constexpr std::uint64_t band_bytes = std::uint64_t{8} << 20;
 constexpr std::size_t labels_of_shard = std::size_t{1} << 15;  // in memory
 constexpr std::size_t least_labels = std::size_t{1} << 12;     // while all are added up
 
@@ -30,7 +29,7 @@ bool is_current(const std::filesystem::path& path, Hash128 key) {
 std::vector<Box3> bands_of(const Box3& samples, std::int64_t chunk, SampleType type) {
   const std::int64_t width = samples.size().x;
   const std::uint64_t row = static_cast<std::uint64_t>(width * chunk * chunk) * sample_bytes(type);
-  const auto rows = static_cast<std::int64_t>(std::max<std::uint64_t>(1, band_bytes / row));
+  const auto rows = static_cast<std::int64_t>(std::max<std::uint64_t>(1, ingest_band_bytes / row));
   const std::int64_t across = (samples.size().y + chunk - 1) / chunk;
   const std::int64_t y_step = std::min(rows, across) * chunk;
   const std::int64_t z_step = std::max<std::int64_t>(1, rows / across) * chunk;
@@ -84,7 +83,7 @@ std::uint64_t ShardLabelCounter::memory_bytes(const IngestJob& job, const StoreL
                    sample_bytes(layout.type);
   // A store's chunk, encoded and decoded.
   const std::uint64_t decode = job.copy ? 3 * layout.zarr().form().bytes : job.info.largest_decode;
-  return std::max(band_bytes, row) + decode + LabelTally::memory_bytes(labels_of_shard);
+  return std::max(ingest_band_bytes, row) + decode + LabelTally::memory_bytes(labels_of_shard);
 }
 
 void join_label_counts(const RunContext& context, const IngestJob& job, const StoreLayout& layout) {

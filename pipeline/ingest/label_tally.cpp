@@ -12,11 +12,6 @@ constexpr std::size_t counts_read = 256;  // of a run at once
 constexpr std::size_t most_runs =
     std::size_t{8} * 16;  // there are never so many: 16^8 times a full table
 
-template <class T>
-std::span<const std::byte> bytes_of(const std::vector<T>& values) {
-  return std::as_bytes(std::span(values));
-}
-
 // Adjacent counts of a label become one.
 class Joined {
  public:
@@ -117,7 +112,7 @@ void LabelTally::merge_last(int level) {
   Run merged{file_->size(), 0, level + 1};
   std::vector<LabelCount> buffer;
   const auto write = [&] {
-    file_->append(bytes_of(buffer));
+    file_->append(std::as_bytes(std::span(buffer)));
     buffer.clear();
   };
   const auto last = std::span(runs_).last(runs_merged);

@@ -12,9 +12,8 @@ class MeshIngest final : public StageWork {
   std::string identity() const override { return mesh_.binning.folder.filename().string(); }
   std::uint64_t size() const override { return 1; }
   std::vector<Unit> units(std::span<const std::uint64_t> numbers) const override {
-    return std::vector<Unit>(numbers.size(),
-                             Unit{0, "mesh " + mesh_.path.filename().string(),
-                                  static_cast<double>(mesh_.record.triangles)});
+    return std::vector<Unit>(numbers.size(), Unit{0, "mesh " + mesh_.path.filename().string(),
+                                                  static_cast<double>(mesh_.record.triangles)});
   }
   bool done(std::uint64_t) override { return bins_are_current(mesh_); }
   std::string missing_text(const StageLook&) const override {

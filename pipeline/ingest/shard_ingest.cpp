@@ -19,7 +19,6 @@
 namespace voxweld {
 namespace {
 
-constexpr std::uint64_t band_bytes = std::uint64_t{8} << 20;  // read at once for a shard
 constexpr std::size_t records_ahead = 64;  // a record of 16-bit samples may take half a megabyte
 
 Histogram store_histogram(const StoreLayout& layout) {
@@ -143,7 +142,7 @@ class ShardWork {
   struct Worker {
     ShardScratch scratch;
     HistogramStatistics statistics;
-    explicit Worker(SampleType type) : statistics(type) { scratch.band_bytes = band_bytes; }
+    explicit Worker(SampleType type) : statistics(type) { scratch.band_bytes = ingest_band_bytes; }
   };
 
   void run(const Unit& unit, Worker& worker, WorkerContext& context) {
@@ -237,8 +236,7 @@ class ShardIngest final : public StageWork {
   void close(RunContext& context) override {
     remove_spools(job_.folder);
     if (job_.histogram && !histogram_is_current(job_))
-      write_histogram_artifact(histogram_path(job_.folder),
-                               {job_.stamp, store_histogram(layout_)});
+      write_histogram_artifact(histogram_path(job_.folder), {job_.stamp, store_histogram(layout_)});
     if (!needs_no_counts(job_)) join_label_counts(context, job_, layout_);
   }
 
@@ -261,7 +259,7 @@ StageMemory ShardIngest::memory(std::span<const std::uint64_t>) {
   const VolumeInfo& info = job_.info;
   memory.base_bytes = info.access == Access::box ? info.largest_decode : spooling_bytes(info);
   memory.per_worker_bytes +=
-      shard_writer_bytes(layout_, 1, band_bytes) + (std::uint64_t{16} << 20);
+      shard_writer_bytes(layout_, 1, ingest_band_bytes) + (std::uint64_t{16} << 20);
   return memory;
 }
 

@@ -2,19 +2,18 @@
 
 #include <algorithm>
 
+#include "pipeline/ingest/ingest_layout.h"
 #include "stages/ingest/statistics.h"
 #include "storage/types/value_range.h"
 
 namespace voxweld {
 namespace {
 
-constexpr std::uint64_t band_bytes = std::uint64_t{8} << 20;
-
-// Boxes of whole rows, each about band_bytes.
+// Boxes of whole rows, each about ingest_band_bytes.
 std::vector<Box3> bands_of(const VolumeInfo& info) {
   const Index3 size = info.geometry.size;
   const std::uint64_t row = static_cast<std::uint64_t>(size.x) * sample_bytes(info.type);
-  const auto rows = static_cast<std::int64_t>(std::max<std::uint64_t>(1, band_bytes / row));
+  const auto rows = static_cast<std::int64_t>(std::max<std::uint64_t>(1, ingest_band_bytes / row));
   std::vector<Box3> bands;
   if (rows < size.y) {
     for (std::int64_t z = 0; z < size.z; ++z)
@@ -45,7 +44,7 @@ ScanResult scan_volume(RunContext& context, const SampleSource& source, const st
                 0,
                 "one band of rows",
                 "raise run.memory",
-                std::max(band_bytes, largest_row) + (std::uint64_t{16} << 20)};
+                std::max(ingest_band_bytes, largest_row) + (std::uint64_t{16} << 20)};
   const int threads = stage_threads(context, run.memory);
   struct Worker {
     std::vector<std::byte> samples;

@@ -10,13 +10,8 @@ namespace {
 
 constexpr std::uint64_t least_buffer = 4096 / sizeof(PlaceEdge), most_buffer = 1 << 14;  // edges
 
-bool before(Vec3 a, Vec3 b) {
-  if (a.x != b.x) return a.x < b.x;
-  return a.y != b.y ? a.y < b.y : a.z < b.z;
-}
-
 bool less(const PlaceEdge& a, const PlaceEdge& b) {
-  return a.low != b.low ? before(a.low, b.low) : before(a.high, b.high);
+  return a.low != b.low ? place_before(a.low, b.low) : place_before(a.high, b.high);
 }
 
 bool same(const PlaceEdge& a, const PlaceEdge& b) {
@@ -67,7 +62,7 @@ void EdgeParity::add(Vec3 a, Vec3 b) {
   }
   a = a + Vec3{};
   b = b + Vec3{};
-  held_.push_back(before(a, b) ? PlaceEdge{a, b} : PlaceEdge{b, a});
+  held_.push_back(place_before(a, b) ? PlaceEdge{a, b} : PlaceEdge{b, a});
 }
 
 void EdgeParity::cancel() {

@@ -15,8 +15,14 @@
 
 namespace voxweld {
 
+// By x, then y, then z.
+inline bool place_before(Vec3 a, Vec3 b) {
+  if (a.x != b.x) return a.x < b.x;
+  return a.y != b.y ? a.y < b.y : a.z < b.z;
+}
+
 struct PlaceEdge {
-  Vec3 low, high;  // its ends, by x, then y, then z
+  Vec3 low, high;  // its ends; place_before(low, high)
 };
 
 class EdgeParity {

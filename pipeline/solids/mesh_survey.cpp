@@ -20,22 +20,17 @@ struct OpenEdges {
   std::vector<PlaceEdge> held;  // the first of them
 };
 
-bool before(Vec3 a, Vec3 b) {
-  if (a.x != b.x) return a.x < b.x;
-  return a.y != b.y ? a.y < b.y : a.z < b.z;
-}
-
 MeshBoundary boundary_of_held(const std::vector<PlaceEdge>& edges) {
   std::vector<Vec3> places;
   for (const PlaceEdge& edge : edges) {
     places.push_back(edge.low);
     places.push_back(edge.high);
   }
-  std::sort(places.begin(), places.end(), before);
+  std::sort(places.begin(), places.end(), place_before);
   places.erase(std::unique(places.begin(), places.end()), places.end());
   const auto number = [&](Vec3 place) {
     return static_cast<std::uint32_t>(
-        std::lower_bound(places.begin(), places.end(), place, before) - places.begin());
+        std::lower_bound(places.begin(), places.end(), place, place_before) - places.begin());
   };
   std::vector<std::pair<std::uint32_t, std::uint32_t>> numbered;
   numbered.reserve(edges.size());

@@ -1,24 +1,10 @@
 #include "stages/contouring/cell_topology.h"
 
-#include <bit>
-
 namespace voxweld {
 namespace {
 
 constexpr int bit_at(unsigned mask, int i) {
   return static_cast<int>(mask >> i & 1u);
-}
-
-// Corners of a face in cyclic order, starting at its lowest.
-constexpr std::array<int, 4> face_corners(int face) {
-  const int axis = face >> 1, base = (face & 1) << axis;
-  const int b = 1 << (axis + 1) % 3, c = 1 << (axis + 2) % 3;
-  return {base, base | b, base | b | c, base | c};
-}
-
-constexpr int edge_between(int p, int q) {
-  const int axis = std::countr_zero(static_cast<unsigned>(p ^ q));
-  return edge_at(axis, p < q ? p : q);
 }
 
 constexpr bool crosses(CellSigns signs, int edge) {

@@ -17,6 +17,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 
 namespace voxweld {
@@ -38,6 +39,17 @@ constexpr EdgeCorners edge_corners(int edge) {
 constexpr int edge_at(int axis, int corner) {
   const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
   return axis == 0 ? (y | z << 1) : axis == 1 ? 4 + (x | z << 1) : 8 + (x | y << 1);
+}
+// The edge from corner p to its neighbour q.
+constexpr int edge_between(int p, int q) {
+  return edge_at(std::countr_zero(static_cast<unsigned>(p ^ q)), p < q ? p : q);
+}
+
+// Corners of a face in cyclic order, starting at its lowest.
+constexpr std::array<int, 4> face_corners(int face) {
+  const int axis = face >> 1, base = (face & 1) << axis;
+  const int b = 1 << (axis + 1) % 3, c = 1 << (axis + 2) % 3;
+  return {base, base | b, base | b | c, base | c};
 }
 
 struct CellSheets {

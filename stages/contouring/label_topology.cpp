@@ -1,20 +1,9 @@
 #include "stages/contouring/label_topology.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace voxweld {
 namespace {
-
-constexpr std::array<int, 4> face_corners(int face) {  // in cyclic order
-  const int axis = face >> 1, base = (face & 1) << axis;
-  const int b = 1 << (axis + 1) % 3, c = 1 << (axis + 2) % 3;
-  return {base, base | b, base | b | c, base | c};
-}
-
-int edge_between(int p, int q) {
-  return edge_at(std::countr_zero(static_cast<unsigned>(p ^ q)), p < q ? p : q);
-}
 
 std::uint32_t at(const CellLabels& labels, int corner) {
   return labels[static_cast<std::size_t>(corner)];
@@ -102,7 +91,7 @@ constexpr unsigned neighbours(unsigned corners) {
   return next;
 }
 
-bool connected(unsigned corners) {
+bool one_component(unsigned corners) {
   unsigned reached = corners & (~corners + 1);
   for (unsigned before = 0; before != reached;) {
     before = reached;
@@ -133,7 +122,7 @@ bool labels_collapsible(const CellLabels& labels) {
   const LabelSets sets(labels);
   if (sets.count < 2 || sets.count > 4 || !faces_are_simple(labels)) return false;
   for (std::size_t i = 0; i < sets.count; ++i) {
-    if (!connected(sets.corners[i])) return false;
+    if (!one_component(sets.corners[i])) return false;
     for (std::size_t j = i + 1; j < sets.count; ++j)
       if ((neighbours(sets.corners[i]) & sets.corners[j]) == 0) return false;
   }

@@ -9,7 +9,7 @@
 namespace voxweld {
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double infinite_reach = std::numeric_limits<double>::infinity();
 constexpr double full_angle = 4 * std::numbers::pi;
 constexpr std::uint32_t leaf_triangles = 8;
 // So many open edges are summed up whole at each point in doubt.
@@ -53,7 +53,7 @@ double solid_angle(Vec3 a, Vec3 b, Vec3 c) {
 // polynomials). What is behind the first two terms of the dipoles' field is at most this, times
 // area / D^2, with ratio = radius / D.
 double rest_of_expansion(double ratio) {
-  if (ratio >= 1) return infinite;
+  if (ratio >= 1) return infinite_reach;
   return ratio * ratio * (3 - 2 * ratio) / ((1 - ratio) * (1 - ratio));
 }
 
@@ -61,7 +61,7 @@ double rest_of_expansion(double ratio) {
 double change_of_dipoles(double area, double distance, double reach) {
   if (reach == 0) return 0;
   const double least = distance - reach;
-  return least > 0 ? reach * 2 * area / (full_angle * least * least * least) : infinite;
+  return least > 0 ? reach * 2 * area / (full_angle * least * least * least) : infinite_reach;
 }
 
 double distance_to_edge(Vec3 p, Vec3 from, Vec3 to) {
@@ -299,7 +299,7 @@ double WindingNumber::change_within(Vec3 p, double reach) const {
   double sum = 0;
   for (const OpenEdge& e : edges_) {
     const double least = distance_to_edge(p, e.from, e.to) - reach;
-    if (least <= 0) return infinite;
+    if (least <= 0) return infinite_reach;
     sum += e.count * std::min(length_of(e.to - e.from) / least, std::numbers::pi) / least;
   }
   return reach * sum / full_angle;

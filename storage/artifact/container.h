@@ -46,6 +46,12 @@ struct SectionRecord {
   Hash128 hash;
 };
 
+// What a section of these values holds.
+template <class T>
+std::span<const std::byte> as_section(const std::vector<T>& values) {
+  return std::as_bytes(std::span(values));
+}
+
 class ArtifactWriter {
  public:
   ArtifactWriter(const std::filesystem::path& path, const ArtifactStamp& stamp);

@@ -7,7 +7,12 @@
 namespace voxweld {
 namespace {
 
-enum Section : std::uint64_t { bins_section = 1, counts_section, nans_section, type_section };
+enum HistogramSection : std::uint64_t {
+  bins_section = 1,
+  counts_section,
+  nans_section,
+  type_section
+};
 
 bool sound(const std::vector<std::uint64_t>& bins, const std::vector<std::uint64_t>& counts,
            SampleType type) {

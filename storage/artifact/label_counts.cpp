@@ -3,13 +3,14 @@
 namespace voxweld {
 namespace {
 
-constexpr std::uint64_t summary_section = 1, first_section = 2;
+constexpr std::uint64_t labels_summary_section = 1, first_counts_section = 2;
 constexpr std::size_t counts_a_section = 16384;
 
 }  // namespace
 
 LabelCountsWriter::LabelCountsWriter(const std::filesystem::path& path, Hash128 key)
-    : file_(path, {label_counts_kind, label_counts_version, key}), next_section_(first_section) {}
+    : file_(path, {label_counts_kind, label_counts_version, key}),
+      next_section_(first_counts_section) {}
 
 void LabelCountsWriter::add(const LabelCount& count) {
   counts_.push_back(count);
@@ -28,14 +29,14 @@ void LabelCountsWriter::flush() {
 void LabelCountsWriter::commit(std::uint64_t negatives) {
   flush();
   summary_.negatives = negatives;
-  file_.section(summary_section, std::as_bytes(std::span(&summary_, 1)));
+  file_.section(labels_summary_section, std::as_bytes(std::span(&summary_, 1)));
   file_.commit();
 }
 
 LabelCounts::LabelCounts(const std::filesystem::path& path)
     : file_(path, label_counts_kind, label_counts_version) {
   std::vector<LabelSummary> summary;
-  file_.read_array(summary_section, summary);
+  file_.read_array(labels_summary_section, summary);
   if (summary.size() != 1) file_.damaged("its summary has an odd size");
   summary_ = summary[0];
 }
@@ -43,7 +44,7 @@ LabelCounts::LabelCounts(const std::filesystem::path& path)
 void LabelCounts::each(const std::function<bool(const LabelCount&)>& f) const {
   std::vector<LabelCount> counts;
   LabelSummary seen;
-  for (std::uint64_t section = first_section; file_.find(section) != nullptr; ++section) {
+  for (std::uint64_t section = first_counts_section; file_.find(section) != nullptr; ++section) {
     file_.read_array(section, counts);
     for (const LabelCount& count : counts) {
       if ((seen.labels > 0 && count.label <= seen.highest) || count.voxels == 0)

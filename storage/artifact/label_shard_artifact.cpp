@@ -47,11 +47,6 @@ static_assert(sizeof(LabelNodeRecord) == 56 + 16 + sizeof(RootRecord) &&
               sizeof(PieceRecord) == 24 + 24 + 32);
 
 template <class T>
-std::span<const std::byte> bytes_of(const std::vector<T>& values) {
-  return std::as_bytes(std::span(values));
-}
-
-template <class T>
 void take(std::span<const std::byte>& bytes, std::size_t count, std::vector<T>& out) {
   out.resize(count);
   if (count > 0) std::memcpy(out.data(), bytes.data(), count * sizeof(T));
@@ -101,8 +96,8 @@ std::vector<std::byte> to_bytes(const LabelNode& n) {
   std::vector<std::byte> bytes(record.bytes());
   std::span<std::byte> rest = bytes;
   put(rest, std::as_bytes(std::span(&record, 1)));
-  put(rest, bytes_of(n.node.cubes));
-  put(rest, bytes_of(n.node.leaves));
+  put(rest, as_section(n.node.cubes));
+  put(rest, as_section(n.node.leaves));
   return bytes;
 }
 
@@ -167,9 +162,9 @@ PieceHead LabelShardWriter::piece(Material material, const BrickOctree& octree,
     (hash.update(parts), ...);
     return hash.finish();
   };
-  const auto vertices = bytes_of(octree.vertices), polygons = bytes_of(octree.polygons),
-             counts = std::as_bytes(blocks), cells = bytes_of(octree.skin.cells),
-             skin = bytes_of(octree.skin.vertices);
+  const auto vertices = as_section(octree.vertices), polygons = as_section(octree.polygons),
+             counts = std::as_bytes(blocks), cells = as_section(octree.skin.cells),
+             skin = as_section(octree.skin.vertices);
   record.body = hash_of(vertices, polygons, counts);
   record.skin = hash_of(cells, skin);
   append(head);
@@ -247,8 +242,8 @@ Hash128 LabelShardWriter::finish(const ShardSummary& summary, const ShardHistory
   directory_.finish();
   if (!nodes_.empty()) flush_nodes();
   file_.section(tables_section, std::as_bytes(std::span(&tables, 1)));
-  file_.section(first_pieces_section, bytes_of(first_pieces_));
-  file_.section(first_nodes_section, bytes_of(first_nodes_));
+  file_.section(first_pieces_section, as_section(first_pieces_));
+  file_.section(first_nodes_section, as_section(first_nodes_));
   write_summary(file_, summary);
   write_history(file_, history);
   return file_.commit();

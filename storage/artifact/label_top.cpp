@@ -3,7 +3,7 @@
 namespace voxweld {
 namespace {
 
-constexpr std::uint64_t tables_section = 5, batches_section = 6;
+constexpr std::uint64_t top_tables_section = 5, batches_section = 6;
 constexpr std::uint64_t page_of(std::uint64_t table) {
   return table << 56;
 }
@@ -20,7 +20,7 @@ static_assert(std::has_unique_object_representations_v<PlannedTile> &&
 
 LabelTopTables read_tables(const ArtifactReader& file) {
   std::vector<LabelTopTables> tables;
-  file.read_array(tables_section, tables);
+  file.read_array(top_tables_section, tables);
   if (tables.size() != 1) file.damaged("has no tables");
   return tables[0];
 }
@@ -72,7 +72,7 @@ Hash128 LabelTopWriter::finish(const MergeCounts& counts, std::span<const Hash12
   leaves_.finish();
   file_.section(top_counts_section, std::as_bytes(std::span(&counts, 1)));
   file_.section(top_shards_section, std::as_bytes(shards));
-  file_.section(tables_section, std::as_bytes(std::span(&tables, 1)));
+  file_.section(top_tables_section, std::as_bytes(std::span(&tables, 1)));
   file_.section(batches_section, std::as_bytes(std::span(batches_)));
   return file_.commit();
 }

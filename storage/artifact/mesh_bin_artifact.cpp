@@ -19,7 +19,7 @@ std::uint64_t first_section(std::uint64_t brick) {
 }
 
 template <class T>
-std::span<const std::byte> bytes_of(const T& record) {
+std::span<const std::byte> record_bytes(const T& record) {
   return std::as_bytes(std::span(&record, 1));
 }
 
@@ -47,7 +47,7 @@ void expect_key(const ArtifactReader& file, const std::optional<Hash128>& key) {
 
 void write_mesh_record(const std::filesystem::path& path, Hash128 key, const MeshRecord& record) {
   ArtifactWriter file(path, {mesh_record_kind, mesh_record_version, key});
-  file.section(facts_section, bytes_of(record));
+  file.section(facts_section, record_bytes(record));
   file.commit();
 }
 
@@ -89,7 +89,7 @@ MeshBin MeshBins::read(std::uint64_t brick, const Box3& samples) const {
 
 void write_mesh_table(const std::filesystem::path& path, Hash128 key, const MeshTable& table) {
   ArtifactWriter file(path, {mesh_table_kind, mesh_bins_version, key});
-  file.section(facts_section, bytes_of(table.facts));
+  file.section(facts_section, record_bytes(table.facts));
   file.section(sides_section, std::as_bytes(std::span(table.shards)));
   file.commit();
 }

@@ -44,11 +44,6 @@ static_assert(sizeof(LeafVertex) == 28 && sizeof(SkinVertex) == 32 && sizeof(Top
               std::has_unique_object_representations_v<MaterialPair> &&
               sizeof(ShardNodeRecord) == 40 + sizeof(RootRecord));
 
-template <class T>
-std::span<const std::byte> bytes_of(const std::vector<T>& values) {
-  return std::as_bytes(std::span(values));
-}
-
 }  // namespace
 
 ShardArtifactWriter::ShardArtifactWriter(const std::filesystem::path& path, Hash128 key,
@@ -58,18 +53,18 @@ ShardArtifactWriter::ShardArtifactWriter(const std::filesystem::path& path, Hash
 }
 
 void ShardArtifactWriter::brick(std::uint64_t code, const BrickOctree& octree) {
-  file_.section(section_name(code, vertices), bytes_of(octree.vertices));
-  file_.section(section_name(code, polygons), bytes_of(octree.polygons));
+  file_.section(section_name(code, vertices), as_section(octree.vertices));
+  file_.section(section_name(code, polygons), as_section(octree.polygons));
   const auto where_any = [&](Part part, const auto& values) {
-    if (!values.empty()) file_.section(section_name(code, part), bytes_of(values));
+    if (!values.empty()) file_.section(section_name(code, part), as_section(values));
   };
   where_any(emit_levels, octree.emit_levels);
   where_any(pairs, octree.pairs);
   where_any(polygon_pairs, octree.polygon_pairs);
   where_any(sheets_of_edges, octree.skin.sheets_of_edges);
-  file_.section(section_name(code, blocks), bytes_of(octree.blocks));
-  file_.section(section_name(code, skin_cells), bytes_of(octree.skin.cells));
-  file_.section(section_name(code, skin_vertices), bytes_of(octree.skin.vertices));
+  file_.section(section_name(code, blocks), as_section(octree.blocks));
+  file_.section(section_name(code, skin_cells), as_section(octree.skin.cells));
+  file_.section(section_name(code, skin_vertices), as_section(octree.skin.vertices));
 }
 
 void ShardArtifactWriter::brick(std::uint64_t code, const ArtifactReader& from) {
@@ -95,9 +90,9 @@ Hash128 ShardArtifactWriter::finish(const ShardSummary& summary, std::span<const
     leaves.insert(leaves.end(), node.leaves.begin(), node.leaves.end());
   }
   write_summary(file_, summary);
-  file_.section(nodes_section, bytes_of(node_records));
-  file_.section(cubes_section, bytes_of(cubes));
-  file_.section(leaves_section, bytes_of(leaves));
+  file_.section(nodes_section, as_section(node_records));
+  file_.section(cubes_section, as_section(cubes));
+  file_.section(leaves_section, as_section(leaves));
   write_history(file_, history);
   return file_.commit();
 }

@@ -4,7 +4,7 @@ namespace voxweld {
 namespace {
 
 constexpr std::uint64_t summary_section = shard_section(1);
-constexpr std::uint64_t bricks_section = shard_section(5);
+constexpr std::uint64_t built_bricks_section = shard_section(5);
 constexpr std::uint64_t runs_section = shard_section(6);
 
 struct ShardSummaryRecord {
@@ -56,13 +56,13 @@ ShardSummary read_summary(const ArtifactReader& file) {
 }
 
 void write_history(ArtifactWriter& file, const ShardHistory& history) {
-  file.section(bricks_section, std::as_bytes(std::span(history.bricks)));
+  file.section(built_bricks_section, std::as_bytes(std::span(history.bricks)));
   file.section(runs_section, std::as_bytes(std::span(history.runs)));
 }
 
 ShardHistory read_history(const ArtifactReader& file) {
   ShardHistory history;
-  file.read_array(bricks_section, history.bricks);
+  file.read_array(built_bricks_section, history.bricks);
   file.read_array(runs_section, history.runs);
   return history;
 }

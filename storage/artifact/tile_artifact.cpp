@@ -3,18 +3,18 @@
 namespace voxweld {
 namespace {
 
-enum Section : std::uint64_t {
+enum TileSection : std::uint64_t {
   header_section = 1,
-  positions,
-  ids,
-  normals,
-  triangles,
-  corner_normals,
-  pairs,
-  triangle_pairs
+  positions_section,
+  ids_section,
+  normals_section,
+  triangles_section,
+  corner_normals_section,
+  pairs_section,
+  triangle_pairs_section
 };
 
-constexpr std::uint64_t labels_section = 9;
+constexpr std::uint64_t tile_labels_section = 9;
 
 void write_mesh(ArtifactWriter& file, std::uint64_t number, const TileMesh& mesh) {
   const TileHeader header{mesh.tile.code(),
@@ -29,14 +29,14 @@ void write_mesh(ArtifactWriter& file, std::uint64_t number, const TileMesh& mesh
                           mesh.lattice.origin};
   const std::uint64_t first = number << 8;
   file.section(first | header_section, std::as_bytes(std::span(&header, 1)));
-  file.section(first | positions, std::as_bytes(std::span(mesh.positions)));
-  file.section(first | ids, std::as_bytes(std::span(mesh.ids)));
-  file.section(first | normals, std::as_bytes(std::span(mesh.normals)));
-  file.section(first | triangles, std::as_bytes(std::span(mesh.triangles)));
-  file.section(first | corner_normals, std::as_bytes(std::span(mesh.corner_normals)));
+  file.section(first | positions_section, std::as_bytes(std::span(mesh.positions)));
+  file.section(first | ids_section, std::as_bytes(std::span(mesh.ids)));
+  file.section(first | normals_section, std::as_bytes(std::span(mesh.normals)));
+  file.section(first | triangles_section, std::as_bytes(std::span(mesh.triangles)));
+  file.section(first | corner_normals_section, std::as_bytes(std::span(mesh.corner_normals)));
   if (!mesh.pairs.empty()) {
-    file.section(first | pairs, std::as_bytes(std::span(mesh.pairs)));
-    file.section(first | triangle_pairs, std::as_bytes(std::span(mesh.triangle_pairs)));
+    file.section(first | pairs_section, std::as_bytes(std::span(mesh.pairs)));
+    file.section(first | triangle_pairs_section, std::as_bytes(std::span(mesh.triangle_pairs)));
   }
 }
 
@@ -57,13 +57,13 @@ void LabelTilesWriter::add(Material label, const TileMesh& mesh) {
 }
 
 Hash128 LabelTilesWriter::finish() {
-  file_.section(labels_section, std::as_bytes(std::span(labels_)));
+  file_.section(tile_labels_section, std::as_bytes(std::span(labels_)));
   return file_.commit();
 }
 
 TileArtifact::TileArtifact(const std::filesystem::path& path)
     : file_(path, tile_kind, tile_version) {
-  if (file_.find(labels_section) != nullptr) file_.read_array(labels_section, labels_);
+  if (file_.find(tile_labels_section) != nullptr) file_.read_array(tile_labels_section, labels_);
 }
 
 TileHeader TileArtifact::header(std::size_t mesh) const {
@@ -75,13 +75,13 @@ TileHeader TileArtifact::header(std::size_t mesh) const {
 }
 
 std::uint64_t TileArtifact::label_pairs() const {
-  const SectionRecord* section = file_.find(pairs);
+  const SectionRecord* section = file_.find(pairs_section);
   return section == nullptr ? 0 : section->size / sizeof(MaterialPair);
 }
 
 std::vector<MaterialPair> TileArtifact::read_label_pairs() const {
   std::vector<MaterialPair> list;
-  if (file_.find(pairs) != nullptr) file_.read_array(pairs, list);
+  if (file_.find(pairs_section) != nullptr) file_.read_array(pairs_section, list);
   return list;
 }
 
@@ -94,14 +94,14 @@ TileMesh TileArtifact::read(std::size_t number) const {
   mesh.quads = h.quads;
   mesh.polygon_triangles = h.polygon_triangles;
   mesh.collinear = h.collinear;
-  file_.read_array(first | positions, mesh.positions);
-  file_.read_array(first | ids, mesh.ids);
-  file_.read_array(first | normals, mesh.normals);
-  file_.read_array(first | triangles, mesh.triangles);
-  file_.read_array(first | corner_normals, mesh.corner_normals);
-  if (file_.find(first | pairs) != nullptr) {
-    file_.read_array(first | pairs, mesh.pairs);
-    file_.read_array(first | triangle_pairs, mesh.triangle_pairs);
+  file_.read_array(first | positions_section, mesh.positions);
+  file_.read_array(first | ids_section, mesh.ids);
+  file_.read_array(first | normals_section, mesh.normals);
+  file_.read_array(first | triangles_section, mesh.triangles);
+  file_.read_array(first | corner_normals_section, mesh.corner_normals);
+  if (file_.find(first | pairs_section) != nullptr) {
+    file_.read_array(first | pairs_section, mesh.pairs);
+    file_.read_array(first | triangle_pairs_section, mesh.triangle_pairs);
     if (mesh.triangle_pairs.size() != mesh.triangles.size())
       file_.damaged("its sections contradict each other");
     for (const std::uint32_t pair : mesh.triangle_pairs)

@@ -12,14 +12,9 @@
 namespace voxweld {
 namespace {
 
-constexpr std::uint64_t missing = ~std::uint64_t{0};
 // Open files are file descriptors too, so a few of them; large indexes are kept fewer.
 constexpr std::uint64_t most_cached_files = 32;
 constexpr std::uint64_t most_cached_bytes = std::uint64_t{16} << 20;
-
-struct IndexEntry {
-  std::uint64_t offset = 0, length = 0;
-};
 
 std::size_t cached_files(const ZarrArray& array) {
   return array.sharded ? static_cast<std::size_t>(std::clamp<std::uint64_t>(
@@ -46,9 +41,9 @@ void for_each_piece(const Box3& box, Index3 cell, Visit&& visit) {
 }  // namespace
 
 struct ChunkReader::Shard {
-  std::optional<ReadFile> file;   // none where the file is missing
-  Index3 at;                      // in the grid of files
-  std::vector<IndexEntry> index;  // sharded arrays only
+  std::optional<ReadFile> file;        // none where the file is missing
+  Index3 at;                           // in the grid of files
+  std::vector<ShardIndexEntry> index;  // sharded arrays only
 };
 
 struct ChunkReader::Buffers {
@@ -121,12 +116,12 @@ void ChunkReader::load_index(Shard& shard) const {
     if (const std::string wrong = strip_checksum(entries); !wrong.empty())
       damaged(file.path(), "its index is damaged: " + wrong);
   if (array_.index.big_endian) swap_sample_bytes(std::span(buffer).first(entries.size()), 8);
-  shard.index.resize(entries.size() / sizeof(IndexEntry));
+  shard.index.resize(entries.size() / sizeof(ShardIndexEntry));
   std::memcpy(shard.index.data(), entries.data(), entries.size());
   const std::uint64_t most = largest_encoded_chunk(array_.codecs, array_.form());
   for (std::size_t i = 0; i < shard.index.size(); ++i) {
     const auto [offset, length] = shard.index[i];
-    if (offset == missing && length == missing) continue;
+    if (offset == ShardIndexEntry::missing && length == ShardIndexEntry::missing) continue;
     if (length > most || offset > file.size() || length > file.size() - offset)
       damaged(
           file.path(),
@@ -163,11 +158,11 @@ void ChunkReader::read_file(Index3 at, const Target& target, Buffers& buffers) c
 
 // False where the chunk is missing, which is all fill value.
 bool ChunkReader::load_chunk(const Shard& shard, Index3 chunk, Buffers& buffers) const {
-  IndexEntry entry{0, shard.file->size()};
+  ShardIndexEntry entry{0, shard.file->size()};
   if (array_.sharded) {
     const Index3 grid = array_.chunks_in_file(), in = chunk - multiply(shard.at, grid);
     entry = shard.index[static_cast<std::size_t>((in.z * grid.y + in.y) * grid.x + in.x)];
-    if (entry.offset == missing) return false;
+    if (entry.offset == ShardIndexEntry::missing) return false;
   }
   const ChunkForm form = array_.form();
   const std::uint64_t most = largest_encoded_chunk(array_.codecs, form);

@@ -25,11 +25,6 @@ struct RangeRecord {
 };
 constexpr std::uint64_t has_nan = 1, has_nothing = 2;
 
-template <class T>
-std::span<const std::byte> bytes_of(const std::vector<T>& values) {
-  return std::as_bytes(std::span(values));
-}
-
 bool ascending(const std::vector<std::uint32_t>& values) {
   return std::is_sorted(values.begin(), values.end()) &&
          std::adjacent_find(values.begin(), values.end()) == values.end();
@@ -61,9 +56,9 @@ void write_shard_record(const std::filesystem::path& path, const ShardRecord& re
   }
   ArtifactWriter writer(path, {record_kind, record_version, record.key});
   writer.section(summary, std::as_bytes(std::span(&head, 1)));
-  writer.section(ranges, bytes_of(chunk_ranges));
-  writer.section(bins, bytes_of(bin_numbers));
-  writer.section(counts, bytes_of(bin_counts));
+  writer.section(ranges, as_section(chunk_ranges));
+  writer.section(bins, as_section(bin_numbers));
+  writer.section(counts, as_section(bin_counts));
   writer.commit();
 }
 

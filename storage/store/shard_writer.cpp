@@ -14,13 +14,8 @@
 namespace voxweld {
 namespace {
 
-constexpr std::uint64_t missing = ~std::uint64_t{0};
 // What an open file holds besides its index: the buffer of AtomicFile, hash state, bookkeeping.
 constexpr std::uint64_t open_file_bytes = (std::uint64_t{1} << 18) + 8192;
-
-struct IndexEntry {
-  std::uint64_t offset = missing, length = missing;
-};
 
 // One shard file being written, chunks in C order.
 class OpenShard {
@@ -62,7 +57,7 @@ class OpenShard {
   Index3 shard_;
   AtomicFile file_;
   StreamHasher hasher_;
-  std::vector<IndexEntry> index_;
+  std::vector<ShardIndexEntry> index_;
   ShardRecord record_;
 };
 
@@ -217,7 +212,7 @@ std::uint64_t shard_writer_bytes(const StoreLayout& layout, std::int64_t shards,
   // A shard in flight: its index twice (entries, bytes), a range an entry, its histogram while it
   // is added to and while it is written.
   const std::uint64_t open = open_file_bytes +
-                             entries * (2 * sizeof(IndexEntry) + sizeof(ValueRange)) +
+                             entries * (2 * sizeof(ShardIndexEntry) + sizeof(ValueRange)) +
                              3 * sizeof(HistogramBin) * histogram_bins(layout.type);
   return std::max(band_bytes, row_bytes) + zarr.form().bytes +
          largest_encoded_chunk(zarr.codecs, zarr.form()) +

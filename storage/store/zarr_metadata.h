@@ -25,6 +25,12 @@ struct ShardIndexForm {
   int checksums = 1;  // crc32c codecs over it
 };
 
+// An entry of that index: where a chunk lies in its file. All bits are set where it is missing.
+struct ShardIndexEntry {
+  static constexpr std::uint64_t missing = ~std::uint64_t{0};
+  std::uint64_t offset = missing, length = missing;
+};
+
 // All extents are x, y, z; Zarr's are z, y, x. A two-dimensional array is a volume of one slice.
 struct ZarrArray {
   std::filesystem::path path;  // the array's directory, which holds zarr.json

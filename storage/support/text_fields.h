@@ -84,6 +84,8 @@ class HeaderFields {
   std::vector<HeaderField> fields_;
 };
 
+constexpr std::int64_t max_files = std::int64_t{1} << 24;  // that hold one volume
+
 // The names of numbered files: a printf-like pattern with one %d (flags: 0 and a width only).
 struct FilePattern {
   std::string pattern;

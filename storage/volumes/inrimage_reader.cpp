@@ -15,8 +15,8 @@
 namespace voxweld {
 namespace {
 
-constexpr std::string_view family = "#INRIMAGE-", magic = "#INRIMAGE-4#{", last_line = "##}\n";
-constexpr std::size_t block_bytes = 256;
+constexpr std::string_view family = "#INRIMAGE-", first_word = "#INRIMAGE-4#{", last_line = "##}\n";
+constexpr std::size_t header_block_bytes = 256;
 constexpr std::size_t most_blocks = 256;
 
 std::string_view text_of(const std::vector<std::byte>& bytes) {
@@ -24,7 +24,7 @@ std::string_view text_of(const std::vector<std::byte>& bytes) {
 }
 
 void check_magic(const std::string& text, const std::string& path) {
-  if (text.starts_with(magic)) return;
+  if (text.starts_with(first_word)) return;
   throw FormatError(fmt::format("{}: {}", path,
                                 text.starts_with(family)
                                     ? "an Inrimage of another version than 4; convert it first"
@@ -38,31 +38,31 @@ std::string read_blocks(const ReadFile& file, bool compressed) {
   std::string text;
   std::vector<std::byte> block;
   for (std::size_t i = 0; i < most_blocks; ++i) {
-    const std::uint64_t at = i * block_bytes;
-    block.resize(
-        stream ? block_bytes
-               : std::min<std::uint64_t>(block_bytes, file.size() - std::min(file.size(), at)));
+    const std::uint64_t at = i * header_block_bytes;
+    block.resize(stream ? header_block_bytes
+                        : std::min<std::uint64_t>(header_block_bytes,
+                                                  file.size() - std::min(file.size(), at)));
     if (stream)
       block.resize(stream->read_some(block));
     else
       file.read(at, block);
     text += text_of(block);
     if (i == 0) check_magic(text, file.path());
-    if (block.size() < block_bytes)
+    if (block.size() < header_block_bytes)
       throw FormatError(
           fmt::format("{}: truncated: the header has no end, ##}} at the end of a block of {} "
                       "bytes; get a complete copy",
-                      file.path(), block_bytes));
+                      file.path(), header_block_bytes));
     if (text.ends_with(last_line)) return text;
   }
   throw FormatError(fmt::format("{}: the header has no end within {} bytes: damaged", file.path(),
-                                most_blocks * block_bytes));
+                                most_blocks * header_block_bytes));
 }
 
 HeaderFields read_fields(const std::string& text, const std::string& path) {
   HeaderFields fields(path);
-  const std::string_view body =
-      std::string_view(text).substr(magic.size(), text.size() - magic.size() - last_line.size());
+  const std::string_view body = std::string_view(text).substr(
+      first_word.size(), text.size() - first_word.size() - last_line.size());
   int number = 0;
   for (std::size_t at = 0; at < body.size();) {
     const std::size_t stop = std::min(body.find('\n', at), body.size());
@@ -151,7 +151,7 @@ void read_geometry(const HeaderFields& fields, VolumeInfo& info) {
 }
 
 // Like a slope: samples are read as stored.
-void warn_scaled(const HeaderFields& fields, VolumeInfo& info) {
+void warn_of_scale(const HeaderFields& fields, VolumeInfo& info) {
   const HeaderField* scale = fields.find("SCALE");
   if (scale != nullptr && !scale->value.empty() && scale->value != "2**0")
     info.warnings.push_back(
@@ -185,7 +185,7 @@ std::unique_ptr<SampleSource> open_inrimage(const std::filesystem::path& path) {
   info.files.push_back({file.path(), file.size(), file.mtime_ns()});
   info.type = inr_type(fields);
   read_geometry(fields, info);
-  warn_scaled(fields, info);
+  warn_of_scale(fields, info);
   DataLayout layout;
   layout.parts = {{path, 0, 0}};
   layout.encoding = compressed ? DataEncoding::deflated : DataEncoding::raw;

@@ -15,8 +15,6 @@
 namespace voxweld {
 namespace {
 
-constexpr std::int64_t max_files = std::int64_t{1} << 24;
-
 struct MetaText {
   HeaderFields fields;
   std::vector<std::string> listed;  // the lines after "ElementDataFile = LIST"

@@ -11,8 +11,6 @@
 namespace voxweld {
 namespace {
 
-constexpr std::int64_t max_files = std::int64_t{1} << 24;
-
 SampleType nrrd_type(const HeaderFields& fields) {
   const HeaderField& field = fields.require("type");
   const std::string name = lower(trim(field.value));
