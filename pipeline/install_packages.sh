@@ -15,7 +15,7 @@ packages=(
   nlohmann-json3-dev libfmt-dev libspdlog-dev libblosc-dev libzstd-dev libxxhash-dev zlib1g-dev
   libeigen3-dev
   # tests and checks
-  libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev clang-format clang-tidy
+  libgtest-dev libgmock-dev librapidcheck-dev clang-format clang-tidy
   xz-utils zstd time
   # a real scan for the quickstart
   mricron-data
