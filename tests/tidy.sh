@@ -31,7 +31,7 @@ changed_since() {
 }
 
 if [ "${1:-}" = --since ]; then
-  git -C "$root" rev-parse --quiet --verify "${2:?}^{commit}" >/dev/null || {
+  git -C "$root" rev-parse --quiet --verify "${2:?--since wants a revision}^{commit}" >/dev/null || {
     echo "skipped: $2 is no commit that this clone has"
     exit 77
   }
