@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
 # Runs clang-tidy (checks in .clang-tidy) over our sources; any warning fails.
-# Usage: tests/tidy.sh [BUILD_DIR] [FILE.cpp...]
+# Usage: tests/tidy.sh [BUILD_DIR] [--since REV | FILE.cpp...]
 #   BUILD_DIR must be configured with VOXWELD_UNITY=OFF: its compile_commands.json says how each
-#   file is compiled. Default: build-tidy, which is configured so. Without files: all of storage,
-#   stages, pipeline and tests that it knows.
+#   file is compiled. Default: build-tidy, which is configured so. --since: the sources that are not
+#   as in the commit REV, and for a changed header the source of its name; exit status 77 where there
+#   is no REV, as in a clone without its history.
+#   Without files: all of storage, stages, pipeline and tests that it knows.
 set -euo pipefail
 case ${1:-} in -h | --help)
-  sed -n '2,6s/^# //p' "$0"
+  sed -n '2,8s/^# //p' "$0"
   exit 0
   ;;
 esac
@@ -24,9 +26,25 @@ if [ ! -f "$commands" ]; then
   echo "tidy: no $commands; configure first: cmake -S . -B $build -G Ninja -DVOXWELD_UNITY=OFF" >&2
   exit 2
 fi
-files=("$@")
-if [ ${#files[@]} -eq 0 ]; then
-  mapfile -t files < <(sed -n 's/^ *"file": "\(.*\)",\{0,1\}$/\1/p' "$commands" | sort -u)
+known() { sed -n 's/^ *"file": "\(.*\)",\{0,1\}$/\1/p' "$commands" | sort -u; }
+
+changed_since() {
+  git -C "$root" diff --name-only --diff-filter=d "$1" -- '*.cpp' '*.h' |
+    sed -n "s|^\(.*\)\.\(cpp\|h\)\$|$root/\1.cpp|p" | sort -u
+}
+
+if [ "${1:-}" = --since ]; then
+  git -C "$root" rev-parse --quiet --verify "${2:?--since wants a revision}^{commit}" >/dev/null || {
+    echo "skipped: $2 is no commit that this clone has"
+    exit 77
+  }
+  mapfile -t files < <(comm -12 <(changed_since "$2") <(known))
+  echo "tidy: ${#files[@]} sources changed since $2"
+  [ ${#files[@]} -gt 0 ] || exit 0
+elif [ $# -gt 0 ]; then
+  files=("$@")
+else
+  mapfile -t files < <(known)
 fi
 # Headers of the packages are not ours to mend: warnings come from ours only (HeaderFilterRegex).
 printf '%s\0' "${files[@]}" |

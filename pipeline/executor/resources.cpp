@@ -5,8 +5,6 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <atomic>
 #include <ctime>
 #include <fstream>
 #include <limits>
@@ -14,9 +12,6 @@
 
 namespace voxweld {
 namespace {
-
-// The highest peak that was reset away.
-std::atomic<std::uint64_t> earlier_peak{0};
 
 // A figure of /proc/self/status, in bytes; 0 where there is none.
 std::uint64_t status_bytes(const std::string& field) {
@@ -41,8 +36,6 @@ std::uint64_t peak_since_reset() {
 
 // Sets the peak to what is resident now. False where that is not permitted or not heeded.
 bool reset_peak() {
-  const std::uint64_t before = peak_since_reset();
-  earlier_peak = std::max(earlier_peak.load(), before);
   const int fd = ::open("/proc/self/clear_refs", O_WRONLY | O_CLOEXEC);
   if (fd < 0) return false;
   const bool written = ::write(fd, "5", 1) == 1;
@@ -60,10 +53,6 @@ double seconds_of(clockid_t clock) {
 
 std::uint64_t resident_bytes() {
   return status_bytes("VmRSS:");
-}
-
-std::uint64_t peak_resident_bytes() {
-  return std::max(earlier_peak.load(), peak_since_reset());
 }
 
 StageMeter::StageMeter()

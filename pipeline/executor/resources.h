@@ -15,8 +15,6 @@ struct StageFigures {
 
 // Bytes this process has resident now; 0 where the system does not say.
 std::uint64_t resident_bytes();
-// The most bytes this process has had resident, whatever the meters below have reset.
-std::uint64_t peak_resident_bytes();
 
 // Measures from its construction on. Stages run one after the other: a meter resets the peak that
 // an older one still reads.

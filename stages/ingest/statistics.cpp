@@ -82,11 +82,6 @@ ValueRange range_of(std::span<const std::byte> samples) {
 
 }  // namespace
 
-ValueRange value_range(SampleType type, std::span<const std::byte> samples) {
-  return dispatch_sample_type(
-      type, [&](auto tag) { return range_of<typename decltype(tag)::type>(samples); });
-}
-
 HistogramStatistics::HistogramStatistics(SampleType type)
     : type_(type), counts_(histogram_bins(type)), lowest_(histogram_bins(type)), highest_(0) {}
 
@@ -139,12 +134,6 @@ Histogram HistogramStatistics::take() {
   highest_ = 0;
   nans_ = 0;
   return histogram;
-}
-
-Histogram histogram_of(SampleType type, std::span<const std::byte> samples) {
-  HistogramStatistics statistics(type);
-  statistics.add(samples);
-  return statistics.take();
 }
 
 }  // namespace voxweld

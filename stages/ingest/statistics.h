@@ -12,13 +12,11 @@
 
 namespace voxweld {
 
-// The range of samples in native byte order, of any alignment. Conservative where a double does not
-// hold the value: lo is rounded down, hi up (64-bit integers beyond 2^53). -0 counts as 0.
-// Precondition: a whole number of samples.
-ValueRange value_range(SampleType type, std::span<const std::byte> samples);
-
 // Range of each piece, histogram of all. Memory: 8 bytes a bin (8 MiB at most). One for each
 // thread.
+// Samples are in native byte order, of any alignment. Ranges are conservative where a double does
+// not hold the value: lo is rounded down, hi up (64-bit integers beyond 2^53). -0 counts as 0.
+// Precondition: a whole number of samples.
 class HistogramStatistics final : public SampleStatistics {
  public:
   explicit HistogramStatistics(SampleType type);
@@ -32,7 +30,5 @@ class HistogramStatistics final : public SampleStatistics {
   std::uint32_t lowest_, highest_;  // bins that may be in use
   std::uint64_t nans_ = 0;
 };
-
-Histogram histogram_of(SampleType type, std::span<const std::byte> samples);
 
 }  // namespace voxweld

@@ -171,17 +171,6 @@ void spool_volume(const SampleSource& source, const fs::path& path, Hash128 key,
   write_spool_record(path, record);
 }
 
-bool spool_is_current(const fs::path& path, Hash128 key) {
-  std::error_code error;
-  if (!fs::exists(path, error) || !fs::exists(spool_record_path(path), error)) return false;
-  try {
-    open_checked(path, key);
-    return true;
-  } catch (const DamagedArtifact&) {
-    return false;
-  }
-}
-
 std::unique_ptr<SampleSource> open_spool(const fs::path& path, Hash128 key) {
   OpenedSpool opened = open_checked(path, key);
   auto samples = open_samples(path, opened.record.info);

@@ -42,10 +42,6 @@ std::uint64_t spool_memory_needed(const VolumeInfo& info);
 void spool_volume(const SampleSource& source, const std::filesystem::path& path, Hash128 key,
                   const SpoolOptions& options);
 
-// Whether `path` holds a finished spool of this key, of the right size. A damaged record counts as
-// none. The samples themselves are not read.
-bool spool_is_current(const std::filesystem::path& path, Hash128 key);
-
 // The spooled volume: the info of the spooled source, with Access::box. Throws DamagedArtifact when
 // it is not a finished spool of this key, StorageError when it cannot be opened.
 std::unique_ptr<SampleSource> open_spool(const std::filesystem::path& path, Hash128 key);

@@ -6,7 +6,7 @@
 #include <bit>
 #include <cstring>
 
-#if defined(__x86_64__)
+#if defined(__SSE4_2__)
 #include <nmmintrin.h>
 #endif
 
@@ -16,6 +16,22 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "words are taken from memory as they lie");
 
+std::uint64_t load_word(const std::byte* at) {
+  std::uint64_t word = 0;
+  std::memcpy(&word, at, sizeof word);
+  return word;
+}
+
+#if defined(__SSE4_2__)
+struct Crc {
+  static std::uint32_t word(std::uint32_t crc, std::uint64_t word) {
+    return static_cast<std::uint32_t>(_mm_crc32_u64(crc, word));
+  }
+  static std::uint32_t byte(std::uint32_t crc, std::byte byte) {
+    return _mm_crc32_u8(crc, static_cast<unsigned char>(byte));
+  }
+};
+#else
 constexpr std::uint32_t polynomial = 0x82f63b78;
 using Tables = std::array<std::array<std::uint32_t, 256>, 8>;
 
@@ -36,46 +52,28 @@ constexpr Tables make_tables() {
 }
 constexpr Tables tables = make_tables();
 
-std::uint64_t load_word(const std::byte* at) {
-  std::uint64_t word = 0;
-  std::memcpy(&word, at, sizeof word);
-  return word;
-}
-
-#if defined(__x86_64__)
-__attribute__((target("sse4.2"))) std::uint32_t by_instruction(std::span<const std::byte> data) {
-  std::uint64_t crc = 0xffffffff;
-  const std::byte* at = data.data();
-  std::size_t left = data.size();
-  for (; left >= 8; left -= 8, at += 8) crc = _mm_crc32_u64(crc, load_word(at));
-  auto narrow = static_cast<std::uint32_t>(crc);
-  for (; left > 0; --left, ++at) narrow = _mm_crc32_u8(narrow, static_cast<unsigned char>(*at));
-  return ~narrow;
-}
+struct Crc {
+  static std::uint32_t word(std::uint32_t crc, std::uint64_t word) {
+    word ^= crc;
+    crc = 0;
+    for (std::size_t k = 0; k < 8; ++k) crc ^= tables[7 - k][word >> (8 * k) & 0xff];
+    return crc;
+  }
+  static std::uint32_t byte(std::uint32_t crc, std::byte byte) {
+    return (crc >> 8) ^ tables[0][(crc ^ static_cast<std::uint32_t>(byte)) & 0xff];
+  }
+};
 #endif
 
 }  // namespace
 
-std::uint32_t crc32c_by_table(std::span<const std::byte> data) {
+std::uint32_t crc32c(std::span<const std::byte> data) {
   std::uint32_t crc = 0xffffffff;
   const std::byte* at = data.data();
   std::size_t left = data.size();
-  for (; left >= 8; left -= 8, at += 8) {
-    const std::uint64_t word = load_word(at) ^ crc;
-    crc = 0;
-    for (std::size_t k = 0; k < 8; ++k) crc ^= tables[7 - k][word >> (8 * k) & 0xff];
-  }
-  for (; left > 0; --left, ++at)
-    crc = (crc >> 8) ^ tables[0][(crc ^ static_cast<std::uint32_t>(*at)) & 0xff];
+  for (; left >= 8; left -= 8, at += 8) crc = Crc::word(crc, load_word(at));
+  for (; left > 0; --left, ++at) crc = Crc::byte(crc, *at);
   return ~crc;
-}
-
-std::uint32_t crc32c(std::span<const std::byte> data) {
-#if defined(__x86_64__)
-  static const bool has_instruction = __builtin_cpu_supports("sse4.2") != 0;
-  if (has_instruction) return by_instruction(data);
-#endif
-  return crc32c_by_table(data);
 }
 
 }  // namespace voxweld

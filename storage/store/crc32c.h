@@ -8,10 +8,7 @@
 
 namespace voxweld {
 
-// Uses the processor's instruction where there is one; the result is the same either way.
+// By the processor's instruction where the program is built for one, else by tables.
 std::uint32_t crc32c(std::span<const std::byte> data);
-
-// The path without the instruction, for the other processors and for the test that both agree.
-std::uint32_t crc32c_by_table(std::span<const std::byte> data);
 
 }  // namespace voxweld

@@ -134,6 +134,10 @@ struct LabelGolden {
   std::array<Golden, 4> stages;  // build, merge, stitch, encode
 };
 
+void PrintTo(const LabelGolden& golden, std::ostream* out) {
+  *out << golden.mode;
+}
+
 class LabelGoldens : public ::testing::TestWithParam<LabelGolden> {};
 
 TEST_P(LabelGoldens, OfEveryStage) {

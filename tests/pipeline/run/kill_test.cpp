@@ -5,10 +5,14 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <regex>
+#include <set>
 
+#include "tests/pipeline/run/label_volumes.h"
 #include "tests/pipeline/run/scene.h"
 
 namespace voxweld::testing {
@@ -16,69 +20,118 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// VOXWELD_KILLS: how many times a run is killed before it may end.
-int kills_asked() {
-  const char* text = std::getenv("VOXWELD_KILLS");
-  return text == nullptr ? 4 : std::max(1, std::atoi(text));
+// One thread: each run comes by the same points in the same order.
+Settings in_order(const Settings& settings) {
+  return settings + Settings{"run.threads=1"};
 }
 
-struct Killed {
-  int by_signal = 0, by_itself = 0;
-};
+Environment watched(const Scene& scene, const std::string& variable, const std::string& value,
+                    int signal = 0) {
+  const char* sanitizer = std::getenv("ASAN_OPTIONS");  // it wants to be loaded first
+  return Environment({{"ASAN_OPTIONS", fmt::format("{}:verify_asan_link_order=0",
+                                                   sanitizer == nullptr ? "" : sanitizer)},
+                      {"LD_PRELOAD", program_path().parent_path() / "commit_points.so"},
+                      {"VOXWELD_POINTS_BELOW", scene.directory()},
+                      {"VOXWELD_POINTS_SIGNAL", std::to_string(signal)},
+                      {variable, value}});
+}
 
-// Kills runs at random moments of the time a whole one takes, then lets one end.
-Killed run_through_kills(const Scene& scene, const Settings& settings, unsigned seed) {
-  const ProgramResult undisturbed = scene.run_in("timing", settings);
-  VOXWELD_EXPECT_DONE(undisturbed);
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> moment(0, undisturbed.seconds);
-  Killed killed;
-  for (int i = 0; i < kills_asked(); ++i) {
-    const ProgramResult result = scene.run(settings, Stop{SIGKILL, moment(random)});
-    if (result.exit_code == 128 + SIGKILL) {
-      ++killed.by_signal;
-    } else {  // it was done before the moment came: from the start again
-      VOXWELD_EXPECT_DONE(result);
-      ++killed.by_itself;
-      fs::remove_all(scene.output());
-      if (i % 2 == 0) fs::remove_all(scene.work());
-    }
+// The moments before and after each change of a run's files, as commit_points.cpp names them.
+std::vector<std::string> points_of(const Scene& scene, const Settings& settings) {
+  const fs::path list = scene.directory() / "points";
+  fs::remove(list);
+  const Environment listed = watched(scene, "VOXWELD_POINTS_LIST", list);
+  VOXWELD_EXPECT_DONE(scene.run(in_order(settings)));
+  std::vector<std::string> points;
+  std::ifstream in(list);
+  for (std::string line; std::getline(in, line);) points.push_back(line);
+  return points;
+}
+
+// Of points that only differ in their numbers, the tiles' say, the first and the last.
+std::vector<std::string> of_each_kind(const std::vector<std::string>& points) {
+  std::map<std::string, std::set<std::size_t>> kinds;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::set<std::size_t>& same = kinds[std::regex_replace(points[i], std::regex("[0-9]+"), "#")];
+    if (same.size() == 2) same.erase(std::prev(same.end()));
+    same.insert(i);
   }
-  VOXWELD_EXPECT_DONE(scene.run(settings));
-  return killed;
+  std::set<std::size_t> chosen;
+  for (const auto& [kind, same] : kinds) chosen.insert(same.begin(), same.end());
+  std::vector<std::string> some;
+  for (const std::size_t i : chosen) some.push_back(points[i]);
+  return some;
 }
 
-void expect_whole_after_kills(const Scene& scene, const Settings& settings, unsigned seed) {
-  const Tree clean = scene.clean_tree(settings);
-  const Killed killed = run_through_kills(scene, settings, seed);
-  EXPECT_EQ(killed.by_signal + killed.by_itself, kills_asked());
-  EXPECT_EQ(difference(clean, output_tree(scene.output())), "") << "seed " << seed;
+ProgramResult run_up_to(const Scene& scene, const Settings& settings, const std::string& point,
+                        int signal) {
+  const Environment stopped = watched(scene, "VOXWELD_POINTS_AT", point, signal);
+  return scene.run(in_order(settings));
+}
+
+void start_again(const Scene& scene) {
+  fs::remove_all(scene.work());
+  fs::remove_all(scene.output());
+}
+
+void expect_whole(const Scene& scene, const Tree& clean) {
+  EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
   EXPECT_TRUE(temporary_files(scene.work()).empty());
   EXPECT_TRUE(temporary_files(scene.output()).empty());
 }
 
-TEST(Kill, APartReadInPlace) {
-  expect_whole_after_kills(Scene("part", 96), {"work.brick=16", "work.shard=2"}, 1);
+struct Kills {
+  Settings settings;
+  std::vector<std::string> of;  // what is certainly changed: the ends of points
+  std::string within = {};      // only points that have this in them
+  Settings before = {};         // of the run whose files are there already; empty: none
+};
+
+// Kills the run at the points of an undisturbed one, each time going on from where the last was
+// killed, so that whatever a kill spoils is there at the end.
+void expect_whole_after(const Kills& kills, const Scene& scene) {
+  const auto prepare = [&] {
+    start_again(scene);
+    if (!kills.before.empty()) VOXWELD_EXPECT_DONE(scene.run(kills.before));
+  };
+  const Tree clean = scene.clean_tree(kills.settings);
+  prepare();
+  std::vector<std::string> points = of_each_kind(points_of(scene, kills.settings));
+  std::erase_if(points, [&](const std::string& point) {
+    return point.find(kills.within) == std::string::npos;
+  });
+  for (const std::string& change : kills.of)
+    for (const char* moment : {"before ", "after "})
+      EXPECT_TRUE(std::ranges::any_of(points,
+                                      [&](const std::string& point) {
+                                        return point.starts_with(moment) && point.ends_with(change);
+                                      }))
+          << "no point " << moment << change;
+  prepare();
+  for (const std::string& point : points)
+    ASSERT_EQ(run_up_to(scene, kills.settings, point, SIGKILL).exit_code, 128 + SIGKILL)
+        << "not killed " << point;
+  VOXWELD_EXPECT_DONE(scene.run(kills.settings));
+  expect_whole(scene, clean);
 }
 
-TEST(Kill, APorousVolumeThroughTheStore) {
-  expect_whole_after_kills(
-      Scene("porous", 64),
-      {"work.brick=16", "work.shard=2", "work.copy=true", "output.tile_vertices=1024"}, 2);
-}
-
-TEST(Kill, NoiseInManyTiles) {
-  expect_whole_after_kills(Scene(noise_volume({45, 40, 38}, 3)),
-                           {"work.brick=16", "work.shard=2", "output.tile_vertices=2000"}, 3);
+TEST(Kill, AtEachCommitOfARunThroughTheStore) {
+  const Settings settings = {"work.brick=16", "work.shard=2", "work.copy=true",
+                             "output.tile_vertices=2000"};
+  expect_whole_after({settings,
+                      {"last-run.toml", "zarr.json", "0/0/0", ".shard", ".octree", "top.tree",
+                       ".tile", "unfinished.files", "-0.drc", "-0.glb", "-0.record", "mesh.drc",
+                       "mesh.glb", "merged.record", "tiles.jsonl", "manifest.json"}},
+                     Scene(noise_volume({20, 34, 18}, 2)));
 }
 
 // A stream is spooled first: one more file that may be cut short.
-TEST(Kill, ACompressedVolumeThroughSpoolAndStore) {
-  const RawVolume volume = noise_volume({40, 36, 30}, 4);
+TEST(Kill, AtEachCommitOfTheIngestOfACompressedVolume) {
+  const RawVolume volume = noise_volume({20, 18, 15}, 4);
   const Scene scene("sphere", 8);  // its volume makes room for another one
   const fs::path path = scene.volume();
   const std::string header =
-      "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 40 36 30\nspacings: 1 1 1\nencoding: gzip\n\n";
+      "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 20 18 15\nspacings: 1 1 1\nencoding: gzip\n\n";
   std::ofstream(path) << header;
   gzFile out = gzopen(path.c_str(), "ab");
   ASSERT_NE(out, nullptr);
@@ -86,47 +139,74 @@ TEST(Kill, ACompressedVolumeThroughSpoolAndStore) {
   gzclose(out);
   const Settings settings = {"surface.isovalue=128", "work.brick=16", "work.shard=2",
                              "simplify.tolerance=2"};
-  expect_whole_after_kills(scene, settings, 4);
+  expect_whole_after({settings, {".raw", ".raw.record", "zarr.json", ".shard"}, "/ingest-"}, scene);
 }
 
-TEST(Kill, EveryStageOfAChangedRun) {
-  const Scene scene("part", 64);
+TEST(Kill, AtEachCommitOfEachLabel) {
+  const Settings settings = {"work.brick=16", "work.shard=2", "labels.mode=each"};
+  expect_whole_after({settings,
+                      {".labels", "labels.all", ".octree", "top.tree", ".tile", ".record",
+                       "labels.jsonl", "tiles.jsonl", "manifest.json"}},
+                     Scene(ball_labels(SampleType::u8, {20, 20, 34})));
+}
+
+// Other tiles in one format less: what the run before left must be known until it is removed.
+TEST(Kill, AtEachCommitOfAChangedRun) {
   const Settings before = {"work.brick=16", "output.tile_vertices=1024"};
-  const Settings after = before + Settings{"simplify.tolerance=0.4", "output.formats=[\"drc\"]"};
-  const Tree clean = scene.clean_tree(after);
+  const Settings after = {"work.brick=16", "simplify.tolerance=0.4", "output.formats=[\"drc\"]"};
+  expect_whole_after(
+      {after,
+       {"top.tree", "-0.drc", "rename /scene.mesh/manifest.json",
+        "removal /scene.mesh/manifest.json", "removal /scene.mesh/mesh.glb", "unfinished.files"},
+       "",
+       before},
+      Scene("part", 40));
+}
+
+// Between the points too: at random moments of the time a whole run takes.
+TEST(Kill, AtRandomMoments) {
+  const Scene scene("porous", 64);
+  const Settings settings = {"work.brick=16", "work.shard=2", "work.copy=true",
+                             "output.tile_vertices=1024"};
+  const Tree clean = scene.clean_tree(settings);
+  const ProgramResult undisturbed = scene.run(settings);
+  VOXWELD_EXPECT_DONE(undisturbed);
+  start_again(scene);
   std::mt19937 random(5);
-  for (int i = 0; i < kills_asked(); ++i) {
-    fs::remove_all(scene.work());
-    fs::remove_all(scene.output());
-    const ProgramResult first = scene.run(before);
-    VOXWELD_EXPECT_DONE(first);
-    const double moment = std::uniform_real_distribution<double>(0, first.seconds)(random);
-    scene.run(after, Stop{SIGKILL, moment});
-    VOXWELD_EXPECT_DONE(scene.run(after));
-    EXPECT_EQ(difference(clean, output_tree(scene.output())), "") << "killed after " << moment;
+  std::uniform_real_distribution<double> moment(0, undisturbed.seconds);
+  constexpr int wanted = 4;
+  int kills = 0;
+  for (int tries = 0; kills < wanted && tries < 10 * wanted; ++tries) {
+    const ProgramResult result = scene.run(settings, Stop{SIGKILL, moment(random)});
+    if (result.exit_code == 128 + SIGKILL) {
+      ++kills;
+      continue;
+    }
+    VOXWELD_EXPECT_DONE(result);  // it was done before the moment came
+    start_again(scene);
   }
+  EXPECT_EQ(kills, wanted);
+  VOXWELD_EXPECT_DONE(scene.run(settings));
+  expect_whole(scene, clean);
 }
 
 TEST(Kill, CtrlCEndsWithAMessageAndResumes) {
-  const Scene scene(noise_volume({64, 64, 60}, 6));
-  const Settings settings = {"work.brick=16", "work.shard=2", "run.threads=1"};
+  const Scene scene("part", 40);
+  const Settings settings = {"work.brick=16", "work.shard=2"};
   const Tree clean = scene.clean_tree(settings);
-  bool interrupted = false;
-  for (double after = 0.3; !interrupted && after > 0.001; after /= 2) {
-    fs::remove_all(scene.work());
-    fs::remove_all(scene.output());
-    const ProgramResult result = scene.run(settings, Stop{SIGINT, after});
-    if (result.exit_code == 0) continue;             // it was done by then
-    if (result.exit_code == 128 + SIGINT) continue;  // before the program could have a handler
-    interrupted = true;
-    EXPECT_EQ(result.exit_code, 1);
-    EXPECT_NE(result.err.find("interrupted; what is finished is kept"), std::string::npos)
-        << result.err;
-    EXPECT_TRUE(temporary_files(scene.work()).empty());
-  }
-  EXPECT_TRUE(interrupted);
+  const auto points = points_of(scene, settings);
+  const auto octree = std::ranges::find_if(
+      points, [](const std::string& point) { return point.ends_with(".octree"); });
+  ASSERT_NE(octree, points.end());
+  start_again(scene);
+  const ProgramResult result = run_up_to(scene, settings, *octree, SIGINT);
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("interrupted; what is finished is kept"), std::string::npos)
+      << result.err;
+  EXPECT_TRUE(temporary_files(scene.work()).empty());
+  EXPECT_FALSE(fs::exists(scene.output() / "manifest.json"));
   VOXWELD_EXPECT_DONE(scene.run(settings));
-  EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
+  expect_whole(scene, clean);
 }
 
 // What a killed process left behind goes; what may belong to one that lives stays.
@@ -154,26 +234,6 @@ TEST(Kill, TemporaryFilesOfDeadProcessesGo) {
   VOXWELD_EXPECT_DONE(scene.run());
   for (const auto& file : stale) EXPECT_FALSE(fs::exists(file)) << file;
   for (const auto& file : others) EXPECT_TRUE(fs::exists(file)) << file;
-}
-
-// Killed between taking the manifest away and writing the new one, a run must not forget which
-// files the old listing had.
-TEST(Kill, LeftoversAreKnownAfterAKillInEncode) {
-  const Scene scene(noise_volume({40, 40, 40}, 8));
-  const Settings both = {"output.tile_vertices=1024"};
-  const Settings drc = both + Settings{"output.formats=[\"drc\"]"};
-  const Tree clean = scene.clean_tree(drc);
-  VOXWELD_EXPECT_DONE(scene.run(both));
-  bool caught = false;
-  for (double after = 0.01; !caught && after < 3; after += 0.01) {
-    const ProgramResult result = scene.run(drc, Stop{SIGKILL, after});
-    caught = result.exit_code != 0 && !fs::exists(scene.output() / "manifest.json");
-    if (result.exit_code != 0) continue;
-    VOXWELD_EXPECT_DONE(scene.run(both));  // too late: once more
-  }
-  ASSERT_TRUE(caught) << "never killed within encode";
-  VOXWELD_EXPECT_DONE(scene.run(drc));
-  EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
 }
 
 }  // namespace

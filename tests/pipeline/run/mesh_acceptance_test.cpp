@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <cctype>
-
 #include "pipeline/output/verify.h"
 #include "storage/meshes/mesh_file.h"
 #include "tests/pipeline/run/mesh_scene.h"
+#include "tests/support/test_names.h"
 
 namespace voxweld::testing {
 namespace {
@@ -20,6 +19,9 @@ struct Expected {
   // tolerance of a tenth and at a fiftieth; 0: none.
   double sharp, sharp_fine;
 };
+void PrintTo(const Expected& expected, std::ostream* out) {
+  *out << expected.file;
+}
 class MeshAcceptance : public ::testing::TestWithParam<Expected> {};
 
 double share_near(const std::vector<Vec3>& points, const TriangleMesh& result, double cell) {
@@ -68,12 +70,7 @@ INSTANTIATE_TEST_SUITE_P(Shared, MeshAcceptance,
                                                     0.997},
                                            Expected{"meshes/joint.off", 0.03, 0.5, 0.96, 0.9999},
                                            Expected{"meshes/knot2.off", 0.04, 0.5, 0.95, 0.975}),
-                         [](const auto& tested) {
-                           std::string name = tested.param.file;
-                           for (char& c : name)
-                             if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-                           return name;
-                         });
+                         [](const auto& tested) { return test_name(tested.param.file); });
 
 }  // namespace
 }  // namespace voxweld::testing

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <cctype>
 #include <fstream>
 #include <random>
 
@@ -11,6 +10,7 @@
 #include "storage/support/file_io.h"
 #include "tests/pipeline/run/mesh_scene.h"
 #include "tests/support/nearest_triangle.h"
+#include "tests/support/test_names.h"
 
 namespace voxweld::testing {
 namespace {
@@ -61,6 +61,9 @@ struct SharedMesh {
   const char* file;
   bool sharp;
 };
+void PrintTo(const SharedMesh& mesh, std::ostream* out) {
+  *out << mesh.file;
+}
 class SharedMeshes : public ::testing::TestWithParam<SharedMesh> {};
 
 TEST_P(SharedMeshes, ComeOutAsTheyWentIn) {
@@ -103,12 +106,7 @@ INSTANTIATE_TEST_SUITE_P(MeshEdit, SharedMeshes,
                                            SharedMesh{"meshes/anchor_dense.off", false},
                                            SharedMesh{"meshes/joint.off", true},
                                            SharedMesh{"meshes/knot2.off", false}),
-                         [](const auto& tested) {
-                           std::string name = tested.param.file;
-                           for (char& c : name)
-                             if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-                           return name;
-                         });
+                         [](const auto& tested) { return test_name(tested.param.file); });
 
 // Corners on lattice points, faces in their planes and rows along its edges come with the halves.
 TriangleMesh nasty_mesh() {

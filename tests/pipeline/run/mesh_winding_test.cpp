@@ -1,11 +1,10 @@
 // Meshes with holes and overlaps, closed by their winding number, end to end.
 #include <gmock/gmock.h>
 
-#include <cctype>
-
 #include "pipeline/output/verify.h"
 #include "storage/meshes/mesh_file.h"
 #include "tests/pipeline/run/mesh_scene.h"
+#include "tests/support/test_names.h"
 #include "tests/support/triangle_meshes.h"
 
 namespace voxweld::testing {
@@ -82,12 +81,7 @@ TEST_P(Holes, CloseToTheVolumeThatWas) {
 INSTANTIATE_TEST_SUITE_P(MeshWinding, Holes,
                          ::testing::Values("meshes/fandisk.obj", "meshes/rocker-arm.obj",
                                            "meshes/anchor_dense.off"),
-                         [](const auto& tested) {
-                           std::string name = tested.param;
-                           for (char& c : name)
-                             if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-                           return name;
-                         });
+                         [](const auto& tested) { return test_name(tested.param); });
 
 TEST(MeshWinding, OfAClosedMeshIsAsByParity) {
   const MeshInputScene space;

@@ -147,12 +147,11 @@ TEST(Options, AnOpenBorderIsOpenOnTheBorderOnly) {
 // What reaches no border is the same either way.
 TEST(Options, AnOpenBorderChangesNothingInside) {
   const Scene scene("sphere", 40);
-  const Tree closed = scene.clean_tree(tiled);
-  const Tree open = scene.clean_tree(tiled + Settings{"surface.border=open"});
-  for (const auto& [name, hash] : closed) {
-    if (name == "manifest") continue;  // it says which border it is
-    EXPECT_EQ(open.at(name), hash) << name;
-  }
+  Tree closed = scene.clean_tree(tiled);
+  Tree open = scene.clean_tree(tiled + Settings{"surface.border=open"});
+  for (Tree* tree : {&closed, &open}) tree->erase("manifest");  // it says which border it is
+  EXPECT_GT(closed.size(), 3U);
+  EXPECT_EQ(difference(closed, open), "");
 }
 
 TEST(Options, FreeTopologyKeepsEdgesBalanced) {

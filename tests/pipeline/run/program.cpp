@@ -7,9 +7,11 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 #include <stdexcept>
 #include <thread>
+
 #include "tests/support/temp_directory.h"
 
 namespace voxweld::testing {
@@ -58,6 +60,22 @@ double since(Clock::time_point begin) {
 }
 
 }  // namespace
+
+Environment::Environment(std::vector<std::pair<std::string, std::string>> variables) {
+  for (const auto& [name, value] : variables) {
+    const char* earlier = std::getenv(name.c_str());
+    earlier_.emplace_back(name, earlier == nullptr ? std::nullopt : std::optional(earlier));
+    setenv(name.c_str(), value.c_str(), 1);
+  }
+}
+
+Environment::~Environment() {
+  for (const auto& [name, value] : earlier_)
+    if (value)
+      setenv(name.c_str(), value->c_str(), 1);
+    else
+      unsetenv(name.c_str());
+}
 
 ProgramResult run_voxweld(const std::vector<std::string>& arguments, std::optional<Stop> stop) {
   const Capture out = open_capture(), err = open_capture();

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace voxweld::testing {
@@ -17,6 +18,18 @@ struct ProgramResult {
 struct Stop {
   int signal = 0;
   double after_s = 0;
+};
+
+// While it lives, programs that are started have these variables beside the test's own.
+class Environment {
+ public:
+  explicit Environment(std::vector<std::pair<std::string, std::string>> variables);
+  ~Environment();
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+ private:
+  std::vector<std::pair<std::string, std::optional<std::string>>> earlier_;
 };
 
 // `arguments` without the program's own name. Ended by force after two minutes.

@@ -7,7 +7,7 @@ let validator;
 try {
   validator = createRequire(import.meta.url)("gltf-validator");
 } catch {
-  console.error("the npm package gltf-validator is not installed");
+  console.error("the npm package gltf-validator is not installed; run tests/npm_packages.sh");
   process.exit(2);
 }
 let failed = false;

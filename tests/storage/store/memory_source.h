@@ -56,6 +56,16 @@ inline std::vector<std::byte> read_box(const SampleSource& source, const Box3& b
   return out;
 }
 
+inline ValueRange value_range(SampleType type, std::span<const std::byte> samples) {
+  return HistogramStatistics(type).add(samples);
+}
+
+inline Histogram histogram_of(SampleType type, std::span<const std::byte> samples) {
+  HistogramStatistics statistics(type);
+  statistics.add(samples);
+  return statistics.take();
+}
+
 // Any bit patterns (NaNs, infinities), with stretches of zero.
 inline MemorySource random_source(SampleType type, Index3 size, unsigned seed) {
   MemorySource source(type, size);

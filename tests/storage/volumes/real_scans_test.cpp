@@ -1,6 +1,7 @@
 // Files that other programs wrote. The figures were worked out from the files without this code:
 // headers by eye and od, samples by decompressing and summing them with other tools.
 #include "tests/storage/volumes/known_volume.h"
+#include "tests/support/test_names.h"
 
 namespace voxweld::testing {
 namespace {
@@ -35,6 +36,10 @@ void expect_values(const SampleSource& source, const Expected& expected) {
   EXPECT_EQ(lowest, expected.lowest);
   EXPECT_EQ(highest, expected.highest);
   EXPECT_EQ(sum, expected.sum);
+}
+
+void PrintTo(const Expected& expected, std::ostream* out) {
+  *out << expected.file;
 }
 
 class RealScan : public ::testing::TestWithParam<Expected> {};
@@ -139,12 +144,7 @@ INSTANTIATE_TEST_SUITE_P(
                  847320240},
         Expected{
             "vtk/HeadMRVolume.mhd", {48, 62, 42}, u8, {4, 4, 4}, Access::box, 0, 255, 3058332}),
-    [](const auto& tested) {
-      std::string name = tested.param.file;
-      for (char& c : name)
-        if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-      return name;
-    });
+    [](const auto& scan) { return test_name(scan.param.file); });
 
 TEST(RealScans, GeometryOfTiltedAndPlacedVolumes) {
   VOXWELD_NEEDS_SHARED_DATA("nifti/CT_pitch.nii.gz");

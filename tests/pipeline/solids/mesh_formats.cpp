@@ -1,4 +1,4 @@
-#include "tests/pipeline/run/mesh_formats.h"
+#include "tests/pipeline/solids/mesh_formats.h"
 
 #include <fmt/format.h>
 

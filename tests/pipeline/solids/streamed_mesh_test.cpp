@@ -15,7 +15,7 @@
 #include "pipeline/solids/mesh_survey.h"
 #include "stages/solids/mesh_solid.h"
 #include "storage/support/error.h"
-#include "tests/pipeline/run/mesh_formats.h"
+#include "tests/pipeline/solids/mesh_formats.h"
 #include "tests/support/temp_directory.h"
 #include "tests/support/triangle_meshes.h"
 

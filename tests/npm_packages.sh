@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# Installs the npm packages that tests hold voxweld's files against, at the versions of
+# package-lock.json, into tests/node_modules: the Khronos glTF validator and zarrita. Checks that
+# they load. Quiet; does nothing when all of them are there. Without Node.js's npm it installs
+# Debian's, which needs root or sudo.
+# Usage: tests/npm_packages.sh
+set -euo pipefail
+case ${1:-} in -h | --help)
+  sed -n '2,6s/^# //p' "$0"
+  exit 0
+  ;;
+esac
+
+cd "$(dirname "${BASH_SOURCE[0]}")"
+# shellcheck source=pipeline/apt_packages.sh
+source ../pipeline/apt_packages.sh
+
+# The scripts of the tests say by themselves whether their packages load.
+loaded() { node stages/encode/gltf_validate.mjs && node storage/store/zarrita_check.mjs; }
+
+# npm leaves a copy of the lock behind when it has installed all of it.
+installed=node_modules/.package-lock.json
+if [ -f "$installed" ] && [ ! package-lock.json -nt "$installed" ] && loaded >/dev/null 2>&1; then
+  exit 0
+fi
+command -v npm >/dev/null || want npm
+[ ${#missing[@]} -eq 0 ] || install_missing true true
+echo "npm_packages: installing the packages of tests/package-lock.json"
+npm ci --silent --no-audit --no-fund </dev/null
+loaded
