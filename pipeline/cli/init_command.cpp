@@ -135,7 +135,7 @@ int init_mesh(const InitArguments& arguments) {
   const fs::path config = config_path(arguments);
   InputConfig input;
   input.path = path;
-  input.format = InputConfig::Format::mesh;
+  input.format = "mesh";
   input.cell = arguments.cell;
   if (!input.cell) input.resolution = arguments.resolution.value_or(usual_resolution);
   if (arguments.close == "winding") input.close = MeshClosing::winding;

@@ -7,11 +7,9 @@ namespace voxweld {
 namespace {
 
 InputSpec spec_of(const InputConfig& config) {
-  static constexpr std::array formats = {"auto",     "nrrd", "metaimage", "nifti",
-                                         "inrimage", "raw",  "stack",     "zarr"};
   InputSpec spec;
   spec.path = config.path.string();
-  spec.format = formats[static_cast<std::size_t>(config.format)];
+  spec.format = config.format;
   spec.raw.size = config.size;
   spec.raw.type = config.type;
   spec.raw.byte_order =
@@ -26,13 +24,13 @@ InputSpec spec_of(const InputConfig& config) {
 }  // namespace
 
 std::shared_ptr<MeshVolume> open_mesh(const Config& config) {
-  return config.input.format == InputConfig::Format::mesh ? open_mesh_input(config) : nullptr;
+  return config.input.is_mesh() ? open_mesh_input(config) : nullptr;
 }
 
 std::shared_ptr<SampleSource> open_input(const Config& whole) {
   const InputConfig& config = whole.input;
   if (auto mesh = open_mesh(whole)) return mesh;
-  if (config.format != InputConfig::Format::empty) return open_volume(spec_of(config));
+  if (!config.is_empty()) return open_volume(spec_of(config));
   VolumeGeometry geometry;
   geometry.size = config.size.value();
   if (config.spacing) geometry.spacing = *config.spacing;
