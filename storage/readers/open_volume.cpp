@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "storage/image/stack_source.h"
+#include "storage/modules/module_loader.h"
 #include "storage/store/open_zarr.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
@@ -98,7 +99,8 @@ std::unique_ptr<SampleSource> open_volume(const InputSpec& spec,
   if (spec.path.empty()) throw InputError("the input has no path: name a volume file");
   const VolumeReader& reader =
       spec.format == "auto" ? reader_by_probe(spec, readers) : reader_by_name(spec, readers);
-  std::unique_ptr<SampleSource> source = reader.open(spec);
+  std::unique_ptr<SampleSource> source =
+      reader.module.empty() ? reader.open(spec) : open_by_module(reader, spec);
   if (spec.spacing || !spec.unit.empty())
     source = override_source(std::move(source), {.spacing = spec.spacing, .unit = spec.unit});
   if (spec.crop) source = crop_source(std::move(source), *spec.crop);

@@ -19,7 +19,7 @@ std::string reader_names(std::span<const VolumeReader> readers = volume_readers(
 // Picks the reader spec.format names or, with "auto", the first that knows the contents, else the
 // first that knows the name; opens the input; applies overrides and crop.
 // InputError: nothing there, unknown format (the message lists the known ones), bad crop or
-// overrides. What the reader throws passes through.
+// overrides, the reader's module is missing. What the reader throws passes through.
 std::unique_ptr<SampleSource> open_volume(const InputSpec& spec,
                                           std::span<const VolumeReader> readers = volume_readers());
 

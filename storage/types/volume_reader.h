@@ -50,7 +50,10 @@ struct VolumeReader {
   // How sure the reader is that the input is its own: by contents, by name only, or not at all.
   std::function<Match(const InputProbe&)> test;
   // Opens the input, without crop and overrides. Throws FormatError, InputError or StorageError.
-  std::function<std::unique_ptr<SampleSource>(const InputSpec&)> open;
+  // Empty where `module` is not.
+  std::function<std::unique_ptr<SampleSource>(const InputSpec&)> open{};
+  // The module that opens the input, loaded when there is one to open; empty: built in.
+  std::string module{};
 };
 
 }  // namespace voxweld

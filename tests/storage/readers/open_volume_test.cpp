@@ -84,6 +84,8 @@ TEST(OpenVolume, EveryFormatHasItsRow) {
   EXPECT_EQ(known_by("."), "stack");
   EXPECT_EQ(known_by("b*.tif"), "stack");
   EXPECT_EQ(known_by("b.txt"), "");
+  for (const VolumeReader& reader : volume_readers())
+    EXPECT_NE(reader.open == nullptr, reader.module.empty()) << reader.name;
 }
 
 TEST(OpenVolume, OverridesAndCropApply) {
