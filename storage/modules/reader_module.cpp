@@ -13,9 +13,9 @@ namespace {
 
 using Kind = ModuleError::Kind;
 
-// False, and why in `error`, where the call throws.
+// False, and why in `error`, where the call throws. What is not ours does not name the file.
 template <class Call>
-bool guarded(ModuleError& error, const Call& call) try {
+bool guarded(const std::string& path, ModuleError& error, const Call& call) try {
   call();
   return true;
 } catch (const InputError& failure) {
@@ -24,24 +24,32 @@ bool guarded(ModuleError& error, const Call& call) try {
 } catch (const StorageError& failure) {
   error = {Kind::storage, failure.what(), failure.error_number()};
   return false;
-} catch (const std::bad_alloc&) {
-  error = {Kind::storage, "out of memory; lower run.memory or run.threads", ENOMEM};
-  return false;
-} catch (const std::exception& failure) {  // of a library: something about the file
+} catch (const Error& failure) {
   error = {Kind::format, failure.what()};
+  return false;
+} catch (const std::bad_alloc&) {
+  error = {Kind::storage, path + ": out of memory; lower run.memory or run.threads", ENOMEM};
+  return false;
+} catch (const std::exception& failure) {
+  error = {Kind::format, path + ": cannot be read: " + failure.what()};
+  return false;
+} catch (...) {
+  error = {Kind::format, path + ": cannot be read, and its library does not say why"};
   return false;
 }
 
 class SourceVolume final : public ModuleVolume {
  public:
-  explicit SourceVolume(std::unique_ptr<SampleSource> source) : source_(std::move(source)) {}
+  SourceVolume(std::string path, std::unique_ptr<SampleSource> source)
+      : path_(std::move(path)), source_(std::move(source)) {}
 
   const VolumeInfo& info() const override { return source_->info(); }
   bool read(const Box3& box, std::byte* out, ModuleError& error) const override {
-    return guarded(error, [&] { source_->read(box, out); });
+    return guarded(path_, error, [&] { source_->read(box, out); });
   }
 
  private:
+  std::string path_;
   std::unique_ptr<SampleSource> source_;
 };
 
@@ -57,7 +65,8 @@ ModuleVolume* ReaderModule::open_volume(const std::string& reader, const InputSp
                                         ModuleError& error) {
   const auto row = std::ranges::find(rows_, reader, &VolumeReader::name);
   std::unique_ptr<ModuleVolume> volume;
-  guarded(error, [&] { volume = std::make_unique<SourceVolume>(row->open(spec)); });
+  guarded(spec.path, error,
+          [&] { volume = std::make_unique<SourceVolume>(spec.path, row->open(spec)); });
   return volume.release();
 }
 

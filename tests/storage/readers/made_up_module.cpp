@@ -1,5 +1,7 @@
 // A module that reads a format nobody has: "MADE-UP x y z" on a line, then samples of 8 bits.
+#include <new>
 #include <sstream>
+#include <stdexcept>
 
 #include "storage/modules/reader_module.h"
 #include "storage/support/error.h"
@@ -20,7 +22,9 @@ class MadeUpSource final : public SampleSource {
     words >> magic >> size.x >> size.y >> size.z;
     if (!words) throw FormatError(path + ": no sizes in its first line");
     if (size.z == 0) throw InputError(path + ": has no slices");
-    if (size.z < 0) throw std::bad_alloc();
+    if (size.z == -1) throw std::bad_alloc();
+    if (size.z == -2) throw std::runtime_error("a library's words");
+    if (size.z == -3) throw 3;
     info_.format = "made_up";
     info_.files.push_back({path, file_.size(), file_.mtime_ns()});
     info_.warnings.push_back(path + ": of a format nobody has");

@@ -84,7 +84,12 @@ TEST_F(ModuleReader, WhatItThrowsIsThrownHere) {
               HasSubstr("a.mup: is cut short"));
   EXPECT_THAT(failure_of<InputError>(file("MADE-UP 1 1 0\n")), HasSubstr("a.mup: has no slices"));
   EXPECT_THAT(failure_of<StorageError>(directory_ / "none.mup"), HasSubstr("none.mup"));
-  EXPECT_THAT(failure_of<StorageError>(file("MADE-UP 1 1 -1\n")), HasSubstr("out of memory"));
+  EXPECT_THAT(failure_of<StorageError>(file("MADE-UP 1 1 -1\n")),
+              HasSubstr("a.mup: out of memory"));
+  EXPECT_THAT(failure_of<FormatError>(file("MADE-UP 1 1 -2\n")),
+              HasSubstr("a.mup: cannot be read: a library's words"));
+  EXPECT_THAT(failure_of<FormatError>(file("MADE-UP 1 1 -3\n")),
+              HasSubstr("a.mup: cannot be read, and its library does not say why"));
 }
 
 TEST_F(ModuleReader, NamesAModuleThatIsMissing) {
