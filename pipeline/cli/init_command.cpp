@@ -8,7 +8,6 @@
 #include "pipeline/cli/volume_arguments.h"
 #include "pipeline/config/commented.h"
 #include "pipeline/info/label_survey.h"
-#include "pipeline/ingest/open_input.h"
 #include "pipeline/solids/mesh_input.h"
 #include "pipeline/solids/mesh_survey.h"
 #include "stages/ingest/histogram_bins.h"
@@ -136,7 +135,7 @@ int init_mesh(const InitArguments& arguments) {
   const fs::path config = config_path(arguments);
   InputConfig input;
   input.path = path;
-  input.format = InputConfig::Format::mesh;
+  input.format = "mesh";
   input.cell = arguments.cell;
   if (!input.cell) input.resolution = arguments.resolution.value_or(usual_resolution);
   if (arguments.close == "winding") input.close = MeshClosing::winding;
@@ -179,8 +178,7 @@ int init(const InitArguments& arguments, Program& program) {
         fmt::format("--{}: only meshes take it (.stl, .off, .obj, .ply), and {} is none",
                     arguments.cell ? "cell" : "resolution", spec.path));
   const fs::path config = config_path(arguments);
-  const auto readers = all_readers();
-  const std::shared_ptr<SampleSource> source = open_volume(spec, readers);
+  const std::shared_ptr<SampleSource> source = open_volume(spec);
   const VolumeInfo& info = source->info();
   for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
   ScanResult scan;

@@ -7,6 +7,7 @@
 
 #include "pipeline/cli/commands.h"
 #include "pipeline/executor/resources.h"
+#include "storage/readers/open_volume.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -23,7 +24,8 @@ constexpr const char* footer =
     "  voxweld init scan.nii.gz -o scan.toml\n"
     "  voxweld run scan.toml\n"
     "  voxweld verify scan.mesh\n"
-    "Exit codes: 0 done, 1 a failure under way (run again to go on), 2 something to mend first.";
+    "Exit codes: 0 done, 1 a failure under way (run again to go on), 2 something to mend first.\n"
+    "Volumes it reads: ";
 
 int fail(const std::string& message, int code) {
   spdlog::error("{}", message);
@@ -51,7 +53,7 @@ int run_main(int argc, char** argv) {
   Program program;
   program.console = Console::standard_error();
   CLI::App app{description, "voxweld"};
-  app.footer(footer);
+  app.footer(footer + reader_names());
   app.set_version_flag("--version", "voxweld " VOXWELD_VERSION);
   app.require_subcommand(1);
   app.fallthrough();

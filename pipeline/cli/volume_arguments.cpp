@@ -5,8 +5,19 @@
 #include "storage/support/error.h"
 
 namespace voxweld {
+namespace {
+
+std::string known_formats() {
+  std::string text = "Volumes are told by their contents, else by their names:";
+  for (const VolumeReader& reader : volume_readers())
+    text += fmt::format("\n  {:<10} {}", reader.name, reader.files);
+  return text;
+}
+
+}  // namespace
 
 void add_volume_options(CLI::App& command, VolumeArguments& arguments) {
+  command.footer(known_formats());
   const char* group = "Headerless (raw) files, and what a file does not say";
   command.add_option("--size", arguments.size, "Raw: samples along x (fastest), y, z")
       ->expected(3)

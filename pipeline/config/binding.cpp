@@ -4,8 +4,16 @@
 #include <limits>
 
 #include "pipeline/config/label_list.h"
+#include "storage/readers/open_volume.h"
 
 namespace voxweld::binding {
+
+Binding input_format() {
+  ChoiceRule rule{{"auto"}};
+  for (const VolumeReader& reader : volume_readers()) rule.names.push_back(reader.name);
+  rule.names.insert(rule.names.end(), {"empty", "mesh"});
+  return text(&Config::input, &InputConfig::format, std::move(rule));
+}
 
 Binding crop() {
   return {IntegerListRule{6, 0, most_samples},
@@ -83,7 +91,7 @@ Binding isovalue() {
           },
           [](const Config& c) -> std::optional<ConfigValue> {
             // A mesh's config may not give one, so what stands for it inside is not told.
-            if (c.input.format == InputConfig::Format::mesh) return std::nullopt;
+            if (c.input.is_mesh()) return std::nullopt;
             if (!c.surface.isovalue) return ConfigValue{std::string("otsu")};
             return ConfigValue{*c.surface.isovalue};
           }};

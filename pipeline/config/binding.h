@@ -23,6 +23,7 @@ struct Binding {
 };
 
 // Members of their own form.
+Binding input_format();
 Binding crop();
 Binding spacing();
 Binding unit();

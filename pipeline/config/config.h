@@ -30,39 +30,31 @@ inline constexpr std::int64_t least_resolution = 4, most_resolution = most_sampl
 enum class MeshClosing : std::uint8_t { no, winding };
 
 struct InputConfig {
-  enum class Format : std::uint8_t {
-    automatic,  // never of a mesh: that is known by its name
-    nrrd,
-    metaimage,
-    nifti,
-    inrimage,
-    raw,
-    stack,
-    zarr,
-    empty,
-    mesh
-  };
   enum class Endian : std::uint8_t { little, big };
 
-  std::filesystem::path path;  // absolute; empty with Format::empty
-  Format format = Format::automatic;
+  std::filesystem::path path;  // absolute; empty of empty space
+  // A reader of the table in storage/readers, "mesh", "empty", or "auto": never of a mesh, which is
+  // known by its name.
+  std::string format = "auto";
   std::optional<Box3> crop;     // samples, half-open; empty: the whole volume
   std::optional<Vec3> spacing;  // overrides the file's, in the volume's unit
   std::string unit;             // overrides the file's; empty: as the file says
   // The layout of raw samples: size and type are both set or both empty, set when format is raw.
-  // With Format::empty the size alone is set.
+  // Of empty space the size alone is set.
   std::optional<Index3> size;
   std::optional<SampleType> type;
   Endian endian = Endian::little;
   std::int64_t header_bytes = 0;
-  // How finely a mesh is sampled: one of the two with Format::mesh, else none.
+  // How finely a mesh is sampled: one of the two of a mesh, else none.
   std::optional<std::int64_t> resolution{};  // cells along the longest side of its box
   std::optional<double> cell{};              // the spacing, in the mesh's own unit
   std::int64_t margin = 1;  // whole cells of empty space around it, and half of one
   MeshClosing close = MeshClosing::no;
 
   // Else all of the surface is made by solids.
-  bool has_samples() const { return format != Format::empty && format != Format::mesh; }
+  bool has_samples() const { return !is_empty() && !is_mesh(); }
+  bool is_empty() const { return format == "empty"; }
+  bool is_mesh() const { return format == "mesh"; }
 
   friend bool operator==(const InputConfig&, const InputConfig&) = default;
 };

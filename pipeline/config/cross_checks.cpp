@@ -20,8 +20,8 @@ class CrossChecks {
 
   void required() const {
     // Empty space is neither read nor cut by an isovalue, and a mesh has its surface.
-    if (config_.input.format == InputConfig::Format::empty) return;
-    const bool mesh = config_.input.format == InputConfig::Format::mesh;
+    if (config_.input.is_empty()) return;
+    const bool mesh = config_.input.is_mesh();
     const bool labels = config_.surface.label || config_.labels.mode != LabelMode::off;
     for (const Setting& setting : settings())
       if (setting.required && !places_.contains(setting.name()) &&
@@ -37,25 +37,24 @@ class CrossChecks {
 
   void raw() const {
     const InputConfig& in = config_.input;
-    using Format = InputConfig::Format;
     // Judged by value, not by presence: canonical configs write the defaults of every key.
     const std::array<std::pair<const char*, bool>, 4> raw_only = {
         {{"input.size", in.size.has_value()},
          {"input.type", in.type.has_value()},
          {"input.endian", in.endian != InputConfig::Endian::little},
          {"input.header_bytes", in.header_bytes != 0}}};
-    if (in.format == Format::empty || in.format == Format::mesh) return;
-    if (in.format != Format::raw && in.format != Format::automatic)
+    if (!in.has_samples()) return;
+    if (in.format != "raw" && in.format != "auto")
       for (const auto& [name, set] : raw_only)
         if (set) fail({name}, "only raw files take it; remove it, or set input.format = \"raw\"");
-    const bool needed = in.format == Format::raw || in.size || in.type;
+    const bool needed = in.format == "raw" || in.size || in.type;
     if (needed && !in.size) fail({"input.size", "input.format", "input.type"}, missing_raw("size"));
     if (needed && !in.type) fail({"input.type", "input.format", "input.size"}, missing_raw("type"));
   }
 
   void empty() const {
     const InputConfig& in = config_.input;
-    if (in.format != InputConfig::Format::empty) return;
+    if (!in.is_empty()) return;
     const std::array<std::pair<const char*, bool>, 5> of_files = {
         {{"input.path", !in.path.empty()},
          {"input.crop", in.crop.has_value()},
@@ -78,7 +77,7 @@ class CrossChecks {
          {"input.cell", in.cell.has_value()},
          {"input.margin", in.margin != InputConfig{}.margin},
          {"input.close", in.close != MeshClosing::no}}};
-    if (in.format != InputConfig::Format::mesh) {
+    if (!in.is_mesh()) {
       for (const auto& [name, set] : of_meshes)
         if (set)
           fail({name}, "only meshes take it; remove it, or name an .stl, .off, .obj or .ply");
@@ -119,7 +118,7 @@ class CrossChecks {
   void labels() const {
     const SurfaceConfig& surface = config_.surface;
     if (config_.labels.mode == LabelMode::off) return;
-    if (config_.input.format == InputConfig::Format::mesh)
+    if (config_.input.is_mesh())
       fail({"labels.mode", "input.path"},
            "a mesh has no labels; for solids of several, give empty space and [[edit]] tables of "
            "shape mesh");

@@ -180,8 +180,8 @@ Config parse_config(const std::string& text, const fs::path& path,
   apply_document(text, path, config, places);
   for (const std::string& override_text : overrides) apply_override(override_text, config, places);
 
-  if (config.input.format == InputConfig::Format::automatic && is_mesh_name(config.input.path))
-    config.input.format = InputConfig::Format::mesh;
+  if (config.input.format == "auto" && is_mesh_name(config.input.path))
+    config.input.format = "mesh";
   check_across(config, places, path.string());
   if (!config.input.has_samples()) {
     config.surface.isovalue = 1;  // above every sample of empty space

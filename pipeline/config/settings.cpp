@@ -81,10 +81,7 @@ std::vector<Setting> input_settings() {
            "How to read it. \"auto\" goes by the content and the name. \"empty\" is no file but "
            "empty space of input.size, for what [[edit]] makes in it: it needs no path and no "
            "isovalue. \"mesh\" needs no isovalue either, but a resolution or cell."},
-          binding::choice(in, &In::format,
-                          {"auto", "nrrd", "metaimage", "nifti", "inrimage", "raw", "stack", "zarr",
-                           "empty", "mesh"}),
-          ingest),
+          binding::input_format(), ingest),
       row({"input", "crop", "The box of samples to use, half-open: [x0, y0, z0, x1, y1, z1].",
            "the whole volume"},
           binding::crop(), ingest_and_build),

@@ -5,7 +5,6 @@
 
 #include "pipeline/info/kinds.h"
 #include "pipeline/info/label_survey.h"
-#include "pipeline/ingest/open_input.h"
 #include "storage/spool/spool.h"
 #include "storage/spool/spool_record.h"
 #include "storage/store/layout.h"
@@ -98,8 +97,7 @@ StoreSurvey survey_store(const StoreLayout& layout, const InfoOptions& options) 
 }  // namespace
 
 InfoDocument describe_volume(const InfoOptions& options) {
-  const auto readers = all_readers();
-  const std::shared_ptr<SampleSource> source = open_volume(options.input, readers);
+  const std::shared_ptr<SampleSource> source = open_volume(options.input);
   const VolumeInfo& info = source->info();
   InfoDocument document = new_document("volume", options.input.path);
   add_volume_facts(document, info, options.verbose);

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "pipeline/info/kinds.h"
-#include "pipeline/ingest/open_input.h"
+#include "storage/image/slice_files.h"
 #include "storage/manifest/manifest.h"
 #include "storage/meshes/mesh_file.h"
 #include "storage/spool/spool_record.h"
@@ -18,10 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string known_kinds() {
-  std::string text = "info knows volumes (";
-  for (const ReaderEntry& reader : all_readers())
-    text += fmt::format("{}{}: {}", text.back() == '(' ? "" : "; ", reader.name, reader.files);
-  return text +
+  return "info knows volumes (" + reader_names() +
          "), meshes as input (.stl, .off, .obj, .ply), brick stores, .octree, top.tree, .tile, "
          ".record, .shard, .labels, histogram and spool files of "
          "a work directory, .drc and .glb meshes, output directories, work directories, "
@@ -77,11 +74,8 @@ InfoDocument describe_array(const fs::path& array, const InfoOptions& options) {
 }
 
 bool holds_images(const fs::path& path) {
-  const auto readers = all_readers();
-  const auto stack = std::ranges::find(readers, "stack", &ReaderEntry::name);
   for (const auto& entry : fs::directory_iterator(path))
-    if (entry.is_regular_file() && stack->sniff(probe_input(entry.path().string())) != Match::none)
-      return true;
+    if (entry.is_regular_file() && has_image_name(entry.path())) return true;
   return false;
 }
 
@@ -124,8 +118,9 @@ std::optional<InfoDocument> describe_by_name(const fs::path& path, const InfoOpt
 bool some_reader_knows(const InputSpec& input) {
   if (input.format != "auto" || (input.raw.size && input.raw.type)) return true;
   const InputProbe probe = probe_input(input.path);
-  return std::ranges::any_of(
-      all_readers(), [&](const ReaderEntry& reader) { return reader.sniff(probe) != Match::none; });
+  return std::ranges::any_of(volume_readers(), [&](const VolumeReader& reader) {
+    return reader.test(probe) != Match::none;
+  });
 }
 
 InfoDocument describe_file(const fs::path& path, const InfoOptions& options) {

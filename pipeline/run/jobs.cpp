@@ -48,7 +48,7 @@ void check_label(const Config& config, const VolumeInfo& info) {
 
 // Of a mesh as input: what its coordinates are in files that cannot hold them.
 void warn_of_origin(const Config& config, const VolumeGeometry& geometry) {
-  if (config.input.format != InputConfig::Format::mesh || geometry.origin == Vec3{}) return;
+  if (!config.input.is_mesh() || geometry.origin == Vec3{}) return;
   spdlog::warn(
       "{}: floats do not hold the mesh's own coordinates at this output.precision: those of the "
       "files are less by [{}, {}, {}], which is frame.origin in the manifest",

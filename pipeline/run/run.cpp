@@ -31,7 +31,7 @@ void check_surface(RunContext& context, Stages& stages) {
         "no surface: after the {} of the config all samples are on one side; leave out or change "
         "some of the [[edit]] tables",
         edits == 1 ? "one edit" : fmt::format("{} edits", edits)));
-  if (context.config.input.format == InputConfig::Format::mesh)
+  if (context.config.input.is_mesh())
     throw InputError(fmt::format(
         "{}: no surface: no sample lies inside the mesh; raise input.resolution or lower "
         "input.cell, which is {:g} now",

@@ -102,8 +102,8 @@ void check_same(const StreamedMesh& mesh, const SpooledMesh& spooled) {
 
 bool streams_mesh(const Config& config) {
   const InputConfig& input = config.input;
-  return input.format == InputConfig::Format::mesh && input.close == MeshClosing::no &&
-         is_mesh_name(input.path) && !mesh_fits(input.path, config.run.memory, input.close);
+  return input.is_mesh() && input.close == MeshClosing::no && is_mesh_name(input.path) &&
+         !mesh_fits(input.path, config.run.memory, input.close);
 }
 
 std::shared_ptr<StreamedMesh> plan_streamed_mesh(const Config& config, const fs::path& folder,

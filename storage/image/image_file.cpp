@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "storage/image/module_loader.h"
+#include "storage/modules/module_loader.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 
@@ -16,9 +16,17 @@ InputFile describe_file(const std::filesystem::path& path) {
 
 }  // namespace
 
+ImageService& image_service() {
+  ImageService* images = load_module("image", "read and write images").images();
+  if (images == nullptr)
+    throw InputError(
+        "the module image has no images; install the module that came with this program");
+  return *images;
+}
+
 ImageFile::ImageFile(const std::filesystem::path& path) : file_(describe_file(path)) {
   std::string error;
-  reader_.reset(image_module().open(file_.path, error));
+  reader_.reset(image_service().open(file_.path, error));
   if (!reader_)
     throw FormatError(
         fmt::format("{}: cannot be read as an image ({} bytes): {}; if it opens elsewhere, convert "

@@ -1,5 +1,5 @@
 // Image files, page by page and row by row, in the samples' own type: no gamma, no colour
-// conversion, no rescaling. The decoder is loaded on first use (module_loader.h).
+// conversion, no rescaling. The decoder is loaded on first use (image_service.h).
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "storage/image/image_page.h"
-#include "storage/image/module_api.h"
+#include "storage/image/image_service.h"
 #include "storage/types/volume.h"
 
 namespace voxweld {

@@ -1,23 +1,25 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
-#include <cstring>
 #include <exception>
 #include <memory>
 
-#include "storage/image/module_api.h"
+#include "storage/image/image_service.h"
 #include "storage/image/oiio_reader.h"
+#include "storage/modules/module_api.h"
 
 namespace voxweld {
 namespace {
 
-class OiioModule final : public ImageModule {
+class OiioModule final : public Module, public ImageService {
  public:
   OiioModule() {
     // The caller decides on parallelism; a pool of its own would also hold memory of its own.
     OIIO::attribute("threads", 1);
     OIIO::attribute("exr_threads", -1);
   }
+
+  ImageService* images() override { return this; }
 
   ImageModuleReader* open(const std::string& path, std::string& error) override try {
     return OiioReader::open(path, error).release();
@@ -48,12 +50,12 @@ class OiioModule final : public ImageModule {
   }
 };
 
+Module* module() {
+  static OiioModule module;
+  return &module;
+}
+
 }  // namespace
 }  // namespace voxweld
 
-extern "C" __attribute__((visibility("default"))) voxweld::ImageModule* voxweld_image_module_entry(
-    const char* version) {
-  if (std::strcmp(version, voxweld::image_module_version) != 0) return nullptr;
-  static voxweld::OiioModule module;
-  return &module;
-}
+const voxweld::ModuleEntry voxweld_module_entry = {voxweld::module_version, voxweld::module};

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "storage/image/module_api.h"
+#include "storage/image/image_service.h"
 #include "storage/image/tiff_pages.h"
 
 namespace voxweld {

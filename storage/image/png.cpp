@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include "storage/image/image_file.h"
-#include "storage/image/module_loader.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 
@@ -25,7 +24,7 @@ void write_png(const std::filesystem::path& path, const PngImage& image,
         path.string(), image.width, image.height, image.channels, pixels.size(), max_png_side));
   std::vector<unsigned char> encoded;
   std::string error;
-  if (!image_module().encode_png(image, pixels, encoded, error))
+  if (!image_service().encode_png(image, pixels, encoded, error))
     throw StorageError(fmt::format("cannot encode {}: {}", path.string(), error));
   write_whole_file(path, std::as_bytes(std::span(encoded)), Durability::fsync);
 }

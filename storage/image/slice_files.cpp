@@ -119,12 +119,20 @@ SliceFiles from_pattern(const std::string& pattern) {
 
 }  // namespace
 
+bool has_image_name(const fs::path& path) {
+  return !image_kind(path).empty();
+}
+
+bool is_pattern(const std::string& path) {
+  return path.find_first_of("*?[") != std::string::npos;
+}
+
 SliceFiles find_slices(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (fs::is_directory(status)) return from_directory(path);
   if (fs::exists(status)) return {{path}, {}};
-  if (path.find_first_of("*?[") != std::string::npos) return from_pattern(path);
+  if (is_pattern(path)) return from_pattern(path);
   throw InputError(path +
                    ": no such file or directory; expected a directory of slices, a pattern such as "
                    "dir/slice_*.tif, or one image file");

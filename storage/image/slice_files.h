@@ -18,6 +18,11 @@ struct SliceFiles {
 // Throws InputError when there is none, or when a directory mixes kinds of images.
 SliceFiles find_slices(const std::string& path);
 
+// By its extension. Slices in a directory have such a name.
+bool has_image_name(const std::filesystem::path& path);
+// Whether it holds wildcards.
+bool is_pattern(const std::string& path);
+
 // Puts the files in z order by the number in their names ("slice2" before "slice10").
 // Throws InputError when numbers are missing or occur twice, when names of a different form are
 // among them, or when more than one number varies and none tells the order.

@@ -208,10 +208,23 @@ void StackSource::read(const Box3& box, std::byte* out) const {
   }
 }
 
+Match test_stack(const InputProbe& probe) {
+  const std::string path = probe.path.string();
+  return probe.is_directory || is_pattern(path) || has_image_name(probe.path) ? Match::extension
+                                                                              : Match::none;
+}
+
 }  // namespace
 
 std::unique_ptr<SampleSource> open_stack(const StackSpec& spec) {
   return std::make_unique<StackSource>(spec);
+}
+
+VolumeReader stack_reader() {
+  return {"stack", "a folder or pattern of images, a multi-page .tif", test_stack,
+          [](const InputSpec& spec) {
+            return open_stack({spec.path, spec.spacing, spec.unit});
+          }};
 }
 
 }  // namespace voxweld

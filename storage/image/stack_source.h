@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "storage/types/volume.h"
+#include "storage/types/volume_reader.h"
 
 namespace voxweld {
 
@@ -26,5 +26,8 @@ struct StackSpec {
 // there), FormatError when a file is damaged or differs from the others, StorageError when the
 // system fails.
 std::unique_ptr<SampleSource> open_stack(const StackSpec& spec);
+
+// Takes images, patterns and, since a folder of images is known by nothing else, every directory.
+VolumeReader stack_reader();
 
 }  // namespace voxweld

@@ -1,10 +1,13 @@
 #include "storage/readers/open_volume.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <vector>
 
+#include "storage/image/stack_source.h"
+#include "storage/modules/module_loader.h"
+#include "storage/store/open_zarr.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "storage/support/text_fields.h"
@@ -28,25 +31,18 @@ std::string probe_extension(const std::filesystem::path& path) {
   return lower(path.stem().extension().string()) + last;
 }
 
-std::string supported_list(std::span<const ReaderEntry> readers) {
-  std::vector<std::string> items;
-  for (const ReaderEntry& reader : readers)
-    items.push_back(fmt::format("{} ({})", reader.name, reader.files));
-  return fmt::format("{}", fmt::join(items, ", "));
-}
-
-const ReaderEntry& reader_by_name(const InputSpec& spec, std::span<const ReaderEntry> readers) {
-  const auto found = std::ranges::find(readers, spec.format, &ReaderEntry::name);
+const VolumeReader& reader_by_name(const InputSpec& spec, std::span<const VolumeReader> readers) {
+  const auto found = std::ranges::find(readers, spec.format, &VolumeReader::name);
   if (found != readers.end()) return *found;
-  throw InputError(fmt::format("{}: unknown input format '{}': use \"auto\" or one of: {}",
-                               spec.path, spec.format, supported_list(readers)));
+  throw InputError(fmt::format("{}: unknown input format '{}': use \"auto\" or one of {}",
+                               spec.path, spec.format, reader_names(readers)));
 }
 
-const ReaderEntry& reader_by_probe(const InputSpec& spec, std::span<const ReaderEntry> readers) {
+const VolumeReader& reader_by_probe(const InputSpec& spec, std::span<const VolumeReader> readers) {
   const InputProbe probe = probe_input(spec.path);
-  const ReaderEntry* by_name = nullptr;
-  for (const ReaderEntry& reader : readers) {
-    const Match match = reader.sniff(probe);
+  const VolumeReader* by_name = nullptr;
+  for (const VolumeReader& reader : readers) {
+    const Match match = reader.test(probe);
     if (match == Match::contents) return reader;
     if (match == Match::extension && by_name == nullptr) by_name = &reader;
   }
@@ -54,11 +50,11 @@ const ReaderEntry& reader_by_probe(const InputSpec& spec, std::span<const Reader
   if (by_name == nullptr && probe.is_file && spec.raw.size && spec.raw.type)
     by_name = &reader_by_name({.path = spec.path, .format = "raw"}, readers);
   if (by_name != nullptr) return *by_name;
-  if (!probe.is_directory) require_input_file(spec.path);
+  require_input_file(spec.path);
   throw InputError(fmt::format(
-      "{}: {} of an unknown kind: supported are: {}. For headerless samples set the "
-      "format to \"raw\" and give size and type",
-      spec.path, probe.is_directory ? "a directory" : "a file", supported_list(readers)));
+      "{}: a file of an unknown kind; supported are {}. For headerless samples set the format to "
+      "\"raw\" and give size and type",
+      spec.path, reader_names(readers)));
 }
 
 }  // namespace
@@ -84,33 +80,31 @@ InputProbe probe_input(const std::string& path) {
   return probe;
 }
 
-std::vector<ReaderEntry> builtin_readers() {
-  return {
-      {"nrrd", ".nrrd, .nhdr", sniff_nrrd, [](const InputSpec& s) { return open_nrrd(s.path); }},
-      {"metaimage", ".mha, .mhd", sniff_metaimage,
-       [](const InputSpec& s) { return open_metaimage(s.path); }},
-      {"nifti", ".nii, .nii.gz, .hdr + .img", sniff_nifti,
-       [](const InputSpec& s) { return open_nifti(s.path); }},
-      {"inrimage", ".inr, .inr.gz", sniff_inrimage,
-       [](const InputSpec& s) { return open_inrimage(s.path); }},
-      {"raw", "headerless samples, .raw", sniff_raw, open_raw_spec},
+std::span<const VolumeReader> volume_readers() {
+  static const std::vector<VolumeReader> table = {
+      nrrd_reader(), metaimage_reader(), nifti_reader(), inrimage_reader(),
+      raw_reader(),  zarr_reader(),      stack_reader(),  // last: it takes every directory
   };
+  return table;
+}
+
+std::string reader_names(std::span<const VolumeReader> readers) {
+  std::string names;
+  for (const VolumeReader& reader : readers) names += (names.empty() ? "" : ", ") + reader.name;
+  return names;
 }
 
 std::unique_ptr<SampleSource> open_volume(const InputSpec& spec,
-                                          std::span<const ReaderEntry> readers) {
+                                          std::span<const VolumeReader> readers) {
   if (spec.path.empty()) throw InputError("the input has no path: name a volume file");
-  const ReaderEntry& reader =
+  const VolumeReader& reader =
       spec.format == "auto" ? reader_by_probe(spec, readers) : reader_by_name(spec, readers);
-  std::unique_ptr<SampleSource> source = reader.open(spec);
+  std::unique_ptr<SampleSource> source =
+      reader.module.empty() ? reader.open(spec) : open_by_module(reader, spec);
   if (spec.spacing || !spec.unit.empty())
     source = override_source(std::move(source), {.spacing = spec.spacing, .unit = spec.unit});
   if (spec.crop) source = crop_source(std::move(source), *spec.crop);
   return source;
-}
-
-std::unique_ptr<SampleSource> open_volume(const InputSpec& spec) {
-  return open_volume(spec, builtin_readers());
 }
 
 }  // namespace voxweld

@@ -1,72 +1,27 @@
 // The one way in: any supported volume file as a SampleSource.
 #pragma once
 
-#include <bit>
-#include <cstddef>
-#include <cstdint>
-#include <filesystem>
-#include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
-#include "storage/types/volume.h"
+#include "storage/types/volume_reader.h"
 
 namespace voxweld {
 
-// What a headerless file does not say about itself.
-struct RawPieces {
-  std::optional<Index3> size{};  // samples along x (fastest), y, z
-  std::optional<SampleType> type{};
-  std::endian byte_order = std::endian::little;
-  std::int64_t header_bytes = 0;  // before the samples; -1: the samples end the file
-};
+// The one table of volume formats. A further one is a row here; commands, settings and messages
+// follow. Of two that know an input equally well the first opens it.
+std::span<const VolumeReader> volume_readers();
 
-struct InputSpec {
-  std::string path;  // file, directory or pattern, as its reader takes it
-  std::string format =
-      "auto";  // or a reader's name: "raw", "nrrd", "metaimage", "nifti", "inrimage" ...
-  RawPieces raw{};
-  std::optional<Box3> crop{};     // samples to keep, half-open, in the file's own indices
-  std::optional<Vec3> spacing{};  // replaces what the file says; positive
-  std::string unit{};  // when given, renames the unit of spacing and origin, converts nothing
-};
-
-// What detection looks at, read once.
-struct InputProbe {
-  std::filesystem::path path;
-  std::string extension{};  // lower case with its dot; of "a.nii.gz" it is ".nii.gz"
-  bool is_file = false;     // else a directory, a pattern, or nothing there
-  bool is_directory = false;
-  std::vector<std::byte> head{};           // the first bytes of a file, at most 4 KiB
-  std::vector<std::byte> inflated_head{};  // the same after decompression, where it is gzip
-};
-
-enum class Match : std::uint8_t { none, extension, contents };
-
-// One format. A program adds its own (image stacks, Zarr ...) by appending entries to
-// builtin_readers() and passing the table to open_volume; there is no hidden registry.
-struct ReaderEntry {
-  std::string name;   // what InputSpec::format calls it
-  std::string files;  // for messages: ".nrrd, .nhdr"
-  // How sure the reader is that the input is its own: by contents, by name only, or not at all.
-  std::function<Match(const InputProbe&)> sniff;
-  // Opens the input, without crop and overrides. Throws FormatError, InputError or StorageError.
-  std::function<std::unique_ptr<SampleSource>(const InputSpec&)> open;
-};
-
-// NRRD, MetaImage, NIfTI, Inrimage and headerless raw.
-std::vector<ReaderEntry> builtin_readers();
+// "nrrd, metaimage ...": for messages.
+std::string reader_names(std::span<const VolumeReader> readers = volume_readers());
 
 // Picks the reader spec.format names or, with "auto", the first that knows the contents, else the
 // first that knows the name; opens the input; applies overrides and crop.
-// InputError: nothing there, unknown format (the message lists the supported ones), bad crop or
-// overrides. What the reader throws passes through.
+// InputError: nothing there, unknown format (the message lists the known ones), bad crop or
+// overrides, the reader's module is missing. What the reader throws passes through.
 std::unique_ptr<SampleSource> open_volume(const InputSpec& spec,
-                                          std::span<const ReaderEntry> readers);
-std::unique_ptr<SampleSource> open_volume(const InputSpec& spec);  // with builtin_readers()
+                                          std::span<const VolumeReader> readers = volume_readers());
 
 // What open_volume looks at for `path`. StorageError when a file is there but cannot be read.
 InputProbe probe_input(const std::string& path);

@@ -35,10 +35,22 @@ class ZarrSource final : public SampleSource {
   VolumeInfo info_;
 };
 
+Match test_zarr(const InputProbe& probe) {
+  if (!probe.is_directory) return Match::none;
+  for (const char* name : {"zarr.json", ".zarray", ".zgroup"})
+    if (std::filesystem::exists(probe.path / name)) return Match::contents;
+  return probe.extension == ".zarr" ? Match::extension : Match::none;
+}
+
 }  // namespace
 
 std::unique_ptr<SampleSource> open_zarr(const std::filesystem::path& directory) {
   return std::make_unique<ZarrSource>(read_zarr_array(directory));
+}
+
+VolumeReader zarr_reader() {
+  return {"zarr", "a Zarr v3 directory", test_zarr,
+          [](const InputSpec& spec) { return open_zarr(spec.path); }};
 }
 
 }  // namespace voxweld

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "storage/types/volume.h"
+#include "storage/types/volume_reader.h"
 
 namespace voxweld {
 
@@ -15,5 +15,8 @@ namespace voxweld {
 // Throws InputError where there is no array, FormatError where something about it is not
 // supported, naming it; reading throws FormatError for damaged chunks.
 std::unique_ptr<SampleSource> open_zarr(const std::filesystem::path& directory);
+
+// Knows an array by its metadata, also what is refused then: groups and arrays of version 2.
+VolumeReader zarr_reader();
 
 }  // namespace voxweld

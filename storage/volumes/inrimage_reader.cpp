@@ -159,16 +159,15 @@ void warn_of_scale(const HeaderFields& fields, VolumeInfo& info) {
                     fields.where(*scale), scale->value));
 }
 
-}  // namespace
-
-Match sniff_inrimage(const InputProbe& probe) {
+Match test_inrimage(const InputProbe& probe) {
   for (const auto* head : {&probe.head, &probe.inflated_head})
     if (text_of(*head).starts_with(family)) return Match::contents;
   const bool named = probe.extension == ".inr" || probe.extension == ".inr.gz";
   return probe.is_file && named ? Match::extension : Match::none;
 }
 
-std::unique_ptr<SampleSource> open_inrimage(const std::filesystem::path& path) {
+std::unique_ptr<SampleSource> open_inrimage(const InputSpec& spec) {
+  const std::filesystem::path path = spec.path;
   require_input_file(path);
   const ReadFile file(path);
   std::vector<std::byte> head(static_cast<std::size_t>(std::min<std::uint64_t>(3, file.size())));
@@ -193,6 +192,12 @@ std::unique_ptr<SampleSource> open_inrimage(const std::filesystem::path& path) {
   layout.skip_bytes = static_cast<std::int64_t>(text.size());
   layout.named_by = file.path();
   return open_layout(std::move(info), std::move(layout));
+}
+
+}  // namespace
+
+VolumeReader inrimage_reader() {
+  return {"inrimage", ".inr, .inr.gz", test_inrimage, open_inrimage};
 }
 
 }  // namespace voxweld

@@ -9,16 +9,11 @@
 //   SCALE              2**n; others (RX, RY, RZ: rotation) are not looked at
 #pragma once
 
-#include <filesystem>
-#include <memory>
-
-#include "storage/readers/open_volume.h"
+#include "storage/types/volume_reader.h"
 
 namespace voxweld {
 
-Match sniff_inrimage(const InputProbe& probe);
-
 // Any box where the file is not compressed, else a stream. FormatError, InputError, StorageError.
-std::unique_ptr<SampleSource> open_inrimage(const std::filesystem::path& path);
+VolumeReader inrimage_reader();
 
 }  // namespace voxweld

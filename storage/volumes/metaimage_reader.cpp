@@ -246,9 +246,7 @@ DataLayout lay_out(const MetaText& text, const std::filesystem::path& path, Volu
   return layout;
 }
 
-}  // namespace
-
-Match sniff_metaimage(const InputProbe& probe) {
+Match test_metaimage(const InputProbe& probe) {
   const bool named = probe.extension == ".mha" || probe.extension == ".mhd";
   const auto* text = reinterpret_cast<const char*>(probe.head.data());
   const std::string_view head(text, probe.head.size());
@@ -260,7 +258,8 @@ Match sniff_metaimage(const InputProbe& probe) {
   return probe.is_file && named ? Match::extension : Match::none;
 }
 
-std::unique_ptr<SampleSource> open_metaimage(const std::filesystem::path& path) {
+std::unique_ptr<SampleSource> open_metaimage(const InputSpec& spec) {
+  const std::filesystem::path path = spec.path;
   require_input_file(path);
   const ReadFile file(path);
   const MetaText text = read_meta_text(file);
@@ -282,6 +281,12 @@ std::unique_ptr<SampleSource> open_metaimage(const std::filesystem::path& path) 
   warn_scaled(fields, info);
   DataLayout layout = lay_out(text, path, info, sizes);
   return open_layout(std::move(info), std::move(layout));
+}
+
+}  // namespace
+
+VolumeReader metaimage_reader() {
+  return {"metaimage", ".mha, .mhd", test_metaimage, open_metaimage};
 }
 
 }  // namespace voxweld

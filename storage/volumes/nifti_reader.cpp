@@ -246,9 +246,7 @@ std::string name_extension(const std::filesystem::path& path) {
   return last == ".gz" ? lower(path.stem().extension().string()) + last : last;
 }
 
-}  // namespace
-
-Match sniff_nifti(const InputProbe& probe) {
+Match test_nifti(const InputProbe& probe) {
   if (parse_nifti_header(probe.head) || parse_nifti_header(probe.inflated_head))
     return Match::contents;
   if (looks_analyze(probe.head)) return Match::contents;  // to be refused by name
@@ -258,7 +256,8 @@ Match sniff_nifti(const InputProbe& probe) {
   return is_header_name(probe.extension) ? Match::extension : Match::none;
 }
 
-std::unique_ptr<SampleSource> open_nifti(const std::filesystem::path& given) {
+std::unique_ptr<SampleSource> open_nifti(const InputSpec& spec) {
+  const std::filesystem::path given = spec.path;
   std::filesystem::path path = given;
   if (is_image_name(name_extension(path))) {
     path = partner(given, ".hdr");
@@ -297,6 +296,12 @@ std::unique_ptr<SampleSource> open_nifti(const std::filesystem::path& given) {
                                         8 * sample_bytes(info.type)));
   DataLayout layout = lay_out(*header, path, compressed, info);
   return open_layout(std::move(info), std::move(layout));
+}
+
+}  // namespace
+
+VolumeReader nifti_reader() {
+  return {"nifti", ".nii, .nii.gz, .hdr + .img", test_nifti, open_nifti};
 }
 
 }  // namespace voxweld

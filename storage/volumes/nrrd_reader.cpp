@@ -151,16 +151,15 @@ void read_byte_skip(const HeaderFields& fields, DataLayout& layout) {
     fields.fail(*field, "-1 has no meaning with text samples");
 }
 
-}  // namespace
-
-Match sniff_nrrd(const InputProbe& probe) {
+Match test_nrrd(const InputProbe& probe) {
   const auto* head = reinterpret_cast<const char*>(probe.head.data());
   if (std::string_view(head, probe.head.size()).starts_with("NRRD")) return Match::contents;
   const bool named = probe.extension == ".nrrd" || probe.extension == ".nhdr";
   return probe.is_file && named ? Match::extension : Match::none;
 }
 
-std::unique_ptr<SampleSource> open_nrrd(const std::filesystem::path& path) {
+std::unique_ptr<SampleSource> open_nrrd(const InputSpec& spec) {
+  const std::filesystem::path path = spec.path;
   require_input_file(path);
   const ReadFile file(path);
   NrrdText text = read_nrrd_text(file);
@@ -185,6 +184,12 @@ std::unique_ptr<SampleSource> open_nrrd(const std::filesystem::path& path) {
   lay_out_parts(text, axes, path, layout);
   read_byte_skip(text.fields, layout);
   return open_layout(std::move(info), std::move(layout));
+}
+
+}  // namespace
+
+VolumeReader nrrd_reader() {
+  return {"nrrd", ".nrrd, .nhdr", test_nrrd, open_nrrd};
 }
 
 }  // namespace voxweld

@@ -41,7 +41,9 @@ std::unique_ptr<SampleSource> open_raw(const RawLayout& layout) {
   return open_layout(std::move(info), std::move(data));
 }
 
-Match sniff_raw(const InputProbe& probe) {
+namespace {
+
+Match test_raw(const InputProbe& probe) {
   const bool named = probe.extension == ".raw" || probe.extension == ".bin";
   return probe.is_file && named ? Match::extension : Match::none;
 }
@@ -60,6 +62,12 @@ std::unique_ptr<SampleSource> open_raw_spec(const InputSpec& spec) {
   layout.byte_order = spec.raw.byte_order;
   layout.header_bytes = spec.raw.header_bytes;
   return open_raw(layout);
+}
+
+}  // namespace
+
+VolumeReader raw_reader() {
+  return {"raw", "headerless samples, .raw", test_raw, open_raw_spec};
 }
 
 }  // namespace voxweld

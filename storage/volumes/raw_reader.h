@@ -7,8 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "storage/readers/open_volume.h"
-#include "storage/types/volume.h"
+#include "storage/types/volume_reader.h"
 
 namespace voxweld {
 
@@ -25,9 +24,7 @@ struct RawLayout {
 // Access::box. InputError for a bad layout; FormatError when the file is shorter than it says.
 std::unique_ptr<SampleSource> open_raw(const RawLayout& layout);
 
-// By name only: .raw and .bin.
-Match sniff_raw(const InputProbe& probe);
-// InputError when spec.raw lacks size or type.
-std::unique_ptr<SampleSource> open_raw_spec(const InputSpec& spec);
+// Told by name only: .raw and .bin. InputError where the spec's raw pieces lack size or type.
+VolumeReader raw_reader();
 
 }  // namespace voxweld

@@ -32,7 +32,7 @@ ModelVolume load_model(const std::filesystem::path& config,
   if (mesh) solid = mesh->solid();
   model.parameters = contour_parameters(model.config, info.geometry, solid,
                                         chosen_labels(model.config, read_labels_map(model.config)));
-  model.empty = model.config.input.format == InputConfig::Format::empty;
+  model.empty = model.config.input.is_empty();
   model.volume.type = info.type;
   model.volume.size = info.geometry.size;
   const Box3 all{{}, info.geometry.size};

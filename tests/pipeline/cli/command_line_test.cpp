@@ -1,3 +1,4 @@
+#include "storage/readers/open_volume.h"
 #include "tests/pipeline/cli/workplace.h"
 
 namespace voxweld::testing {
@@ -39,6 +40,16 @@ TEST(CommandLine, SettingsInAllThreeForms) {
   EXPECT_THAT(run_voxweld({"settings", "--example"}).out, HasSubstr("[surface]"));
   EXPECT_TRUE(
       nlohmann::json::parse(run_voxweld({"settings", "--json"}).out, nullptr, false).is_object());
+}
+
+TEST(CommandLine, NamesTheFormatsOfTheTable) {
+  EXPECT_THAT(run_voxweld({"--help"}).out, HasSubstr("Volumes it reads: " + reader_names()));
+  const std::string settings = run_voxweld({"settings"}).out;
+  for (const VolumeReader& reader : volume_readers()) {
+    EXPECT_THAT(settings, HasSubstr('"' + reader.name + '"'));
+    for (const char* command : {"info", "init"})
+      EXPECT_THAT(run_voxweld({command, "--help"}).out, HasSubstr(reader.files)) << command;
+  }
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ prologue = ["module load gcc/12", "", "export A='b c'"]
 )");
   Config expected;
   expected.input = {.path = "/data/volumes/a.raw",
-                    .format = InputConfig::Format::raw,
+                    .format = "raw",
                     .crop = Box3{{1, 2, 3}, {10, 20, 30}},
                     .spacing = Vec3{0.5, 1, 2.5},
                     .unit = "mm",

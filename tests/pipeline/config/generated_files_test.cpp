@@ -129,7 +129,7 @@ TEST(GeneratedFiles, ExampleLoadsWithEveryKeyActive) {
       text.erase(text.find("\n# " + key + " = ") + 1, 2);
     text.replace(text.find("scan.nrrd"), 9, "scan.stl");
     text.erase(text.find("isovalue = \"otsu\"\n"), 18);
-    EXPECT_EQ(testing::parse(text).input.format, InputConfig::Format::mesh);
+    EXPECT_EQ(testing::parse(text).input.format, "mesh");
   }
 }
 
@@ -209,7 +209,7 @@ TEST(CommentedConfig, SaysTheLayoutOfRawFiles) {
   s.spacing = Vec3{1, 2, 3};
   const Config config = testing::parse(commented_config(info, s));
   EXPECT_EQ(config.input.path, "/data/a \"b\" \\ c.raw");
-  EXPECT_EQ(config.input.format, InputConfig::Format::raw);
+  EXPECT_EQ(config.input.format, "raw");
   EXPECT_EQ(config.input.size, (Index3{512, 500, 361}));
   EXPECT_EQ(config.input.type, SampleType::i16);
   EXPECT_EQ(config.input.endian, InputConfig::Endian::big);

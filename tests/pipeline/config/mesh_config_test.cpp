@@ -11,7 +11,6 @@ using testing::error_of;
 using ::testing::HasSubstr;
 using testing::parse;
 using ::testing::StartsWith;
-using Format = InputConfig::Format;
 
 std::string mesh_config(const std::string& more = {}) {
   return "input.path = \"part.stl\"\ninput.resolution = 100\n" + more;
@@ -19,7 +18,7 @@ std::string mesh_config(const std::string& more = {}) {
 
 TEST(MeshConfig, KnownByItsName) {
   const Config config = parse(mesh_config());
-  EXPECT_EQ(config.input.format, Format::mesh);
+  EXPECT_EQ(config.input.format, "mesh");
   EXPECT_EQ(config.input.resolution, 100);
   EXPECT_EQ(config.input.cell, std::nullopt);
   EXPECT_EQ(config.input.margin, 1);
@@ -27,13 +26,13 @@ TEST(MeshConfig, KnownByItsName) {
   EXPECT_EQ(parse(mesh_config("input.close = \"winding\"\n")).input.close, MeshClosing::winding);
   EXPECT_TRUE(config.surface.isovalue.has_value());
   for (const char* name : {"a.STL", "a.off", "a.Obj", "a.ply"})
-    EXPECT_EQ(parse(mesh_config(), {std::string("input.path=") + name}).input.format, Format::mesh);
+    EXPECT_EQ(parse(mesh_config(), {std::string("input.path=") + name}).input.format, "mesh");
   EXPECT_EQ(parse("input.path = \"part\"\ninput.format = \"mesh\"\ninput.cell = 0.5\n").input.cell,
             0.5);
   // A format that is given is taken.
   EXPECT_EQ(
       parse("input.path = \"a.off\"\ninput.format = \"nrrd\"\nsurface.isovalue = 1\n").input.format,
-      Format::nrrd);
+      "nrrd");
 }
 
 TEST(MeshConfig, ResolutionOrCellAndNotBoth) {

@@ -49,7 +49,7 @@ std::int64_t power_of_two(int least, int most) {
 InputConfig any_input() {
   InputConfig in;
   in.path = any_path();
-  in.format = any_of<InputConfig::Format>(8);
+  in.format = *rc::gen::element<std::string>("auto", "nrrd", "nifti", "raw", "zarr", "stack");
   const auto coordinate = rc::gen::inRange<std::int64_t>(0, 100000);
   const auto extent = rc::gen::inRange<std::int64_t>(1, 100000);
   if (chance()) {
@@ -58,8 +58,8 @@ InputConfig any_input() {
   }
   if (chance()) in.spacing = Vec3{any_positive(), any_positive(), any_positive()};
   if (chance()) in.unit = *rc::gen::element<std::string>("m", "cm", "mm", "um", "nm", "angstrom");
-  const bool raw = in.format == InputConfig::Format::raw;
-  if (raw || (in.format == InputConfig::Format::automatic && chance())) {
+  const bool raw = in.format == "raw";
+  if (raw || (in.format == "auto" && chance())) {
     in.size = Index3{*extent, *extent, *extent};
     in.type = any_of<SampleType>(10);
     in.endian = any_of<InputConfig::Endian>(2);
@@ -71,7 +71,7 @@ InputConfig any_input() {
 InputConfig any_mesh() {
   InputConfig in;
   in.path = any_path().string() + ".stl";
-  in.format = InputConfig::Format::mesh;
+  in.format = "mesh";
   if (chance())
     in.resolution = *rc::gen::inRange<std::int64_t>(4, 500000);
   else
@@ -191,7 +191,7 @@ Config any_config() {
   config.simplify.qef = any_of<SimplifyConfig::Qef>(2);
   // Its modes exclude keys of other tables.
   config.labels = any_labels();
-  if (config.input.format == InputConfig::Format::mesh) config.labels.mode = LabelMode::off;
+  if (config.input.is_mesh()) config.labels.mode = LabelMode::off;
   if (config.labels.mode != LabelMode::off) {
     config.surface.label.reset();
     config.surface.inside = SurfaceConfig::Inside::above;

@@ -50,10 +50,8 @@ const std::vector<WrongKey>& wrong_keys() {
          "\"a\\u0009b\" (a string); it holds a control character; write backslashes twice"},
         {"[\"a\"]", "[\"a\"] (a list of 1); write paths in quotes"}}},
       {"input.format",
-       "\"auto\", \"nrrd\", \"metaimage\", \"nifti\", \"inrimage\", \"raw\", \"stack\", \"zarr\", "
-       "\"empty\" "
-       "or \"mesh\" (default: "
-       "\"auto\")",
+       "\"auto\", \"nrrd\", \"metaimage\", \"nifti\", \"inrimage\", \"raw\", \"zarr\", \"stack\", "
+       "\"empty\" or \"mesh\" (default: \"auto\")",
        {{"\"NRRD\"", "\"NRRD\" (a string); did you mean \"nrrd\"?"},
         {"\"bmp\"", "\"bmp\" (a string)"},
         {"1", "1"}}},

@@ -1,5 +1,6 @@
-#include "storage/image/module_loader.h"
+#include "storage/image/image_service.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -32,8 +33,8 @@ std::string message_of_child(const std::string& directory) {
   if (child == 0) {
     std::string message = "loaded";
     try {
-      setenv("VOXWELD_MODULE_DIR", directory.c_str(), 1);
-      image_module();
+      setenv("VOXWELD_MODULES", directory.c_str(), 1);
+      image_service();
     } catch (const InputError& error) {
       message = error.what();
     }
@@ -52,37 +53,55 @@ std::string message_of_child(const std::string& directory) {
 }
 
 TEST(ImageModule, NamesAFileThatIsNoModule) {
-  if (image_module_loaded()) GTEST_SKIP() << "another test of this process used it";
+  if (mapped("libvoxweld_image")) GTEST_SKIP() << "another test of this process used it";
   const testing::TempDirectory directory;
   std::ofstream(directory / "libvoxweld_image.so") << "no library";
   const std::string message = message_of_child(directory.path().string());
   EXPECT_NE(message.find((directory / "libvoxweld_image.so").string()), std::string::npos)
       << message;
-  EXPECT_NE(message.find("cannot load the image module"), std::string::npos) << message;
+  EXPECT_NE(message.find("cannot load the module"), std::string::npos) << message;
 }
 
 TEST(ImageModule, FallsBackToTheProgramsDirectory) {
-  if (image_module_loaded()) GTEST_SKIP() << "another test of this process used it";
+  if (mapped("libvoxweld_image")) GTEST_SKIP() << "another test of this process used it";
   const testing::TempDirectory directory;
   EXPECT_EQ(message_of_child(directory.path().string()), "loaded");
 }
 
 TEST(ImageModule, IsNotMappedBeforeItsFirstUse) {
-  if (image_module_loaded()) GTEST_SKIP() << "another test of this process used it";
+  if (mapped("libvoxweld_image")) GTEST_SKIP() << "another test of this process used it";
   EXPECT_FALSE(mapped("libOpenImageIO"));
-  EXPECT_FALSE(mapped("libvoxweld_image"));
-  image_module();
-  EXPECT_TRUE(image_module_loaded());
+  image_service();
+  EXPECT_TRUE(mapped("libvoxweld_image"));
   EXPECT_TRUE(mapped("libOpenImageIO"));
 }
 
+// Of an installed program, with its modules in lib/voxweld beside bin.
+TEST(ImageModule, IsFoundWhereItIsInstalled) {
+  const testing::TempDirectory directory;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");
+  std::filesystem::create_directories(directory / "bin");
+  std::filesystem::create_directories(directory / "lib/voxweld");
+  std::filesystem::copy(program, directory / "bin/program");
+  const auto run = [&] {
+    const std::string command =
+        fmt::format("'{}' --gtest_filter=ImageModule.LoadsOnceFromManyThreads >/dev/null 2>&1",
+                    (directory / "bin/program").string());
+    return std::system(command.c_str());
+  };
+  EXPECT_NE(run(), 0);
+  std::filesystem::copy(program.parent_path() / "libvoxweld_image.so",
+                        directory / "lib/voxweld/libvoxweld_image.so");
+  EXPECT_EQ(run(), 0);
+}
+
 TEST(ImageModule, LoadsOnceFromManyThreads) {
-  std::vector<ImageModule*> modules(8);
+  std::vector<ImageService*> modules(8);
   std::vector<std::thread> threads;
-  for (ImageModule*& module : modules)
-    threads.emplace_back([&module] { module = &image_module(); });
+  for (ImageService*& module : modules)
+    threads.emplace_back([&module] { module = &image_service(); });
   for (std::thread& thread : threads) thread.join();
-  for (const ImageModule* module : modules) EXPECT_EQ(module, modules.front());
+  for (const ImageService* module : modules) EXPECT_EQ(module, modules.front());
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "storage/readers/open_volume.h"
 
-#include "storage/volumes/dense_source.h"
 #include "tests/storage/volumes/known_volume.h"
 
 namespace voxweld::testing {
@@ -29,10 +28,11 @@ TEST(OpenVolume, ContentsGoBeforeTheName) {
 TEST(OpenVolume, UnknownKindsListTheSupportedOnes) {
   const TempDirectory directory;
   const auto path = write_file(directory / "a.xyz", std::string("some text"));
-  EXPECT_THAT(complaint(path),
-              AllOf(HasSubstr("a.xyz: a file of an unknown kind"), HasSubstr("nrrd (.nrrd, .nhdr)"),
-                    HasSubstr("metaimage"), HasSubstr("nifti"), HasSubstr("raw")));
-  EXPECT_THAT(complaint(directory.path()), HasSubstr("a directory of an unknown kind"));
+  EXPECT_THAT(
+      complaint(path),
+      AllOf(HasSubstr("a.xyz: a file of an unknown kind"),
+            HasSubstr("supported are nrrd, metaimage, nifti, inrimage, raw, zarr, stack. ")));
+  EXPECT_THAT(complaint(directory.path()), HasSubstr("no images in this directory"));
   EXPECT_THAT(complaint(directory / "none.nrrd"), HasSubstr("none.nrrd: no such file"));
   EXPECT_THAT(complaint(InputSpec{.path = ""}), HasSubstr("no path"));
   EXPECT_THAT(complaint(InputSpec{.path = path.string(), .format = "dicom"}),
@@ -60,17 +60,32 @@ TEST(OpenVolume, NamesDecideWhereContentsSayNothing) {
   expect_volume(*open_volume(spec), volume);
 }
 
-TEST(OpenVolume, MoreReadersMayBeAdded) {
+TEST(OpenVolume, EveryFormatHasItsRow) {
   const TempDirectory directory;
-  std::vector<ReaderEntry> readers = builtin_readers();
-  readers.push_back(
-      {"stack", "directories of slices",
-       [](const InputProbe& probe) { return probe.is_directory ? Match::extension : Match::none; },
-       [](const InputSpec&) -> std::unique_ptr<SampleSource> {
-         return std::make_unique<DenseSource>(SampleType::u8, geometry_of({1, 1, 1}), Bytes(1));
-       }});
-  const auto source = open_volume({.path = directory.path().string()}, readers);
-  EXPECT_EQ(source->info().geometry.size, (Index3{1, 1, 1}));
+  for (const char* name : {"a.nrrd", "a.mha", "a.nii.gz", "a.inr", "a.raw", "a.zarr", "a.png"}) {
+    if (std::string(name).ends_with(".zarr"))
+      std::filesystem::create_directory(directory / name);
+    else
+      write_file(directory / name, std::string("x"));
+  }
+  const auto known_by = [&](const std::string& name) {
+    const InputProbe probe = probe_input((directory / name).string());
+    for (const VolumeReader& reader : volume_readers())
+      if (reader.test(probe) != Match::none) return reader.name;
+    return std::string();
+  };
+  EXPECT_EQ(known_by("a.nrrd"), "nrrd");
+  EXPECT_EQ(known_by("a.mha"), "metaimage");
+  EXPECT_EQ(known_by("a.nii.gz"), "nifti");
+  EXPECT_EQ(known_by("a.inr"), "inrimage");
+  EXPECT_EQ(known_by("a.raw"), "raw");
+  EXPECT_EQ(known_by("a.zarr"), "zarr");
+  EXPECT_EQ(known_by("a.png"), "stack");
+  EXPECT_EQ(known_by("."), "stack");
+  EXPECT_EQ(known_by("b*.tif"), "stack");
+  EXPECT_EQ(known_by("b.txt"), "");
+  for (const VolumeReader& reader : volume_readers())
+    EXPECT_NE(reader.open == nullptr, reader.module.empty()) << reader.name;
 }
 
 TEST(OpenVolume, OverridesAndCropApply) {

@@ -1,6 +1,5 @@
-// The contract between the image module (the only code that knows OpenImageIO) and the loader.
-// Both are built from one tree, so C++ types cross freely; exceptions do not: a call that can fail
-// returns false or null and says why in `error`.
+// What the image module (the only code that knows OpenImageIO) does for the program. A call that
+// can fail returns false or null and says why in `error` (storage/modules/module_api.h).
 #pragma once
 
 #include <cstddef>
@@ -29,17 +28,16 @@ struct PngImage {
   int channels = 3;                    // 1: grey, 3: RGB, 4: RGBA; eight bits each
 };
 
-class ImageModule {
+class ImageService {
  public:
-  virtual ~ImageModule() = default;
+  virtual ~ImageService() = default;
   virtual ImageModuleReader* open(const std::string& path, std::string& error) = 0;
   virtual bool encode_png(const PngImage& image, std::span<const std::byte> pixels,
                           std::vector<unsigned char>& out, std::string& error) = 0;
 };
 
-// The module's one symbol: a function of this type. Null when `version` is not the module's own.
-using ImageModuleEntry = ImageModule* (*)(const char* version);
-inline constexpr const char* image_module_entry = "voxweld_image_module_entry";
-inline constexpr const char* image_module_version = VOXWELD_VERSION "/1";
+// That of the module "image", which the first call from any thread loads.
+// InputError as of load_module() (storage/modules/module_loader.h).
+ImageService& image_service();
 
 }  // namespace voxweld
