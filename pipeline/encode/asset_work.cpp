@@ -4,10 +4,9 @@
 
 #include "pipeline/executor/probe.h"
 #include "stages/encode/adjacency.h"
-#include "stages/encode/draco_codec.h"
-#include "stages/encode/glb.h"
 #include "stages/encode/mesh_accumulator.h"
 #include "stages/encode/mesh_measure.h"
+#include "stages/encode/mesh_writers.h"
 #include "stages/encode/pair_meshes.h"
 #include "storage/artifact/asset_record.h"
 #include "storage/support/error.h"
@@ -59,39 +58,21 @@ Hash128 merged_key(const EncodeJob& job, const UnitPlan& plan) {
   return key.finish();
 }
 
-// A primitive, and so a Draco buffer, for each pair of labels.
-std::vector<std::byte> glb_by_pair(const TileMesh& mesh, const EncodeParameters& parameters,
-                                   const GlbParameters& glb) {
-  const std::vector<TileMesh> meshes = split_by_pair(mesh);
-  std::vector<GlbPart> parts;
-  for (std::size_t i = 0; i < meshes.size(); ++i)
-    parts.push_back({encode_draco(meshes[i], parameters), mesh.pairs[i]});
-  return wrap_glb(parts, glb);
-}
-
-// One Draco buffer serves both formats, but between labels. label: whose mesh it is, if of any.
+// label: whose mesh it is, if of any.
 std::vector<FileRecord> write_formats(const RunContext& context, const EncodeJob& job,
                                       const TileMesh& mesh, const std::string& stem,
                                       Material label) {
-  EncodeParameters parameters;
-  parameters.normals = context.config.output.normals;
-  GlbParameters glb;
-  glb.frame = job.frame;
-  glb.materials = job.materials;
-  glb.label = label;
-  std::optional<EncodedMesh> whole;
-  const auto encoded = [&]() -> const EncodedMesh& {
-    if (!whole) whole = encode_draco(mesh, parameters);
-    return *whole;
-  };
+  AssetFacts facts;
+  facts.encoding.normals = context.config.output.normals;
+  facts.frame = job.frame;
+  facts.materials = job.materials;
+  facts.label = label;
+  Asset asset(mesh, facts);
   std::vector<FileRecord> files;
-  for (const OutputConfig::Format format : context.config.output.formats) {
-    if (format == OutputConfig::Format::drc)
-      files.push_back(write_asset(job.output, stem + ".drc", "drc", encoded().bytes));
-    else
-      files.push_back(write_asset(
-          job.output, stem + ".glb", "glb",
-          mesh.pairs.empty() ? wrap_glb(encoded(), glb) : glb_by_pair(mesh, parameters, glb)));
+  for (const MeshWriter& writer : job.formats) {
+    AssetFile file(job.output, stem + std::string(writer.ending));
+    writer.write(asset, [&](std::span<const std::byte> bytes) { file.append(bytes); });
+    files.push_back(file.finish(std::string(writer.name)));
   }
   return files;
 }

@@ -22,16 +22,15 @@ LabelMode label_mode(const EncodeJob& job) {
 }
 
 // The names of all that the run may write: the same for each of its tasks.
-void add_planned(const RunContext& context, const UnitPlan& plan, bool merged, FileNames& names) {
+void add_planned(const EncodeJob& job, const UnitPlan& plan, bool merged, FileNames& names) {
   std::vector<std::string> endings;
-  for (const OutputConfig::Format format : context.config.output.formats)
-    endings.push_back(format == OutputConfig::Format::drc ? ".drc" : ".glb");
+  for (const MeshWriter& writer : job.formats) endings.emplace_back(writer.ending);
   for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
     for (const PlannedMesh& mesh : plan.meshes(unit))
       for (const std::string& ending : endings) names.add(mesh.stem + ending);
   for (const std::string& ending : endings)
     if (merged) names.add("mesh" + ending);
-  if (context.config.labels.mode != LabelMode::off) names.add(labels_name);
+  if (label_mode(job) != LabelMode::off) names.add(labels_name);
 }
 
 Hash128 planned_key(const EncodeJob& job, const TopArtifact& top, bool merged) {
@@ -62,24 +61,19 @@ void write_listing(const EncodeJob& job, const UnitPlan& plan, bool merged, File
   write_listing(listing, earlier, std::move(manifest));
 }
 
+// The format that takes most for each pair of labels: formats are written one after the other.
+const MeshWriter& costliest_of_pairs(const EncodeJob& job) {
+  return *std::ranges::max_element(job.formats, {}, &MeshWriter::pair_bytes);
+}
+
 void count_label_pairs(const EncodeJob& job, const UnitPlan& plan, EncodeStatus& status) {
   if (label_mode(job) != LabelMode::shared) return;
   std::vector<std::uint64_t> counts(plan.size());
   probe_all(plan.size(), [&](std::size_t i) { counts[i] = tile_of(job, plan, i).label_pairs(); });
-  for (const std::uint64_t count : counts) status.label_pairs += count;
+  const std::uint64_t one = costliest_of_pairs(job).pair_bytes;
+  for (const std::uint64_t count : counts) status.label_pair_bytes += count * one;
   for (const std::uint64_t unit : status.missing)
     status.most_label_pairs = std::max(status.most_label_pairs, counts[unit]);
-}
-
-bool writes_glb(const Config& config) {
-  const std::vector<OutputConfig::Format>& formats = config.output.formats;
-  return std::find(formats.begin(), formats.end(), OutputConfig::Format::glb) != formats.end();
-}
-
-// A glTF primitive: its mesh apart, encoded, and described in JSON. On noise, where each polygon
-// has a pair of its own, it took 8.6 KiB.
-std::uint64_t label_pair_bytes(const Config& config, std::uint64_t pairs) {
-  return pairs * (writes_glb(config) ? 12 * 1024 : 256);
 }
 
 // The merged mesh takes the memory of the whole process: in this one it is made alone, after the
@@ -94,12 +88,14 @@ void encode_missing(RunContext& context, const EncodeJob& job, const UnitPlan& p
                  (merged_done && context.selection.contains(plan.size()) ? 1 : 0);
   stage.memory = encode_memory(context.config, plan.largest_tiles());
   const std::uint64_t pairs = status.most_label_pairs;
-  stage.memory.per_unit_bytes += label_pair_bytes(context.config, pairs);
+  const MeshWriter& costliest = costliest_of_pairs(job);
+  stage.memory.per_unit_bytes += pairs * costliest.pair_bytes;
   if (pairs > 0) stage.memory.unit += fmt::format(" with {} pairs of labels", pairs);
-  if (pairs > 0 && writes_glb(context.config))
-    stage.memory.advice =
-        "raise run.memory, lower output.tile_vertices, or leave \"glb\", whose pairs are meshes of "
-        "their own, out of output.formats; what is finished is kept";
+  if (pairs > 0 && job.formats.size() > 1)
+    stage.memory.advice = fmt::format(
+        "raise run.memory, lower output.tile_vertices, or leave \"{}\", which takes {} for each "
+        "pair, out of output.formats; what is finished is kept",
+        costliest.name, readable_bytes(static_cast<double>(costliest.pair_bytes)));
   stage.identity = job.folder.filename().string();
   stage.done = [&](const Unit& unit) {
     return unit.key < plan.size() ? unit_is_current(job, plan, unit.key)
@@ -141,7 +137,7 @@ StageMemory encode_memory(const Config& config, const std::vector<PlannedTile>& 
           "raise run.memory or lower output.tile_vertices; what is finished is kept"};
 }
 
-MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_t label_pairs) {
+MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_t pair_bytes) {
   MergedPlan plan;
   // Closed surfaces of neighbouring labels overlap: they are no one mesh.
   if (config.labels.mode == LabelMode::each) return plan;
@@ -154,8 +150,7 @@ MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_
   if (config.output.merged == OutputConfig::Merged::never) return plan;
   plan.bytes = program_bytes() +
                accumulator_memory_bytes(vertices, triangles, config.output.normals) +
-               encode_memory_bytes(vertices, triangles, config.output.normals) +
-               label_pair_bytes(config, label_pairs);
+               encode_memory_bytes(vertices, triangles, config.output.normals) + pair_bytes;
   plan.write = plan.bytes <= config.run.memory;
   if (plan.write) return plan;
   const std::string figures =
@@ -178,7 +173,7 @@ EncodeStatus encode_status(const RunContext& context, const EncodeJob& job,
   status.missing.assign(missing.begin(), missing.end());
   count_label_pairs(job, *plan, status);
   if (context.selection.contains(plan->size()) &&
-      plan_merged(context.config, *plan, status.label_pairs).write)
+      plan_merged(context.config, *plan, status.label_pair_bytes).write)
     status.merged_missing = !merged_is_current(job, *plan);
   return status;
 }
@@ -188,14 +183,14 @@ void run_encode(RunContext& context, const EncodeJob& job, Manifest manifest) {
   const auto plan = unit_plan(top, label_mode(job));
   context.selection.check("encode", "tiles", plan->size() + 1);
   const EncodeStatus status = encode_status(context, job, top);
-  const MergedPlan merged = plan_merged(context.config, *plan, status.label_pairs);
+  const MergedPlan merged = plan_merged(context.config, *plan, status.label_pair_bytes);
   if (!merged.why_not.empty())
     spdlog::warn("no merged mesh: {}; the tiles are complete", merged.why_not);
 
   if (!status.current()) {
     FileNames names(job.folder);
     begin_output(job.output, planned_key(job, top, merged.write), names,
-                 [&](FileNames& all) { add_planned(context, *plan, merged.write, all); });
+                 [&](FileNames& all) { add_planned(job, *plan, merged.write, all); });
   }
   encode_missing(context, job, *plan, status, merged.write);
   if (!context.selection.all()) return;

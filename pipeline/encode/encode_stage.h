@@ -11,9 +11,9 @@ namespace voxweld {
 struct EncodeStatus {
   std::vector<std::uint64_t> missing;  // units whose files are missing, changed or of other inputs
   bool merged_missing = false;
-  // Of tiles between labels: how many pairs all of them list, one by one, and the most that one of
-  // the missing does.
-  std::uint64_t label_pairs = 0, most_label_pairs = 0;
+  // Of tiles between labels: what the pairs that all of them list, one by one, take together, and
+  // the most pairs that one of the missing lists.
+  std::uint64_t label_pair_bytes = 0, most_label_pairs = 0;
   bool current() const { return missing.empty() && !merged_missing; }
 };
 
@@ -24,8 +24,9 @@ struct MergedPlan {
   std::uint64_t bytes = 0;  // what it takes in memory
   std::string why_not;      // for the user, when auto leaves it out
 };
-// label_pairs: of its triangles (labels.mode = "shared"), once stitch has found them.
-MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_t label_pairs = 0);
+// pair_bytes: what the pairs of its triangles take (labels.mode = "shared"), once stitch has found
+// them.
+MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_t pair_bytes = 0);
 
 // What encoding the largest of these tiles takes.
 StageMemory encode_memory(const Config& config, const std::vector<PlannedTile>& tiles);
