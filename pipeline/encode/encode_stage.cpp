@@ -76,14 +76,12 @@ void count_label_pairs(const EncodeJob& job, const UnitPlan& plan, EncodeStatus&
     status.most_label_pairs = std::max(status.most_label_pairs, counts[unit]);
 }
 
-// The merged mesh takes the memory of the whole process: in this one it is made alone, after the
-// tiles; elsewhere it is one more unit.
-void encode_missing(RunContext& context, const EncodeJob& job, const UnitPlan& plan,
-                    const EncodeStatus& status, bool merged_planned) {
+StageRun stage_of_tiles(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
+                        const EncodeStatus& status, const MergedPlan& merged) {
   StageRun stage;
   stage.stage = "encode";
   stage.noun = label_mode(job) == LabelMode::each ? "groups" : "meshes";
-  const bool merged_done = merged_planned && !status.merged_missing;
+  const bool merged_done = merged.write && !status.merged_missing;
   stage.reused = context.selection.count(plan.size()) - status.missing.size() +
                  (merged_done && context.selection.contains(plan.size()) ? 1 : 0);
   stage.memory = encode_memory(context.config, plan.largest_tiles());
@@ -97,29 +95,65 @@ void encode_missing(RunContext& context, const EncodeJob& job, const UnitPlan& p
         "pair, out of output.formats; what is finished is kept",
         costliest.name, readable_bytes(static_cast<double>(costliest.pair_bytes)));
   stage.identity = job.folder.filename().string();
-  stage.done = [&](const Unit& unit) {
+  stage.done = [&job, &plan](const Unit& unit) {
     return unit.key < plan.size() ? unit_is_current(job, plan, unit.key)
                                   : merged_is_current(job, plan);
   };
-  const bool here = context.executor->in_process();
+  return stage;
+}
+
+// How many units are under way at once where the merged mesh is one of them: tiles get what it
+// leaves of run.memory, and no more than `tiles` of them are at work when it is done. Its files are
+// those of the only tile where there is but one: then that comes first.
+int threads_beside_merged(const RunContext& context, const StageMemory& memory,
+                          const MergedPlan& merged, const UnitPlan& plan, int tiles) {
+  if (plan.size() == 1) return 1;
+  const std::uint64_t left = context.budget().total - merged.bytes;
+  return static_cast<int>(
+      std::min<std::uint64_t>(static_cast<std::uint64_t>(tiles), 1 + left / memory.per_unit_bytes));
+}
+
+// Adds the last stage's report to the one before, of the same stage.
+void join_reports(std::vector<StageReport>& reports) {
+  const StageReport last = reports.back();
+  reports.pop_back();
+  StageReport& sum = reports.back();
+  sum.units += last.units;
+  sum.ran += last.ran;
+  sum.figures.wall_s += last.figures.wall_s;
+  sum.figures.cpu_s += last.figures.cpu_s;
+  sum.figures.peak_resident = std::max(sum.figures.peak_resident, last.figures.peak_resident);
+}
+
+// The merged mesh is one more unit, as long as all tiles together and so the first to begin. Where
+// run.memory does not hold a tile beside it, several tiles are better made before it, side by side.
+void encode_missing(RunContext& context, const EncodeJob& job, const UnitPlan& plan,
+                    const EncodeStatus& status, const MergedPlan& merged) {
+  StageRun stage = stage_of_tiles(context, job, plan, status, merged);
   std::vector<Unit> units;
   double polygons = 0;
   for (const std::uint64_t number : status.missing) {
     units.push_back({number, plan.name(number), static_cast<double>(plan.total(number).polygons)});
     polygons += units.back().weight;
   }
-  if (status.merged_missing && !here) units.push_back({plan.size(), "merged mesh", polygons});
-  const StageMeter meter;
-  run_stage(context, stage, units, stage_threads(context, stage.memory),
-            [&](const Unit& unit, WorkerContext& worker) {
-              encode_unit(context, job, plan, unit.key, worker);
-            });
-  if (!status.merged_missing || !here) return;
-  encode_merged(context, job, plan);
-  StageReport& report = context.reports.back();
-  report.figures = meter.read();
-  ++report.ran;
-  ++report.units;
+  const UnitWork work = [&](const Unit& unit, const WorkerContext& worker) {
+    if (unit.key < plan.size()) return encode_unit(context, job, plan, unit.key, worker);
+    encode_merged(context, job, plan, worker);
+  };
+  const int tiles = stage_threads(context, stage.memory);
+  if (!status.merged_missing || !merged.write) return run_stage(context, stage, units, tiles, work);
+  const Unit whole{plan.size(), "merged mesh", polygons};
+  const int threads = context.executor->in_process()
+                          ? threads_beside_merged(context, stage.memory, merged, plan, tiles)
+                          : tiles;
+  if (threads == 1 && tiles > 1 && units.size() > 1) {
+    run_stage(context, stage, units, tiles, work);
+    stage.reused = 0;
+    run_stage(context, stage, {whole}, 1, work);
+    return join_reports(context.reports);
+  }
+  units.push_back(whole);
+  run_stage(context, stage, units, threads, work);
 }
 
 }  // namespace
@@ -192,7 +226,7 @@ void run_encode(RunContext& context, const EncodeJob& job, Manifest manifest) {
     begin_output(job.output, planned_key(job, top, merged.write), names,
                  [&](FileNames& all) { add_planned(job, *plan, merged.write, all); });
   }
-  encode_missing(context, job, *plan, status, merged.write);
+  encode_missing(context, job, *plan, status, merged);
   if (!context.selection.all()) return;
   manifest.stages = std::make_unique<nlohmann::json>(stages_json(context));
   FileNames earlier(job.folder);
