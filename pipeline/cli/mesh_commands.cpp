@@ -83,7 +83,9 @@ void add_render_command(CLI::App& app, Program& program) {
   CLI::App* command =
       app.add_subcommand("render", "Draws an output directory or a mesh file as a PNG");
   RenderOptions& o = arguments->options;
-  command->add_option("input", arguments->input, "An output directory, a .drc or a .glb file")
+  command
+      ->add_option("input", arguments->input,
+                   "An output directory, or a mesh file: " + endings_text(mesh_writers()))
       ->required();
   command->add_option("-o,--output", arguments->output, "The PNG to write")->required();
   command->add_option("--width", o.width, "Pixels")->capture_default_str();
@@ -111,7 +113,8 @@ void add_export_command(CLI::App& app, Program& program) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
       app.add_subcommand("export", "Writes a mesh file as .ply, .obj, .stl or .off");
-  command->add_option("input", arguments->input, "A .drc or .glb file")->required();
+  command->add_option("input", arguments->input, "A mesh file: " + endings_text(mesh_writers()))
+      ->required();
   command->add_option("-o,--output", arguments->output, "The file to write, format by its ending")
       ->required();
   command->callback([&program, arguments] {

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "pipeline/config/label_list.h"
+#include "stages/encode/mesh_writers.h"
 #include "storage/readers/open_volume.h"
 
 namespace voxweld::binding {
@@ -132,6 +133,24 @@ Binding background() {
           [](Config& c, const ConfigValue& v) { c.labels.background = label_ranges_of(*v.list()); },
           [](const Config& c) -> std::optional<ConfigValue> {
             return ConfigValue{label_items(c.labels.background)};
+          }};
+}
+
+// In the order of the table: what is written does not depend on the order it was asked for in.
+Binding formats() {
+  std::vector<std::string> names;
+  for (const MeshWriter& writer : mesh_writers()) names.emplace_back(writer.name);
+  return {ChoiceListRule{names},
+          [names](Config& c, const ConfigValue& v) {
+            c.output.formats.clear();
+            for (const ConfigValue& item : *v.list()) c.output.formats.push_back(*item.text());
+            std::ranges::sort(c.output.formats, {},
+                              [&](const std::string& name) { return index_of(names, name); });
+          },
+          [](const Config& c) -> std::optional<ConfigValue> {
+            ConfigValue::List list;
+            for (const std::string& name : c.output.formats) list.push_back({name});
+            return ConfigValue{std::move(list)};
           }};
 }
 

@@ -33,6 +33,7 @@ Binding isovalue();
 Binding label();
 Binding selected_labels();
 Binding background();
+Binding formats();
 
 // Members of a common form, named by their group and member.
 template <class Group, class T>
@@ -71,26 +72,6 @@ Binding choice(Group Config::*group, Enum Group::*member, std::vector<std::strin
           },
           [=](const Config& c) -> std::optional<ConfigValue> {
             return ConfigValue{names[static_cast<std::size_t>(at(c, field))]};
-          }};
-}
-
-template <class Group, class Enum>
-Binding choices(Group Config::*group, std::vector<Enum> Group::*member,
-                std::vector<std::string> names) {
-  const Field<Group, std::vector<Enum>> field{group, member};
-  return {ChoiceListRule{names},
-          [=](Config& c, const ConfigValue& v) {
-            at(c, field).clear();
-            for (const ConfigValue& item : *v.list())
-              at(c, field).push_back(static_cast<Enum>(index_of(names, *item.text())));
-            // What is written does not depend on the order it was asked for in.
-            std::sort(at(c, field).begin(), at(c, field).end());
-          },
-          [=](const Config& c) -> std::optional<ConfigValue> {
-            ConfigValue::List list;
-            for (const Enum item : at(c, field))
-              list.push_back({names[static_cast<std::size_t>(item)]});
-            return ConfigValue{std::move(list)};
           }};
 }
 

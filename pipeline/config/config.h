@@ -117,11 +117,11 @@ struct SimplifyConfig {
 };
 
 struct OutputConfig {
-  enum class Format : std::uint8_t { drc, glb };
   enum class Merged : std::uint8_t { automatic, always, never };
 
-  std::filesystem::path directory;                           // absolute
-  std::vector<Format> formats = {Format::drc, Format::glb};  // not empty, no duplicates
+  std::filesystem::path directory;  // absolute
+  std::vector<std::string> formats = {"drc",
+                                      "glb"};  // by name, as listed; not empty, no duplicates
   Merged merged = Merged::automatic;
   bool tiles = true;               // false only where merged is not `never`
   std::int64_t tile_vertices = 0;  // 0: 500000, fewer where run.memory is small

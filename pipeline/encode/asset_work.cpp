@@ -4,10 +4,9 @@
 
 #include "pipeline/executor/probe.h"
 #include "stages/encode/adjacency.h"
-#include "stages/encode/draco_codec.h"
-#include "stages/encode/glb.h"
 #include "stages/encode/mesh_accumulator.h"
 #include "stages/encode/mesh_measure.h"
+#include "stages/encode/mesh_writers.h"
 #include "stages/encode/pair_meshes.h"
 #include "storage/artifact/asset_record.h"
 #include "storage/support/error.h"
@@ -59,39 +58,22 @@ Hash128 merged_key(const EncodeJob& job, const UnitPlan& plan) {
   return key.finish();
 }
 
-// A primitive, and so a Draco buffer, for each pair of labels.
-std::vector<std::byte> glb_by_pair(const TileMesh& mesh, const EncodeParameters& parameters,
-                                   const GlbParameters& glb) {
-  const std::vector<TileMesh> meshes = split_by_pair(mesh);
-  std::vector<GlbPart> parts;
-  for (std::size_t i = 0; i < meshes.size(); ++i)
-    parts.push_back({encode_draco(meshes[i], parameters), mesh.pairs[i]});
-  return wrap_glb(parts, glb);
-}
-
-// One Draco buffer serves both formats, but between labels. label: whose mesh it is, if of any.
+// label: whose mesh it is, if of any.
 std::vector<FileRecord> write_formats(const RunContext& context, const EncodeJob& job,
-                                      const TileMesh& mesh, const std::string& stem,
-                                      Material label) {
-  EncodeParameters parameters;
-  parameters.normals = context.config.output.normals;
-  GlbParameters glb;
-  glb.frame = job.frame;
-  glb.materials = job.materials;
-  glb.label = label;
-  std::optional<EncodedMesh> whole;
-  const auto encoded = [&]() -> const EncodedMesh& {
-    if (!whole) whole = encode_draco(mesh, parameters);
-    return *whole;
-  };
+                                      const TileMesh& mesh, const std::string& stem, Material label,
+                                      const WorkerContext& worker) {
+  AssetFacts facts;
+  facts.encoding.normals = context.config.output.normals;
+  facts.frame = job.frame;
+  facts.materials = job.materials;
+  facts.label = label;
+  Asset asset(mesh, facts);
   std::vector<FileRecord> files;
-  for (const OutputConfig::Format format : context.config.output.formats) {
-    if (format == OutputConfig::Format::drc)
-      files.push_back(write_asset(job.output, stem + ".drc", "drc", encoded().bytes));
-    else
-      files.push_back(write_asset(
-          job.output, stem + ".glb", "glb",
-          mesh.pairs.empty() ? wrap_glb(encoded(), glb) : glb_by_pair(mesh, parameters, glb)));
+  for (const MeshWriter& writer : job.formats) {
+    worker.check_interrupt();
+    AssetFile file(job.output, stem + std::string(writer.ending));
+    writer.write(asset, [&](std::span<const std::byte> bytes) { file.append(bytes); });
+    files.push_back(file.finish(std::string(writer.name)));
   }
   return files;
 }
@@ -130,6 +112,46 @@ void add_boundaries(AssetRecord& record, const TileMesh& mesh) {
   }
 }
 
+TileMesh merged_mesh(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
+                     const WorkerContext& worker) {
+  MeshAccumulator accumulator;
+  for (std::uint64_t unit = 0; unit < plan.size(); ++unit) {
+    worker.check_interrupt();
+    const TileMesh tile = tile_of(job, plan, unit).read();
+    if (!tile.triangles.empty()) accumulator.append(tile);
+  }
+  TileMesh mesh = accumulator.take();
+  if (context.config.surface.border == SurfaceConfig::Border::open && mesh.pairs.empty())
+    split_fans(mesh);
+  return mesh;
+}
+
+// Whether all that is written of them is the same.
+bool same_asset(const TileMesh& a, const TileMesh& b) {
+  return a.lattice == b.lattice && a.positions == b.positions && a.normals == b.normals &&
+         a.triangles == b.triangles && a.corner_normals == b.corner_normals && a.pairs == b.pairs &&
+         a.triangle_pairs == b.triangle_pairs;
+}
+
+// Where there is one tile and `merged` is its mesh, the files of that are the merged mesh's too,
+// and need not be encoded again. None where that is not so, or the tile has no files.
+std::vector<FileRecord> copies_of_only_tile(const EncodeJob& job, const UnitPlan& plan,
+                                            const TileMesh& merged) {
+  if (plan.size() != 1 || !unit_is_current(job, plan, 0)) return {};
+  if (!same_asset(tile_of(job, plan, 0).read(), merged)) return {};
+  const auto tile = read_asset_record(asset_record_path(job, plan, 0), RecordParts::files);
+  if (!tile || tile->files.size() != job.formats.size()) return {};
+  std::vector<FileRecord> files;
+  for (std::size_t i = 0; i < job.formats.size(); ++i) {
+    const FileRecord& from = tile->files[i];
+    AssetFile copy(job.output, "mesh" + std::string(job.formats[i].ending));
+    copy.append(read_whole_file(job.output / from.path));
+    files.push_back(copy.finish(from.format));
+    if (files.back().xxh3_128 != from.xxh3_128) return {};  // damaged since
+  }
+  return files;
+}
+
 }  // namespace
 
 TileArtifact tile_of(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit) {
@@ -151,7 +173,7 @@ void encode_unit(const RunContext& context, const EncodeJob& job, const UnitPlan
     // A tile may own polygons none of which has three leaves: it has no mesh, and no files.
     if (!mesh.triangles.empty() && context.config.output.tiles)
       files = write_formats(context, job, mesh, planned[i].stem,
-                            artifact.labels().empty() ? exterior : artifact.labels()[i]);
+                            artifact.labels().empty() ? exterior : artifact.labels()[i], worker);
     add_mesh(record, mesh, files);
     if (!mesh.pairs.empty()) add_boundaries(record, mesh);
     if (!artifact.labels().empty())
@@ -161,19 +183,14 @@ void encode_unit(const RunContext& context, const EncodeJob& job, const UnitPlan
   write_asset_record(asset_record_path(job, plan, unit), record, job.output);
 }
 
-void encode_merged(const RunContext& context, const EncodeJob& job, const UnitPlan& plan) {
-  MeshAccumulator accumulator;
-  for (std::uint64_t unit = 0; unit < plan.size(); ++unit) {
-    if (context.interrupt != nullptr) context.interrupt->check();
-    const TileMesh mesh = tile_of(job, plan, unit).read();
-    if (!mesh.triangles.empty()) accumulator.append(mesh);
-  }
-  TileMesh mesh = accumulator.take();
-  if (context.config.surface.border == SurfaceConfig::Border::open && mesh.pairs.empty())
-    split_fans(mesh);
+void encode_merged(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
+                   const WorkerContext& worker) {
+  const TileMesh mesh = merged_mesh(context, job, plan, worker);
+  std::vector<FileRecord> files = copies_of_only_tile(job, plan, mesh);
+  if (files.empty()) files = write_formats(context, job, mesh, "mesh", exterior, worker);
   AssetRecord record;
   record.key = merged_key(job, plan);
-  add_mesh(record, mesh, write_formats(context, job, mesh, "mesh", exterior));
+  add_mesh(record, mesh, files);
   write_asset_record(merged_record_path(job), record, job.output);
 }
 

@@ -17,6 +17,7 @@ bool merged_is_current(const EncodeJob& job, const UnitPlan& plan);
 // Precondition: stitch is current. DamagedArtifact where a tile is not what was planned.
 void encode_unit(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
                  std::uint64_t unit, const WorkerContext& worker);
-void encode_merged(const RunContext& context, const EncodeJob& job, const UnitPlan& plan);
+void encode_merged(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
+                   const WorkerContext& worker);
 
 }  // namespace voxweld

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -23,16 +24,15 @@ LabelMode label_mode(const EncodeJob& job) {
 }
 
 // The names of all that the run may write: the same for each of its tasks.
-void add_planned(const RunContext& context, const UnitPlan& plan, bool merged, FileNames& names) {
+void add_planned(const EncodeJob& job, const UnitPlan& plan, bool merged, FileNames& names) {
   std::vector<std::string> endings;
-  for (const OutputConfig::Format format : context.config.output.formats)
-    endings.push_back(format == OutputConfig::Format::drc ? ".drc" : ".glb");
+  for (const MeshWriter& writer : job.formats) endings.emplace_back(writer.ending);
   for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
     for (const PlannedMesh& mesh : plan.meshes(unit))
       for (const std::string& ending : endings) names.add(mesh.stem + ending);
   for (const std::string& ending : endings)
     if (merged) names.add("mesh" + ending);
-  if (context.config.labels.mode != LabelMode::off) names.add(labels_name);
+  if (label_mode(job) != LabelMode::off) names.add(labels_name);
 }
 
 Hash128 planned_key(const EncodeJob& job, const TopArtifact& top, bool merged) {
@@ -71,23 +71,21 @@ std::vector<std::uint64_t> label_pairs_of(const EncodeJob& job, const UnitPlan& 
   return counts;
 }
 
-bool writes_glb(const Config& config) {
-  const std::vector<OutputConfig::Format>& formats = config.output.formats;
-  return std::find(formats.begin(), formats.end(), OutputConfig::Format::glb) != formats.end();
-}
-
-// A glTF primitive: its mesh apart, encoded, and described in JSON. On noise, where each polygon
-// has a pair of its own, it took 8.6 KiB.
-std::uint64_t label_pair_bytes(const Config& config, std::uint64_t pairs) {
-  return pairs * (writes_glb(config) ? 12 * 1024 : 256);
+// The format that takes most for each pair of labels: formats are written one after the other.
+const MeshWriter& costliest_of_pairs(const EncodeJob& job) {
+  return *std::ranges::max_element(job.formats, {}, &MeshWriter::pair_bytes);
 }
 
 std::uint64_t sum(const std::vector<std::uint64_t>& values) {
   return std::accumulate(values.begin(), values.end(), std::uint64_t{0});
 }
 
-// The tiles as the plan has them, then the merged mesh where there is to be one: by far the largest
-// unit, so it comes first.
+// The tiles as the plan has them, then the merged mesh where there is to be one: as long as all
+// tiles together, so it begins first, and tiles get what it leaves of run.memory. Of one tile alone
+// it has the same files: then it comes after it. More than there is: the unit waits until nobody
+// else has any.
+constexpr std::uint64_t all_memory = std::numeric_limits<std::uint64_t>::max();
+
 class EncodeStage final : public StageWork {
  public:
   explicit EncodeStage(EncodeInputs inputs)
@@ -97,7 +95,7 @@ class EncodeStage final : public StageWork {
         plan_(inputs.plan),
         manifest_(std::move(inputs.manifest)),
         pairs_(label_pairs_of(job_, plan_)),
-        merged_(plan_merged(config_, plan_, sum(pairs_))) {}
+        merged_(plan_merged(config_, plan_, pair_bytes(sum(pairs_)))) {}
 
   Stage stage() const override { return Stage::encode; }
   std::string noun() const override {
@@ -120,7 +118,7 @@ class EncodeStage final : public StageWork {
   }
   void run(const Unit& unit, WorkerContext& worker) override {
     if (is_merged(unit.key))
-      encode_merged(*context_, job_, plan_);
+      encode_merged(*context_, job_, plan_, worker);
     else
       encode_unit(*context_, job_, plan_, unit.key, worker);
   }
@@ -128,6 +126,9 @@ class EncodeStage final : public StageWork {
 
  private:
   bool is_merged(std::uint64_t unit) const { return unit == plan_.size(); }
+  std::uint64_t pair_bytes(std::uint64_t pairs) const {
+    return pairs * costliest_of_pairs(job_).pair_bytes;
+  }
   std::uint64_t pairs_in(std::uint64_t unit) const { return pairs_.empty() ? 0 : pairs_[unit]; }
 
   const Config& config_;
@@ -147,7 +148,7 @@ std::vector<Unit> EncodeStage::units(std::span<const std::uint64_t> numbers) con
     polygons += static_cast<double>(plan_.total(unit).polygons);
   for (const std::uint64_t number : numbers)
     if (is_merged(number))
-      units.push_back({number, "merged mesh", polygons});
+      units.push_back({number, "merged mesh", plan_.size() > 1 ? polygons : 0});
     else
       units.push_back(
           {number, plan_.name(number), static_cast<double>(plan_.total(number).polygons)});
@@ -169,8 +170,8 @@ std::string EncodeStage::missing_text(const StageLook& look) const {
 }
 
 std::uint64_t EncodeStage::bytes(std::uint64_t unit) {
-  if (is_merged(unit)) return merged_.bytes;
-  return encode_bytes(config_, plan_.largest(unit)) + label_pair_bytes(config_, pairs_in(unit));
+  if (is_merged(unit)) return plan_.size() > 1 ? merged_.bytes : all_memory;
+  return encode_bytes(config_, plan_.largest(unit)) + pair_bytes(pairs_in(unit));
 }
 
 StageMemory EncodeStage::memory(std::span<const std::uint64_t> numbers) {
@@ -185,20 +186,23 @@ StageMemory EncodeStage::memory(std::span<const std::uint64_t> numbers) {
       fmt::format("one tile (output.tile_vertices = {})", config_.output.tile_vertices),
       "raise run.memory or lower output.tile_vertices; what is finished is kept"};
   if (pairs > 0) memory.unit += fmt::format(" with {} pairs of labels", pairs);
-  if (pairs > 0 && writes_glb(config_))
-    memory.advice =
-        "raise run.memory, lower output.tile_vertices, or leave \"glb\", whose pairs are meshes of "
-        "their own, out of output.formats; what is finished is kept";
+  if (pairs > 0 && job_.formats.size() > 1) {
+    const MeshWriter& costliest = costliest_of_pairs(job_);
+    memory.advice = fmt::format(
+        "raise run.memory, lower output.tile_vertices, or leave \"{}\", which takes {} for each "
+        "pair, out of output.formats; what is finished is kept",
+        costliest.name, readable_bytes(static_cast<double>(costliest.pair_bytes)));
+  }
   return memory;
 }
 
-void EncodeStage::open(RunContext& context, const StageLook& look) {
+void EncodeStage::open(RunContext&, const StageLook& look) {
   if (!merged_.why_not.empty())
     spdlog::warn("no merged mesh: {}; the tiles are complete", merged_.why_not);
   if (look.missing.empty()) return;
   FileNames names(job_.folder);
   begin_output(job_.output, planned_key(job_, top_, merged_.write), names,
-               [&](FileNames& all) { add_planned(context, plan_, merged_.write, all); });
+               [&](FileNames& all) { add_planned(job_, plan_, merged_.write, all); });
 }
 
 void EncodeStage::close(RunContext& context) {
@@ -217,7 +221,7 @@ std::uint64_t encode_bytes(const Config& config, const PlannedTile& tile) {
   return stitch_bytes(v, tile.polygons) / 2 + encode_memory_bytes(v, t, config.output.normals);
 }
 
-MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_t label_pairs) {
+MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_t pair_bytes) {
   MergedPlan plan;
   // Closed surfaces of neighbouring labels overlap: they are no one mesh.
   if (config.labels.mode == LabelMode::each) return plan;
@@ -229,8 +233,7 @@ MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_
   }
   if (config.output.merged == OutputConfig::Merged::never) return plan;
   plan.bytes = accumulator_memory_bytes(vertices, triangles, config.output.normals) +
-               encode_memory_bytes(vertices, triangles, config.output.normals) +
-               label_pair_bytes(config, label_pairs);
+               encode_memory_bytes(vertices, triangles, config.output.normals) + pair_bytes;
   const std::uint64_t whole = program_bytes() + plan.bytes;
   plan.write = whole <= config.run.memory;
   if (plan.write) return plan;

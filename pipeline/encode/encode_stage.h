@@ -14,8 +14,9 @@ struct MergedPlan {
   std::uint64_t bytes = 0;  // what it takes in memory, beside the program
   std::string why_not;      // for the user, when auto leaves it out
 };
-// label_pairs: of its triangles (labels.mode = "shared"), once stitch has found them.
-MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_t label_pairs = 0);
+// pair_bytes: what the pairs of its triangles take (labels.mode = "shared"), once stitch has found
+// them.
+MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_t pair_bytes = 0);
 
 // What encoding a tile of that size takes.
 std::uint64_t encode_bytes(const Config& config, const PlannedTile& tile);

@@ -28,26 +28,20 @@ void count_file(const FileRecord& file, ManifestCounts& counts, FileNames& lefto
   leftovers.leave_out(file.path);
 }
 
-// A list under way: lines to a file and its hash.
+// A list under way.
 class ListFile {
  public:
-  ListFile(const std::filesystem::path& output, const char* name)
-      : name_(name), file_(output / name) {}
-  void line(const std::string& text) {
-    hash_.update(as_bytes(text));
-    file_.append(as_bytes(text));
-  }
+  ListFile(const std::filesystem::path& output, const char* name) : file_(output, name) {}
+  void line(const std::string& text) { file_.append(as_bytes(text)); }
   // What the manifest says of it.
   FileRecord finish(const char* role) {
-    FileRecord entry{name_, "jsonl", role, file_.size(), to_hex(hash_.finish())};
-    file_.commit(Durability::fsync);
+    FileRecord entry = file_.finish("jsonl");
+    entry.role = role;
     return entry;
   }
 
  private:
-  std::string name_;
-  AtomicFile file_;
-  StreamHasher hash_;
+  AssetFile file_;
 };
 
 // Lines of labels.jsonl from the meshes of labels: each is written when another one comes, so those
@@ -239,7 +233,7 @@ void write_listing(const Listing& listing, FileNames& earlier, Manifest manifest
     manifest.merged.emplace();
     for (FileRecord file : whole_record(*listing.merged).files) {
       file.role = "merged";
-      (file.format == "drc" ? manifest.merged->drc : manifest.merged->glb) = file.path;
+      manifest.merged->emplace(file.format, file.path);
       count_file(file, manifest.counts, earlier);
       manifest.files.push_back(file);
     }

@@ -35,7 +35,9 @@ class MemoryPool {
   std::uint64_t waits() const;
 
  private:
-  bool fits(std::uint64_t bytes) const { return taken_ == 0 || bytes <= total_ - taken_; }
+  bool fits(std::uint64_t bytes) const {
+    return taken_ == 0 || (taken_ <= total_ && bytes <= total_ - taken_);
+  }
 
   const std::uint64_t total_;
   mutable std::mutex mutex_;

@@ -86,7 +86,7 @@ InfoDocument describe_mesh(const fs::path& path) {
   const DecodedMesh mesh = load_mesh(path);
   InfoDocument document = new_document("mesh", path);
   document["bytes"] = fs::file_size(path);
-  document["format"] = path.extension() == ".glb" ? "glb" : "drc";
+  document["format"] = writer_of_ending(mesh_writers(), path.extension().string())->name;
   document["points"] = mesh.positions.size();
   document["vertices"] = distinct(mesh.positions);
   document["triangles"] = mesh.triangles.size();
@@ -141,8 +141,7 @@ InfoDocument describe_output(const fs::path& manifest_path, const InfoOptions& o
   document["merged"] = nullptr;
   if (manifest.merged) {
     document["merged"] = InfoDocument::object();
-    if (!manifest.merged->drc.empty()) document["merged"]["drc"] = manifest.merged->drc;
-    if (!manifest.merged->glb.empty()) document["merged"]["glb"] = manifest.merged->glb;
+    for (const auto& [format, file] : *manifest.merged) document["merged"][format] = file;
   }
   if (manifest.error) document["error"] = *manifest.error;
   if (manifest.input) document["input"] = *manifest.input;

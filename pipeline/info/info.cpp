@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "pipeline/info/kinds.h"
+#include "stages/encode/mesh_writers.h"
 #include "storage/image/slice_files.h"
 #include "storage/manifest/manifest.h"
 #include "storage/meshes/mesh_file.h"
@@ -21,7 +22,9 @@ std::string known_kinds() {
   return "info knows volumes (" + reader_names() +
          "), meshes as input (.stl, .off, .obj, .ply), brick stores, .octree, top.tree, .tile, "
          ".record, .shard, .labels, histogram and spool files of "
-         "a work directory, .drc and .glb meshes, output directories, work directories, "
+         "a work directory, " +
+         endings_text(mesh_writers(), " and ") +
+         " meshes, output directories, work directories, "
          "manifest.json, tiles.jsonl, labels.jsonl and config files";
 }
 
@@ -97,7 +100,7 @@ InfoDocument describe_directory(const fs::path& path, const InfoOptions& options
 // Files that their name and place tell, but no contents.
 std::optional<InfoDocument> describe_by_name(const fs::path& path, const InfoOptions& options) {
   const std::string name = path.filename().string(), extension = path.extension().string();
-  if (extension == ".drc" || extension == ".glb") return describe_mesh(path);
+  if (writer_of_ending(mesh_writers(), extension) != nullptr) return describe_mesh(path);
   if (options.input.format == "auto" && is_mesh_name(path)) return describe_input_mesh(options);
   if (name == manifest_name) return describe_output(path, options);
   if (name == tiles_name) return describe_tile_list(path, options);

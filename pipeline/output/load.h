@@ -5,22 +5,25 @@
 #include <functional>
 #include <optional>
 
-#include "stages/encode/draco_codec.h"
+#include "stages/encode/mesh_writers.h"
 #include "storage/types/material_table.h"
 
 namespace voxweld {
 
-// A .drc or .glb file. InputError for another ending, FormatError for a damaged file.
-DecodedMesh load_mesh(const std::filesystem::path& path);
+// A file of one of the formats, known by its ending. InputError for another ending, FormatError for
+// a damaged file.
+DecodedMesh load_mesh(const std::filesystem::path& path, MeshWriters formats = mesh_writers());
 
 // Of an output directory each tile (or the merged mesh where there are no tiles), one after the
 // other; of a file its mesh.
 void for_each_mesh(const std::filesystem::path& path,
-                   const std::function<void(const DecodedMesh&)>& f);
+                   const std::function<void(const DecodedMesh&)>& f,
+                   MeshWriters formats = mesh_writers());
 // label: of a tile that is one label's (labels.mode = "each").
 void for_each_label_mesh(
     const std::filesystem::path& path,
-    const std::function<void(const DecodedMesh&, std::optional<Material> label)>& f);
+    const std::function<void(const DecodedMesh&, std::optional<Material> label)>& f,
+    MeshWriters formats = mesh_writers());
 
 // The colours that labels.jsonl of an output directory lists; none of other files.
 MaterialTable listed_colours(const std::filesystem::path& path);

@@ -5,6 +5,7 @@
 #include <tbb/info.h>
 #include <tbb/parallel_pipeline.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -62,7 +63,7 @@ class Verifier {
         manifest_(read_manifest(directory / manifest_name)),
         each_(manifest_.labels == LabelMode::each),
         frame_(manifest_),
-        tiles_(directory_, manifest_),
+        tiles_(directory_, manifest_, options_.formats),
         threads_(options.threads > 0 ? options.threads : tbb::info::default_concurrency()) {
     if (each_) labels_.emplace(directory / labels_name);
     if (!each_) open_surface({});
@@ -244,7 +245,7 @@ class Verifier {
   // Files that are no tile's: those of the merged mesh, and the lists.
   void check_merged() {
     Problems problems;
-    MeshFiles merged;
+    std::vector<FormatFile> merged;
     for (const FileRecord& file : manifest_.files) {
       if (file.role != "merged") {
         check_file(directory_, file, problems);
@@ -254,24 +255,21 @@ class Verifier {
       ++report_.files;
       report_.bytes += bytes.size();
       if (!manifest_.merged || !options_.merged) continue;
-      if (file.path == manifest_.merged->drc)
-        merged.drc = std::move(bytes);
-      else if (file.path == manifest_.merged->glb)
-        merged.glb = std::move(bytes);
+      const auto named = manifest_.merged->find(file.format);
+      const MeshWriter* format = writer_named(options_.formats, file.format);
+      if (format != nullptr && named != manifest_.merged->end() && named->second == file.path)
+        merged.push_back({format, file.path, std::move(bytes)});
     }
     note_all(problems);
-    if (!manifest_.merged || !options_.merged) return;
-    merged.drc_path = manifest_.merged->drc;
-    merged.glb_path = manifest_.merged->glb;
-    check_merged_mesh(merged);
+    if (manifest_.merged && options_.merged) check_merged_mesh(merged);
   }
 
-  void check_merged_mesh(const MeshFiles& files) {
+  void check_merged_mesh(const std::vector<FormatFile>& files) {
     Problems problems;
-    const std::string& name = files.drc_path.empty() ? files.glb_path : files.drc_path;
-    if (files.drc.empty() && files.glb.empty())
+    if (std::ranges::all_of(files, [](const FormatFile& file) { return file.bytes.empty(); }))
       problems.push_back({manifest_name, "\"merged\" names no file that \"files\" lists"});
-    std::optional<LatticeMesh> mesh = files.decode(manifest_.lattice, problems);
+    const std::string name = files.empty() ? manifest_name : files.front().path;
+    std::optional<LatticeMesh> mesh = decode(files, manifest_.lattice, problems);
     if (mesh) {
       report_.merged_checked = true;
       if (digest(*mesh) != triangles_)

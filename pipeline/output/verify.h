@@ -14,12 +14,15 @@
 #include <string>
 #include <vector>
 
+#include "stages/encode/mesh_writers.h"
+
 namespace voxweld {
 
 struct VerifyOptions {
   int threads = 0;  // 0: as many as cores
   std::size_t listed_problems = 20;
-  bool merged = true;  // also decode the merged mesh and build it in OpenMesh
+  bool merged = true;                    // also decode the merged mesh and build it in OpenMesh
+  MeshWriters formats = mesh_writers();  // those it knows how to read
 };
 
 struct Problem {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "pipeline/output/seam_check.h"
-#include "stages/encode/glb.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "storage/support/hash.h"
@@ -24,14 +23,13 @@ void compare(const FileRecord& record, std::uint64_t bytes, Hash128 found, Probl
                                                  hash, record.xxh3_128)});
 }
 
-std::optional<LatticeMesh> decoded(std::span<const std::byte> bytes, bool glb,
-                                   const std::string& path, const OutputLattice& lattice,
+std::optional<LatticeMesh> decoded(const FormatFile& file, const OutputLattice& lattice,
                                    Problems& problems) {
-  if (bytes.empty()) return std::nullopt;
+  if (file.bytes.empty()) return std::nullopt;
   try {
-    return weld(glb ? decode_glb(bytes, path) : decode_draco(bytes, path), lattice, path);
+    return weld(file.format->read(file.bytes, file.path), lattice, file.path);
   } catch (const Error& e) {
-    problems.push_back({path, e.what()});
+    problems.push_back({file.path, e.what()});
     return std::nullopt;
   }
 }
@@ -72,14 +70,20 @@ void check_file(const fs::path& directory, const FileRecord& record, Problems& p
   }
 }
 
-std::optional<LatticeMesh> MeshFiles::decode(const OutputLattice& lattice,
-                                             Problems& problems) const {
-  auto mesh = decoded(drc, false, drc_path, lattice, problems);
-  if (glb.empty()) return mesh;
-  auto other = decoded(glb, true, glb_path, lattice, problems);
-  if (!mesh) return other;
-  if (other && digest(*other) != digest(*mesh))
-    problems.push_back({glb_path, "its triangles differ from those of " + drc_path});
+std::optional<LatticeMesh> decode(const std::vector<FormatFile>& files,
+                                  const OutputLattice& lattice, Problems& problems) {
+  std::optional<LatticeMesh> mesh;
+  std::string of;
+  for (const FormatFile& file : files) {
+    auto other = decoded(file, lattice, problems);
+    if (!other) continue;
+    if (!mesh) {
+      mesh = std::move(other);
+      of = file.path;
+    } else if (digest(*other) != digest(*mesh)) {
+      problems.push_back({file.path, "its triangles differ from those of " + of});
+    }
+  }
   return mesh;
 }
 
@@ -117,21 +121,19 @@ Problems TileReader::use_of(const TileRecord& record,
 }
 
 std::optional<LatticeMesh> TileReader::read(TileResult& result) const {
-  MeshFiles files;
-  bool any = false;
+  std::vector<FormatFile> files;
   for (const FileRecord& file : result.record.files) {
     auto bytes = checked_file(directory_, file, result.problems);
     ++result.files;
     result.bytes += bytes.size();
-    if (file.format != "drc" && file.format != "glb") continue;
-    any = true;
-    (file.format == "drc" ? files.drc : files.glb) = std::move(bytes);
-    (file.format == "drc" ? files.drc_path : files.glb_path) = file.path;
+    const MeshWriter* format = writer_named(formats_, file.format);
+    if (format != nullptr) files.push_back({format, file.path, std::move(bytes)});
   }
-  if (!any)
+  if (files.empty())
     result.problems.push_back(
-        {record_name(result.record), "lists no .drc or .glb file: its mesh cannot be checked"});
-  return files.decode(manifest_.lattice, result.problems);
+        {record_name(result.record),
+         "lists no " + endings_text(formats_) + " file: its mesh cannot be checked"});
+  return decode(files, manifest_.lattice, result.problems);
 }
 
 void TileReader::check_mesh(LatticeMesh& mesh, TileResult& result) const {

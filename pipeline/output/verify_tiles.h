@@ -7,6 +7,7 @@
 #include "pipeline/output/tile_check.h"
 #include "pipeline/output/verify.h"
 #include "stages/encode/mesh_measure.h"
+#include "stages/encode/mesh_writers.h"
 
 namespace voxweld {
 
@@ -19,14 +20,15 @@ std::vector<std::byte> checked_file(const std::filesystem::path& directory,
 void check_file(const std::filesystem::path& directory, const FileRecord& record,
                 Problems& problems);
 
-// The .drc and the .glb of one mesh hold the same Draco buffer; where they do not, they must at
-// least hold the same triangles.
-struct MeshFiles {
-  std::vector<std::byte> drc, glb;
-  std::string drc_path, glb_path;
-
-  std::optional<LatticeMesh> decode(const OutputLattice& lattice, Problems& problems) const;
+// One mesh's file in one format.
+struct FormatFile {
+  const MeshWriter* format = nullptr;
+  std::string path;
+  std::vector<std::byte> bytes;  // empty: could not be read, which was said
 };
+// The mesh of the first file that decodes; those of the others must have the same triangles.
+std::optional<LatticeMesh> decode(const std::vector<FormatFile>& files,
+                                  const OutputLattice& lattice, Problems& problems);
 
 // How messages call a listed tile: "tile 5/1,0,2", "label 7 tile 5/1,0,2".
 std::string record_name(const TileRecord& record);
@@ -42,9 +44,9 @@ struct TileResult {
 
 class TileReader {
  public:
-  // Both outlive it.
-  TileReader(const std::filesystem::path& directory, const Manifest& manifest)
-      : directory_(directory), manifest_(manifest), frame_(manifest) {}
+  // All outlive it.
+  TileReader(const std::filesystem::path& directory, const Manifest& manifest, MeshWriters formats)
+      : directory_(directory), manifest_(manifest), formats_(formats), frame_(manifest) {}
 
   TileResult check(TileRecord record) const;
   // Those of `points` that the tile has: each is surrounded in it and used by another tile too.
@@ -56,6 +58,7 @@ class TileReader {
 
   const std::filesystem::path& directory_;
   const Manifest& manifest_;
+  const MeshWriters formats_;
   const PointFrame frame_;
 };
 

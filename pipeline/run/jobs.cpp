@@ -95,12 +95,12 @@ void Jobs::open_volume(Config& config) {
   stitch_.key = paths.stitch_key;
   encode_ = {&stitch_, info.geometry, paths.encode, config.output.directory, paths.encode_key};
   encode_.materials = &map_.materials;
-  const auto& formats = config.output.formats;
+  encode_.formats = writers_named(mesh_writers(), config.output.formats);
   const auto& entries = map_.materials.entries;
-  encode_.coloured =
-      std::find(formats.begin(), formats.end(), OutputConfig::Format::glb) != formats.end() &&
-      std::any_of(entries.begin(), entries.end(),
-                  [](const MaterialEntry& entry) { return entry.color.has_value(); });
+  encode_.coloured = std::ranges::any_of(encode_.formats, &MeshWriter::coloured) &&
+                     std::any_of(entries.begin(), entries.end(), [](const MaterialEntry& entry) {
+                       return entry.color.has_value();
+                     });
 }
 
 void check_budget(const RunContext& context, const Jobs& jobs) {

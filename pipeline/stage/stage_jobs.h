@@ -2,10 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "pipeline/stage/volume.h"
 #include "stages/contouring/brick_grid.h"
 #include "stages/contouring/parameters.h"
+#include "stages/encode/mesh_writers.h"
 #include "stages/stitch/tile_stitcher.h"
 #include "storage/support/hash.h"
 #include "storage/types/material_table.h"
@@ -52,8 +54,9 @@ struct EncodeJob {
   std::filesystem::path folder;  // of the sidecar records
   std::filesystem::path output;
   Hash128 key;
-  const MaterialTable* materials = nullptr;  // for the list of labels, and colours of .glb
+  const MaterialTable* materials = nullptr;  // for the list of labels, and colours
   bool coloured = false;                     // there are files with colours, and colours for them
+  std::vector<MeshWriter> formats = {};      // to write, in this order
 };
 
 }  // namespace voxweld

@@ -158,10 +158,15 @@ bool asset_is_current(const std::filesystem::path& record_path, Hash128 key,
   return true;
 }
 
-FileRecord write_asset(const std::filesystem::path& output, const std::string& name,
-                       const std::string& format, std::span<const std::byte> bytes) {
-  write_whole_file(output / name, bytes, Durability::fsync);
-  return {name, format, "", bytes.size(), to_hex(hash_bytes(bytes))};
+void AssetFile::append(std::span<const std::byte> bytes) {
+  hash_.update(bytes);
+  file_.append(bytes);
+}
+
+FileRecord AssetFile::finish(const std::string& format) {
+  FileRecord record{name_, format, "", file_.size(), to_hex(hash_.finish())};
+  file_.commit(Durability::fsync);
+  return record;
 }
 
 }  // namespace voxweld

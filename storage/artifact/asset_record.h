@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "storage/support/file_io.h"
 #include "storage/support/hash.h"
 #include "storage/types/file_record.h"
 #include "storage/types/material.h"
@@ -45,8 +46,20 @@ std::optional<AssetRecord> read_asset_record(const std::filesystem::path& path,
 bool asset_is_current(const std::filesystem::path& record, Hash128 key,
                       const std::filesystem::path& output);
 
-// Writes one asset file, fsynced; its record. `name` is relative to `output`.
-FileRecord write_asset(const std::filesystem::path& output, const std::string& name,
-                       const std::string& format, std::span<const std::byte> bytes);
+// One asset file under way; without finish() there is none. `name` is relative to `output`.
+class AssetFile {
+ public:
+  AssetFile(const std::filesystem::path& output, const std::string& name)
+      : name_(name), file_(output / name) {}
+
+  void append(std::span<const std::byte> bytes);
+  // In place, fsynced; its record.
+  FileRecord finish(const std::string& format);
+
+ private:
+  std::string name_;
+  AtomicFile file_;
+  StreamHasher hash_;
+};
 
 }  // namespace voxweld

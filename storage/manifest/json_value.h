@@ -32,6 +32,12 @@ class JsonValue {
       throw FormatError(fmt::format("{}: \"{}\" is missing", where_, joined(key)));
     return {*found, where_, joined(key)};
   }
+  std::vector<std::string> keys() const {
+    if (!value_.is_object()) wrong("an object");
+    std::vector<std::string> out;
+    for (const auto& [key, value] : value_.items()) out.push_back(key);
+    return out;
+  }
   std::vector<JsonValue> items() const {
     if (!value_.is_array()) wrong("an array");
     std::vector<JsonValue> out;

@@ -94,8 +94,8 @@ ManifestCounts counts_of(const Value& value) {
 std::optional<MergedFiles> merged_of(const Value& value) {
   if (value.is_null()) return std::nullopt;
   MergedFiles merged;
-  if (value.has("drc")) merged.drc = relative_path(value.at("drc"));
-  if (value.has("glb")) merged.glb = relative_path(value.at("glb"));
+  for (const std::string& format : value.keys())
+    merged.emplace(format, relative_path(value.at(format.c_str())));
   return merged;
 }
 
@@ -125,8 +125,7 @@ void write_manifest(const Manifest& manifest, const std::filesystem::path& path,
   out["merged"] = nullptr;
   if (manifest.merged) {
     out["merged"] = ordered_json::object();
-    if (!manifest.merged->drc.empty()) out["merged"]["drc"] = manifest.merged->drc;
-    if (!manifest.merged->glb.empty()) out["merged"]["glb"] = manifest.merged->glb;
+    for (const auto& [format, file] : *manifest.merged) out["merged"][format] = file;
   }
   const std::pair<const char*, const json*> sections[] = {{"input", manifest.input.get()},
                                                           {"config", manifest.config.get()},

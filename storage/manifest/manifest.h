@@ -18,7 +18,7 @@
 //                files, bytes (mesh files, those of the tiles included), labels (with "labels")};
 //                vertices: of the octree, which with a closed border and safe topology are those
 //                of the welded mesh; else some of them are in no polygon
-//   merged       {drc, glb} paths, or null
+//   merged       {"drc": path, "glb": path ...}, by the name of the format, or null
 //   files        [{path, format, role "list", "labels" or "merged", bytes, xxh3_128}]: the list of
 //                tiles, that of labels, and the merged mesh; a tile's files are in its line
 //   input, config, stages, error, made_by   free-form; made_by: program, host, time, Slurm ids
@@ -42,6 +42,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -98,10 +99,8 @@ struct ManifestCounts {
   friend bool operator==(const ManifestCounts&, const ManifestCounts&) = default;
 };
 
-struct MergedFiles {
-  std::string drc, glb;  // empty: not written
-  friend bool operator==(const MergedFiles&, const MergedFiles&) = default;
-};
+// Of each format that was written, by its name, the file's path.
+using MergedFiles = std::map<std::string, std::string>;
 
 struct Manifest {
   Manifest();

@@ -112,7 +112,7 @@ prologue = ["module load gcc/12", "", "export A='b c'"]
                        .topology = SimplifyConfig::Topology::free,
                        .qef = SimplifyConfig::Qef::normal};
   expected.output = {.directory = "/out",
-                     .formats = {OutputConfig::Format::glb},
+                     .formats = {"glb"},
                      .merged = OutputConfig::Merged::always,
                      .tiles = false,
                      .tile_vertices = 2048,

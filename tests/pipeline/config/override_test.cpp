@@ -21,7 +21,7 @@ TEST(Override, TakesTomlAndBareWords) {
   EXPECT_EQ(config.surface.border, SurfaceConfig::Border::open);
   EXPECT_EQ(config.input.crop, (Box3{{0, 0, 0}, {9, 8, 7}}));
   EXPECT_EQ(config.run.memory, std::uint64_t{2} << 30);
-  EXPECT_EQ(config.output.formats, std::vector{OutputConfig::Format::glb});
+  EXPECT_EQ(config.output.formats, std::vector<std::string>{"glb"});
   EXPECT_EQ(config.run.threads, 3);
 }
 

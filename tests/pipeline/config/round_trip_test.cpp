@@ -127,10 +127,8 @@ LabelsConfig any_labels() {
 OutputConfig any_output() {
   OutputConfig output;
   output.directory = any_path();
-  using Formats = std::vector<OutputConfig::Format>;
-  constexpr auto drc = OutputConfig::Format::drc;
-  constexpr auto glb = OutputConfig::Format::glb;
-  output.formats = *rc::gen::element(Formats{drc}, Formats{glb}, Formats{drc, glb});
+  using Formats = std::vector<std::string>;
+  output.formats = *rc::gen::element(Formats{"drc"}, Formats{"glb"}, Formats{"drc", "glb"});
   output.merged = any_of<OutputConfig::Merged>(3);
   output.tiles = output.merged == OutputConfig::Merged::never || chance();
   output.tile_vertices = *rc::gen::inRange<std::int64_t>(1024, 1000000000);

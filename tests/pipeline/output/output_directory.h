@@ -120,7 +120,7 @@ struct OutputDirectory {
                     Manifest& manifest) const {
     if (remerge) remerge(mesh);
     const EncodedMesh encoded = encode_draco(mesh, {});
-    manifest.merged = MergedFiles{"mesh.drc", "mesh.glb"};
+    manifest.merged = MergedFiles{{"drc", "mesh.drc"}, {"glb", "mesh.glb"}};
     manifest.files.push_back(file(directory, "mesh.drc", "drc", "merged", encoded.bytes));
     manifest.files.push_back(file(directory, "mesh.glb", "glb", "merged", wrap_glb(encoded, {})));
   }

@@ -19,8 +19,10 @@ class AssetRecordTest : public ::testing::Test {
   void SetUp() override {
     AssetRecord record;
     record.key = key;
-    record.files.push_back(
-        write_asset(output(), "tile.drc", "drc", as_bytes(std::string("12345"))));
+    AssetFile file(output(), "tile.drc");
+    file.append(as_bytes(std::string("12")));
+    file.append(as_bytes(std::string("345")));
+    record.files.push_back(file.finish("drc"));
     write_asset_record(path(), record, output());
   }
   fs::path output() const { return directory_ / "mesh"; }

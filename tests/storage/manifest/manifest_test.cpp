@@ -29,7 +29,7 @@ Manifest sample_manifest() {
   m.frame.space = "LPS";
   m.labels = LabelMode::each;
   m.counts = {8, 5, 4, {100, 20, 3}, 9007199254740993, 50, 7, 107, 4, 1, 9, 12345, 77};
-  m.merged = MergedFiles{"mesh.drc", ""};
+  m.merged = MergedFiles{{"drc", "mesh.drc"}};
   m.files = {{"mesh.drc", "drc", "merged", 12345678901, "00ff"}};
   m.config = std::make_unique<json>(json{{"contour", {{"tolerance", 0.5}}}});
   return m;
