@@ -4,6 +4,7 @@
 
 #include <chrono>
 
+#include "storage/support/file_io.h"
 #include "tests/support/temp_directory.h"
 
 namespace voxweld {
