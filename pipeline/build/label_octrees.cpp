@@ -9,7 +9,7 @@ namespace voxweld {
 namespace {
 
 // What the reduction and the directory need of one label in one brick; then, where the brick is
-// split, a PieceBlock for each block that holds anything.
+// split, a FilledBlock for each block that holds anything.
 struct Note {
   PieceHead head;
   std::uint64_t blocks = 0;
@@ -61,12 +61,11 @@ void LabelOctrees::build_brick(const CellKey& brick, const WorkerContext& worker
   labels_.each({brick.lo(), brick.level}, job_.parameters,
                [&](Material material, const BrickOctree& octree) {
                  worker.check_interrupt();
-                 const NodeState state = octree.root.state;
-                 add_counts(octree.counts, built.counts, state != NodeState::leaf);
-                 if (state == NodeState::outside) return;
+                 add_brick(built.counts, octree.counts, octree.root.state);
+                 if (octree.root.state == NodeState::outside) return;
                  if (!any) out_->begin_brick(built.code);
                  any = true;
-                 const std::vector<PieceBlock> blocks = filled_blocks(octree);
+                 const std::vector<FilledBlock> blocks = filled_blocks(octree.blocks);
                  const PieceHead head = out_->piece(material, octree, blocks);
                  surface = surface || has_surface(head);
                  note(brick.at, head, blocks);
@@ -78,7 +77,7 @@ void LabelOctrees::build_brick(const CellKey& brick, const WorkerContext& worker
 
 void LabelOctrees::keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) {
   bool surface = false;
-  out_->brick(built.code, from, [&](const PieceHead& head, std::span<const PieceBlock> blocks) {
+  out_->brick(built.code, from, [&](const PieceHead& head, std::span<const FilledBlock> blocks) {
     surface = surface || has_surface(head);
     note(brick, head, blocks);
   });
@@ -86,7 +85,7 @@ void LabelOctrees::keep(Index3 brick, const BuiltBrick& built, const ArtifactRea
 }
 
 void LabelOctrees::note(const BuiltBrick& built, bool surface) {
-  add_counts(built.counts, summary_.counts, true);
+  add(summary_.counts, built.counts);
   if (surface) ++summary_.active_bricks;
   history_.bricks.push_back(built);
 }
@@ -98,7 +97,7 @@ void LabelOctrees::inside(Index3 brick, Material material) {
   note(brick, head, {});
 }
 
-void LabelOctrees::note(Index3 brick, const PieceHead& head, std::span<const PieceBlock> blocks) {
+void LabelOctrees::note(Index3 brick, const PieceHead& head, std::span<const FilledBlock> blocks) {
   if (head.root.state != NodeState::split) blocks = {};
   const Note note{head, blocks.size()};
   note_.clear();
@@ -111,34 +110,25 @@ void LabelOctrees::note(Index3 brick, const PieceHead& head, std::span<const Pie
 class LabelOctrees::NodeWriter {
  public:
   NodeWriter(const BuildJob& job, ShardSummary& summary, LabelShardWriter& out)
-      : job_(job), summary_(summary), out_(out) {
-    sink_.node = &node_.node;
-    sink_.summary = &summary;
-    sink_.brick_level = job.grid.brick_level();
-  }
+      : job_(job), summary_(summary), out_(out) {}
 
-  void add(Material material, const CellKey& brick, std::span<const std::byte> bytes) {
+  void add_note(Material material, const CellKey& brick, std::span<const std::byte> bytes) {
     open(material, brick);
     Note note;
     std::memcpy(&note, bytes.data(), sizeof note);
-    std::vector<PieceBlock> blocks(note.blocks);
+    std::vector<FilledBlock> blocks(note.blocks);
     if (note.blocks > 0)
-      std::memcpy(blocks.data(), bytes.data() + sizeof note, note.blocks * sizeof(PieceBlock));
-    const bool leaf = note.head.root.state == NodeState::leaf;
+      std::memcpy(blocks.data(), bytes.data() + sizeof note, note.blocks * sizeof(FilledBlock));
     if (has_surface(note.head)) add_piece(note.head.piece);
-    reduction_->push({brick, note.head.root, leaf ? note.head.piece.polygons : 0u});
-    for (const PieceBlock& block : blocks)
-      sink_.cube({brick.code() + (std::uint64_t{block.block} << (3 * block_level)), block_level,
-                  block.vertices, block.polygons});
+    reduction_->add(brick, note.head.root, note.head.piece.polygons, blocks);
   }
 
   // After the last, and between one cube and the next.
   void close() {
     if (!reduction_) return;
-    const NodeSummary reduced = reduction_->finish();
+    node_.node = reduction_->finish();
+    add(summary_.counts, reduction_->counts());
     summary_.collapsed_above += reduction_->collapsed();
-    node_.node.record = reduced.record;
-    node_.node.polygons = reduced.polygons;
     content_->bytes(std::as_bytes(std::span(node_.node.leaves)));
     node_.content = content_->finish();
     out_.node(node_);
@@ -150,13 +140,13 @@ class LabelOctrees::NodeWriter {
     const int up = job_.grid.shard_level() - brick.level;
     const CellKey cube{job_.grid.shard_level(),
                        {brick.at.x >> up, brick.at.y >> up, brick.at.z >> up}};
-    if (reduction_ && node_.material == material && node_.node.key == cube) return;
+    if (reduction_ && node_.material == material && cube_ == cube) return;
     close();
     node_ = {};
     node_.material = material;
-    node_.node.key = cube;
+    cube_ = cube;
     content_.emplace();
-    reduction_.emplace(cube, job_.grid.domain_level(), job_.parameters, sink_);
+    reduction_.emplace(job_.grid, cube, job_.parameters);
   }
 
   void add_piece(const PieceRecord& piece) {
@@ -169,9 +159,9 @@ class LabelOctrees::NodeWriter {
   ShardSummary& summary_;
   LabelShardWriter& out_;
   LabelNode node_;  // under way
-  NodeCollector sink_;
+  CellKey cube_;    // of it
   std::optional<KeyHasher> content_;
-  std::optional<OctreeReduction> reduction_;
+  std::optional<CubeReduction> reduction_;
 };
 
 void LabelOctrees::finish(Hash128 input, std::vector<BuiltRun> runs) {
@@ -181,7 +171,7 @@ void LabelOctrees::finish(Hash128 input, std::vector<BuiltRun> runs) {
   NodeWriter nodes(job_, summary_, *out_);
   SortKey key;
   while (notes_.next(key, note_))
-    nodes.add(key.major, {job_.grid.brick_level(), morton_decode(key.minor)}, note_);
+    nodes.add_note(key.major, {job_.grid.brick_level(), morton_decode(key.minor)}, note_);
   nodes.close();
   out_->finish(summary_, history_);
   out_.reset();

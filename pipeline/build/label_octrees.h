@@ -28,7 +28,7 @@ class LabelOctrees : public ShardOctrees {
   class NodeWriter;
   void build_brick(const CellKey& brick, const WorkerContext& worker);
   void note(const BuiltBrick& built, bool surface);
-  void note(Index3 brick, const PieceHead& head, std::span<const PieceBlock> blocks);
+  void note(Index3 brick, const PieceHead& head, std::span<const FilledBlock> blocks);
 
   const BuildJob& job_;
   LabelBricks labels_;

@@ -7,26 +7,6 @@
 
 namespace voxweld {
 
-void NodeCollector::leaf(CellKey key, const RootRecord& record) {
-  BrickCounts& counts = summary->counts;
-  ++counts.vertices;
-  ++counts.leaves[static_cast<std::size_t>(key.level)];
-  counts.worst_residual = std::max(counts.worst_residual, static_cast<double>(record.residual));
-  if (key.level > brick_level)
-    node->leaves.push_back(
-        {key.code(), static_cast<std::uint32_t>(key.level), record.vertex, record.residual, 0});
-}
-
-void add_counts(const BrickCounts& from, BrickCounts& to, bool own_leaves) {
-  to.active_cells += from.active_cells;
-  to.crossing_edges += from.crossing_edges;
-  if (!own_leaves) return;
-  to.vertices += from.vertices;
-  for (std::size_t l = 0; l < from.leaves.size(); ++l) to.leaves[l] += from.leaves[l];
-  to.worst_residual = std::max(to.worst_residual, from.worst_residual);
-  to.worst_finest = std::max(to.worst_finest, from.worst_finest);
-}
-
 namespace {
 
 // Of one surface: its octree is the shard's.
@@ -61,7 +41,7 @@ class SurfaceOctrees : public ShardOctrees {
       inside.corner_signs = 255;
     else
       inside.corners.fill(material);
-    roots_.push_back({{{job_.grid.brick_level(), brick}, inside, 0}, {}});
+    roots_.push_back({{job_.grid.brick_level(), brick}, inside, {}});
   }
   void keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) override;
   void finish(Hash128 input, std::vector<BuiltRun> runs) override {
@@ -74,8 +54,9 @@ class SurfaceOctrees : public ShardOctrees {
 
  private:
   struct Root {
-    NodeSummary node;
-    std::vector<BlockCount> blocks;
+    CellKey key;
+    RootRecord record;
+    std::vector<BlockCount> blocks;  // none where it is inside
   };
   void note(const CellKey& key, const RootRecord& root, const BrickCounts& counts);
   void note_surface(const CellKey& key, const RootRecord& root,
@@ -96,19 +77,15 @@ class SurfaceOctrees : public ShardOctrees {
 
 void SurfaceOctrees::note(const CellKey& key, const RootRecord& root, const BrickCounts& counts) {
   history_.bricks.push_back({morton_encode(key.at), brick_key(job_, key.at), root, counts});
-  add_counts(counts, summary_.counts, root.state != NodeState::leaf);
+  add_brick(summary_.counts, counts, root.state);
 }
 
 // Of a brick that is not all outside.
 void SurfaceOctrees::note_surface(const CellKey& key, const RootRecord& root,
                                   const std::vector<BlockCount>& blocks) {
-  roots_.push_back({{key, root, 0}, {}});
-  if (root.state == NodeState::inside) return;
-  ++summary_.active_bricks;
-  if (root.state == NodeState::leaf)
-    roots_.back().node.polygons = blocks.back().polygon_end;
-  else
-    roots_.back().blocks = blocks;
+  const bool surface = root.state != NodeState::inside;
+  if (surface) ++summary_.active_bricks;
+  roots_.push_back({key, root, surface ? blocks : std::vector<BlockCount>{}});
 }
 
 void SurfaceOctrees::keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) {
@@ -139,35 +116,17 @@ void SurfaceOctrees::build(const HaloBlock& block, Index3 first, std::int64_t co
 std::vector<ShardNode> SurfaceOctrees::reduce() {
   summary_.bricks = static_cast<std::uint64_t>(job_.grid.shard_bricks(shard_).count());
   std::sort(roots_.begin(), roots_.end(),
-            [](const Root& a, const Root& b) { return a.node.key.code() < b.node.key.code(); });
+            [](const Root& a, const Root& b) { return a.key.code() < b.key.code(); });
 
   std::vector<ShardNode> nodes;
   auto root = roots_.begin();
   for (const BrickGrid::Cube& cube : job_.grid.shard_cubes(shard_)) {
-    ShardNode node;
-    node.key = cube.key;
-    NodeCollector sink;
-    sink.node = &node;
-    sink.summary = &summary_;
-    sink.brick_level = job_.grid.brick_level();
-    OctreeReduction reduction(cube.key, job_.grid.domain_level(), job_.parameters, sink);
-    for (; root != roots_.end() && cube.key.cells().contains(root->node.key.cells()); ++root) {
-      reduction.push(root->node);
-      if (root->node.record.state != NodeState::split) continue;
-      std::uint32_t begin = 0;
-      for (std::size_t b = 0; b < root->blocks.size(); ++b) {
-        const BlockCount& block = root->blocks[b];
-        if (block.vertices != 0 || block.polygon_end != begin)
-          sink.cube({root->node.key.code() + (b << (3 * block_level)), block_level, block.vertices,
-                     block.polygon_end - begin});
-        begin = block.polygon_end;
-      }
-    }
-    const NodeSummary reduced = reduction.finish();
+    CubeReduction reduction(job_.grid, cube.key, job_.parameters);
+    for (; root != roots_.end() && cube.key.cells().contains(root->key.cells()); ++root)
+      reduction.add(root->key, root->record, root->blocks);
+    nodes.push_back(reduction.finish());
+    add(summary_.counts, reduction.counts());
     summary_.collapsed_above += reduction.collapsed();
-    node.record = reduced.record;
-    node.polygons = reduced.polygons;
-    nodes.push_back(std::move(node));
   }
   return nodes;
 }

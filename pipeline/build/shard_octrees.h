@@ -8,7 +8,7 @@
 #include "pipeline/stage/artifacts.h"
 #include "pipeline/stage/context.h"
 #include "stages/build/build_brick.h"
-#include "stages/merge/octree_reduction.h"
+#include "stages/merge/shard_reduction.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/types/material.h"
 
@@ -38,18 +38,5 @@ class ShardOctrees {
 
 // The one for labels.mode of the job.
 std::unique_ptr<ShardOctrees> make_shard_octrees(const BuildJob& job);
-
-// What several labels' or one surface's octrees have in common: figures, and what the shard's own
-// reduction finds final.
-void add_counts(const BrickCounts& from, BrickCounts& to, bool own_leaves);
-
-struct NodeCollector : ReductionSink {
-  ShardNode* node = nullptr;
-  ShardSummary* summary = nullptr;
-  int brick_level = 0;
-
-  void leaf(CellKey key, const RootRecord& record) override;
-  void cube(const CubeCount& count) override { node->cubes.push_back(count); }
-};
 
 }  // namespace voxweld

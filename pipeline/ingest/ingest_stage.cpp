@@ -3,58 +3,21 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <map>
-#include <mutex>
-
 #include "pipeline/config/settings.h"
 #include "pipeline/ingest/ingest_layout.h"
 #include "pipeline/ingest/mesh_ingest.h"
 #include "pipeline/ingest/open_input.h"
 #include "pipeline/ingest/recorded_input.h"
 #include "pipeline/ingest/shard_ingest.h"
+#include "pipeline/ingest/store_stamps.h"
 #include "pipeline/ingest/volume_scan.h"
 #include "pipeline/stage/artifacts.h"
 #include "storage/artifact/histogram_artifact.h"
-#include "storage/store/shard_record.h"
 #include "storage/store/store_source.h"
 #include "storage/support/error.h"
-#include "storage/types/morton.h"
 
 namespace voxweld {
 namespace {
-
-// Stamps of boxes of the store: of its shards that hold the samples. A shard lies under up to 27
-// boxes of build, so its record is read once. Thread-safe.
-class StoreStamps {
- public:
-  explicit StoreStamps(StoreLayout layout) : layout_(std::move(layout)) {}
-
-  Hash128 of(const Box3& samples) {
-    KeyHasher stamp;
-    const std::int64_t side = layout_.parameters.shard;
-    const Index3 lo = samples.lo, hi = samples.hi;
-    for (std::int64_t z = lo.z / side; z * side < hi.z; ++z)
-      for (std::int64_t y = lo.y / side; y * side < hi.y; ++y)
-        for (std::int64_t x = lo.x / side; x * side < hi.x; ++x) stamp.hash(of_shard({x, y, z}));
-    return stamp.finish();
-  }
-
- private:
-  Hash128 of_shard(Index3 shard) {
-    const std::uint64_t code = morton_encode(shard);
-    {
-      const std::scoped_lock lock(mutex_);
-      if (const auto known = known_.find(code); known != known_.end()) return known->second;
-    }
-    const Hash128 hash = read_shard_record(layout_, shard).file_hash;
-    const std::scoped_lock lock(mutex_);
-    return known_.emplace(code, hash).first->second;
-  }
-
-  const StoreLayout layout_;
-  std::mutex mutex_;
-  std::map<std::uint64_t, Hash128> known_;
-};
 
 // The input is read in place, and here at most for its histogram.
 class InPlaceIngest final : public StageWork {

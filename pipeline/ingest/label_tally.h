@@ -4,22 +4,21 @@
 
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <span>
-#include <vector>
 
 #include "stages/ingest/label_table.h"
-#include "storage/support/scratch_file.h"
+#include "storage/support/external_sorter.h"
 
 namespace voxweld {
 
 class LabelTally {
  public:
   // folder: of the scratch file, which is made when needed. most: labels in memory, a power of two.
-  LabelTally(std::filesystem::path folder, std::size_t most);
+  LabelTally(std::filesystem::path folder, std::size_t most)
+      : table_(most), spilled_(std::move(folder), merge_bytes) {}
 
   // The most memory, in bytes. Disk: 40 bytes a label, for each time the table was full and its
-  // labels were others, and as much again for every factor of 16 in these times.
+  // labels were others, and as much again for every factor of 64 in these times.
   static std::uint64_t memory_bytes(std::size_t most);
   // The largest `most` that takes no more than that; at least 1.
   static std::size_t labels_within(std::uint64_t bytes);
@@ -35,21 +34,18 @@ class LabelTally {
   void finish(const std::function<void(const LabelCount&)>& f);
 
  private:
-  struct Run {  // of sorted counts in the file
-    std::uint64_t offset = 0, count = 0;
-    int level = 0;  // how often its counts were merged
+  static constexpr std::uint64_t merge_bytes = std::uint64_t{1} << 20;
+  struct Order {
+    using Head = LabelCount;
+    static bool less(const LabelCount& a, const LabelCount& b) { return a.label < b.label; }
+    static bool join(LabelCount& into, const LabelCount& next) {
+      voxweld::add(into, next);
+      return true;
+    }
   };
-  class Reader;
 
-  void spill();
-  void merge_last(int level);
-  void merge(std::span<const Run> runs, std::span<const LabelCount> more,
-             const std::function<void(const LabelCount&)>& f) const;
-
-  std::filesystem::path folder_;
   LabelTable table_;
-  std::unique_ptr<ScratchFile> file_;
-  std::vector<Run> runs_;  // levels fall
+  ExternalSorter<Order> spilled_;  // full tables
 };
 
 }  // namespace voxweld

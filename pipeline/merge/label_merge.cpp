@@ -5,8 +5,6 @@
 #include <optional>
 
 #include "pipeline/executor/probe.h"
-#include "stages/merge/octree_reduction.h"
-#include "stages/merge/tile_planner.h"
 #include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
 #include "storage/support/error.h"
@@ -155,7 +153,7 @@ class BatchPlanner {
 };
 
 // One label after the other, from its nodes in Morton order.
-class LabelMerger : private ReductionSink {
+class LabelMerger : private TopSink {
  public:
   LabelMerger(const MergeJob& job, LabelTopWriter& out, MergeCounts& counts)
       : job_(job),
@@ -169,12 +167,7 @@ class LabelMerger : private ReductionSink {
       close();
       open(node.material);
     }
-    reduction_->push({node.node.key, node.node.record, node.node.polygons});
-    for (const TopLeaf& leaf : node.node.leaves) {
-      ++counts_.top_leaves;
-      out_.leaf(leaf);
-    }
-    for (const CubeCount& count : node.node.cubes) planner_->push(count);
+    reduction_->add(node.node);
     if (node.node.record.state == NodeState::inside) return;
     nodes_.push_back({node.node.key.code(), node.content});
     largest_piece_ = std::max(largest_piece_, node.largest_piece);
@@ -188,19 +181,14 @@ class LabelMerger : private ReductionSink {
  private:
   void open(Material material) {
     material_ = material;
-    const int domain = grid_.domain_level();
-    const CellKey root{std::max(domain, grid_.shard_level()), {}};
-    planner_.emplace(std::max(domain, block_level), job_.tile_vertices,
-                     [this](const PlannedTile& tile) { tiles_.push_back(tile); });
-    ReductionSink& sink = *this;
-    reduction_.emplace(root, domain, job_.build->parameters, sink);
+    TopSink& sink = *this;
+    reduction_.emplace(grid_, job_.build->parameters, job_.tile_vertices, sink);
   }
 
   void close() {
     if (!reduction_) return;
-    OctreeReduction::settle(reduction_->finish(), *this);
-    counts_.collapsed_above += reduction_->collapsed();
-    planner_->finish();
+    reduction_->finish();
+    add_reduced(*reduction_, counts_);
     for (const SurfaceNode& node : nodes_) out_.node(node);
     for (const PlannedTile& tile : tiles_) out_.tile(tile);
     out_.end_surface(material_);
@@ -212,17 +200,12 @@ class LabelMerger : private ReductionSink {
     largest_piece_ = 0;
   }
 
-  void leaf(CellKey key, const RootRecord& record) override {
-    ++counts_.vertices;
-    ++counts_.leaves[static_cast<std::size_t>(key.level)];
-    counts_.worst_residual = std::max(counts_.worst_residual, static_cast<double>(record.residual));
-    if (key.level <= grid_.brick_level()) return;
+  void leaf(const TopLeaf& leaf, bool known) override {
     ++counts_.top_leaves;
-    leaves_.push_back(
-        {key.code(), static_cast<std::uint32_t>(key.level), record.vertex, record.residual, 0});
-    out_.leaf(leaves_.back());
+    out_.leaf(leaf);
+    if (!known) leaves_.push_back(leaf);
   }
-  void cube(const CubeCount& count) override { planner_->push(count); }
+  void tile(const PlannedTile& tile) override { tiles_.push_back(tile); }
 
   const MergeJob& job_;
   const BrickGrid& grid_;
@@ -230,8 +213,7 @@ class LabelMerger : private ReductionSink {
   MergeCounts& counts_;
   BatchPlanner batches_;
   Material material_ = exterior;
-  std::optional<OctreeReduction> reduction_;
-  std::optional<TilePlanner> planner_;
+  std::optional<TopReduction> reduction_;
   std::vector<SurfaceNode> nodes_;
   std::vector<PlannedTile> tiles_;
   std::vector<TopLeaf> leaves_;

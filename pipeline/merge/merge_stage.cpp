@@ -4,8 +4,6 @@
 
 #include "pipeline/executor/probe.h"
 #include "pipeline/merge/label_merge.h"
-#include "stages/merge/octree_reduction.h"
-#include "stages/merge/tile_planner.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/support/error.h"
 
@@ -21,24 +19,19 @@ std::vector<Hash128> shard_hashes(const BuildJob& job) {
   return hashes;
 }
 
-struct Sink : ReductionSink {
-  TopArtifactWriter* out = nullptr;
-  TilePlanner* planner = nullptr;
-  MergeCounts* counts = nullptr;
-  int brick_level = 0;
+// To the artifact.
+class TopWriter : public TopSink {
+ public:
+  TopWriter(TopArtifactWriter& out, MergeCounts& counts) : out_(out), counts_(counts) {}
+  void leaf(const TopLeaf& leaf, bool) override {
+    ++counts_.top_leaves;
+    out_.leaf(leaf);
+  }
+  void tile(const PlannedTile& tile) override { out_.tile(tile); }
 
-  void leaf(CellKey key, const RootRecord& record) override {
-    ++counts->vertices;
-    ++counts->leaves[static_cast<std::size_t>(key.level)];
-    counts->worst_residual = std::max(counts->worst_residual, static_cast<double>(record.residual));
-    if (key.level > brick_level)
-      top({key.code(), static_cast<std::uint32_t>(key.level), record.vertex, record.residual, 0});
-  }
-  void cube(const CubeCount& count) override { planner->push(count); }
-  void top(const TopLeaf& leaf) {
-    ++counts->top_leaves;
-    out->leaf(leaf);
-  }
+ private:
+  TopArtifactWriter& out_;
+  MergeCounts& counts_;
 };
 
 constexpr std::size_t cubes_ahead = 128;  // up to 100 KiB each
@@ -86,34 +79,20 @@ class ShardTotals {
 
 void merge(const MergeJob& job) {
   const BrickGrid& grid = job.build->grid;
-  const ContourParameters& parameters = job.build->parameters;
   TopArtifactWriter out(job.path(), job.key);
-  TilePlanner planner(std::max(grid.domain_level(), block_level), job.tile_vertices,
-                      [&](const PlannedTile& tile) { out.tile(tile); });
   MergeCounts counts;
   ShardTotals shards(grid);
-
-  Sink sink;
-  sink.out = &out;
-  sink.planner = &planner;
-  sink.counts = &counts;
-  sink.brick_level = grid.brick_level();
-  const CellKey root{std::max(grid.domain_level(), grid.shard_level()), {}};
-  OctreeReduction reduction(root, grid.domain_level(), parameters, sink);
+  TopWriter sink(out, counts);
+  TopReduction reduction(grid, job.build->parameters, job.tile_vertices, sink);
   const std::vector<BrickGrid::Cube> cubes = grid.all_cubes();
   probe_in_order<CubeRoots>(
       cubes.size(), cubes_ahead, [&](std::size_t i) { return read_roots(*job.build, cubes[i]); },
       [&](std::size_t i, CubeRoots&& roots) {
         shards.add(cubes[i].shard, roots, counts);
-        for (const ShardNode& node : roots.nodes) {
-          reduction.push({node.key, node.record, node.polygons});
-          for (const TopLeaf& leaf : node.leaves) sink.top(leaf);
-          for (const CubeCount& count : node.cubes) planner.push(count);
-        }
+        for (const ShardNode& node : roots.nodes) reduction.add(node);
       });
-  OctreeReduction::settle(reduction.finish(), sink);
-  counts.collapsed_above += reduction.collapsed();
-  planner.finish();
+  reduction.finish();
+  add_reduced(reduction, counts);
   out.finish(counts, shards.hashes());
 }
 
@@ -167,16 +146,29 @@ class MergeWork final : public StageWork {
 
 }  // namespace
 
+namespace {
+
+void add_counts(const BrickCounts& part, MergeCounts& counts) {
+  counts.active_cells += part.active_cells;
+  counts.crossing_edges += part.crossing_edges;
+  counts.vertices += part.vertices;
+  counts.worst_residual = std::max(counts.worst_residual, part.worst_residual);
+  counts.worst_finest = std::max(counts.worst_finest, part.worst_finest);
+  for (std::size_t l = 0; l < counts.leaves.size(); ++l) counts.leaves[l] += part.leaves[l];
+}
+
+}  // namespace
+
 void add_summary(const ShardSummary& shard, MergeCounts& counts) {
   counts.bricks += shard.bricks;
   counts.active_bricks += shard.active_bricks;
-  counts.active_cells += shard.counts.active_cells;
-  counts.crossing_edges += shard.counts.crossing_edges;
-  counts.vertices += shard.counts.vertices;
   counts.collapsed_above += shard.collapsed_above;
-  counts.worst_residual = std::max(counts.worst_residual, shard.counts.worst_residual);
-  counts.worst_finest = std::max(counts.worst_finest, shard.counts.worst_finest);
-  for (std::size_t l = 0; l < counts.leaves.size(); ++l) counts.leaves[l] += shard.counts.leaves[l];
+  add_counts(shard.counts, counts);
+}
+
+void add_reduced(const TopReduction& reduction, MergeCounts& counts) {
+  counts.collapsed_above += reduction.collapsed();
+  add_counts(reduction.counts(), counts);
 }
 
 bool merge_is_there(const MergeJob& job) {

@@ -7,10 +7,8 @@
 
 #include <filesystem>
 #include <functional>
-#include <memory>
-#include <vector>
 
-#include "storage/support/scratch_file.h"
+#include "storage/support/external_sorter.h"
 #include "storage/types/box.h"
 
 namespace voxweld {
@@ -28,8 +26,8 @@ struct PlaceEdge {
 class EdgeParity {
  public:
   // folder: for the scratch file, which is made when needed. memory: bytes taken at most.
-  EdgeParity(std::filesystem::path folder, std::uint64_t memory);
-  ~EdgeParity();
+  EdgeParity(std::filesystem::path folder, std::uint64_t memory)
+      : sorter_(std::move(folder), memory / 9 * 8) {}
 
   // Zeros of either sign are the same.
   void add(Vec3 a, Vec3 b);
@@ -37,15 +35,13 @@ class EdgeParity {
   void finish(const std::function<void(const PlaceEdge&)>& f);
 
  private:
-  class Run;
-  void cancel();
-  void spill();
+  struct Order {
+    using Head = PlaceEdge;
+    static bool less(const PlaceEdge& a, const PlaceEdge& b);
+    static bool join(PlaceEdge&, const PlaceEdge&) { return false; }
+  };
 
-  std::filesystem::path folder_;
-  std::size_t most_;
-  std::vector<PlaceEdge> held_;
-  std::unique_ptr<ScratchFile> file_;
-  std::vector<std::uint64_t> ends_;  // of the runs, in the file
+  ExternalSorter<Order> sorter_;
 };
 
 }  // namespace voxweld

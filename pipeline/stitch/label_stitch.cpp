@@ -1,60 +1,63 @@
 #include "pipeline/stitch/label_stitch.h"
 
 #include <algorithm>
-#include <map>
+#include <optional>
 
 #include "pipeline/stitch/tile_inputs.h"
 #include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
 #include "storage/artifact/tile_artifact.h"
+#include "storage/support/bounded_cache.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
 namespace {
 
 // The pieces of one label, found through the directories of the shards it is in.
-class LabelPieces : public BrickPieces {
+class LabelPieces : public ReadPieces {
  public:
-  LabelPieces(const BuildJob& job, LabelShardFiles& files, Material material)
-      : job_(job), files_(files), material_(material) {}
+  LabelPieces(const BuildJob& job, LabelShardFiles& files, Material material,
+              StitchScratch& scratch, const WorkerContext& worker)
+      : ReadPieces(scratch, worker), job_(job), files_(files), material_(material) {}
 
   // Those in one shard, by brick; null where the brick is not in the grid.
-  const std::vector<PieceRecord>* of_shard(Index3 brick) {
+  std::shared_ptr<const std::vector<PieceRecord>> of_shard(Index3 brick) {
     if (!Box3{{}, job_.grid.bricks()}.contains(brick)) return nullptr;
-    const std::uint64_t shard = morton_encode(job_.grid.shard_of(brick));
-    const auto found = shards_.find(shard);
-    if (found != shards_.end()) return &found->second;
-    if (shards_.size() == most_shards) shards_.clear();
-    return &shards_.emplace(shard, files_.of_brick(brick)->pieces(material_)).first->second;
-  }
-  void read(const CellKey& brick, BrickOctree& out) override {
-    const PieceRecord* piece = find(brick.at);
-    if (piece == nullptr) throw std::logic_error("stitch: a brick of the tile has no piece");
-    files_.of_brick(brick.at)->read_piece(*piece, brick.level, out);
-  }
-  bool read_skin(Index3 brick, Skin& out) override {
-    const PieceRecord* piece = find(brick);
-    if (piece == nullptr) return false;
-    files_.of_brick(brick)->read_skin(*piece, out);
-    return true;
+    return shards_.get(morton_encode(job_.grid.shard_of(brick)), [&] {
+      return std::make_shared<const std::vector<PieceRecord>>(
+          files_.of_brick(brick)->pieces(material_));
+    });
   }
 
  private:
   static constexpr std::size_t most_shards = 64;  // a brick reads of eight
-  const PieceRecord* find(Index3 brick) {
-    const std::vector<PieceRecord>* pieces = of_shard(brick);
-    if (pieces == nullptr) return nullptr;
+
+  void read(const CellKey& brick, BrickOctree& out) override {
+    const auto piece = find(brick.at);
+    if (!piece) throw std::logic_error("stitch: a brick of the tile has no piece");
+    files_.of_brick(brick.at)->read_piece(*piece, brick.level, out);
+  }
+  bool read_skin(Index3 brick, Skin& out) override {
+    const auto piece = find(brick);
+    if (!piece) return false;
+    files_.of_brick(brick)->read_skin(*piece, out);
+    return true;
+  }
+  std::optional<PieceRecord> find(Index3 brick) {
+    const auto pieces = of_shard(brick);
+    if (pieces == nullptr) return std::nullopt;
     const std::uint64_t code = morton_encode(brick);
     const auto at = std::lower_bound(
         pieces->begin(), pieces->end(), code,
         [](const PieceRecord& piece, std::uint64_t c) { return piece.key.brick < c; });
-    return at != pieces->end() && at->key.brick == code ? &*at : nullptr;
+    if (at == pieces->end() || at->key.brick != code) return std::nullopt;
+    return *at;
   }
 
   const BuildJob& job_;
   LabelShardFiles& files_;
   Material material_;
-  std::map<std::uint64_t, std::vector<PieceRecord>> shards_;
+  BoundedCache<std::vector<PieceRecord>> shards_{most_shards};
 };
 
 class LabelStitch : public StitchWork {
@@ -84,9 +87,9 @@ class LabelStitch : public StitchWork {
  private:
   TileMesh stitched(const SurfaceRecord& surface, const PlannedTile& tile, StitchScratch& scratch,
                     WorkerContext& worker) {
-    LabelPieces pieces(*job_.build, files_, surface.material);
+    LabelPieces pieces(*job_.build, files_, surface.material, scratch, worker);
     const std::vector<CellKey> bricks = bricks_of(surface, tile, pieces);
-    return stitch_tile(job_, tile, bricks, above(surface, bricks), pieces, scratch, worker);
+    return stitch_tile(tile, job_.parameters, bricks, above(surface, bricks), pieces);
   }
 
   // The bricks with a surface of the label that the tile meets, in Morton order.
@@ -113,7 +116,7 @@ class LabelStitch : public StitchWork {
 
   std::vector<TopLeaf> above(const SurfaceRecord& surface, const std::vector<CellKey>& bricks) {
     if (surface.leaves == 0) return {};
-    return leaves_above(job_.build->grid, bricks, [&](std::uint64_t begin, std::uint64_t end) {
+    return leaves_above(bricks, [&](std::uint64_t begin, std::uint64_t end) {
       return top_.leaves(surface, begin, end);
     });
   }

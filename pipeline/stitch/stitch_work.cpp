@@ -7,22 +7,27 @@
 namespace voxweld {
 namespace {
 
-// The polygons of the brick whose owner cells lie in the tile: all, or those of some 16^3 blocks.
-void cut_to_tile(const PlannedTile& tile, const BrickOctree& octree, StitchBrick& brick) {
-  if (static_cast<int>(tile.level) >= brick.key.level) return;
-  const std::uint64_t first = (tile.code - brick.key.code()) >> (3 * block_level);
-  const std::uint64_t count = std::uint64_t{1}
-                              << (3 * (static_cast<int>(tile.level) - block_level));
-  const std::size_t begin = first == 0 ? 0 : octree.blocks[first - 1].polygon_end;
-  const std::size_t end = octree.blocks[first + count - 1].polygon_end;
-  brick.polygons = brick.polygons.subspan(begin, end - begin);
-  if (!brick.polygon_pairs.empty())
-    brick.polygon_pairs = brick.polygon_pairs.subspan(begin, end - begin);
-  if (!brick.emit_levels.empty()) brick.emit_levels = brick.emit_levels.subspan(begin, end - begin);
-}
+class SurfacePieces : public ReadPieces {
+ public:
+  SurfacePieces(ShardFiles& files, StitchScratch& scratch, const WorkerContext& worker)
+      : ReadPieces(scratch, worker), files_(files) {}
+
+ private:
+  void read(const CellKey& brick, BrickOctree& out) override {
+    files_.of_brick(brick.at)->read_brick(morton_encode(brick.at), out);
+  }
+  bool read_skin(Index3 brick, Skin& out) override {
+    const auto file = files_.of_brick(brick);
+    if (file == nullptr || !file->has_brick(morton_encode(brick))) return false;
+    file->read_skin(morton_encode(brick), out);
+    return true;
+  }
+
+  ShardFiles& files_;
+};
 
 // One surface: a unit a tile, its bricks in the shards' artifacts.
-class TileStitch : public StitchWork, private BrickPieces {
+class TileStitch : public StitchWork {
  public:
   TileStitch(const StitchJob& job, const TopArtifact& top)
       : job_(job), top_(top), tiles_(top.tiles()), files_(*job.build, top) {}
@@ -34,9 +39,9 @@ class TileStitch : public StitchWork, private BrickPieces {
   void run(std::uint64_t unit, const std::filesystem::path& path, StitchScratch& scratch,
            WorkerContext& worker) override {
     const Inputs inputs = prepare(unit);
-    write_tile(
-        path, inputs.key,
-        stitch_tile(job_, tiles_[unit], inputs.bricks, inputs.above, *this, scratch, worker));
+    SurfacePieces pieces(files_, scratch, worker);
+    write_tile(path, inputs.key,
+               stitch_tile(tiles_[unit], job_.parameters, inputs.bricks, inputs.above, pieces));
   }
 
  private:
@@ -48,18 +53,11 @@ class TileStitch : public StitchWork, private BrickPieces {
   Inputs prepare(std::uint64_t unit) {
     Inputs inputs;
     inputs.bricks = tile_bricks(*job_.build, tiles_[unit].key(), files_);
-    inputs.above = leaves_above(*job_.build, inputs.bricks, top_);
+    inputs.above = leaves_above(inputs.bricks, [&](std::uint64_t begin, std::uint64_t end) {
+      return top_.leaves(begin, end);
+    });
     inputs.key = tile_key(job_, tiles_[unit], inputs.bricks, inputs.above, files_);
     return inputs;
-  }
-  void read(const CellKey& brick, BrickOctree& out) override {
-    files_.of_brick(brick.at)->read_brick(morton_encode(brick.at), out);
-  }
-  bool read_skin(Index3 brick, Skin& out) override {
-    const auto file = files_.of_brick(brick);
-    if (file == nullptr || !file->has_brick(morton_encode(brick))) return false;
-    file->read_skin(morton_encode(brick), out);
-    return true;
   }
 
   const StitchJob& job_;
@@ -70,28 +68,15 @@ class TileStitch : public StitchWork, private BrickPieces {
 
 }  // namespace
 
-TileMesh stitch_tile(const StitchJob& job, const PlannedTile& tile, std::span<const CellKey> bricks,
-                     std::span<const TopLeaf> above, BrickPieces& pieces, StitchScratch& scratch,
-                     WorkerContext& worker) {
-  TileStitcher stitcher(tile.key(), job.parameters, above);
-  for (const CellKey& key : bricks) {
-    worker.check_interrupt();
-    pieces.read(key, scratch.brick);
-    StitchBrick brick{key,
-                      scratch.brick.vertices,
-                      scratch.brick.polygons,
-                      scratch.brick.emit_levels,
-                      scratch.brick.pairs,
-                      scratch.brick.polygon_pairs,
-                      &scratch.brick.skin,
-                      {}};
-    for (std::size_t d = 1; d < 8; ++d)
-      if (pieces.read_skin(upper_neighbour(key.at, static_cast<int>(d)), scratch.upper[d]))
-        brick.upper[d] = &scratch.upper[d];
-    cut_to_tile(tile, scratch.brick, brick);
-    stitcher.add(brick);
-  }
-  return stitcher.finish();
+const BrickOctree& ReadPieces::brick(const CellKey& key) {
+  worker_.check_interrupt();
+  read(key, scratch_.brick);
+  return scratch_.brick;
+}
+
+const Skin* ReadPieces::skin(Index3 brick, int direction) {
+  Skin& skin = scratch_.upper[static_cast<std::size_t>(direction)];
+  return read_skin(brick, skin) ? &skin : nullptr;
 }
 
 std::unique_ptr<StitchWork> stitch_work(const StitchJob& job, const TopArtifact& top) {

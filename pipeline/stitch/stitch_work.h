@@ -6,6 +6,7 @@
 
 #include "pipeline/stage/artifacts.h"
 #include "pipeline/stage/context.h"
+#include "stages/stitch/stitch_tile.h"
 #include "storage/artifact/top_artifact.h"
 
 namespace voxweld {
@@ -31,18 +32,23 @@ class StitchWork {
 // The one for labels.mode of the job. top: the job's, outlives it.
 std::unique_ptr<StitchWork> stitch_work(const StitchJob& job, const TopArtifact& top);
 
-// The octree of one surface, brick by brick.
-class BrickPieces {
+// Pieces that are read when they are asked for, into a worker's scratch; the worker is asked to
+// stop before each brick.
+class ReadPieces : public BrickPieces {
  public:
-  virtual ~BrickPieces() = default;
+  ReadPieces(StitchScratch& scratch, const WorkerContext& worker)
+      : scratch_(scratch), worker_(worker) {}
+
+  const BrickOctree& brick(const CellKey& key) final;
+  const Skin* skin(Index3 brick, int direction) final;
+
+ private:
   virtual void read(const CellKey& brick, BrickOctree& out) = 0;
   // False where the brick has no surface.
   virtual bool read_skin(Index3 brick, Skin& out) = 0;
-};
 
-// bricks: those with a surface that the tile meets, in Morton order; above: as leaves_above.
-TileMesh stitch_tile(const StitchJob& job, const PlannedTile& tile, std::span<const CellKey> bricks,
-                     std::span<const TopLeaf> above, BrickPieces& pieces, StitchScratch& scratch,
-                     WorkerContext& worker);
+  StitchScratch& scratch_;
+  const WorkerContext& worker_;
+};
 
 }  // namespace voxweld

@@ -23,24 +23,13 @@ template <class Artifact>
 std::shared_ptr<const Artifact> OpenShards<Artifact>::of_brick(Index3 brick) {
   if (!Box3{{}, job_.grid.bricks()}.contains(brick)) return nullptr;
   const Index3 shard = job_.grid.shard_of(brick);
-  const std::uint64_t code = morton_encode(shard);
-  {
-    const std::scoped_lock lock(mutex_);
-    if (const auto found = open_.find(code); found != open_.end()) return found->second;
-  }
-  // Outside the lock: others shall not wait for this file. Two may open it; one is kept.
-  auto file = std::make_shared<const Artifact>(shard_artifact_path(job_, shard));
-  if (file->content_hash() != merged_hash(shard))
-    throw DamagedArtifact(top_path_, "was merged from another " + file->path() + " than is there");
-  const std::scoped_lock lock(mutex_);
-  const auto [kept, is_new] = open_.emplace(code, file);
-  if (!is_new) return kept->second;
-  order_.push_back(code);
-  if (order_.size() > most_open) {
-    open_.erase(order_.front());
-    order_.pop_front();
-  }
-  return file;
+  return open_.get(morton_encode(shard), [&] {
+    auto file = std::make_shared<const Artifact>(shard_artifact_path(job_, shard));
+    if (file->content_hash() != merged_hash(shard))
+      throw DamagedArtifact(top_path_,
+                            "was merged from another " + file->path() + " than is there");
+    return file;
+  });
 }
 
 template class OpenShards<ShardArtifact>;
@@ -66,35 +55,6 @@ std::vector<CellKey> tile_bricks(const BuildJob& job, CellKey tile, ShardFiles& 
   bricks.reserve(codes.size());
   for (const std::uint64_t code : codes) bricks.push_back({level, morton_decode(code)});
   return bricks;
-}
-
-std::vector<TopLeaf> leaves_above(const BuildJob& job, const std::vector<CellKey>& bricks,
-                                  const TopArtifact& top) {
-  return leaves_above(job.grid, bricks, [&](std::uint64_t begin, std::uint64_t end) {
-    return top.leaves(begin, end);
-  });
-}
-
-std::vector<TopLeaf> leaves_above(
-    const BrickGrid& grid, const std::vector<CellKey>& bricks,
-    const std::function<std::vector<TopLeaf>(std::uint64_t, std::uint64_t)>& leaves) {
-  std::vector<TopLeaf> found;
-  const std::uint64_t cells = std::uint64_t{1} << (3 * grid.brick_level());
-  std::vector<std::uint64_t> codes;
-  for (const CellKey& brick : bricks)
-    for (int d = 0; d < 8; ++d)
-      codes.push_back(CellKey{brick.level, upper_neighbour(brick.at, d)}.code());
-  std::sort(codes.begin(), codes.end());
-  codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
-  // Neighbouring codes are asked for together.
-  for (std::size_t i = 0; i < codes.size();) {
-    std::size_t j = i + 1;
-    while (j < codes.size() && codes[j] == codes[j - 1] + cells) ++j;
-    for (const TopLeaf& leaf : leaves(codes[i], codes[j - 1] + cells))
-      if (found.empty() || found.back().code < leaf.code) found.push_back(leaf);
-    i = j;
-  }
-  return found;
 }
 
 Hash128 tile_key(const StitchJob& job, const PlannedTile& tile, const std::vector<CellKey>& bricks,

@@ -62,24 +62,12 @@ void put(std::span<std::byte>& out, std::span<const std::byte> bytes) {
 
 std::uint64_t PieceRecord::body_bytes() const {
   return std::uint64_t{vertices} * sizeof(LeafVertex) +
-         std::uint64_t{polygons} * sizeof(PolygonRefs) + std::uint64_t{blocks} * sizeof(PieceBlock);
+         std::uint64_t{polygons} * sizeof(PolygonRefs) + std::uint64_t{blocks} * sizeof(FilledBlock);
 }
 
 std::uint64_t PieceRecord::skin_bytes() const {
   return std::uint64_t{skin_cells} * sizeof(SkinCell) +
          std::uint64_t{skin_vertices} * sizeof(SkinVertex);
-}
-
-std::vector<PieceBlock> filled_blocks(const BrickOctree& octree) {
-  std::vector<PieceBlock> blocks;
-  std::uint32_t begin = 0;
-  for (std::uint32_t b = 0; b < octree.blocks.size(); ++b) {
-    const BlockCount& block = octree.blocks[b];
-    if (block.vertices != 0 || block.polygon_end != begin)
-      blocks.push_back({b, block.vertices, block.polygon_end - begin});
-    begin = block.polygon_end;
-  }
-  return blocks;
 }
 
 std::vector<std::byte> to_bytes(const LabelNode& n) {
@@ -145,7 +133,7 @@ void LabelShardWriter::append(const PieceHead& head) {
 }
 
 PieceHead LabelShardWriter::piece(Material material, const BrickOctree& octree,
-                                  std::span<const PieceBlock> blocks) {
+                                  std::span<const FilledBlock> blocks) {
   const auto size = [](const auto& values) { return static_cast<std::uint32_t>(values.size()); };
   PieceHead head;
   head.root = octree.root;
@@ -186,9 +174,9 @@ std::vector<std::byte> read_part(const ArtifactReader& file, const PieceRecord& 
 }
 
 // The blocks at the end of a body.
-std::vector<PieceBlock> blocks_of(const PieceRecord& piece, std::span<const std::byte> body) {
-  std::vector<PieceBlock> blocks;
-  body = body.last(piece.blocks * sizeof(PieceBlock));
+std::vector<FilledBlock> blocks_of(const PieceRecord& piece, std::span<const std::byte> body) {
+  std::vector<FilledBlock> blocks;
+  body = body.last(piece.blocks * sizeof(FilledBlock));
   take(body, piece.blocks, blocks);
   return blocks;
 }
@@ -292,7 +280,7 @@ void LabelShardArtifact::read_piece(const PieceRecord& piece, int brick_level,
   out.emit_levels.clear();
   out.pairs.clear();
   out.polygon_pairs.clear();
-  std::vector<PieceBlock> blocks;
+  std::vector<FilledBlock> blocks;
   take(rest, piece.blocks, blocks);
   out.blocks.assign(std::size_t{1} << (3 * (brick_level - block_level)), BlockCount{});
   auto block = blocks.begin();

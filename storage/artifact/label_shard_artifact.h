@@ -5,7 +5,7 @@
 //   name                content
 //   brick code << 8 | 1 the pieces of one brick, back to back; the code is the Morton code of the
 //                       brick's index. A piece is its PieceHead, its body (LeafVertex, PolygonRefs,
-//                       and of PieceBlock those that hold anything) and its skin (SkinCell,
+//                       and of FilledBlock those that hold anything) and its skin (SkinCell,
 //                       SkinVertex); each has a checksum of its own, the head in itself, the others
 //                       in its PieceRecord, so it is read alone
 //   2 << 56 | i         page i of the directory: PieceRecord, by material, then by brick
@@ -55,16 +55,6 @@ struct PieceHead {
   RootRecord root;
 };
 
-// One 16^3 block of a brick that owns a polygon or a vertex of the piece.
-struct PieceBlock {
-  std::uint32_t block = 0;  // in Morton order
-  std::uint32_t vertices = 0;
-  std::uint32_t polygons = 0;
-};
-
-// Of a brick's octree, in Morton order.
-std::vector<PieceBlock> filled_blocks(const BrickOctree& octree);
-
 // One shard-sized cube of one label's octree. Cubes that are outside have none.
 struct LabelNode {
   Material material = exterior;
@@ -84,12 +74,12 @@ class LabelShardWriter {
 
   // The pieces of one brick, in any order: between begin_brick and end_brick.
   void begin_brick(std::uint64_t code);
-  // blocks: filled_blocks(octree).
-  PieceHead piece(Material material, const BrickOctree& octree, std::span<const PieceBlock> blocks);
+  // blocks: filled_blocks(octree.blocks).
+  PieceHead piece(Material material, const BrickOctree& octree, std::span<const FilledBlock> blocks);
   void end_brick();
   // In place of these three, all that another artifact of this kind has of a brick, and f of each
   // piece. DamagedArtifact when one fails its checks.
-  using EachPiece = std::function<void(const PieceHead&, std::span<const PieceBlock>)>;
+  using EachPiece = std::function<void(const PieceHead&, std::span<const FilledBlock>)>;
   void brick(std::uint64_t code, const ArtifactReader& from, const EachPiece& f);
 
   // After the last piece, each in the order of the file.

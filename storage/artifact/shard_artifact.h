@@ -30,16 +30,6 @@ inline constexpr std::array<char, 4> shard_kind = {'o', 'c', 't', 'r'};
 // Goes up whenever build's bytes change: format or mathematics.
 inline constexpr std::uint32_t shard_version = 7;
 
-// One shard-sized cube of the octree. A shard at the volume's upper border also builds the layer of
-// bricks above it when that holds nothing but ring cells: such bricks lie in cubes of their own.
-struct ShardNode {
-  CellKey key;
-  RootRecord record;
-  std::uint64_t polygons = 0;    // when the whole cube is one leaf
-  std::vector<CubeCount> cubes;  // final ones, in Morton order
-  std::vector<TopLeaf> leaves;   // final ones above the bricks, in Morton order
-};
-
 class ShardArtifactWriter {
  public:
   // input_stamp: of what the samples come from (container.h).

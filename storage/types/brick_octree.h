@@ -2,8 +2,10 @@
 // skin its lower neighbours need, and the record by which merge goes on collapsing above it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "storage/types/material.h"
@@ -94,6 +96,25 @@ struct BlockCount {
   std::uint32_t vertices = 0;     // of leaves whose lowest cell lies in the block
 };
 
+// One that owns a polygon or a vertex.
+struct FilledBlock {
+  std::uint32_t block = 0;  // in Morton order
+  std::uint32_t vertices = 0;
+  std::uint32_t polygons = 0;
+};
+// Of a brick's blocks, in Morton order.
+inline std::vector<FilledBlock> filled_blocks(std::span<const BlockCount> blocks) {
+  std::vector<FilledBlock> filled;
+  std::uint32_t begin = 0;
+  for (std::uint32_t b = 0; b < blocks.size(); ++b) {
+    const BlockCount& block = blocks[b];
+    if (block.vertices != 0 || block.polygon_end != begin)
+      filled.push_back({b, block.vertices, block.polygon_end - begin});
+    begin = block.polygon_end;
+  }
+  return filled;
+}
+
 // An active finest cell of the lowest layer on x, y or z.
 struct SkinCell {
   std::uint32_t code_signs = 0;    // Morton code (24 bits) | sign byte << 24
@@ -144,6 +165,14 @@ struct BrickCounts {
   double worst_residual = 0;  // of the collapsed leaves: what the tolerance bounds
   double worst_finest = 0;    // of the finest leaves, which the samples alone bound
 };
+inline void add(BrickCounts& sum, const BrickCounts& part) {
+  sum.active_cells += part.active_cells;
+  sum.crossing_edges += part.crossing_edges;
+  for (std::size_t l = 0; l < sum.leaves.size(); ++l) sum.leaves[l] += part.leaves[l];
+  sum.vertices += part.vertices;
+  sum.worst_residual = std::max(sum.worst_residual, part.worst_residual);
+  sum.worst_finest = std::max(sum.worst_finest, part.worst_finest);
+}
 
 struct BrickOctree {
   std::vector<LeafVertex> vertices;   // leaves in Morton order, sheets in theirs

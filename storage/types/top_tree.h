@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "storage/types/brick_octree.h"
 
@@ -27,6 +28,16 @@ struct CubeCount {
   std::uint32_t level = 0;
   std::uint32_t vertices = 0;
   std::uint64_t polygons = 0;
+};
+
+// One shard-sized cube of the octree. A shard at the volume's upper border also builds the layer of
+// bricks above it when that holds nothing but ring cells: such bricks lie in cubes of their own.
+struct ShardNode {
+  CellKey key;
+  RootRecord record;
+  std::uint64_t polygons = 0;    // when the whole cube is one leaf
+  std::vector<CubeCount> cubes;  // final ones, in Morton order
+  std::vector<TopLeaf> leaves;   // final ones above the bricks, in Morton order
 };
 
 // One tile of the plan.

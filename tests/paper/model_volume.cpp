@@ -9,7 +9,7 @@
 
 namespace voxweld::paper {
 
-testing::MemoryOptions ModelVolume::options() const {
+ContourOptions ModelVolume::options() const {
   return {std::countr_zero(static_cast<std::uint64_t>(config.work.brick)),
           static_cast<std::uint64_t>(config.output.tile_vertices), config.output.precision};
 }

@@ -16,7 +16,7 @@ struct ModelVolume {
   testing::MemoryVolume volume;
   bool empty = false;  // space that the edits alone fill
 
-  testing::MemoryOptions options() const;
+  ContourOptions options() const;
   HaloBlock block() const;
 };
 

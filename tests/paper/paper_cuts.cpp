@@ -72,7 +72,7 @@ class CutModel {
   }
 
   Box3 brick_cells(Index3 brick) const {
-    const BrickPlace place = bricks_.place(brick);
+    const BrickPlace place = place_of_brick(bricks_.grid(), brick);
     return {place.origin, place.origin + splat(std::int64_t{1} << place.level)};
   }
   static Box3 cells(CellKey key) {
@@ -103,7 +103,7 @@ class CutModel {
 
   // Stitches what is new or touched; all where `changed` is null. Returns how many.
   std::size_t update_tiles(std::vector<Box3>* changed) {
-    testing::MemoryContour contour = plan_in_memory(bricks_);
+    VolumeContour contour = plan_tiles(bricks_);
     if (changed != nullptr) {
       add_difference(top_, contour.top, *changed);
       add_difference(contour.top, top_, *changed);
@@ -119,7 +119,7 @@ class CutModel {
         tiles_.emplace(plan.code, std::move(old->second));
         continue;
       }
-      tiles_[plan.code] = {plan, stitch_in_memory(bricks_, contour, plan)};
+      tiles_[plan.code] = {plan, stitch_tile(bricks_, contour, plan)};
       ++stitched;
     }
     top_ = std::move(contour.top);
@@ -129,7 +129,7 @@ class CutModel {
   const ModelVolume& model_;
   std::vector<HermiteBrick> hermite_;
   Simplifier simplifier_;
-  testing::MemoryBricks bricks_;
+  VolumeBricks bricks_;
   std::vector<TopLeaf> top_;
   std::map<std::uint64_t, Tile> tiles_;
 };
@@ -168,7 +168,7 @@ void check(const ModelVolume& model, const std::vector<Edit>& cuts,
            const std::vector<TileMesh>& tiles) {
   ModelVolume edited = model;
   edited.parameters.edits.insert(edited.parameters.edits.end(), cuts.begin(), cuts.end());
-  const std::vector<TileMesh> anew = generate(build_bricks(edited)).tiles;
+  const std::vector<TileMesh> anew = contour_bricks(build_bricks(edited)).tiles;
   bool same = anew.size() == tiles.size();
   for (std::size_t i = 0; same && i < anew.size(); ++i)
     same = anew[i].positions == tiles[i].positions && anew[i].triangles == tiles[i].triangles;

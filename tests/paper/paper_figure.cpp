@@ -76,7 +76,7 @@ int main(int argc, char** argv) try {
   if (!centre.empty()) o.centre = Vec3{centre[0], centre[1], centre[2]};
   const ModelVolume model = load_model(config, overrides);
   const std::vector<TileMesh> tiles =
-      testing::contour_in_memory(model.volume, model.parameters, model.options()).tiles;
+      contour_volume(model.volume, model.parameters, model.options()).tiles;
   if (!png.empty()) draw(tiles, drawing, png);
   print_counts(tiles, parts);
   return 0;

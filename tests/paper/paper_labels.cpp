@@ -33,7 +33,7 @@ TriangleMesh label_surface(const Solid& solid, bool simplify) {
   parameters.surface.label = 1;
   parameters.surface.isovalue = 1;
   parameters.simplify.enabled = simplify;
-  const testing::MemoryContour contour = testing::contour_in_memory(
+  const VolumeContour contour = contour_volume(
       testing::MemoryVolume::of(splat(side), labels, SampleType::u8), parameters, {});
   const testing::LatticeWeld weld = testing::weld_tiles(contour.tiles);
   TriangleMesh mesh{{}, weld.triangles};

@@ -36,7 +36,7 @@ void measure_paper(const ModelVolume& model, int turns, Row& row) {
   const std::uint64_t before = live_bytes();
   const std::vector<HermiteBrick> hermite = hermite_data(model, Homogeneous::forget);
   row.at_once = live_bytes() - before;
-  testing::MemoryBricks bricks;
+  VolumeBricks bricks;
   std::uint64_t node_bytes = 0;
   row.generate_ms = median(turns, [&] {
     return processor_ms([&] {
@@ -44,7 +44,7 @@ void measure_paper(const ModelVolume& model, int turns, Row& row) {
       Simplifier simplifier(model);
       for (const HermiteBrick& brick : hermite)
         simplifier.simplify(brick, bricks.octrees[morton_encode(brick.at)]);
-      generate(bricks);
+      contour_bricks(bricks);
       node_bytes = simplifier.node_bytes();
     });
   });
@@ -57,13 +57,13 @@ void measure_paper(const ModelVolume& model, int turns, Row& row) {
 // As the program does: brick by brick, from the samples.
 void measure_program(const ModelVolume& model, int turns, Row& row) {
   row.whole_ms =
-      median(turns, [&] { return processor_ms([&] { generate(build_bricks(model)); }); });
+      median(turns, [&] { return processor_ms([&] { contour_bricks(build_bricks(model)); }); });
   const std::uint64_t before = live_bytes();
   forget_peak();
-  const testing::MemoryBricks bricks = build_bricks(model);
+  const VolumeBricks bricks = build_bricks(model);
   row.peak = peak_bytes() - before;
   row.finished = live_bytes() - before;
-  for (const TileMesh& tile : generate(bricks).tiles) {
+  for (const TileMesh& tile : contour_bricks(bricks).tiles) {
     row.polygons += tile.quads + tile.polygon_triangles;
   }
 }

@@ -13,8 +13,6 @@
 namespace voxweld::paper {
 namespace {
 
-using testing::MemoryBricks;
-
 // As pipeline/build/shard_builder.cpp leaves out bricks of empty space.
 bool known_outside(const ModelVolume& model, const BrickPlace& place) {
   if (!model.empty) return false;
@@ -23,12 +21,12 @@ bool known_outside(const ModelVolume& model, const BrickPlace& place) {
 }
 
 template <class F>
-void each_brick(const ModelVolume& model, const MemoryBricks& bricks, F&& f) {
-  const Index3 count = bricks.count();
+void each_brick(const ModelVolume& model, const BrickGrid& grid, F&& f) {
+  const Index3 count = grid.bricks();
   for (Index3 at; at.z < count.z; ++at.z)
     for (at.y = 0; at.y < count.y; ++at.y)
       for (at.x = 0; at.x < count.x; ++at.x)
-        if (!known_outside(model, bricks.place(at))) f(at);
+        if (!known_outside(model, place_of_brick(grid, at))) f(at);
 }
 
 void sample_edges(const ModelVolume& model, LabelField& labels, HermiteBrick& brick) {
@@ -107,8 +105,8 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
 
 }  // namespace
 
-testing::MemoryBricks no_bricks(const ModelVolume& model) {
-  return {model.volume.size, model.parameters, model.options(), {}};
+VolumeBricks no_bricks(const ModelVolume& model) {
+  return {model.volume.size, model.parameters, model.options()};
 }
 
 namespace {
@@ -168,10 +166,10 @@ std::vector<HermiteBrick> hermite_data(const ModelVolume& model, Homogeneous hom
   LabelField field;
   MaterialBlock materials;
   LabelHermite label_edges;
-  const MemoryBricks grid = no_bricks(model);
+  const BrickGrid grid = no_bricks(model).grid();
   each_brick(model, grid, [&](Index3 at) {
     HermiteBrick& brick = all.emplace_back();
-    const BrickPlace place = grid.place(at);
+    const BrickPlace place = place_of_brick(grid, at);
     brick.at = at;
     brick.frame = {place.origin, place.level, domain_level(model.volume.size)};
     if (between_labels(model)) {
@@ -215,24 +213,18 @@ void Simplifier::simplify(const HermiteBrick& brick, const Grid& grid, BrickOctr
   node_bytes_ += bytes_of(nodes_, brick.frame.level);
 }
 
-MemoryBricks build_bricks(const ModelVolume& model) {
-  MemoryBricks bricks = no_bricks(model);
+VolumeBricks build_bricks(const ModelVolume& model) {
+  VolumeBricks bricks = no_bricks(model);
+  const BrickGrid grid = bricks.grid();
   BrickScratch scratch;
-  each_brick(model, bricks, [&](Index3 at) {
-    build_brick(model.block(), bricks.place(at), model.parameters, scratch,
+  each_brick(model, grid, [&](Index3 at) {
+    build_brick(model.block(), place_of_brick(grid, at), model.parameters, scratch,
                 bricks.octrees[morton_encode(at)]);
   });
   return bricks;
 }
 
-testing::MemoryContour generate(const MemoryBricks& bricks) {
-  testing::MemoryContour contour = plan_in_memory(bricks);
-  for (const PlannedTile& tile : contour.plan)
-    contour.tiles.push_back(stitch_in_memory(bricks, contour, tile));
-  return contour;
-}
-
-std::string difference(const MemoryBricks& a, const MemoryBricks& b) {
+std::string difference(const VolumeBricks& a, const VolumeBricks& b) {
   if (a.octrees.size() != b.octrees.size()) return "the number of bricks";
   for (auto i = a.octrees.begin(), j = b.octrees.begin(); i != a.octrees.end(); ++i, ++j) {
     const BrickOctree &p = i->second, &q = j->second;

@@ -45,14 +45,11 @@ class Simplifier {
   std::uint64_t node_bytes_ = 0;
 };
 
-testing::MemoryBricks no_bricks(const ModelVolume& model);
+VolumeBricks no_bricks(const ModelVolume& model);
 // By build_brick, as the program does.
-testing::MemoryBricks build_bricks(const ModelVolume& model);
-
-// All polygons, tile by tile.
-testing::MemoryContour generate(const testing::MemoryBricks& bricks);
+VolumeBricks build_bricks(const ModelVolume& model);
 
 // What differs first, or "".
-std::string difference(const testing::MemoryBricks& a, const testing::MemoryBricks& b);
+std::string difference(const VolumeBricks& a, const VolumeBricks& b);
 
 }  // namespace voxweld::paper

@@ -14,7 +14,6 @@
 namespace voxweld {
 namespace {
 
-using testing::contour_in_memory;
 using testing::MemoryVolume;
 using testing::weld_tiles;
 
@@ -42,7 +41,7 @@ ContourParameters parameters(double isovalue) {
   return p;
 }
 
-testing::MeshSummary summary(const testing::MemoryContour& contour) {
+testing::MeshSummary summary(const VolumeContour& contour) {
   return testing::summarize(weld_tiles(contour.tiles).triangles);
 }
 
@@ -75,7 +74,7 @@ Quad rotated(Quad quad) {
 }
 
 // The quads of an unsimplified mesh: two triangles (a, b, c) and (a, c, d) each.
-std::vector<Quad> quads_of(const testing::MemoryContour& contour) {
+std::vector<Quad> quads_of(const VolumeContour& contour) {
   std::vector<Quad> quads;
   for (const TileMesh& tile : contour.tiles)
     for (std::size_t i = 0; i + 1 < tile.triangles.size(); i += 2) {
@@ -106,7 +105,7 @@ TEST(Contour, WithoutSimplificationItIsTheReferenceQuadForQuad) {
       expected.push_back(rotated(q));
     }
     std::sort(expected.begin(), expected.end());
-    const auto contour = contour_in_memory(volume, p, {4, 500000, 0.01});
+    const auto contour = contour_volume(volume, p, {4, 500000, 0.01});
     EXPECT_EQ(quads_of(contour), expected) << seed;
     EXPECT_EQ(contour.counts.crossing_edges,
               static_cast<std::uint64_t>(testing::count_crossings(grid).total()));
@@ -120,12 +119,12 @@ TEST(Contour, EveryToleranceKeepsTheTopologyOfTheUniformMesh) {
     for (const MemoryVolume& volume : {noise({18, 21, 16}, seed), sphere(30, 5 + 2 * seed)}) {
       ContourParameters p = parameters(volume.type == SampleType::u8 ? 128 : 0);
       p.simplify.enabled = false;
-      const auto uniform = summary(contour_in_memory(volume, p, {5, 500000, 0.01}));
+      const auto uniform = summary(contour_volume(volume, p, {5, 500000, 0.01}));
       EXPECT_TRUE(uniform.sound()) << uniform;
       p.simplify.enabled = true;
       for (const double tolerance : {0.01, 0.3, 2.0, 100.0}) {
         p.simplify.tolerance = tolerance;
-        EXPECT_EQ(summary(contour_in_memory(volume, p, {4, 500000, 0.01})), uniform) << tolerance;
+        EXPECT_EQ(summary(contour_volume(volume, p, {4, 500000, 0.01})), uniform) << tolerance;
       }
     }
 }
@@ -137,7 +136,7 @@ TEST(Contour, FlatRegionsCollapseAboveTheBricksTheSameAsInside) {
     p.simplify.qef = form;
     testing::LatticeWeld first;
     for (const int level : {4, 5, 6, 7}) {
-      const auto contour = contour_in_memory(volume, p, {level, 1024, 0.01});
+      const auto contour = contour_volume(volume, p, {level, 1024, 0.01});
       const auto mesh = weld_tiles(contour.tiles);
       if (level == 4) {
         first = mesh;
@@ -159,7 +158,7 @@ TEST(Contour, FreeTopologyHasBalancedEdgesForEveryBrickSize) {
     const MemoryVolume volume = noise({40, 33, 20}, seed);
     testing::LatticeWeld first;
     for (const int level : {4, 5, 6}) {
-      const auto mesh = weld_tiles(contour_in_memory(volume, p, {level, 500000, 0.01}).tiles);
+      const auto mesh = weld_tiles(contour_volume(volume, p, {level, 500000, 0.01}).tiles);
       std::map<std::pair<std::uint32_t, std::uint32_t>, int> balance;
       for (const auto& t : mesh.triangles)
         for (std::size_t k = 0; k < 3; ++k) {
@@ -182,7 +181,7 @@ TEST(Contour, ThinVolumesAndConstantOnesAreClosed) {
         SampleType::u8);
     testing::LatticeWeld first;
     for (const int level : {4, 5, 6}) {
-      const auto contour = contour_in_memory(volume, parameters(128), {level, 500000, 0.01});
+      const auto contour = contour_volume(volume, parameters(128), {level, 500000, 0.01});
       EXPECT_TRUE(summary(contour).sound()) << size.x << " " << size.y << " " << size.z;
       EXPECT_EQ(summary(contour).euler, 2);
       const auto mesh = weld_tiles(contour.tiles);
@@ -197,9 +196,9 @@ TEST(Contour, OpenBordersLackThePolygonsOfTheRingAlone) {
   const MemoryVolume volume = noise({20, 18, 17}, 9);
   ContourParameters p = parameters(128);
   p.simplify.enabled = false;
-  const auto closed = quads_of(contour_in_memory(volume, p, {4, 500000, 0.01}));
+  const auto closed = quads_of(contour_volume(volume, p, {4, 500000, 0.01}));
   p.surface.border = Border::open;
-  const auto open = quads_of(contour_in_memory(volume, p, {4, 500000, 0.01}));
+  const auto open = quads_of(contour_volume(volume, p, {4, 500000, 0.01}));
   EXPECT_TRUE(std::includes(closed.begin(), closed.end(), open.begin(), open.end()));
   std::size_t inner = 0;
   const auto grid = signs(volume, 128);
@@ -219,7 +218,7 @@ TEST(Contour, SphereIsClosedForEveryBrickSize) {
   const MemoryVolume volume = sphere(40, 13.3);
   testing::LatticeWeld first;
   for (const int level : {4, 5, 6}) {
-    const auto contour = contour_in_memory(volume, parameters(0), {level, 500000, 0.01});
+    const auto contour = contour_volume(volume, parameters(0), {level, 500000, 0.01});
     const auto mesh = weld_tiles(contour.tiles);
     EXPECT_TRUE(summary(contour).sound()) << level;
     if (level == 4) first = mesh;
@@ -237,7 +236,7 @@ TEST(Contour, NoiseIsClosedWithAndWithoutSimplification) {
       const MemoryVolume volume = noise({19, 33, 17}, seed);
       testing::LatticeWeld first;
       for (const int level : {4, 5, 6}) {
-        const auto contour = contour_in_memory(volume, p, {level, 2000, 0.01});
+        const auto contour = contour_volume(volume, p, {level, 2000, 0.01});
         const auto mesh = weld_tiles(contour.tiles);
         EXPECT_TRUE(summary(contour).sound()) << seed << simplify << level;
         if (level == 4) first = mesh;

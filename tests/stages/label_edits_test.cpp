@@ -12,7 +12,6 @@ namespace voxweld {
 namespace {
 
 using testing::box_edit;
-using testing::contour_in_memory;
 using testing::MemoryVolume;
 using testing::no_labels;
 
@@ -49,7 +48,7 @@ struct Volumes {
   std::size_t unbalanced = 0;
 };
 Volumes volumes(const MemoryVolume& volume, const ContourParameters& parameters, int level = 5) {
-  const auto contour = contour_in_memory(volume, parameters, {level, 500000, 0.001});
+  const auto contour = contour_volume(volume, parameters, {level, 500000, 0.001});
   Volumes result;
   std::map<std::tuple<std::uint32_t, std::uint32_t, Material>, int> balance;
   const auto mesh = testing::weld_tiles(contour.tiles);
@@ -131,9 +130,9 @@ TEST(LabelEdits, DoNotDependOnTheBricks) {
                        ball(EditOp::subtract, exterior, {31.5, 33.3, 18.2}, 8)};
   const auto p = with_edits(edits);
   const MemoryVolume volume = halves(50);
-  const auto first = contour_in_memory(volume, p, {4, 1024, 0.01});
+  const auto first = contour_volume(volume, p, {4, 1024, 0.01});
   for (const int level : {5, 6}) {
-    const auto other = contour_in_memory(volume, p, {level, 1024, 0.01});
+    const auto other = contour_volume(volume, p, {level, 1024, 0.01});
     ASSERT_EQ(other.tiles.size(), first.tiles.size());
     for (std::size_t t = 0; t < first.tiles.size(); ++t) {
       EXPECT_EQ(other.tiles[t].positions, first.tiles[t].positions);
@@ -150,12 +149,12 @@ TEST(LabelEdits, OfOneMaterialAreTheEditsOfSigns) {
                  box_edit(EditOp::add, 1, {30.2, 24.4, 23.1}, {12, 13, 14}),
                  ball(EditOp::subtract, exterior, {24, 20, 28}, 7),
                  box_edit(EditOp::intersect, exterior, {25, 25, 25}, {25, 22, 21})};
-  const auto labels = contour_in_memory(no_labels(52), with_edits(edits), {5, 2048, 0.01});
+  const auto labels = contour_volume(no_labels(52), with_edits(edits), {5, 2048, 0.01});
   ContourParameters signs = with_edits(edits);
   signs.labels = {};
   signs.surface.isovalue = 1;
   for (Edit& edit : signs.edits) edit.material = exterior;
-  const auto scalar = contour_in_memory(no_labels(52), signs, {5, 2048, 0.01});
+  const auto scalar = contour_volume(no_labels(52), signs, {5, 2048, 0.01});
   ASSERT_EQ(labels.tiles.size(), scalar.tiles.size());
   for (std::size_t t = 0; t < labels.tiles.size(); ++t) {
     EXPECT_EQ(labels.tiles[t].positions, scalar.tiles[t].positions);

@@ -9,19 +9,16 @@
 namespace voxweld {
 namespace {
 
-using testing::contour_in_memory;
-using testing::MemoryContour;
-
 // A plate, and a block sunk into its upper face: around the block's foot three labels meet, and the
 // plate's face ends there.
-MemoryContour plate_and_block(Material plate, Material block, double tolerance) {
+VolumeContour plate_and_block(Material plate, Material block, double tolerance) {
   const auto box = [](Material material, Vec3 center, Vec3 size) {
     return testing::box_edit(EditOp::add, material, center, size);
   };
   ContourParameters p = testing::shared_labels(tolerance);
   p.edits = {box(plate, {23.3, 23.4, 14.2}, {34.2, 33.6, 12.4}),
              box(block, {22.7, 24.1, 24.1}, {14.6, 15.2, 7.4})};  // it ends where the plate does
-  return contour_in_memory(testing::no_labels(48), p, {5, 500000, 0.001});
+  return contour_volume(testing::no_labels(48), p, {5, 500000, 0.001});
 }
 
 struct Shading {
@@ -29,7 +26,7 @@ struct Shading {
   std::size_t off = 0;     // more than a degree from their triangle's normal
   std::size_t facing = 0;  // away from their triangle's side
 };
-Shading shading(const MemoryContour& contour) {
+Shading shading(const VolumeContour& contour) {
   Shading result;
   for (const TileMesh& tile : contour.tiles)
     for (std::size_t i = 0; i < tile.triangles.size(); ++i) {
@@ -50,7 +47,7 @@ Shading shading(const MemoryContour& contour) {
 TEST(LabelShading, IsSharpWhereThreeLabelsMeet) {
   for (const bool smaller_block : {false, true})
     for (const double tolerance : {0.0, 0.05}) {
-      const MemoryContour contour =
+      const VolumeContour contour =
           plate_and_block(smaller_block ? 9 : 4, smaller_block ? 4 : 9, tolerance);
       const Shading seen = shading(contour);
       EXPECT_GT(seen.corners, tolerance > 0 ? 100u : 10000u);

@@ -14,8 +14,6 @@
 namespace voxweld {
 namespace {
 
-using testing::contour_in_memory;
-using testing::MemoryContour;
 using testing::MemoryVolume;
 using testing::shared_labels;
 using testing::Triangle;
@@ -62,7 +60,7 @@ struct Complex {
   std::vector<MaterialPair> pairs;  // of the triangles
 };
 
-Complex complex_of(const MemoryContour& contour) {
+Complex complex_of(const VolumeContour& contour) {
   Complex complex{testing::weld_tiles(contour.tiles), {}};
   for (const TileMesh& tile : contour.tiles) {
     EXPECT_EQ(tile.triangle_pairs.size(), tile.triangles.size());
@@ -109,7 +107,7 @@ TEST(SharedLabels, EachLabelsEdgesBalanceInNoise) {
       for (const double tolerance : {0.0, 0.3, 100.0}) {
         const MemoryVolume volume = noise({18, 19, 17}, count, seed);
         const Complex complex =
-            complex_of(contour_in_memory(volume, shared_labels(tolerance), {4, 500000, 0.01}));
+            complex_of(contour_volume(volume, shared_labels(tolerance), {4, 500000, 0.01}));
         EXPECT_GT(complex.mesh.triangles.size(), 1000u);
         EXPECT_EQ(unbalanced(complex), 0u) << count << " labels, tolerance " << tolerance;
       }
@@ -118,13 +116,13 @@ TEST(SharedLabels, EachLabelsEdgesBalanceInNoise) {
 TEST(SharedLabels, EveryToleranceKeepsTheTopologyOfTheUniformMesh) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     const MemoryVolume volume = voronoi(40, 14, 9, seed);
-    const auto uniform_contour = contour_in_memory(volume, shared_labels(0), {4, 500000, 0.01});
+    const auto uniform_contour = contour_volume(volume, shared_labels(0), {4, 500000, 0.01});
     const Complex uniform = complex_of(uniform_contour);
     EXPECT_EQ(unbalanced(uniform), 0u);
     std::size_t before = uniform.mesh.vertices.size();
     for (const double tolerance : {0.05, 0.3, 2.0, 100.0}) {
       const Complex simplified =
-          complex_of(contour_in_memory(volume, shared_labels(tolerance), {4, 500000, 0.01}));
+          complex_of(contour_volume(volume, shared_labels(tolerance), {4, 500000, 0.01}));
       EXPECT_EQ(unbalanced(simplified), 0u) << tolerance;
       EXPECT_EQ(topology(simplified), topology(uniform)) << seed << ", " << tolerance;
       EXPECT_LE(simplified.mesh.vertices.size(), before);
@@ -138,8 +136,7 @@ TEST(SharedLabels, DoNotDependOnTheBricks) {
   for (const MemoryVolume& volume : {voronoi(70, 20, 12, 5), noise({40, 35, 33}, 3, 1)}) {
     std::vector<TileMesh> first;
     for (const int level : {4, 5, 6, 7}) {
-      const MemoryContour contour =
-          contour_in_memory(volume, shared_labels(0.3), {level, 2048, 0.01});
+      const VolumeContour contour = contour_volume(volume, shared_labels(0.3), {level, 2048, 0.01});
       if (first.empty()) first = contour.tiles;
       ASSERT_EQ(contour.tiles.size(), first.size());
       EXPECT_GT(first.size(), 1u);
@@ -157,8 +154,8 @@ TEST(SharedLabels, OfOneLabelAndNothingElseAreThatLabelsOwnMesh) {
   const MemoryVolume volume = voronoi(50, 1, 1, 3);
   ContourParameters alone;
   alone.surface.label = 1;
-  const MemoryContour one = contour_in_memory(volume, alone, {4, 1024, 0.01}),
-                      both = contour_in_memory(volume, shared_labels(0.1), {4, 1024, 0.01});
+  const VolumeContour one = contour_volume(volume, alone, {4, 1024, 0.01}),
+                      both = contour_volume(volume, shared_labels(0.1), {4, 1024, 0.01});
   ASSERT_EQ(one.tiles.size(), both.tiles.size());
   for (std::size_t t = 0; t < one.tiles.size(); ++t) {
     EXPECT_EQ(one.tiles[t].positions, both.tiles[t].positions);
@@ -216,8 +213,7 @@ JunctionErrors junction_errors(double tolerance) {
       if (distance2(p, sites[i]) < distance2(p, sites[best])) best = i;
     return 1 + best;
   });
-  const MemoryContour contour =
-      contour_in_memory(volume, shared_labels(tolerance), {6, 500000, 0.01});
+  const VolumeContour contour = contour_volume(volume, shared_labels(tolerance), {6, 500000, 0.01});
   const Complex complex = complex_of(contour);
   EXPECT_EQ(contour.tiles.size(), 1u);
   std::vector<std::set<Material>> around(complex.mesh.vertices.size());
@@ -259,8 +255,7 @@ TEST(SharedLabels, SixtyFourBitLabelsStayApart) {
   const MemoryVolume volume = labels({20, 20, 20}, [&](Index3 p) {
     return p.x < 7 ? high : p.x < 13 ? high - 1 : std::uint64_t{1} << 53;
   });
-  const Complex complex =
-      complex_of(contour_in_memory(volume, shared_labels(0.1), {4, 500000, 0.01}));
+  const Complex complex = complex_of(contour_volume(volume, shared_labels(0.1), {4, 500000, 0.01}));
   std::set<MaterialPair> pairs(complex.pairs.begin(), complex.pairs.end());
   EXPECT_EQ(pairs, (std::set<MaterialPair>{{high - 1, high},
                                            {std::uint64_t{1} << 53, high - 1},

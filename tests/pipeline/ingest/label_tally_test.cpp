@@ -82,7 +82,7 @@ TEST(LabelTally, CountsWhatIsThere) {
     }
 }
 
-// Nine times sixteen full tables of other labels: runs are merged twice before the end.
+// So many full tables of other labels that runs are merged before the end.
 TEST(LabelTally, AnyNumberOfLabels) {
   const TempDirectory directory;
   const Labelled volume = labelled(SampleType::u64, {60, 60, 3}, 100000, 5);

@@ -7,45 +7,21 @@
 #include <random>
 
 #include "pipeline/output/openmesh_check.h"
-#include "stages/build/label_bricks.h"
 #include "tests/support/contour_in_memory.h"
 #include "tests/support/mesh_check.h"
 
 namespace voxweld::testing {
 namespace {
 
-// Of each label its octrees, as build leaves them.
-std::map<Material, MemoryBricks> bricks_of(const MemoryVolume& volume,
-                                           const ContourParameters& parameters, int brick_level) {
-  std::map<Material, MemoryBricks> all;
-  const MemoryBricks none{volume.size, parameters, {brick_level, 1024, 0.01}, {}};
-  const HaloBlock block{volume.type,           volume.size,   {{}, volume.size},
-                        volume.samples.data(), volume.size.x, volume.size.x * volume.size.y};
-  LabelBricks bricks;
-  bricks.fill(block, parameters);
-  const Index3 count = none.count();
-  for (std::int64_t z = 0; z < count.z; ++z)
-    for (std::int64_t y = 0; y < count.y; ++y)
-      for (std::int64_t x = 0; x < count.x; ++x)
-        bricks.each(none.place({x, y, z}), parameters,
-                    [&](Material material, const BrickOctree& octree) {
-                      if (octree.root.state == NodeState::outside) return;
-                      auto& label = all.try_emplace(material, none).first->second;
-                      label.octrees[morton_encode({x, y, z})] = octree;
-                    });
-  return all;
-}
+const ContourOptions small_tiles{4, 1024, 0.01};
 
 struct LabelMesh {
   LatticeMesh mesh;
   double volume = 0;
 };
 
-LabelMesh mesh_of(const MemoryBricks& bricks) {
-  const MemoryContour contour = plan_in_memory(bricks);
-  std::vector<TileMesh> tiles;
-  for (const PlannedTile& tile : contour.plan)
-    tiles.push_back(stitch_in_memory(bricks, contour, tile));
+LabelMesh mesh_of(const VolumeBricks& bricks) {
+  const std::vector<TileMesh> tiles = contour_bricks(bricks).tiles;
   LatticeWeld weld = weld_tiles(tiles);
   LabelMesh label{{std::move(weld.vertices), std::move(weld.triangles)}, 0};
   std::vector<Vec3> places;
@@ -123,7 +99,7 @@ TEST(EachLabelOfAnything, IsClosedAndTwoManifoldAtAnyTolerance) {
     const MemoryVolume volume = random_labels(random, std::array{0.0, 0.05, 1.0}[seed % 3], 3);
     ContourParameters parameters = of_each(random_edits(random, volume.size));
     parameters.simplify.enabled = false;
-    const auto uniform = bricks_of(volume, parameters, 4);
+    const auto uniform = build_label_bricks(volume, parameters, small_tiles);
     std::map<Material, MeshSummary> topology;
     for (const auto& [material, bricks] : uniform) {
       const LabelMesh label = mesh_of(bricks);
@@ -133,7 +109,7 @@ TEST(EachLabelOfAnything, IsClosedAndTwoManifoldAtAnyTolerance) {
     parameters.simplify.enabled = true;
     for (const double tolerance : {0.1, 3.0}) {
       parameters.simplify.tolerance = tolerance;
-      const auto simplified = bricks_of(volume, parameters, 4);
+      const auto simplified = build_label_bricks(volume, parameters, small_tiles);
       ASSERT_EQ(simplified.size(), uniform.size());
       for (const auto& [material, bricks] : simplified) {
         const LabelMesh label = mesh_of(bricks);
@@ -153,7 +129,7 @@ TEST(EachLabelOfAnything, EnclosesItsSamples) {
     std::map<Material, double> samples;
     for (const std::byte sample : volume.samples) samples[std::to_integer<Material>(sample)] += 1;
     double sum = 0;
-    for (const auto& [material, bricks] : bricks_of(volume, of_each({}), 4)) {
+    for (const auto& [material, bricks] : build_label_bricks(volume, of_each({}), small_tiles)) {
       const double enclosed = mesh_of(bricks).volume, expected = samples.at(material);
       // Edges and corners of small regions are rounded off.
       EXPECT_NEAR(enclosed, expected, 0.15 * expected + 30) << "label " << material;

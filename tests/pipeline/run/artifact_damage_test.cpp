@@ -60,7 +60,7 @@ void read_all_of_label_shard(const fs::path& path) {
   const ArtifactReader file(path, label_shard_kind, label_shard_version);
   LabelShardWriter copy(path.string() + ".copy", {}, {});
   for (const BuiltBrick& built : read_history(file).bricks)
-    copy.brick(built.code, file, [](const PieceHead&, std::span<const PieceBlock>) {});
+    copy.brick(built.code, file, [](const PieceHead&, std::span<const FilledBlock>) {});
 }
 
 void read_all_of_label_top(const fs::path& path) {
