@@ -20,8 +20,8 @@ struct Program {
   std::function<int()> run;  // of the chosen command; returns the exit code
 };
 
-void add_run_commands(CLI::App& app,
-                      Program& program);  // run, ingest, build, merge, stitch, encode
+void add_run_command(CLI::App& app, Program& program);
+void add_stage_commands(CLI::App& app, Program& program);    // ingest, build, merge, stitch, encode
 void add_cluster_commands(CLI::App& app, Program& program);  // plan, submit, status, cancel, logs
 void add_edit_command(CLI::App& app, Program& program);
 void add_info_command(CLI::App& app, Program& program);
