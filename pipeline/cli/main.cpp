@@ -77,6 +77,7 @@ void add_commands(CLI::App& app, Program& program) {
   add_phantom_command(app, program);
   add_stage_commands(app, program);
   add_cluster_commands(app, program);
+  add_document_commands(app, program);
 }
 
 int run_main(int argc, char** argv) {
