@@ -178,6 +178,7 @@ std::string fish_values(const OptionText& option) {
 }
 
 std::string fish_option(const std::string& condition, const OptionText& option) {
+  if (option.argument && option.choices.empty() && !option.takes_file()) return {};
   std::string names;
   for (const std::string& name : option.names)
     if (!option.argument)

@@ -99,6 +99,9 @@ TEST_F(Completion, Fish) {
   EXPECT_THAT(fish("voxweld run --set surface.iso"), ElementsAre("surface.isovalue="));
   EXPECT_THAT(fish("voxweld run --set surface.inside="), Contains("surface.inside=above"));
   EXPECT_THAT(fish("voxweld phantom gy"), ElementsAre("gyroid"));
+  write_bytes(place_.at("scan.toml"), "");
+  EXPECT_THAT(fish("voxweld run sca"), ElementsAre("scan.toml"));
+  EXPECT_THAT(fish("voxweld settings sca"), ElementsAre());
 }
 
 // zsh completes only at a terminal: here the script is loaded, and its specifications are read.
