@@ -7,11 +7,12 @@
 #   BUILD in the environment names the build folder, default build.
 # The .deb:   apt install ./voxweld_*.deb
 # The image:  mkdir voxweld && tar -C voxweld -xf voxweld_*.tar.gz
-#             apptainer exec voxweld voxweld --help      (or chroot voxweld voxweld --help)
+#             apptainer exec voxweld voxweld --help
+#             (or, as root and with /proc mounted in it: chroot voxweld voxweld --help)
 #             docker import voxweld_*.tar.gz voxweld && docker run voxweld voxweld --help
 set -euo pipefail
 case ${1:-} in -h | --help)
-  sed -n '2,12s/^# //p' "$0"
+  sed -n '2,13s/^# //p' "$0"
   exit 0
   ;;
 esac
