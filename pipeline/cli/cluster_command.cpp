@@ -6,6 +6,7 @@
 #include <optional>
 #include <thread>
 
+#include "pipeline/cli/command_text.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/run_context.h"
 #include "pipeline/slurm/slurm_chain.h"
@@ -123,7 +124,7 @@ using Command = int (*)(Program&, const ClusterArguments&);
 
 CLI::App* add(CLI::App& app, Program& program, const char* name, const char* help,
               std::shared_ptr<ClusterArguments> arguments, Command command) {
-  CLI::App* sub = app.add_subcommand(name, help);
+  CLI::App* sub = app.add_subcommand(name, help)->group("On a Slurm cluster");
   add_config_options(*sub, arguments->run);
   sub->callback([&program, arguments, command] {
     program.run = [&program, arguments, command] { return command(program, *arguments); };
@@ -134,32 +135,35 @@ CLI::App* add(CLI::App& app, Program& program, const char* name, const char* hel
 }  // namespace
 
 void add_cluster_commands(CLI::App& app, Program& program) {
-  auto submitted = std::make_shared<ClusterArguments>();
-  add(app, program, "submit",
-      "Hands a config's whole work to Slurm, as jobs that wait for each other, and returns",
-      submitted, submit)
-      ->add_flag("--json", submitted->json, "Prints the jobs as JSON");
   auto planned = std::make_shared<ClusterArguments>();
   add(app, program, "plan",
-      "Estimates what a config's work will take on a cluster: tasks, files, disk, core-hours; "
-      "beside "
-      "it what its tasks have used so far",
+      "Estimates tasks, files, disk and core-hours of the work\n"
+      "Beside each estimate stands what the tasks have used so far.",
       planned, show_plan)
-      ->add_flag("--json", planned->json, "As JSON");
+      ->add_flag("--json", planned->json, "Prints it as JSON");
+  auto submitted = std::make_shared<ClusterArguments>();
+  CLI::App* submitting = add(app, program, "submit",
+                             "Hands the whole work to Slurm and returns\n"
+                             "It becomes jobs that wait for each other; `voxweld status` says how "
+                             "far they are. [slurm] in the config says what to ask for.",
+                             submitted, submit);
+  submitting->footer(examples_text({{"voxweld submit scan.toml --set slurm.partition=compute", ""},
+                                    {"voxweld status scan.toml --watch", "until it is done"}}));
+  submitting->add_flag("--json", submitted->json, "Prints the jobs as JSON");
   auto shown = std::make_shared<ClusterArguments>();
   CLI::App* status = add(app, program, "status",
-                         "Says how far a config's work is and what Slurm has of it in its queue; "
-                         "exits with 1 until all is done",
+                         "Says how far the work is and what is in Slurm's queue\n"
+                         "Exits with 1 until all of it is done.",
                          shown, show_status);
   status->add_flag("--watch", shown->watch,
-                   "Again every ten seconds, until it is done or nothing is in the queue");
-  status->add_flag("--json", shown->json, "As JSON");
-  add(app, program, "cancel", "Takes a config's jobs from Slurm's queue; what is finished is kept",
+                   "Says it every ten seconds, until all is done or nothing is in the queue");
+  status->add_flag("--json", shown->json, "Prints it as JSON");
+  add(app, program, "cancel", "Takes the jobs from Slurm's queue; finished work is kept",
       std::make_shared<ClusterArguments>(), cancel);
   auto logged = std::make_shared<ClusterArguments>();
-  add(app, program, "logs", "Prints the logs of a config's tasks that failed, or of one shard",
-      logged, show_logs)
-      ->add_option("number", logged->unit, "Of a shard or tile: the logs of all tasks that had it");
+  add(app, program, "logs", "Prints the logs of failed tasks, or of one shard or tile", logged,
+      show_logs)
+      ->add_option("number", logged->unit, "A shard or tile: the logs of all tasks that had it");
 }
 
 }  // namespace voxweld

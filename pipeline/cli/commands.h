@@ -20,9 +20,11 @@ struct Program {
   std::function<int()> run;  // of the chosen command; returns the exit code
 };
 
-void add_run_commands(CLI::App& app,
-                      Program& program);  // run, ingest, build, merge, stitch, encode
+void add_run_command(CLI::App& app, Program& program);
+void add_stage_commands(CLI::App& app, Program& program);    // ingest, build, merge, stitch, encode
 void add_cluster_commands(CLI::App& app, Program& program);  // plan, submit, status, cancel, logs
+// completion, manual: for packages, not shown in the help.
+void add_document_commands(CLI::App& app, Program& program);
 void add_edit_command(CLI::App& app, Program& program);
 void add_info_command(CLI::App& app, Program& program);
 void add_init_command(CLI::App& app, Program& program);

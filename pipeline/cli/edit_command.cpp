@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "pipeline/cli/command_text.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/config_path.h"
 #include "pipeline/cli/run_context.h"
@@ -208,15 +209,17 @@ int edit(Program& program, const EditArguments& arguments) {
 // Of each shape's own keys the help says whose they are.
 void add_key_options(CLI::App& command, EditArguments& arguments) {
   for (const EditSetting& setting : edit_settings()) {
-    const std::string shapes = setting.shapes.empty() ? "" : "; " + setting.shapes_text();
+    std::string help = setting.description;
+    if (words_of(setting.rule).empty()) help += " Takes " + accepted_text(setting.rule) + ".";
+    if (!setting.shapes.empty()) help += " Of: " + setting.shapes_text() + ".";
     command
         .add_option_function<std::string>(
             "--" + setting.key,
             [&arguments, key = setting.key](const std::string& text) {
               arguments.keys[key] = text;
             },
-            fmt::format("{} Takes {}{}", setting.description, accepted_text(setting.rule), shapes))
-        ->type_name("VALUE")
+            help)
+        ->type_name(value_name(setting.rule))
         ->group("Keys of the edit (values are TOML; lists need no brackets: 10,20,30)");
   }
 }
@@ -225,17 +228,22 @@ void add_key_options(CLI::App& command, EditArguments& arguments) {
 
 void add_edit_command(CLI::App& app, Program& program) {
   auto arguments = std::make_shared<EditArguments>();
-  CLI::App* command =
-      app.add_subcommand("edit",
-                         "Adds, changes or removes an [[edit]] of a config file, leaving the rest "
-                         "of it as it is written, then runs what that changed");
+  CLI::App* command = app.add_subcommand(
+      "edit",
+      "Adds, changes or removes a solid in a config, then runs it\n"
+      "A solid, an [[edit]] of the config, is added to the material, cut out of it or intersected "
+      "with it. All else of the file stays as it is written, and only the part of the volume that "
+      "the edit reaches is made again.");
+  command->footer(
+      examples_text({{"voxweld edit scan.toml --add sphere --op subtract --center 9,9,4 --radius 2",
+                      "cuts a ball out; lengths are in the unit of the spacing"},
+                     {"voxweld edit scan.toml --change 1 --radius 3", ""},
+                     {"voxweld edit scan.toml --list", ""}}));
   add_config_options(*command, arguments->run);
   const char* group = "What to do (one of these)";
-  command
-      ->add_option("--add", arguments->added,
-                   "Adds an edit of this shape behind the others: " +
-                       accepted_text(find_edit_setting("shape")->rule))
-      ->type_name("SHAPE")
+  const Rule& shape = find_edit_setting("shape")->rule;
+  command->add_option("--add", arguments->added, "Adds an edit of this shape behind the others")
+      ->type_name(value_name(shape))
       ->group(group);
   command->add_option("--change", arguments->changed, "Gives keys of this edit other values")
       ->type_name("N")
@@ -245,7 +253,7 @@ void add_edit_command(CLI::App& app, Program& program) {
       ->group(group);
   command->add_flag("--list", arguments->list, "Lists the edits with their numbers, one a line")
       ->group(group);
-  command->add_flag("--no-run", arguments->no_run, "Changes the config only");
+  command->add_flag("--no-run", arguments->no_run, "Changes the config and runs nothing");
   add_key_options(*command, *arguments);
   command->callback([&program, arguments] {
     program.run = [&program, arguments] { return edit(program, *arguments); };

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "pipeline/cli/command_text.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/volume_arguments.h"
 #include "pipeline/info/info.h"
@@ -14,16 +15,25 @@ void add_info_command(CLI::App& app, Program& program) {
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
-      "info", "Says what a file or directory is: a volume, a mesh, or anything a run leaves");
+      "info",
+      "Says what a file or folder holds\n"
+      "Takes a volume, a mesh, a config, an output or work directory of a run, or any file in "
+      "one.");
+  command->footer(
+      examples_text({{"voxweld info scan.nii.gz", "size, type, spacing, range of the samples"},
+                     {"voxweld info 'slices/*.tif'", "a stack of images"},
+                     {"voxweld info scan.mesh --check", "looks for damage"}}));
   command
       ->add_option("path", arguments->volume.path,
-                   "The file, directory or pattern of images, or a mesh")
+                   "A file, a folder or a pattern in quotes: 'slices/*.tif'")
+      ->type_name("FILE")
       ->required();
-  command->add_flag("--json", arguments->json, "The same as JSON");
+  command->add_flag("--json", arguments->json, "Prints it as JSON");
   command->add_flag("--check", arguments->options.check,
-                    "Reads all of it and compares it with its checksums; exit code 1 for damage");
+                    "Reads all of it and compares it with its checksums; exits with 1 for damage");
   command->add_flag("--histogram", arguments->options.histogram,
-                    "Looks at the samples of a volume however many there are");
+                    "Reads the samples of a volume however many there are, for their range and "
+                    "histogram");
   command->add_flag(
       "--labels", arguments->options.labels,
       "Counts the labels of a volume: how many there are, the largest, the background");

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "pipeline/cli/command_text.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/config_path.h"
 #include "pipeline/cli/volume_arguments.h"
@@ -24,6 +25,7 @@ struct InitArguments {
   VolumeArguments volume;
   std::string output;
   bool force = false;
+  bool full = false;  // all keys, not only what one is likely to change
   // How finely a mesh is sampled.
   std::optional<std::int64_t> resolution;
   std::optional<double> cell;
@@ -54,15 +56,6 @@ std::string input_stem(const std::string& input) {
     if (fs::path(name).extension() == ".zarr") name = fs::path(name).stem().string();
   }
   return name.empty() ? "volume" : name;
-}
-
-// The same volume as the config will name it. The config has no key for it, so it is written into
-// the text where commented_config leaves the default.
-std::string with_unit(std::string text, const std::string& unit) {
-  const std::string line = "# unit = \"mm\"\n";
-  const auto at = text.find(line);
-  if (unit.empty() || at == std::string::npos) return text;
-  return text.replace(at, line.size(), fmt::format("unit = \"{}\"\n", unit));
 }
 
 fs::path config_path(const InitArguments& arguments) {
@@ -120,7 +113,12 @@ InitSuggestion suggest(const InitArguments& arguments, const fs::path& config,
       arguments.volume.endian == "big" ? InputConfig::Endian::big : InputConfig::Endian::little;
   suggestion.header_bytes = arguments.volume.header_bytes;
   if (!arguments.volume.spacing.empty()) suggestion.spacing = info.geometry.spacing;
+  suggestion.unit = arguments.volume.unit;
   return suggestion;
+}
+
+ConfigExtent extent_of(const InitArguments& arguments) {
+  return arguments.full ? ConfigExtent::full : ConfigExtent::brief;
 }
 
 void write_config(const fs::path& config, const std::string& text) {
@@ -150,8 +148,9 @@ int init_mesh(const InitArguments& arguments) {
                                   mesh_geometry(input, mesh.bounds),
                                   input.resolution,
                                   input.cell,
-                                  input.close};
-  write_config(config, with_unit(commented_config(suggestion), arguments.volume.unit));
+                                  input.close,
+                                  arguments.volume.unit};
+  write_config(config, commented_config(suggestion, extent_of(arguments)));
   const Index3 size = suggestion.geometry.size;
   fmt::print("{}: {} triangles, closed{} ({})\n", path, suggestion.triangles,
              input.close == MeshClosing::no ? "" : " by winding number", mesh.format);
@@ -189,7 +188,7 @@ int init(const InitArguments& arguments, Program& program) {
     scan = scan_in_order(*source, scan_hooks(program, "histogram"));
   program.console->clear_status();
   const InitSuggestion suggestion = suggest(arguments, config, info, scan);
-  write_config(config, with_unit(commented_config(info, suggestion), arguments.volume.unit));
+  write_config(config, commented_config(info, suggestion, extent_of(arguments)));
   const Index3 size = info.geometry.size;
   fmt::print("{}: {} x {} x {} {} ({}), samples {} to {}\n", arguments.volume.path, size.x, size.y,
              size.z, sample_type_name(info.type), info.format, scan.range.lo, scan.range.hi);
@@ -202,33 +201,50 @@ int init(const InitArguments& arguments, Program& program) {
 
 void add_init_command(CLI::App& app, Program& program) {
   auto arguments = std::make_shared<InitArguments>();
-  CLI::App* command = app.add_subcommand("init",
-                                         "Writes a commented config for a volume, with an isovalue "
-                                         "from its histogram, or for a closed "
-                                         "mesh");
+  CLI::App* command = app.add_subcommand(
+      "init",
+      "Writes a config for a volume or a closed mesh\n"
+      "Reads the volume once, takes an isovalue from its histogram (Otsu's threshold) and writes a "
+      "short config with what one is likely to change.");
+  command->footer(
+      examples_text({{"voxweld init scan.nii.gz", "writes scan.toml"},
+                     {"voxweld init 'slices/*.tif' --spacing 0.02 --unit mm -o part.toml",
+                      "a stack of images, which seldom say how far apart they are"},
+                     {"voxweld init scan.raw --size 512 512 300 --type uint16", ""},
+                     {"voxweld init part.stl --resolution 200", "a mesh, to simplify or to edit"},
+                     {"voxweld init cells.nrrd --labels", "a mesh for each label"}}));
   command
       ->add_option("input", arguments->volume.path,
-                   "The file, directory or pattern of images; or an .stl, .off, .obj or .ply")
+                   "A file, a folder or a pattern in quotes: 'slices/*.tif'; or a mesh: .stl, "
+                   ".off, .obj or .ply")
+      ->type_name("FILE")
       ->required();
-  command->add_option("-o,--output", arguments->output,
-                      "The config to write (default: the input's name + .toml, here)");
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "The config to write (default: the input's name + .toml, here)")
+      ->type_name("FILE");
   command->add_flag("--force", arguments->force, "Writes over a config that is there");
-  auto* resolution =
-      command
-          ->add_option(
-              "--resolution", arguments->resolution,
-              fmt::format("Meshes: cells along the longest side (default: {})", usual_resolution))
-          ->check(CLI::Range(least_resolution, most_resolution));
-  command->add_option("--cell", arguments->cell, "Meshes: the side of a cell, in the mesh's unit")
-      ->check(CLI::PositiveNumber)
-      ->excludes(resolution);
+  command->add_flag("--full", arguments->full,
+                    "Writes all keys there are, those at their defaults as comments");
   command->add_flag("--labels", arguments->labels,
                     "The samples are labels: a config that meshes each of them");
+  const char* meshes = "Where the input is a mesh";
+  auto* resolution =
+      command
+          ->add_option("--resolution", arguments->resolution,
+                       fmt::format("Cells along its longest side (default: {})", usual_resolution))
+          ->check(CLI::Range(least_resolution, most_resolution))
+          ->group(meshes);
+  command->add_option("--cell", arguments->cell, "The side of a cell, in the mesh's unit")
+      ->check(CLI::PositiveNumber)
+      ->excludes(resolution)
+      ->group(meshes);
   command
       ->add_option("--close", arguments->close,
-                   "Meshes: \"winding\" closes holes by the winding number")
+                   "\"winding\" takes a mesh with holes and closes them, by the winding number")
       ->check(CLI::IsMember({"no", "winding"}))
-      ->capture_default_str();
+      ->capture_default_str()
+      ->group(meshes);
   add_volume_options(*command, arguments->volume);
   command->callback([&program, arguments] {
     program.run = [&program, arguments] { return init(*arguments, program); };

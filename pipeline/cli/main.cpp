@@ -6,6 +6,8 @@
 #include <new>
 
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/help_formatter.h"
+#include "pipeline/cli/parse_error.h"
 #include "pipeline/executor/resources.h"
 #include "storage/readers/open_volume.h"
 #include "storage/support/error.h"
@@ -14,17 +16,21 @@ namespace voxweld {
 namespace {
 
 constexpr const char* description =
-    "Out-of-core surface meshes from scanned volumes: crack-free, watertight, simplified, "
-    "compressed.\n"
-    "A config file says which volume, which surface, what to write; `voxweld init INPUT` writes "
-    "one.";
+    "Turns scanned volumes too large for memory into watertight, simplified meshes.\n"
+    "A config file says which volume to read, which surface to extract and what to write. "
+    "`voxweld init` writes one, `voxweld run` does what it says. Work that is done is kept: run "
+    "again after a change or a failure, and only what is missing is made.";
 
 constexpr const char* footer =
     "First steps:\n"
-    "  voxweld init scan.nii.gz -o scan.toml\n"
-    "  voxweld run scan.toml\n"
-    "  voxweld verify scan.mesh\n"
-    "Exit codes: 0 done, 1 a failure under way (run again to go on), 2 something to mend first.\n"
+    "  voxweld init scan.nii.gz        writes scan.toml; look at its isovalue\n"
+    "  voxweld run scan.toml           writes the meshes into scan.mesh\n"
+    "  voxweld verify scan.mesh        checks that they are closed and complete\n"
+    "  voxweld render scan.mesh -o scan.png\n"
+    "\n"
+    "`voxweld COMMAND --help` explains a command, `voxweld settings` every key of a\n"
+    "config. Exit codes: 0 done; 1 a failure under way, run again to go on;\n"
+    "2 something to mend first.\n"
     "Volumes it reads: ";
 
 int fail(const std::string& message, int code) {
@@ -49,33 +55,48 @@ int guarded(Program& program) {
   }
 }
 
+void set_up(CLI::App& app, std::string& level) {
+  app.formatter(std::make_shared<HelpFormatter>());
+  app.set_help_flag("-h,--help", "Shows this help");
+  app.set_version_flag("--version", "voxweld " VOXWELD_VERSION, "Shows the version");
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.add_option("--log-level", level, "What to say on standard error while a command works")
+      ->check(CLI::IsMember({"quiet", "warning", "info", "debug"}))
+      ->capture_default_str();
+}
+
+// In the order in which one meets them.
+void add_commands(CLI::App& app, Program& program) {
+  add_init_command(app, program);
+  add_run_command(app, program);
+  add_verify_command(app, program);
+  add_render_command(app, program);
+  add_export_command(app, program);
+  add_info_command(app, program);
+  add_edit_command(app, program);
+  add_settings_command(app, program);
+  add_phantom_command(app, program);
+  add_stage_commands(app, program);
+  add_cluster_commands(app, program);
+  add_document_commands(app, program);
+}
+
 int run_main(int argc, char** argv) {
   Program program;
   program.console = Console::standard_error();
   CLI::App app{description, "voxweld"};
-  app.footer(footer + reader_names());
-  app.set_version_flag("--version", "voxweld " VOXWELD_VERSION);
-  app.require_subcommand(1);
-  app.fallthrough();
   std::string level = "info";
-  app.add_option("--log-level", level, "What to say on standard error: quiet, warning, info, debug")
-      ->check(CLI::IsMember({"quiet", "warning", "info", "debug"}))
-      ->capture_default_str();
-  add_run_commands(app, program);
-  add_cluster_commands(app, program);
-  add_edit_command(app, program);
-  add_init_command(app, program);
-  add_info_command(app, program);
-  add_verify_command(app, program);
-  add_render_command(app, program);
-  add_export_command(app, program);
-  add_phantom_command(app, program);
-  add_settings_command(app, program);
+  set_up(app, level);
+  add_commands(app, program);
+  app.footer(footer + reader_names());  // each command has its own
   try {
     app.parse(argc, argv);
+  } catch (const CLI::Success& shown) {
+    return app.exit(shown);
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : 2;
+    set_up_logging(program.log_level, program.console);
+    return fail(parse_error_text(app, error), 2);
   }
   program.log_level = parse_log_level(level).value();
   set_up_logging(program.log_level, program.console);

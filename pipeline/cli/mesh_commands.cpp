@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "pipeline/cli/command_text.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/output/export.h"
 #include "pipeline/output/load.h"
@@ -56,15 +57,22 @@ void add_verify_command(CLI::App& app, Program& program) {
     bool json = false, no_merged = false;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("verify",
-                                         "Re-reads an output directory: closed, 2-manifold, seams "
-                                         "equal to the bit, counts and hashes as listed");
-  command->add_option("directory", arguments->directory, "The output directory")->required();
-  command->add_option("--threads", arguments->options.threads, "0: all")
+  CLI::App* command = app.add_subcommand(
+      "verify",
+      "Checks that the meshes of a run are closed and complete\n"
+      "Reads everything in an output directory again: files, counts and checksums as the manifest "
+      "lists them, each tile and the whole a closed manifold, tiles equal to the bit where they "
+      "meet. Exits with 1 where something is wrong.");
+  command->footer(examples_text({{"voxweld verify scan.mesh", ""}}));
+  command->add_option("directory", arguments->directory, "The output directory of a finished run")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--threads", arguments->options.threads, "Threads to use; 0: all there are")
+      ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--no-merged", arguments->no_merged,
-                    "Leaves out the merged mesh, which is held in memory whole");
-  command->add_flag("--json", arguments->json, "The report as JSON");
+                    "Leaves out the file with the whole mesh, which needs memory for all of it");
+  command->add_flag("--json", arguments->json, "Prints the report as JSON");
   command->callback([&program, arguments] {
     program.run = [arguments] {
       arguments->options.merged = !arguments->no_merged;
@@ -80,22 +88,33 @@ void add_verify_command(CLI::App& app, Program& program) {
 
 void add_render_command(CLI::App& app, Program& program) {
   auto arguments = std::make_shared<RenderArguments>();
-  CLI::App* command =
-      app.add_subcommand("render", "Draws an output directory or a mesh file as a PNG");
+  CLI::App* command = app.add_subcommand(
+      "render",
+      "Draws a picture of meshes, as PNG\n"
+      "z points up; one mesh is in memory at a time, so an output directory may be of any size.");
+  command->footer(examples_text({{"voxweld render scan.mesh -o scan.png", ""},
+                                 {"voxweld render scan.mesh -o inside.png --azimuth 120 --cut-y 80",
+                                  "from another side, without what lies beyond y = 80"}}));
   RenderOptions& o = arguments->options;
   command
       ->add_option("input", arguments->input,
                    "An output directory, or a mesh file: " + endings_text(mesh_writers()))
+      ->type_name("FILE")
       ->required();
-  command->add_option("-o,--output", arguments->output, "The PNG to write")->required();
+  command->add_option("-o,--output", arguments->output, "The PNG to write")
+      ->type_name("FILE")
+      ->required();
   command->add_option("--width", o.width, "Pixels")->capture_default_str();
   command->add_option("--height", o.height, "Pixels")->capture_default_str();
   command->add_option("--azimuth", o.azimuth, "Degrees around z; 0 looks along +y")
       ->capture_default_str();
   command->add_option("--elevation", o.elevation, "Degrees above the horizon")
       ->capture_default_str();
-  command->add_option("--zoom", o.zoom, "1: the whole mesh fits")->capture_default_str();
-  command->add_option("--centre", arguments->centre, "Point looked at, x y z in the mesh's units")
+  command->add_option("--zoom", o.zoom, "At 1 the whole mesh fits")->capture_default_str();
+  command
+      ->add_option("--centre", arguments->centre,
+                   "The point in the middle of the picture, x y z in the mesh's unit (default: the "
+                   "middle of the mesh)")
       ->expected(3);
   command->add_option("--field-of-view", o.field_of_view, "Degrees; 0: orthographic")
       ->capture_default_str();
@@ -112,10 +131,13 @@ void add_export_command(CLI::App& app, Program& program) {
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
-      app.add_subcommand("export", "Writes a mesh file as .ply, .obj, .stl or .off");
+      app.add_subcommand("export", "Converts a mesh file to .ply, .obj, .stl or .off");
+  command->footer(examples_text({{"voxweld export scan.mesh/mesh.drc -o scan.ply", ""}}));
   command->add_option("input", arguments->input, "A mesh file: " + endings_text(mesh_writers()))
+      ->type_name("FILE")
       ->required();
-  command->add_option("-o,--output", arguments->output, "The file to write, format by its ending")
+  command->add_option("-o,--output", arguments->output, "The file to write; its ending says how")
+      ->type_name("FILE")
       ->required();
   command->callback([&program, arguments] {
     program.run = [arguments] {

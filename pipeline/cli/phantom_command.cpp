@@ -1,5 +1,7 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "pipeline/cli/command_text.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/executor/progress.h"
 #include "pipeline/phantom/write.h"
@@ -17,11 +19,18 @@ struct PhantomArguments {
   double spacing = 1;
 };
 
-std::string kinds_text() {
-  std::string text = "What to make:";
+std::string description() {
+  std::string text = "Writes a volume of a known solid, for demos and tests\nKinds:";
   for (const PhantomKindInfo& kind : phantom_kinds())
-    text += fmt::format("\n  {:<8} {}", kind.name, kind.summary);
+    text += fmt::format("\n  {:<9} {}", kind.name, kind.summary);
   return text;
+}
+
+// For CLI11's type_name().
+std::string kind_names() {
+  std::vector<std::string_view> names;
+  for (const PhantomKindInfo& kind : phantom_kinds()) names.push_back(kind.name);
+  return fmt::format("{{{}}}", fmt::join(names, ","));
 }
 
 void write_zarr(const SampleSource& source, const std::filesystem::path& path) {
@@ -76,10 +85,12 @@ int make_phantom(const PhantomArguments& arguments, Program& program) {
 
 void add_phantom_command(CLI::App& app, Program& program) {
   auto arguments = std::make_shared<PhantomArguments>();
-  CLI::App* command = app.add_subcommand(
-      "phantom", "Writes a known solid as a volume, for demos, tests and scale runs");
-  command->add_option("kind", arguments->kind, kinds_text())->required();
-  command->add_option("--size", arguments->size, "Samples a side")->capture_default_str();
+  CLI::App* command = app.add_subcommand("phantom", description());
+  command->footer(
+      examples_text({{"voxweld phantom gyroid --size 128 --spacing 0.5 --unit mm -o gyroid.nrrd",
+                      "then: voxweld init gyroid.nrrd"}}));
+  command->add_option("kind", arguments->kind, "What to make")->type_name(kind_names())->required();
+  command->add_option("--size", arguments->size, "Samples along each side")->capture_default_str();
   command
       ->add_option("--type", arguments->type,
                    "uint8, uint16 or float32; of labels and junctions any integer type")
@@ -87,16 +98,20 @@ void add_phantom_command(CLI::App& app, Program& program) {
   command
       ->add_option("-o,--output", arguments->output,
                    "The file: .nrrd, .nhdr (with .raw beside it), .raw or .zarr")
+      ->type_name("FILE")
       ->required();
-  command->add_option("--seed", arguments->seed, "Of porous, labels and noise")
+  command
+      ->add_option("--seed", arguments->seed, "Of porous, labels and noise: another one for each")
       ->capture_default_str();
   command
       ->add_option("--first-label", arguments->first_label,
                    "Of labels and junctions: the number of the first, the others count on")
       ->capture_default_str();
-  command->add_option("--spacing", arguments->spacing, "Recorded as the distance of samples")
+  command
+      ->add_option("--spacing", arguments->spacing,
+                   "Distance of neighbouring samples, as the file records it")
       ->capture_default_str();
-  command->add_option("--unit", arguments->unit, "Of the spacing");
+  command->add_option("--unit", arguments->unit, "Unit of the spacing, such as mm");
   command->callback([&program, arguments] {
     program.run = [&program, arguments] { return make_phantom(*arguments, program); };
   });

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "pipeline/cli/command_text.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/run_context.h"
 #include "pipeline/run/run.h"
@@ -17,9 +18,11 @@ void add_task_options(CLI::App& command, RunArguments& arguments, Stage stage) {
       "--" + units, arguments.units,
       "Only these " + units + ", by number: 0-63,70. What they need must be there" +
           (stage == Stage::encode ? "; the merged mesh is the one after the last tile" : ""));
+  list->type_name("LIST");
   command
       .add_option("--part", arguments.part,
-                  "Only every N-th from the K-th on: K/N, K from 0. All N parts are the stage")
+                  "Only every N-th from the K-th on, K from 0. All N parts are the whole stage")
+      ->type_name("K/N")
       ->excludes(list);
 }
 
@@ -59,9 +62,17 @@ int run_stage_command(Program& program, const RunArguments& arguments, Stage sta
 
 }  // namespace
 
-void add_run_commands(CLI::App& app, Program& program) {
-  CLI::App* run =
-      app.add_subcommand("run", "Does all that is missing of a config's stages, and nothing twice");
+void add_run_command(CLI::App& app, Program& program) {
+  CLI::App* run = app.add_subcommand(
+      "run",
+      "Makes the meshes a config asks for\n"
+      "Does what is missing of all five stages and nothing twice: an interrupted run goes on where "
+      "it stopped, and after a change of the config only what depends on it is made again.");
+  run->footer(examples_text(
+      {{"voxweld run scan.toml", "the meshes go into scan.mesh, intermediate files into scan.work"},
+       {"voxweld run scan.toml --set surface.isovalue=300 --set run.memory=8GiB",
+        "with other values than the file has"},
+       {"voxweld run scan.toml --dry-run", "says what would be done, and why"}}));
   auto arguments = std::make_shared<RunArguments>();
   add_config_options(*run, *arguments);
   run->add_flag("--dry-run", arguments->dry_run, "Says what would run and why, and does nothing");
@@ -79,26 +90,32 @@ void add_run_commands(CLI::App& app, Program& program) {
       return 0;
     };
   });
+}
+
+void add_stage_commands(CLI::App& app, Program& program) {
   static constexpr std::array<const char*, 5> help = {
-      "Stage 1: the input to a brick store, where it cannot be read in place; a mesh too large for "
-      "run.memory to pieces by brick",
-      "Stage 2: samples to simplified octrees, shard by shard",
-      "Stage 3: the top tree above the bricks, and the tile plan",
-      "Stage 4: octrees to tile meshes on the output lattice",
-      "Stage 5: tile meshes to compressed assets, and the manifest"};
+      "Stage 1: copies the input into a brick store, where needed\n"
+      "Volumes that can be read a box at a time stay where they are. A mesh too large for "
+      "run.memory is cut into pieces, one for each brick.",
+      "Stage 2: makes a simplified octree of each brick",
+      "Stage 3: joins the bricks' octrees at the top and plans the tiles",
+      "Stage 4: makes the triangles of each tile",
+      "Stage 5: writes the compressed mesh files and the manifest"};
   for (const Stage stage : all_stages) {
     auto one = std::make_shared<RunArguments>();
     CLI::App* command =
-        app.add_subcommand(std::string(stage_name(stage)), help[static_cast<std::size_t>(stage)]);
+        app.add_subcommand(std::string(stage_name(stage)), help[static_cast<std::size_t>(stage)])
+            ->group("One stage at a time (`run` does all of them)");
     add_config_options(*command, *one);
     add_task_options(*command, *one, stage);
-    command->add_option(
-        "--report", one->report,
-        "Writes how it went to this file, as JSON: time, memory, errors; in a folder the "
-        "file is named after the task's number in its Slurm array");
+    command
+        ->add_option("--report", one->report,
+                     "Writes time, memory and errors to this file, as JSON. In a folder the file "
+                     "is named after the task's number in its Slurm array")
+        ->type_name("FILE");
     command->add_flag("--inputs-checked", one->inputs_checked,
-                      "What the stage needs is known to be complete: a task among thousands does "
-                      "not look at all of it again");
+                      "Does not check that what the stage needs is complete: for one task among "
+                      "thousands, where it was checked before");
     command->callback([&program, one, stage] {
       program.run = [&program, one, stage] { return run_stage_command(program, *one, stage); };
     });

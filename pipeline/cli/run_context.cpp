@@ -36,11 +36,15 @@ void choose_kernels() {
 void add_config_options(CLI::App& command, RunArguments& arguments) {
   command
       .add_option("config", arguments.config,
-                  "The config file (TOML); `voxweld settings` lists its keys")
+                  "The config file (TOML); `voxweld init` writes one, `voxweld settings` lists its "
+                  "keys")
+      ->type_name("FILE")
       ->required();
   command
       .add_option("--set", arguments.overrides,
-                  "Overrides a key: table.key=value; may be given again")
+                  "Gives a key of the config another value, for this once: surface.isovalue=300. "
+                  "May be given again")
+      ->type_name("KEY=VALUE")
       ->take_all();
 }
 

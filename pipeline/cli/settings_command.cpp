@@ -13,8 +13,8 @@ void add_settings_command(CLI::App& app, Program& program) {
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("settings", "Lists every key of the config file");
-  command->add_flag("--json", arguments->json, "As a JSON schema, for editors");
-  command->add_flag("--example", arguments->example, "As a commented config file");
+  command->add_flag("--json", arguments->json, "Prints a JSON schema, for editors");
+  command->add_flag("--example", arguments->example, "Prints a config file with every key");
   command->callback([&program, arguments] {
     program.run = [arguments] {
       fmt::print("{}", arguments->json      ? config_schema_json()

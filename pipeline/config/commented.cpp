@@ -69,6 +69,44 @@ const Names& of_meshes() {
   return names;
 }
 
+// The comments of a brief config: one line for each key that it may have.
+const std::string& brief_comment(const std::string& name) {
+  static const std::map<std::string, std::string> comments = {
+      {"input.path", "The volume or mesh to read. A relative path begins at this file's folder."},
+      {"input.format", "How to read it: here samples without a header."},
+      {"input.size", "Samples along x, y and z; x is the fastest in the file."},
+      {"input.type", "Type of a sample."},
+      {"input.endian", "Byte order of a sample: \"little\" or \"big\"."},
+      {"input.header_bytes", "Bytes before the first sample."},
+      {"input.spacing", "Distance of neighbouring samples along x, y and z."},
+      {"input.unit", "Unit of the spacing."},
+      {"input.resolution", "Cells along the mesh's longest side: more are finer, and more work."},
+      {"input.cell", "The side of a cell, in the mesh's unit: smaller is finer, and more work."},
+      {"input.close", "\"winding\" closes the mesh's holes, \"no\" refuses a mesh that has any."},
+      {"surface.isovalue", "The sample value the surface runs through."},
+      {"surface.inside", "Which side of the isovalue is material: \"above\" or \"below\"."},
+      {"labels.mode",
+       "\"each\": a closed mesh for each label; \"shared\": neighbours share triangles."},
+      {"labels.background", "Labels that get no mesh."},
+      {"simplify.tolerance",
+       "How far the mesh may be from the surface, in voxels: more is smaller."},
+      {"output.formats", "File formats to write."},
+      {"run.memory", "The most memory to use."}};
+  return comments.at(name);
+}
+
+// Only what is active.
+std::string brief_table(const std::string& table, const Active& active) {
+  std::string text;
+  for (const Setting& setting : settings()) {
+    const auto value = active.find(setting.name());
+    if (setting.table != table || value == active.end()) continue;
+    text +=
+        fmt::format("# {}\n{} = {}\n", brief_comment(setting.name()), setting.key, value->second);
+  }
+  return text.empty() ? text : fmt::format("\n[{}]\n{}", table, text);
+}
+
 std::string table_text(const std::string& table, const Active& active, const Names& left_out = {}) {
   std::string text = fmt::format("\n[{}]\n", table);
   for (const Setting& setting : settings()) {
@@ -143,6 +181,7 @@ Active active_for(const VolumeInfo& info, const InitSuggestion& suggestion) {
   if (suggestion.spacing)
     active["input.spacing"] = fmt::format("[{}, {}, {}]", real(suggestion.spacing->x),
                                           real(suggestion.spacing->y), real(suggestion.spacing->z));
+  if (!suggestion.unit.empty()) active["input.unit"] = toml_string(suggestion.unit);
   if (suggestion.labels) {
     active["labels.mode"] = "\"each\"";
     active["labels.background"] = default_of("labels", "background");
@@ -154,28 +193,39 @@ Active active_for(const VolumeInfo& info, const InitSuggestion& suggestion) {
   return active;
 }
 
-}  // namespace
+std::string first_lines(ConfigExtent extent) {
+  if (extent == ConfigExtent::full)
+    return "# voxweld config. Keys that begin with # are at their defaults.\n";
+  return "# voxweld config with the keys one is likely to change; `voxweld settings` lists all.\n";
+}
 
-std::string commented_config(const VolumeInfo& info, const InitSuggestion& suggestion) {
-  std::string text = "# voxweld config. Keys that begin with # are at their defaults.\n";
-  text += facts(info, suggestion);
-  const Active active = active_for(info, suggestion);
-  for (const std::string& table : table_names()) {
-    text += table_text(table, active, of_meshes());
-    if (table != "surface" || suggestion.labels) continue;
-    // Where the number came from belongs beside it.
-    const std::string line = "isovalue = ";
-    text.insert(
-        text.find("\n" + line) + 1,
-        fmt::format("# Suggested by the histogram (\"otsu\"); the samples lie in {} to {}.\n",
-                    real(suggestion.lowest), real(suggestion.highest)));
-  }
+std::string tables_text(const Active& active, ConfigExtent extent, const Names& left_out) {
+  std::string text;
+  for (const std::string& table : table_names())
+    text += extent == ConfigExtent::full ? table_text(table, active, left_out)
+                                         : brief_table(table, active);
   return text;
 }
 
-std::string commented_config(const MeshSuggestion& mesh) {
+}  // namespace
+
+std::string commented_config(const VolumeInfo& info, const InitSuggestion& suggestion,
+                             ConfigExtent extent) {
+  std::string text = first_lines(extent) + facts(info, suggestion);
+  text += tables_text(active_for(info, suggestion), extent, of_meshes());
+  // Where the number came from belongs beside it.
+  const auto isovalue = text.find("\nisovalue = ");
+  if (isovalue != std::string::npos)
+    text.insert(isovalue + 1,
+                fmt::format("# Suggested by the histogram (\"otsu\"); the samples lie "
+                            "in {} to {}.\n",
+                            real(suggestion.lowest), real(suggestion.highest)));
+  return text;
+}
+
+std::string commented_config(const MeshSuggestion& mesh, ConfigExtent extent) {
   const VolumeGeometry& g = mesh.geometry;
-  std::string text = "# voxweld config. Keys that begin with # are at their defaults.\n";
+  std::string text = first_lines(extent);
   text += fmt::format("# {} triangles and {} vertices, closed{}, read as {}\n", mesh.triangles,
                       mesh.vertices, mesh.close == MeshClosing::no ? "" : " by winding number",
                       mesh.format);
@@ -185,11 +235,11 @@ std::string commented_config(const MeshSuggestion& mesh) {
                       real(g.spacing.x));
   Active active = usual_keys();
   active["input.path"] = toml_string(mesh.path);
+  if (!mesh.unit.empty()) active["input.unit"] = toml_string(mesh.unit);
   if (mesh.resolution) active["input.resolution"] = std::to_string(*mesh.resolution);
   if (mesh.cell) active["input.cell"] = real(*mesh.cell);
   if (mesh.close == MeshClosing::winding) active["input.close"] = "\"winding\"";
-  for (const std::string& table : table_names()) text += table_text(table, active, of_volumes());
-  return text;
+  return text + tables_text(active, extent, of_volumes());
 }
 
 std::string reference_config() {

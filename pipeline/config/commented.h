@@ -1,5 +1,5 @@
-// Config files written for people: one to begin with for a given volume, and one that shows every
-// key. Both load as they are.
+// Config files written for people: one to begin with for a given volume, short or with every key,
+// and one that shows every key there is. All load as they are.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,11 @@
 #include "storage/types/volume.h"
 
 namespace voxweld {
+
+enum class ConfigExtent : std::uint8_t {
+  brief,  // the keys one is likely to change
+  full    // all that the input may have, those at their defaults commented out
+};
 
 // What looking at the volume suggests.
 struct InitSuggestion {
@@ -23,12 +28,14 @@ struct InitSuggestion {
   std::int64_t header_bytes = 0;
   // Set where the file says nothing or something else.
   std::optional<Vec3> spacing;
+  std::string unit;
 };
 
-// A config for that volume: facts about it in comments, the keys one is likely to touch active,
-// the rest commented out at their defaults. The format is written only for raw files, which cannot
-// be recognised. Precondition: suggestion.path is valid UTF-8 without control characters.
-std::string commented_config(const VolumeInfo& info, const InitSuggestion& suggestion);
+// A config for that volume: facts about it in comments, and the keys one is likely to change. It
+// means the same in both extents. The format is written only for raw files, which cannot be
+// recognised. Precondition: suggestion.path is valid UTF-8 without control characters.
+std::string commented_config(const VolumeInfo& info, const InitSuggestion& suggestion,
+                             ConfigExtent extent);
 
 // What looking at a mesh tells.
 struct MeshSuggestion {
@@ -40,10 +47,11 @@ struct MeshSuggestion {
   std::optional<std::int64_t> resolution;
   std::optional<double> cell;
   MeshClosing close = MeshClosing::no;  // else it is open, or may be
+  std::string unit;                     // of its coordinates; empty: not known
 };
 
 // The same for that mesh. Precondition: one of resolution and cell is set.
-std::string commented_config(const MeshSuggestion& suggestion);
+std::string commented_config(const MeshSuggestion& suggestion, ConfigExtent extent);
 
 // Every key with its description, accepted values and default; input.path stands for a volume
 // beside the config. configs/example.toml is this text.

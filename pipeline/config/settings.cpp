@@ -141,10 +141,10 @@ std::vector<Setting> work_settings() {
            "Samples a side of the brick store's chunks. At most brick * shard. Never changes the "
            "result."},
           binding::integer(work, &Work::chunk, PowerOfTwoRule{8, 256}), ingest),
-      row({"work", "brick", "Cells a side of one octree piece. Never changes the result."},
+      row({"work", "brick", "Cells a side of a brick: one octree. Never changes the result."},
           binding::integer(work, &Work::brick, PowerOfTwoRule{16, 256}), ingest_and_build),
       row({"work", "shard",
-           "Bricks a side of one store file and one build task. Never changes the result."},
+           "Bricks a side of a shard, one store file and build task. Never changes the result."},
           binding::integer(work, &Work::shard, PowerOfTwoRule{1, 16}), ingest_and_build),
       row({"work", "copy",
            "Copy the samples into the brick store first. \"auto\" copies only inputs that cannot "
@@ -184,8 +184,8 @@ std::vector<Setting> labels_settings() {
   return {
       row({"labels", "mode",
            "Take the samples for labels instead of comparing them with an isovalue. \"each\": one "
-           "closed mesh for every label; \"shared\": one complex of all of them, in which "
-           "neighbours have the same triangles."},
+           "closed mesh for every label; \"shared\": one non-manifold mesh of them all, in "
+           "which neighbours share triangles."},
           binding::choice(labels, &Labels::mode, {"off", "each", "shared"}), build),
       by_effect(row({"labels", "select",
                      "The labels to mesh: \"all\", \"mapped\" (those that labels.map names) or a "
@@ -217,7 +217,7 @@ std::vector<Setting> simplify_settings() {
   using Simplify = SimplifyConfig;
   constexpr auto simplify = &Config::simplify;
   return {
-      row({"simplify", "enabled", "Collapse cells where the surface allows it."},
+      row({"simplify", "enabled", "Collapse octree cells where the surface allows it."},
           binding::flag(simplify, &Simplify::enabled), collapse),
       row({"simplify", "tolerance", "How far a vertex may be from the surface it stands for."},
           binding::positive(simplify, &Simplify::tolerance), collapse),
@@ -233,7 +233,7 @@ std::vector<Setting> simplify_settings() {
            "manifold."},
           binding::choice(simplify, &Simplify::topology, {"safe", "free"}), collapse),
       row({"simplify", "qef",
-           "\"qr\": stable in floats; \"normal\": the normal equations, for comparison only."},
+           "Solves the QEFs. \"qr\": stable in floats; \"normal\": normal equations, to compare."},
           binding::choice(simplify, &Simplify::qef, {"qr", "normal"}), collapse),
   };
 }
@@ -249,7 +249,7 @@ std::vector<Setting> output_settings() {
       row({"output", "merged",
            "Also write the whole mesh as one file. \"auto\" does where it is small enough."},
           binding::switch_of(output, &Output::merged), encode),
-      row({"output", "tiles", "Write the tiles as files of their own."},
+      row({"output", "tiles", "Write the tiles, the pieces of the mesh, as files of their own."},
           binding::flag(output, &Output::tiles), encode),
       row({"output", "tile_vertices",
            "The most vertices a tile may have. \"auto\" is 500000, and less where run.memory is "

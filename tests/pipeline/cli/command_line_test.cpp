@@ -1,3 +1,5 @@
+#include <sstream>
+
 #include "storage/readers/open_volume.h"
 #include "tests/pipeline/cli/workplace.h"
 
@@ -32,6 +34,24 @@ TEST(CommandLine, RefusesWhatItDoesNotKnow) {
     EXPECT_EQ(result.exit_code, 2);
     EXPECT_NE(result.err, "");
     EXPECT_EQ(result.out, "");
+  }
+}
+
+TEST(CommandLine, NamesWhatWasProbablyMeant) {
+  expect_refused({"rnu"}, {"\"rnu\"", "did you mean \"run\"?", "`voxweld --help`"});
+  expect_refused({"run", "x.toml", "--dryrun"}, {"voxweld run", "did you mean \"--dry-run\"?"});
+  expect_refused({"run", "x.toml", "--log-levle=info"}, {"did you mean \"--log-level\"?"});
+  expect_refused({"polish"}, {"no command is called \"polish\";"});
+  expect_refused({}, {"expected a command"});
+}
+
+TEST(CommandLine, HelpFitsATerminalAndShowsHow) {
+  for (const char* name : {"run", "init", "info", "edit", "verify", "render", "phantom"}) {
+    const std::string help = run_voxweld({name, "--help"}).out;
+    EXPECT_THAT(help, HasSubstr(std::string("Usage: voxweld ") + name + " [OPTIONS] "));
+    EXPECT_THAT(help, HasSubstr(std::string("\nExamples:\n  voxweld ") + name));
+    std::istringstream lines(help);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
   }
 }
 

@@ -1,5 +1,6 @@
 #include <zlib.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -11,6 +12,7 @@ namespace voxweld::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // NRRD of uint8 samples, compressed: it can only be read from front to back.
 std::string gzip_nrrd(const std::string& samples, int side) {
@@ -135,6 +137,22 @@ TEST(Init, PutsTheRawLayoutIntoTheConfig) {
   EXPECT_EQ(input.at("spacing"), nlohmann::json({0.5, 0.5, 2.0}));
   EXPECT_EQ(input.at("unit"), "mm");
   EXPECT_EQ(isovalue_of(place, place.at("scan.toml")), 512);
+}
+
+TEST(Init, WritesAShortConfigOrAFullOneThatMeansTheSame) {
+  const Workplace place;
+  const std::string input = place.phantom("scene.nrrd");
+  const std::string config = place.at("scene.toml");
+  place.run({"init", input, "-o", config, "--unit", "um"});
+  const std::string brief = read_bytes(config);
+  const nlohmann::json means = place.info(config).at("settings");
+  EXPECT_EQ(means.at("input").at("unit"), "um");
+  EXPECT_LT(std::ranges::count(brief, '\n'), 35);
+  EXPECT_THAT(brief, HasSubstr("isovalue = "));
+  EXPECT_THAT(brief, Not(HasSubstr("# chunk = ")));
+  place.run({"init", input, "-o", config, "--unit", "um", "--full", "--force"});
+  EXPECT_THAT(read_bytes(config), HasSubstr("\n# chunk = 32\n"));
+  EXPECT_EQ(place.info(config).at("settings"), means);
 }
 
 TEST(Init, RefusesVolumesWithoutASurface) {

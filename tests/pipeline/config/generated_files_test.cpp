@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "pipeline/config/commented.h"
 #include "pipeline/config/edit_settings.h"
@@ -143,7 +145,7 @@ TEST(CommentedConfig, OfAMeshLeavesOutWhatMeshesDoNotTake) {
   mesh.geometry.size = {20, 30, 40};
   mesh.geometry.spacing = {0.1, 0.1, 0.1};
   mesh.cell = 0.1;
-  const std::string text = commented_config(mesh);
+  const std::string text = commented_config(mesh, ConfigExtent::full);
   EXPECT_EQ(testing::parse(text), testing::parse("input.path = \"part.off\"\ninput.cell = 0.1\n"));
   EXPECT_THAT(text, HasSubstr("# 12 triangles and 8 vertices, closed, read as off\n"
                               "# from 0.0, 0.0, 0.0 to 1.0, 2.0, 3.0\n"
@@ -175,7 +177,7 @@ InitSuggestion suggestion() {
 }
 
 TEST(CommentedConfig, SaysWhatWasSuggested) {
-  const std::string text = commented_config(head(), suggestion());
+  const std::string text = commented_config(head(), suggestion(), ConfigExtent::full);
   const Config config = testing::parse(text);
   EXPECT_EQ(config, testing::parse("input.path = \"head.nii\"\nsurface.isovalue = 1150\n"));
   EXPECT_THAT(text,
@@ -190,7 +192,7 @@ TEST(CommentedConfig, SaysWhatWasSuggested) {
 TEST(CommentedConfig, OfLabels) {
   InitSuggestion s = suggestion();
   s.labels = true;
-  const std::string text = commented_config(head(), s);
+  const std::string text = commented_config(head(), s, ConfigExtent::full);
   EXPECT_EQ(testing::parse(text),
             testing::parse("input.path = \"head.nii\"\nlabels.mode = \"each\"\n"));
   EXPECT_THAT(text, HasSubstr("\n# isovalue = \"otsu\"\n"));
@@ -207,7 +209,7 @@ TEST(CommentedConfig, SaysTheLayoutOfRawFiles) {
   s.endian = InputConfig::Endian::big;
   s.header_bytes = 352;
   s.spacing = Vec3{1, 2, 3};
-  const Config config = testing::parse(commented_config(info, s));
+  const Config config = testing::parse(commented_config(info, s, ConfigExtent::full));
   EXPECT_EQ(config.input.path, "/data/a \"b\" \\ c.raw");
   EXPECT_EQ(config.input.format, "raw");
   EXPECT_EQ(config.input.size, (Index3{512, 500, 361}));
@@ -216,6 +218,45 @@ TEST(CommentedConfig, SaysTheLayoutOfRawFiles) {
   EXPECT_EQ(config.input.header_bytes, 352);
   EXPECT_EQ(config.input.spacing, (Vec3{1, 2, 3}));
   EXPECT_EQ(config.surface.inside, SurfaceConfig::Inside::below);
+}
+
+// One comment of one line for each key, and the same config as with all of them.
+void expect_brief(const std::string& brief, const std::string& full, std::size_t most_lines) {
+  EXPECT_EQ(testing::parse(brief), testing::parse(full)) << brief;
+  EXPECT_LE(std::ranges::count(brief, '\n'), static_cast<std::ptrdiff_t>(most_lines)) << brief;
+  std::istringstream lines(brief);
+  std::string before;
+  for (std::string line; std::getline(lines, line); before = line) {
+    EXPECT_LE(line.size(), 100U) << line;
+    const bool key = line.find(" = ") != std::string::npos;
+    EXPECT_TRUE(!key || before.starts_with("# ")) << line;
+  }
+}
+
+TEST(CommentedConfig, BriefMeansTheSame) {
+  VolumeInfo info = head();
+  InitSuggestion s = suggestion();
+  s.spacing = Vec3{1, 2, 3};
+  s.unit = "um";
+  for (const bool labels : {false, true})
+    for (const char* format : {"nifti", "raw"}) {
+      s.labels = labels;
+      info.format = format;
+      expect_brief(commented_config(info, s, ConfigExtent::brief),
+                   commented_config(info, s, ConfigExtent::full), 42);
+    }
+  MeshSuggestion mesh;
+  mesh.path = "part.off";
+  mesh.format = "off";
+  mesh.unit = "mm";
+  mesh.close = MeshClosing::winding;
+  mesh.cell = 0.1;
+  expect_brief(commented_config(mesh, ConfigExtent::brief),
+               commented_config(mesh, ConfigExtent::full), 30);
+  mesh.cell.reset();
+  mesh.resolution = 100;
+  expect_brief(commented_config(mesh, ConfigExtent::brief),
+               commented_config(mesh, ConfigExtent::full), 30);
 }
 
 }  // namespace
