@@ -173,7 +173,7 @@ TEST(Store, RangesAreConservativeAndTight) {
         grown.lo[axis] = box.lo[axis] / 8 * 8;
         grown.hi[axis] = std::min(size[axis], (box.hi[axis] + 7) / 8 * 8);
       }
-      const ValueRange expected = value_range(type, read_box(source, grown));
+      const ValueRange expected = testing::value_range(type, read_box(source, grown));
       const ValueRange got = store.range(box);
       ASSERT_EQ(got.empty, expected.empty);
       ASSERT_EQ(got.any_nan, expected.any_nan);
@@ -200,8 +200,8 @@ TEST(Store, RecordsHoldTheHistogram) {
         add(sum, record.histogram);
         range = merge(range, record.range());
       }
-  EXPECT_EQ(sum, histogram_of(SampleType::f32, read_box(source, source.all())));
-  EXPECT_EQ(range.hi, value_range(SampleType::f32, read_box(source, source.all())).hi);
+  EXPECT_EQ(sum, testing::histogram_of(SampleType::f32, read_box(source, source.all())));
+  EXPECT_EQ(range.hi, testing::value_range(SampleType::f32, read_box(source, source.all())).hi);
 }
 
 TEST(Store, ReadsFromManyThreads) {
