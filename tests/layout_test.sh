@@ -40,11 +40,29 @@ done < <(printf '%s\n' "${all[@]}" | cut -d/ -f1 | sort -u)
 forbid storage 'stages/|pipeline/|tests/' 'storage stands below stages and pipeline'
 forbid stages 'pipeline/|tests/' 'stages stand below pipeline'
 forbid pipeline 'tests/' 'the program does not use its tests'
-# What they share lies in contouring and solids, and whole puts them together.
-while read -r stage; do
-  others=$(sources stages | cut -d/ -f2 | sort -u | grep -vxE "$stage|contouring|solids" | paste -sd'|' || true)
-  [ -z "$others" ] || forbid "stages/$stage" "stages/($others)/" "a stage includes another stage"
-done < <(sources stages | cut -d/ -f2 | sort -u | grep -vxE "whole")
+# Stages share contouring and solids, and whole puts them together; the rooms of the pipeline that
+# control them share stage and solids, and run puts them together.
+apart() {
+  local layer=$1 rooms=$2 room
+  for room in ${rooms//|/ }; do
+    local others
+    others=$(tr '|' '\n' <<<"$rooms" | grep -vx "$room" | paste -sd'|')
+    forbid "$layer/$room" "$layer/($others)/" "a stage includes another stage"
+  done
+}
+apart stages 'ingest|build|merge|stitch|encode'
+apart pipeline 'ingest|build|merge|stitch|encode'
+
+# No folder includes another that, by whatever way, includes it.
+includes=$(mktemp)
+trap 'rm -f "$includes"' EXIT
+sources 'storage|stages|pipeline' | xargs -r grep -HoE '^[[:space:]]*#[[:space:]]*include[[:space:]]*"[^"]+"' |
+  sed -E 's|^([^:]*)/[^/:]*:[^"]*"([^"]*)/[^/"]*"$|\1 \2|' | awk '$1 != $2' | sort -u >"$includes"
+[ -s "$includes" ] || breach "no includes found: this test looks at nothing"
+if ! circle=$(tsort "$includes" 2>&1 >/dev/null); then
+  breach "folders include each other in a circle:
+$circle"
+fi
 
 # confine LIBRARY FOLDER: of the program, only FOLDER includes the library's headers.
 confine() {

@@ -30,7 +30,7 @@ known() { sed -n 's/^ *"file": "\(.*\)",\{0,1\}$/\1/p' "$commands" | sort -u; }
 
 changed_since() {
   git -C "$root" diff --name-only --diff-filter=d "$1" -- '*.cpp' '*.h' |
-    sed -n "s|^\(.*\)\.\(cpp\|h\)\$|$root/\1.cpp|p" | sort -u
+    sed -E "s,^(.*)\.(cpp|h)\$,$root/\1.cpp," | sort -u
 }
 
 if [ "${1:-}" = --since ]; then

@@ -139,7 +139,7 @@ TEST_F(Damage, AFailedWriteLeavesTheOldShardWhole) {
   // What the failed one counted does not reach the next shard's histogram.
   write_shard(layout_, {}, {5, 5}, source_, statistics, scratch);
   EXPECT_EQ(read_shard_record(layout_, {}).histogram,
-            histogram_of(SampleType::u16, source_.samples()));
+            testing::histogram_of(SampleType::u16, source_.samples()));
 }
 
 TEST_F(Damage, ARewrittenShardIsNeverVouchedForByTheOldRecord) {

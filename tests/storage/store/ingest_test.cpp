@@ -8,6 +8,7 @@
 #include "stages/ingest/histogram_bins.h"
 #include "stages/ingest/statistics.h"
 #include "stages/ingest/threshold.h"
+#include "tests/storage/store/memory_source.h"
 
 namespace voxweld {
 namespace {
@@ -21,28 +22,28 @@ std::span<const std::byte> raw(const std::vector<T>& values) {
 
 TEST(ValueRange, LeavesNaNsOutAndTellsOfThem) {
   const std::vector<float> values = {NAN, 3, -2, NAN, 7};
-  const ValueRange range = value_range(SampleType::f32, raw(values));
+  const ValueRange range = testing::value_range(SampleType::f32, raw(values));
   EXPECT_EQ(range.lo, -2);
   EXPECT_EQ(range.hi, 7);
   EXPECT_TRUE(range.any_nan);
   EXPECT_FALSE(range.empty);
   const std::vector<float> nothing(40, NAN);
-  EXPECT_TRUE(value_range(SampleType::f32, raw(nothing)).empty);
-  EXPECT_TRUE(value_range(SampleType::f32, raw(nothing)).any_nan);
-  EXPECT_TRUE(value_range(SampleType::f32, {}).empty);
+  EXPECT_TRUE(testing::value_range(SampleType::f32, raw(nothing)).empty);
+  EXPECT_TRUE(testing::value_range(SampleType::f32, raw(nothing)).any_nan);
+  EXPECT_TRUE(testing::value_range(SampleType::f32, {}).empty);
   const std::vector<double> infinite(3, -infinity);
-  EXPECT_EQ(value_range(SampleType::f64, raw(infinite)).hi, -infinity);
+  EXPECT_EQ(testing::value_range(SampleType::f64, raw(infinite)).hi, -infinity);
 }
 
 TEST(ValueRange, IsConservativeBeyondWhatDoublesHold) {
   constexpr std::uint64_t big = (std::uint64_t{1} << 53) + 1;
   const std::vector<std::uint64_t> values = {big, std::numeric_limits<std::uint64_t>::max()};
-  const ValueRange range = value_range(SampleType::u64, raw(values));
+  const ValueRange range = testing::value_range(SampleType::u64, raw(values));
   EXPECT_EQ(range.lo, 9007199254740992.0);
   EXPECT_EQ(range.hi, 18446744073709551616.0);
   const std::vector<std::int64_t> other = {-static_cast<std::int64_t>(big)};
-  EXPECT_EQ(value_range(SampleType::i64, raw(other)).lo, -9007199254740994.0);
-  EXPECT_EQ(value_range(SampleType::i64, raw(other)).hi, -9007199254740992.0);
+  EXPECT_EQ(testing::value_range(SampleType::i64, raw(other)).lo, -9007199254740994.0);
+  EXPECT_EQ(testing::value_range(SampleType::i64, raw(other)).hi, -9007199254740992.0);
 }
 
 TEST(Histogram, BinsAscendAndNarrowTypesAreExact) {
@@ -80,7 +81,7 @@ RC_GTEST_PROP(HistogramProperty, PartsAddUpInAnyOrder, (std::vector<double> valu
   const std::size_t cut = values.size() / 2;
   const std::span<const double> all(values);
   const auto part = [&](std::span<const double> some) {
-    return histogram_of(SampleType::f64, std::as_bytes(some));
+    return testing::histogram_of(SampleType::f64, std::as_bytes(some));
   };
   Histogram forward = part(all.first(cut)), backward = part(all.subspan(cut));
   const Histogram second = backward, first = forward;
@@ -103,7 +104,7 @@ TEST(Statistics, ConstantStretchesCountAsTheOthersDo) {
 TEST(Otsu, CutsTwoClassesHalfway) {
   std::vector<std::uint8_t> values(100, 10);
   values.insert(values.end(), 20, 200);
-  const auto cut = otsu_threshold(histogram_of(SampleType::u8, raw(values)));
+  const auto cut = otsu_threshold(testing::histogram_of(SampleType::u8, raw(values)));
   ASSERT_TRUE(cut.has_value());
   EXPECT_EQ(cut->value, 105);
   EXPECT_NEAR(cut->separability, 1, 1e-12);
@@ -114,7 +115,7 @@ TEST(Otsu, ByHand) {
   // w0 w1 (m1 - m0)^2 = 0.4 * 0.6 * (41/12)^2 = 2.8016..; after 0: 0.3 * 0.7 * (23/7)^2 = 2.267;
   // after 3: 0.6 * 0.4 * (4 - 7/6)^2 = 1.9267. Total variance: 8.3 - 2.3^2 = 3.01.
   const std::vector<std::uint8_t> values = {0, 0, 0, 1, 3, 3, 4, 4, 4, 4};
-  const auto cut = otsu_threshold(histogram_of(SampleType::u8, raw(values)));
+  const auto cut = otsu_threshold(testing::histogram_of(SampleType::u8, raw(values)));
   ASSERT_TRUE(cut.has_value());
   EXPECT_EQ(cut->value, 2);
   EXPECT_NEAR(cut->separability, 0.24 * (41.0 / 12) * (41.0 / 12) / 3.01, 1e-12);
@@ -122,15 +123,15 @@ TEST(Otsu, ByHand) {
 
 TEST(Otsu, HasNothingToCut) {
   const std::vector<float> constant(10, 3.5f), nothing(10, NAN), infinite(4, INFINITY);
-  EXPECT_FALSE(otsu_threshold(histogram_of(SampleType::f32, raw(constant))));
-  EXPECT_FALSE(otsu_threshold(histogram_of(SampleType::f32, raw(nothing))));
-  EXPECT_FALSE(suggest_isovalue(histogram_of(SampleType::f32, raw(infinite))));
+  EXPECT_FALSE(otsu_threshold(testing::histogram_of(SampleType::f32, raw(constant))));
+  EXPECT_FALSE(otsu_threshold(testing::histogram_of(SampleType::f32, raw(nothing))));
+  EXPECT_FALSE(suggest_isovalue(testing::histogram_of(SampleType::f32, raw(infinite))));
   EXPECT_FALSE(suggest_isovalue(Histogram{}));
 }
 
 TEST(Quantile, OfSmallSets) {
   const std::vector<std::int16_t> values = {-5, 1, 1, 8};
-  const Histogram histogram = histogram_of(SampleType::i16, raw(values));
+  const Histogram histogram = testing::histogram_of(SampleType::i16, raw(values));
   EXPECT_EQ(quantile(histogram, 0), -5);
   EXPECT_EQ(quantile(histogram, 0.25), -5);
   EXPECT_EQ(quantile(histogram, 0.5), 1);
@@ -151,12 +152,12 @@ std::vector<std::int16_t> two_materials() {
 
 TEST(SuggestIsovalue, LeavesPaddingOut) {
   auto values = two_materials();
-  const auto plain = suggest_isovalue(histogram_of(SampleType::i16, raw(values)));
+  const auto plain = suggest_isovalue(testing::histogram_of(SampleType::i16, raw(values)));
   ASSERT_TRUE(plain.has_value());
   EXPECT_FALSE(plain->padding);
   EXPECT_NEAR(plain->threshold.value, 850, 20);
   values.insert(values.end(), 8000, -2000);
-  const auto padded = suggest_isovalue(histogram_of(SampleType::i16, raw(values)));
+  const auto padded = suggest_isovalue(testing::histogram_of(SampleType::i16, raw(values)));
   ASSERT_TRUE(padded.has_value());
   EXPECT_EQ(padded->padding, -2000);
   EXPECT_EQ(padded->threshold.value, plain->threshold.value);
@@ -166,7 +167,7 @@ TEST(SuggestIsovalue, KeepsAMaskedBackground) {
   std::mt19937 random(1);
   std::vector<std::int16_t> values(9000, 0);
   for (int i = 0; i < 3000; ++i) values.push_back(static_cast<std::int16_t>(1000 + random() % 200));
-  const auto suggestion = suggest_isovalue(histogram_of(SampleType::i16, raw(values)));
+  const auto suggestion = suggest_isovalue(testing::histogram_of(SampleType::i16, raw(values)));
   ASSERT_TRUE(suggestion.has_value());
   EXPECT_FALSE(suggestion->padding);
   EXPECT_NEAR(suggestion->threshold.value, 500, 1);

@@ -173,7 +173,7 @@ TEST(Store, RangesAreConservativeAndTight) {
         grown.lo[axis] = box.lo[axis] / 8 * 8;
         grown.hi[axis] = std::min(size[axis], (box.hi[axis] + 7) / 8 * 8);
       }
-      const ValueRange expected = value_range(type, read_box(source, grown));
+      const ValueRange expected = testing::value_range(type, read_box(source, grown));
       const ValueRange got = store.range(box);
       ASSERT_EQ(got.empty, expected.empty);
       ASSERT_EQ(got.any_nan, expected.any_nan);
@@ -200,8 +200,8 @@ TEST(Store, RecordsHoldTheHistogram) {
         add(sum, record.histogram);
         range = merge(range, record.range());
       }
-  EXPECT_EQ(sum, histogram_of(SampleType::f32, read_box(source, source.all())));
-  EXPECT_EQ(range.hi, value_range(SampleType::f32, read_box(source, source.all())).hi);
+  EXPECT_EQ(sum, testing::histogram_of(SampleType::f32, read_box(source, source.all())));
+  EXPECT_EQ(range.hi, testing::value_range(SampleType::f32, read_box(source, source.all())).hi);
 }
 
 TEST(Store, ReadsFromManyThreads) {
@@ -238,7 +238,7 @@ TEST(Store, RefusesWhatMakesNoStore) {
   };
   refuse({0, 8}, "chunk");
   refuse({8, 12}, "12 samples given");
-  refuse({8, 8 * 65}, "shard");
+  refuse({8, 520}, "shard");
   refuse({8, 16, StoreCompression::lz4, 10}, "level");
   auto layout = layout_for(source, directory / "a.zarr", {8, 8});
   layout.geometry.size = {std::int64_t{1} << 32, std::int64_t{1} << 32, 8};
@@ -262,7 +262,7 @@ TEST(Store, MemoryStaysWithinTheFigure) {
     scratch.band_bytes = band;
     const std::vector<Hash128> keys(4, some_key);
     write_shard_row(layout, {}, keys, source, statistics, scratch);
-    EXPECT_LE(scratch.band.capacity(), std::max<std::uint64_t>(band, 200 * 8 * 8 * 2));
+    EXPECT_LE(scratch.band.capacity(), std::max<std::uint64_t>(band, 200UL * 8 * 8 * 2));
     EXPECT_LE(scratch.band.capacity() + scratch.chunk.capacity() + scratch.encoded.capacity() +
                   scratch.index.capacity(),
               shard_writer_bytes(layout, 4, band));
