@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "pipeline/stage/artifacts.h"
 #include "storage/support/error.h"
 #include "tests/support/temp_directory.h"
 

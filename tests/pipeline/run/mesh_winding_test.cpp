@@ -3,7 +3,6 @@
 
 #include <cctype>
 
-#include "pipeline/output/verify.h"
 #include "storage/meshes/mesh_file.h"
 #include "tests/pipeline/run/mesh_scene.h"
 #include "tests/support/triangle_meshes.h"
@@ -13,11 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
-
-void expect_good(const fs::path& output) {
-  const VerifyReport report = verify_output(output);
-  EXPECT_TRUE(report.good()) << to_text(report);
-}
 
 TriangleMesh with(TriangleMesh mesh, const TriangleMesh& other) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
