@@ -149,7 +149,7 @@ RC_GTEST_PROP(LabelPart, HasTheSidesOfAllLabelsAtOnce, (const unsigned seed)) {
 }
 
 template <class T>
-std::string bytes_of(const std::vector<T>& values) {
+std::string raw_bytes(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
@@ -180,8 +180,8 @@ RC_GTEST_PROP(LabelPart, DoesNotDependOnItsWindow, (const unsigned seed)) {
     BrickOctree expected;
     build_brick(volume.block(), place, alone, scratch, expected);
     EXPECT_EQ(octree.root.state, expected.root.state) << "label " << material;
-    EXPECT_TRUE(bytes_of(octree.vertices) == bytes_of(expected.vertices)) << "label " << material;
-    EXPECT_TRUE(bytes_of(octree.polygons) == bytes_of(expected.polygons)) << "label " << material;
+    EXPECT_TRUE(raw_bytes(octree.vertices) == raw_bytes(expected.vertices)) << "label " << material;
+    EXPECT_TRUE(raw_bytes(octree.polygons) == raw_bytes(expected.polygons)) << "label " << material;
   });
   RC_ASSERT(!::testing::Test::HasFailure());
 }

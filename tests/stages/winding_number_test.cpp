@@ -42,7 +42,7 @@ TriangleMesh soup(const TriangleMesh& mesh) {
   return apart;
 }
 
-double nearest(const TriangleMesh& mesh, Vec3 p) {
+double least_distance(const TriangleMesh& mesh, Vec3 p) {
   double least = 1e300;
   for (const auto& t : mesh.triangles)
     least = std::min(
@@ -124,10 +124,10 @@ TEST(WindingNumber, TouchesWhereTrianglesAre) {
   const WindingNumber number(mesh);
   for (int i = 0; i < 300; ++i) {
     const Vec3 p = random.place(-8, 8), half = random.place(0.2, 1);
-    if (nearest(mesh, p) < std::min({half.x, half.y, half.z})) {
+    if (least_distance(mesh, p) < std::min({half.x, half.y, half.z})) {
       EXPECT_TRUE(number.touches({p - half, p + half}));
     }
-    if (nearest(mesh, p) > 4) {
+    if (least_distance(mesh, p) > 4) {
       EXPECT_FALSE(number.touches({p - half, p + half}));
     }
   }
@@ -141,7 +141,7 @@ TEST(WindingNumber, GradientIsThatOfTheNumber) {
     for (int i = 0; i < 60; ++i) {
       const Vec3 p = random.place(-8, 8);
       constexpr double step = 1e-4;
-      if (nearest(mesh, p) < 0.2) continue;
+      if (least_distance(mesh, p) < 0.2) continue;
       const Vec3 gradient = number.gradient(p);
       for (int a = 0; a < 3; ++a) {
         Vec3 lo = p, hi = p;

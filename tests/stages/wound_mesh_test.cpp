@@ -21,12 +21,12 @@ std::vector<char> sides(const LatticeSolid& solid, Index3 size, const Box3& box)
   return inside;
 }
 
-struct Sampled {
+struct SampledWound {
   VolumeFrame frame;
   WoundMesh mesh;
   std::vector<char> inside;
 
-  Sampled(const TriangleMesh& triangles, const VolumeFrame& f)
+  SampledWound(const TriangleMesh& triangles, const VolumeFrame& f)
       : frame(f), mesh(triangles, f, {}), inside(sides(mesh, f.size, {{}, f.size})) {}
   std::size_t index(Index3 s) const {
     return static_cast<std::size_t>((s.z * frame.size.y + s.y) * frame.size.x + s.x);
@@ -62,7 +62,7 @@ TEST(WoundMesh, ClosedMeshesAreAsByParity) {
         for (Vec3& v : mesh.vertices) v.x = std::round(2 * v.x) / 2;
       if (round == 5)
         for (Vec3& v : mesh.vertices) v = {std::round(v.x), std::round(v.y), std::round(v.z)};
-      const Sampled sampled(mesh, frame);
+      const SampledWound sampled(mesh, frame);
       const MeshSolid parity(mesh, frame, {});
       EXPECT_EQ(sampled.inside, sides(parity, frame.size, {{}, frame.size}));
       EXPECT_EQ(sampled.mesh.open_edges(), 0U);
@@ -87,7 +87,7 @@ TEST(WoundMesh, SidesAreThoseOfTheWindingNumber) {
   for (int round = 0; round < 4; ++round) {
     TriangleMesh mesh = dented_ball({11.2, 10.9, 11.1}, 7, 4);
     std::erase_if(mesh.triangles, [&](const auto&) { return random() % 100 < 4U << round; });
-    const Sampled sampled(mesh, frame);
+    const SampledWound sampled(mesh, frame);
     std::size_t inside = 0;
     sampled.each_sample([&](Index3 s) {
       const double number = testing::winding(mesh, frame.place_of_sample(s));
@@ -116,7 +116,7 @@ TEST(WoundMesh, FlatHolesCloseFlat) {
     return mesh.vertices[t[0]].z > 13 && mesh.vertices[t[1]].z > 13 && mesh.vertices[t[2]].z > 13;
   });
   ASSERT_EQ(mesh.triangles.size(), 10U);
-  const Sampled sampled(mesh, {{21, 21, 21}, {1, 1, 1}});
+  const SampledWound sampled(mesh, {{21, 21, 21}, {1, 1, 1}});
   std::size_t across = 0;
   sampled.each_sample([&](Index3 s) {
     EXPECT_EQ(sampled.at(s), s.x > 3 && s.x < 18 && s.y > 4 && s.y < 16 && s.z > 2 && s.z < 14);
@@ -135,7 +135,7 @@ TEST(WoundMesh, OverlappingBoxesAreOneSolid) {
   const TriangleMesh other = box_mesh({6.5, 6.5, 6.5}, {14.5, 14.5, 14.5});
   for (auto t : other.triangles) mesh.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
   mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
-  const Sampled sampled(mesh, {{18, 18, 18}, {1, 1, 1}});
+  const SampledWound sampled(mesh, {{18, 18, 18}, {1, 1, 1}});
   const auto in = [](Index3 s, std::int64_t lo, std::int64_t hi) {
     return std::min({s.x, s.y, s.z}) >= lo && std::max({s.x, s.y, s.z}) <= hi;
   };
@@ -153,7 +153,7 @@ TEST(WoundMesh, BoxOfTheQuestionChangesNothing) {
   TriangleMesh mesh = dented_ball({8, 8, 8}, 6, 4);
   std::erase_if(mesh.triangles, [&](const auto&) { return random() % 10 == 0; });
   const Index3 size{17, 17, 17};
-  const Sampled whole(mesh, {size, {1, 1, 1}});
+  const SampledWound whole(mesh, {size, {1, 1, 1}});
   for (int round = 0; round < 50; ++round) {
     Box3 box;
     for (int a = 0; a < 3; ++a) {

@@ -134,16 +134,16 @@ rotate = [0.0, 0.0, 0.0]
 }
 
 // Doubles of every magnitude that is taken, by their bits.
-double any_finite() {
+double any_coordinate() {
   const auto value = std::bit_cast<double>(*rc::gen::arbitrary<std::uint64_t>());
   return std::abs(value) <= 1e9 ? value + 0.0 : 0.1;
 }
-double any_positive() {
-  const double value = std::abs(any_finite());
+double any_length() {
+  const double value = std::abs(any_coordinate());
   return value == 0 ? 1 : value;
 }
 Vec3 any_vector() {
-  return {any_finite(), any_finite(), any_finite()};
+  return {any_coordinate(), any_coordinate(), any_coordinate()};
 }
 
 EditConfig any_edit() {
@@ -153,14 +153,14 @@ EditConfig any_edit() {
   edit.shape = *rc::gen::elementOf(all_shapes);
   edit.center = any_vector();
   const auto has = [&](const char* key) { return find_edit_setting(key)->taken_by(edit.shape); };
-  if (has("radius")) edit.radius = any_positive();
-  if (has("height")) edit.height = any_positive();
-  if (has("tube")) edit.tube = std::min(any_positive(), edit.radius);
-  if (has("size")) edit.size = {any_positive(), any_positive(), any_positive()};
-  if (has("axis")) edit.axis = {any_finite(), any_finite(), any_positive()};
+  if (has("radius")) edit.radius = any_length();
+  if (has("height")) edit.height = any_length();
+  if (has("tube")) edit.tube = std::min(any_length(), edit.radius);
+  if (has("size")) edit.size = {any_length(), any_length(), any_length()};
+  if (has("axis")) edit.axis = {any_coordinate(), any_coordinate(), any_length()};
   if (has("rotate")) edit.rotate = any_vector();
   if (has("path")) edit.path = "/parts/\"a\" part.stl";
-  if (has("scale")) edit.scale = any_positive();
+  if (has("scale")) edit.scale = any_length();
   if (has("close")) edit.close = static_cast<MeshClosing>(*rc::gen::inRange(0, 2));
   return edit;
 }

@@ -15,21 +15,21 @@ namespace {
 using testing::error_of;
 using testing::least_config;
 
-struct WrongValue {
+struct WrongEditValue {
   std::string value;  // as TOML
   std::string found;  // what follows "found " in the message
 };
 
-struct WrongKey {
+struct WrongEditKey {
   SolidShape shape;
   std::string key;
   std::string expected;  // what follows "expected " in the message
-  std::vector<WrongValue> values;
+  std::vector<WrongEditValue> values;
 };
 
-const std::vector<WrongKey>& wrong_keys() {
+const std::vector<WrongEditKey>& wrong_edit_keys() {
   static const std::string positive = "a finite number above 0";
-  static const std::vector<WrongValue> not_positive = {
+  static const std::vector<WrongEditValue> not_positive = {
       {"0", "0"},
       {"-0.5", "-0.5"},
       {"inf", "inf"},
@@ -38,7 +38,7 @@ const std::vector<WrongKey>& wrong_keys() {
       {"[1]", "[1] (a list of 1)"},
       {"9007199254740993", "9007199254740993"},
       {"\"4\"", "\"4\" (a string); write numbers without quotes"}};
-  static const std::vector<WrongValue> not_triple = {
+  static const std::vector<WrongEditValue> not_triple = {
       {"3", "3"},
       {"[1, 2]", "[1, 2] (a list of 2)"},
       {"[1, 2, 3, 4]", "[1, 2, 3, 4] (a list of 4)"},
@@ -48,7 +48,7 @@ const std::vector<WrongKey>& wrong_keys() {
       {"{x = 1}", "a table"},
       {"\"1 2 3\"", "\"1 2 3\" (a string)"}};
   using enum SolidShape;
-  static const std::vector<WrongKey> all = {
+  static const std::vector<WrongEditKey> all = {
       {sphere,
        "op",
        "\"add\", \"subtract\", \"intersect\" or \"replace\" (default: \"add\")",
@@ -96,19 +96,19 @@ const std::vector<WrongKey>& wrong_keys() {
   return all;
 }
 
-const std::string sphere =
+const std::string sphere_text =
     "[[edit]]\nshape = \"sphere\"\ncenter = [1, 2, 3]\nradius = 4\n";  // lines 3 to 6
 
 TEST(EditError, CoversEveryKey) {
   std::set<std::string> covered;
-  for (const WrongKey& key : wrong_keys()) covered.insert(key.key);
+  for (const WrongEditKey& key : wrong_edit_keys()) covered.insert(key.key);
   EXPECT_EQ(covered.size(), edit_settings().size());
 }
 
 TEST(EditError, NamesPlaceEditKeyExpectedAndFound) {
-  for (const WrongKey& key : wrong_keys()) {
-    for (const WrongValue& wrong : key.values) {
-      std::string text = sphere + "[[edit]]\n" + key.key + " = " + wrong.value + "\n";
+  for (const WrongEditKey& key : wrong_edit_keys()) {
+    for (const WrongEditValue& wrong : key.values) {
+      std::string text = sphere_text + "[[edit]]\n" + key.key + " = " + wrong.value + "\n";
       if (key.key != "shape") text += "shape = " + toml_string(shape_name(key.shape)) + "\n";
       EXPECT_EQ(error_of(least_config(text)),
                 fmt::format("/data/scan.toml:8:{}: edit 2: {}: expected {}, found {}",
@@ -118,7 +118,7 @@ TEST(EditError, NamesPlaceEditKeyExpectedAndFound) {
 }
 
 TEST(EditError, UnknownKeys) {
-  EXPECT_EQ(error_of(least_config(sphere + "raduis = 3\n")),
+  EXPECT_EQ(error_of(least_config(sphere_text + "raduis = 3\n")),
             "/data/scan.toml:7:1: edit 1: unknown key raduis; did you mean radius? A sphere takes "
             "op, material, shape, center, radius");
   EXPECT_EQ(
@@ -130,7 +130,7 @@ TEST(EditError, UnknownKeys) {
       "/data/scan.toml:4:1: edit 1: unknown key shpae; did you mean shape? An edit takes op, "
       "material, shape, path, center, radius, height, tube, size, axis, scale, rotate, close");
   EXPECT_EQ(
-      error_of(least_config(sphere + sphere + "[edit.more]\na = 1\n")),
+      error_of(least_config(sphere_text + sphere_text + "[edit.more]\na = 1\n")),
       "/data/scan.toml:11:7: edit 2: unknown key more. A sphere takes op, material, shape, center, "
       "radius");
 }
@@ -154,7 +154,7 @@ TEST(EditError, KeysOfOtherShapes) {
 }
 
 TEST(EditError, MissingKeys) {
-  EXPECT_EQ(error_of(least_config(sphere + "[[edit]]\n")),
+  EXPECT_EQ(error_of(least_config(sphere_text + "[[edit]]\n")),
             "/data/scan.toml:7:1: edit 2: missing key shape (expected \"sphere\", \"box\", "
             "\"cylinder\", \"cone\", \"torus\", \"plane\" or \"mesh\"): Which solid it is.");
   EXPECT_EQ(error_of(least_config("[[edit]]\nop = \"add\"\ncenter = [0, 0, 0]\nheight = 3\n")),
@@ -226,7 +226,7 @@ TEST(EditError, TheFirstErrorInTheFileIsTold) {
 TEST(EditError, OverridesDoNotNameEdits) {
   for (const char* option : {"edit.radius=3", "edit[1].radius=3", "edit[1].radius", "edit = []",
                              "edit", " edit.1.shape = \"box\"", "edits=3"})
-    EXPECT_EQ(error_of(least_config(sphere), {option}),
+    EXPECT_EQ(error_of(least_config(sphere_text), {option}),
               std::string("--set ") +
                   toml_string(option).substr(1, toml_string(option).size() - 2) +
                   ": edits are written in the config file only, as [[edit]] tables");
@@ -241,7 +241,7 @@ TEST(EditError, HostileNamesAreEscapedAndCut) {
 
 // Whatever the bytes, the answer is a config or one InputError.
 TEST(EditError, SurvivesDamagedText) {
-  const std::string whole = least_config(sphere + "[[edit]]\nshape = \"box\"\n");
+  const std::string whole = least_config(sphere_text + "[[edit]]\nshape = \"box\"\n");
   const auto attempt = [](const std::string& text) {
     try {
       testing::parse(text);

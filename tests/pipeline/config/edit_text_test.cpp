@@ -11,13 +11,13 @@ namespace {
 
 using testing::least_config;
 
-const EditKeys sphere = {{"shape", {"sphere"}},
-                         {"center", {ConfigValue::List{{1}, {2.5}, {3}}}},
-                         {"radius", {std::int64_t{4}}}};
+const EditKeys sphere_keys = {{"shape", {"sphere"}},
+                              {"center", {ConfigValue::List{{1}, {2.5}, {3}}}},
+                              {"radius", {std::int64_t{4}}}};
 
 std::string added(const std::string& text) {
   EditText edits(text, "scan.toml");
-  edits.add(sphere);
+  edits.add(sphere_keys);
   return edits.text();
 }
 std::string changed(const std::string& text, std::size_t number, const EditKeys& keys) {
@@ -146,7 +146,7 @@ RC_GTEST_PROP(EditText, AnyEditCanBeChangedAndRemoved, ()) {
   while (edits.count() > 0) {
     const auto number = *rc::gen::inRange<std::size_t>(1, edits.count() + 1);
     const std::size_t count = edits.count();
-    edits.change(number, sphere);
+    edits.change(number, sphere_keys);
     edits.drop(number, std::vector<std::string>{"op", "center"});
     edits.remove(number);
     RC_ASSERT(edits.count() == count - 1);

@@ -23,13 +23,13 @@ Enum any_of(int count) {
 }
 
 // Finite doubles of every magnitude, by their bits.
-double any_finite() {
+double any_nonzero() {
   const auto value = std::bit_cast<double>(*rc::gen::arbitrary<std::uint64_t>());
   return std::isfinite(value) && value != 0 ? value : 0.1;
 }
 
 double any_positive() {
-  return std::abs(any_finite());
+  return std::abs(any_nonzero());
 }
 
 // Quotes, backslashes, letters beyond ASCII; no control characters, which paths refuse.
@@ -114,11 +114,10 @@ LabelsConfig any_labels() {
   if (chance()) labels.map = any_path();
   labels.background = any_ranges();
   labels.selected = any_ranges();
-  using Select = LabelsConfig::Select;
   if (!labels.selected.empty())
-    labels.select = Select::listed;
+    labels.select = LabelsConfig::Select::listed;
   else if (!labels.map.empty() && chance())
-    labels.select = Select::mapped;
+    labels.select = LabelsConfig::Select::mapped;
   labels.min_voxels = *rc::gen::inRange<std::int64_t>(0, 1000);
   if (chance()) labels.max_voxels = labels.min_voxels + *rc::gen::inRange<std::int64_t>(0, 1000);
   return labels;
@@ -160,7 +159,7 @@ SlurmConfig any_slurm() {
 
 SurfaceConfig any_surface() {
   SurfaceConfig surface;
-  if (chance()) surface.isovalue = any_finite();
+  if (chance()) surface.isovalue = any_nonzero();
   surface.inside = any_of<SurfaceConfig::Inside>(2);
   if (surface.inside == SurfaceConfig::Inside::above && chance()) {
     surface.label = *rc::gen::inRange<std::uint64_t>(0, std::uint64_t{1} << 63);
@@ -194,7 +193,7 @@ Config any_config() {
     config.surface.label.reset();
     config.surface.inside = SurfaceConfig::Inside::above;
     config.simplify.topology = SimplifyConfig::Topology::safe;
-    config.surface.isovalue = any_finite();
+    config.surface.isovalue = any_nonzero();
   }
   config.output = any_output();
   if (config.labels.mode == LabelMode::each) {

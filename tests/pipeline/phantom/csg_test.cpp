@@ -13,7 +13,6 @@ namespace {
 
 constexpr auto unite = CsgPrimitive::Op::unite;
 constexpr auto subtract = CsgPrimitive::Op::subtract;
-constexpr double inf = std::numeric_limits<double>::infinity();
 
 Rows identity() {
   return {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
@@ -121,7 +120,7 @@ TEST(CsgField, CullingKeepsEveryBitWithinTheLimit) {
     for (std::int64_t z = 0; z < n; z += 8)
       for (std::int64_t y = 0; y < n; y += 8)
         for (std::int64_t x = 0; x < n; x += 16) {
-          for (const double limit : {2.0, inf}) {
+          for (const double limit : {2.0, std::numeric_limits<double>::infinity()}) {
             field.fill({{x, y, z}, {x + 16, y + 8, z + 8}}, limit, values.data());
             for (std::int64_t i = 0; i < 16 * 8 * 8; ++i) {
               const double exact =

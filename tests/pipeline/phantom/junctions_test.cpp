@@ -17,8 +17,8 @@
 namespace voxweld {
 namespace {
 
-constexpr std::int64_t n = 101;
-constexpr double middle = 50, radius = 20.2;
+constexpr std::int64_t grid_size = 101;
+constexpr double middle = 50, ball_radius = 20.2;
 const Vec3 wedges{middle - 25.25, middle, middle}, foam{middle + 25.25, middle, middle};
 
 double distance(Vec3 a, Vec3 b) {
@@ -55,7 +55,7 @@ std::map<Pair, std::vector<Vec3>> changes(const JunctionsField& field, int count
 }
 
 TEST(Junctions, InterfacesAreWhereTheLabelChanges) {
-  const JunctionsField field(n);
+  const JunctionsField field(grid_size);
   const auto found = changes(field, 4'000'000);
   ASSERT_EQ(found.size(), all_pairs().size());
   std::mt19937_64 random(2);
@@ -78,7 +78,7 @@ TEST(Junctions, InterfacesAreWhereTheLabelChanges) {
 }
 
 TEST(Junctions, TheSurfaceIsTheNearestInterface) {
-  const JunctionsField field(n);
+  const JunctionsField field(grid_size);
   std::mt19937_64 random(3);
   for (int i = 0; i < 2000; ++i) {
     const Vec3 p = somewhere(random);
@@ -104,7 +104,7 @@ std::set<std::uint64_t> labels_near(const JunctionsField& field, Vec3 p, double 
 }
 
 TEST(Junctions, CurvesAreWhereThreeMeet) {
-  const JunctionsField field(n);
+  const JunctionsField field(grid_size);
   std::mt19937_64 random(5);
   constexpr double reach = 0.5;
   int near = 0;
@@ -124,17 +124,17 @@ TEST(Junctions, CurvesAreWhereThreeMeet) {
 }
 
 TEST(Junctions, CornersAreWhereFourMeet) {
-  const JunctionsField field(n);
+  const JunctionsField field(grid_size);
   EXPECT_LT(field.corner_distance(foam), 1e-12);
   EXPECT_EQ(labels_near(field, foam, 0.3), (std::set<std::uint64_t>{4, 5, 6, 7}));
   EXPECT_EQ(labels_near(field, wedges, 0.3), (std::set<std::uint64_t>{1, 2, 3}));
   EXPECT_LT(field.curve_distance(wedges), 1e-12);
-  EXPECT_NEAR(field.corner_distance(wedges), radius, 1e-12);
+  EXPECT_NEAR(field.corner_distance(wedges), ball_radius, 1e-12);
   // The diameter: M^T z with M = Rz(0.37) Ry(0.61) Rx(0.23).
   const Vec3 axis{-std::sin(0.61), std::sin(0.23) * std::cos(0.61),
                   std::cos(0.23) * std::cos(0.61)};
   for (const double side : {-1.0, 1.0}) {
-    const Vec3 end = wedges + axis * (side * radius);
+    const Vec3 end = wedges + axis * (side * ball_radius);
     EXPECT_LT(field.corner_distance(end), 1e-9);
     EXPECT_EQ(labels_near(field, end, 0.4), (std::set<std::uint64_t>{0, 1, 2, 3}));
     EXPECT_LT(field.curve_distance(wedges + axis * (side * 7)), 1e-9);
@@ -144,7 +144,7 @@ TEST(Junctions, CornersAreWhereFourMeet) {
   for (double u = -1; u <= 1; u += 0.01)
     for (double a = 0; a < 6.28; a += 0.01) {
       const double s = std::sqrt(1 - u * u);
-      const Vec3 p = foam + Vec3{s * std::cos(a), s * std::sin(a), u} * radius;
+      const Vec3 p = foam + Vec3{s * std::cos(a), s * std::sin(a), u} * ball_radius;
       if (field.corner_distance(p) > 0.15) continue;
       ++corners;
       ASSERT_EQ(labels_near(field, p, 1.0).size(), 4U);
@@ -153,13 +153,14 @@ TEST(Junctions, CornersAreWhereFourMeet) {
 }
 
 TEST(Junctions, HaveTheVolumesOfTheirShares) {
-  const PhantomSource source({.kind = PhantomKind::junctions, .size = n, .type = SampleType::u8});
-  std::vector<std::byte> samples(static_cast<std::size_t>(n * n * n));
-  source.read({{}, splat(n)}, samples.data());
+  const PhantomSource source(
+      {.kind = PhantomKind::junctions, .size = grid_size, .type = SampleType::u8});
+  std::vector<std::byte> samples(static_cast<std::size_t>(grid_size * grid_size * grid_size));
+  source.read({{}, splat(grid_size)}, samples.data());
   std::map<int, double> counts;
   for (const std::byte sample : samples) counts[std::to_integer<int>(sample)] += 1;
   EXPECT_EQ(counts.size(), 8U);
-  const JunctionsField field(n);
+  const JunctionsField field(grid_size);
   for (std::uint64_t label = 1; label <= 7; ++label)
     EXPECT_NEAR(counts[static_cast<int>(label)] / field.volume(label), 1, 0.02) << label;
 }

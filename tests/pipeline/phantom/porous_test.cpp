@@ -11,8 +11,6 @@
 namespace voxweld {
 namespace {
 
-constexpr double inf = std::numeric_limits<double>::infinity();
-
 double byte_sum(std::uint64_t bits) {
   return static_cast<double>((bits & 255) + (bits >> 8 & 255) + (bits >> 16 & 255) +
                              (bits >> 24 & 255));
@@ -49,7 +47,8 @@ TEST(Porous, IsTheBlurredNoiseOfItsDefinition) {
       for (int pass = 0; pass < 3; ++pass) w = box_blur(w, n, axis);
     const double deviation = std::sqrt(PorousField::blurred_variance(n)) / std::pow(11.0, 9);
     std::vector<double> values(w.size());
-    PorousField(n, seed).fill({{0, 0, 0}, splat(n)}, inf, values.data());
+    PorousField(n, seed).fill({{0, 0, 0}, splat(n)}, std::numeric_limits<double>::infinity(),
+                              values.data());
     for (std::int64_t i = 0; i < n * n * n; ++i) {
       const Index3 p{i % n, i / n % n, i / n / n};
       const bool border =
@@ -64,7 +63,8 @@ TEST(Porous, IsTheBlurredNoiseOfItsDefinition) {
 TEST(Porous, VarianceIsOne) {
   const std::int64_t n = 128;
   std::vector<double> values(static_cast<std::size_t>(n * n * n));
-  PorousField(n, 1).fill({{0, 0, 0}, splat(n)}, inf, values.data());
+  PorousField(n, 1).fill({{0, 0, 0}, splat(n)}, std::numeric_limits<double>::infinity(),
+                         values.data());
   double sum = 0, squares = 0, count = 0;
   for (std::int64_t z = 1; z < n - 1; ++z)
     for (std::int64_t y = 1; y < n - 1; ++y)

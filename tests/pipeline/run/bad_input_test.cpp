@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-RawVolume ball(std::int64_t n) {
+RawVolume ball_volume(std::int64_t n) {
   return volume_of({n, n, n}, [=](Index3 at) {
     const Index3 d = at - splat(n / 2);
     return std::max<std::int64_t>(10, 230 - 3 * (d.x * d.x + d.y * d.y + d.z * d.z));
@@ -41,7 +41,7 @@ void expect_refused(const Scene& scene, const ProgramResult& result,
 }
 
 TEST(BadInput, AnIsovalueOutsideTheData) {
-  const Scene scene(ball(24));  // values 10 to 230
+  const Scene scene(ball_volume(24));  // values 10 to 230
   for (const char* copy : {"work.copy=false", "work.copy=true"}) {
     expect_refused(scene, scene.run({"surface.isovalue=231", copy}),
                    {"surface.isovalue = 231", "from 10 to 230", scene.volume().string()});
@@ -57,7 +57,7 @@ TEST(BadInput, AConstantVolumeHasNoThresholdToFind) {
 }
 
 TEST(BadInput, AMissingVolume) {
-  const Scene scene(ball(16));
+  const Scene scene(ball_volume(16));
   fs::remove(scene.volume());
   expect_refused(scene, scene.run(), {scene.volume().string()});
 }
@@ -69,14 +69,14 @@ TEST(BadInput, AMissingConfig) {
 }
 
 TEST(BadInput, ATruncatedVolume) {
-  const Scene scene(ball(16));
+  const Scene scene(ball_volume(16));
   fs::resize_file(scene.volume(), 16 * 16 * 16 - 1);
   expect_refused(scene, scene.run(), {scene.volume().string(), "4096", "4095"});
 }
 
 // Bytes after the samples may be a footer: a warning, and the same result.
 TEST(BadInput, AVolumeThatIsLongerThanItsSizeIsWarnedOf) {
-  const Scene scene(ball(16));
+  const Scene scene(ball_volume(16));
   const Tree exact = scene.clean_tree();
   std::ofstream(scene.volume(), std::ios::app) << "more";
   const ProgramResult result = scene.run();
@@ -86,7 +86,7 @@ TEST(BadInput, AVolumeThatIsLongerThanItsSizeIsWarnedOf) {
 }
 
 TEST(BadInput, DirectoriesThatCannotBe) {
-  const Scene scene(ball(16));
+  const Scene scene(ball_volume(16));
   std::ofstream(scene.directory() / "file") << "not a directory";
   const std::string below = (scene.directory() / "file" / "below").string();
   expect_refused(scene, scene.run({"work.directory=" + below}), {"work.directory", below});
@@ -115,7 +115,7 @@ class SmallDisk {
 };
 
 TEST(BadInput, DirectoriesThatMayNotBeWritten) {
-  const Scene scene(ball(16));
+  const Scene scene(ball_volume(16));
   const fs::path locked = scene.directory() / "locked";
   const SmallDisk disk(locked, "1m", MS_RDONLY);  // root may write everywhere else
   if (!disk.mounted() && geteuid() == 0) GTEST_SKIP() << "needs the right to mount a tmpfs";

@@ -57,7 +57,7 @@ const FileKind kinds[] = {{"octree", true, ".octree"},
                           {"tile list", false, "tiles.jsonl"}};
 const FileKind store_kinds[] = {{"shard record", true, ".shard"}, {"zarr.json", true, "zarr.json"}};
 
-const Settings small = {"work.brick=16", "work.shard=2", "output.tile_vertices=1024"};
+const Settings small_work = {"work.brick=16", "work.shard=2", "output.tile_vertices=1024"};
 
 // After the damage, a run, and the same with everything after build to be done again, which reads
 // what the first may have trusted.
@@ -90,17 +90,17 @@ void expect_all_mended(const Scene& scene, const Settings& settings, const Kinds
 }
 
 TEST(Damage, OfEachKindIsMended) {
-  expect_all_mended(Scene("porous", 40), small, kinds, 1);
+  expect_all_mended(Scene("porous", 40), small_work, kinds, 1);
 }
 
 TEST(Damage, OfTheStoreIsMended) {
-  expect_all_mended(Scene("porous", 40), small + Settings{"work.copy=true"}, store_kinds, 2);
+  expect_all_mended(Scene("porous", 40), small_work + Settings{"work.copy=true"}, store_kinds, 2);
 }
 
 // A shard of the store is vouched for by its record until its samples are read.
 TEST(Damage, OfAStoreShardIsMendedWhenItIsRead) {
   const Scene scene("porous", 40);
-  const Settings settings = small + Settings{"work.copy=true"};
+  const Settings settings = small_work + Settings{"work.copy=true"};
   VOXWELD_EXPECT_DONE(scene.run(settings));
   const Tree clean = output_tree(scene.output());
   std::mt19937 random(3);
@@ -119,18 +119,18 @@ TEST(Damage, OfAStoreShardIsMendedWhenItIsRead) {
 
 // The histogram decides the isovalue where the config leaves the choice open.
 TEST(Damage, OfTheHistogramIsMended) {
-  expect_all_mended(Scene("part", 40), small + Settings{"surface.isovalue=otsu"},
+  expect_all_mended(Scene("part", 40), small_work + Settings{"surface.isovalue=otsu"},
                     std::vector<FileKind>{{"histogram", true, "histogram"}}, 4);
 }
 
 // The note that encode leaves while it is at work.
 TEST(Damage, OfTheNoteOfAnUnfinishedOutputChangesNothing) {
   const Scene scene("porous", 32);
-  VOXWELD_EXPECT_DONE(scene.run(small));
+  VOXWELD_EXPECT_DONE(scene.run(small_work));
   const Tree clean = output_tree(scene.output());
   for (const std::string& text : {std::string(), std::string(200, 'x')}) {
     write_whole_file(scene.output() / "unfinished.files", as_bytes(text), Durability::rename_only);
-    VOXWELD_EXPECT_DONE(scene.run(small));
+    VOXWELD_EXPECT_DONE(scene.run(small_work));
     EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
   }
 }
@@ -138,7 +138,7 @@ TEST(Damage, OfTheNoteOfAnUnfinishedOutputChangesNothing) {
 // Many places of many files at once.
 TEST(Damage, EverywhereIsMended) {
   const Scene scene("porous", 40);
-  const Settings settings = small + Settings{"work.copy=true"};
+  const Settings settings = small_work + Settings{"work.copy=true"};
   VOXWELD_EXPECT_DONE(scene.run(settings));
   const Tree clean = output_tree(scene.output());
   std::mt19937 random(5);
@@ -154,19 +154,19 @@ TEST(Damage, EverywhereIsMended) {
 
 TEST(Damage, IsNamedWhenItIsMended) {
   const Scene scene("porous", 40);
-  VOXWELD_EXPECT_DONE(scene.run(small));
+  VOXWELD_EXPECT_DONE(scene.run(small_work));
   std::mt19937 random(6);
   const fs::path octree = files_ending(scene.work(), ".octree").at(0);
   // A brick's section, not the summary: found when it is read again.
   Bytes bytes = read_whole_file(octree);
   bytes[100] ^= std::byte{1};
   write_whole_file(octree, bytes, Durability::rename_only);
-  const ProgramResult result = scene.run(small + Settings{"output.precision=0.1"});
+  const ProgramResult result = scene.run(small_work + Settings{"output.precision=0.1"});
   VOXWELD_EXPECT_DONE(result);
   EXPECT_NE(result.err.find(octree.string() + ": the checksum of section"), std::string::npos)
       << result.err;
   EXPECT_NE(result.err.find("it is removed and made again"), std::string::npos) << result.err;
-  EXPECT_EQ(difference(scene.clean_tree(small + Settings{"output.precision=0.1"}),
+  EXPECT_EQ(difference(scene.clean_tree(small_work + Settings{"output.precision=0.1"}),
                        output_tree(scene.output())),
             "");
 }
@@ -174,12 +174,13 @@ TEST(Damage, IsNamedWhenItIsMended) {
 // A stage by itself does not mend what another made: it refuses, naming the file.
 TEST(Damage, IsRefusedByASingleStage) {
   const Scene scene("porous", 40);
-  VOXWELD_EXPECT_DONE(scene.run(small));
+  VOXWELD_EXPECT_DONE(scene.run(small_work));
   const fs::path octree = files_ending(scene.work(), ".octree").at(0);
   Bytes bytes = read_whole_file(octree);
   bytes[100] ^= std::byte{1};
   write_whole_file(octree, bytes, Durability::rename_only);
-  const ProgramResult result = scene.command("stitch", small + Settings{"output.precision=0.1"});
+  const ProgramResult result =
+      scene.command("stitch", small_work + Settings{"output.precision=0.1"});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find(octree.string() + ": the checksum of section"), std::string::npos)
       << result.err;

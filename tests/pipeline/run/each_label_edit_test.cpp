@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 const Settings parts = {"work.brick=16", "work.shard=2", "output.tile_vertices=1024",
                         "output.formats=[\"drc\"]"};
-const Settings each = Settings{"labels.mode=each"} + parts;
+const Settings each_in_parts = Settings{"labels.mode=each"} + parts;
 
 struct TestEdit {
   std::string op;  // add, subtract, intersect, replace
@@ -28,11 +28,11 @@ struct TestEdit {
   std::string solid;  // the rest of the table
 };
 
-std::string ball(Vec3 c, double radius) {
+std::string ball_of(Vec3 c, double radius) {
   return fmt::format("shape = \"sphere\"\ncenter = [{}, {}, {}]\nradius = {}\n", c.x, c.y, c.z,
                      radius);
 }
-std::string block(Vec3 c, Vec3 size, const std::string& more = "") {
+std::string block_of(Vec3 c, Vec3 size, const std::string& more = "") {
   return fmt::format("shape = \"box\"\ncenter = [{}, {}, {}]\nsize = [{}, {}, {}]\n{}\n", c.x, c.y,
                      c.z, size.x, size.y, size.z, more);
 }
@@ -99,7 +99,7 @@ void expect_as_alone(const EditedLabels& labels, const std::vector<TestEdit>& ed
   const Scene& scene = labels.scene();
   labels.set(of_labels(edits));
   fs::remove_all(scene.output("all"));
-  VOXWELD_EXPECT_DONE(scene.run_in("all", each + more));
+  VOXWELD_EXPECT_DONE(scene.run_in("all", each_in_parts + more));
   std::size_t surfaces = 0;
   for (const std::uint64_t label : of) {
     labels.set(of_one(edits, label));
@@ -122,12 +122,12 @@ void expect_as_alone(const EditedLabels& labels, const std::vector<TestEdit>& ed
 }
 
 // Reaches some bricks and not others, and labels that end outside their bricks.
-const std::vector<TestEdit> mixed = {
-    {"add", 3, ball({30.2, 20.1, 25.7}, 9.3)},
-    {"add", 77, block({40, 30, 20}, {15, 18, 12}, "rotate = [33, 0, 12]")},
-    {"subtract", 0, ball({33, 28, 22}, 6.5)},
-    {"intersect", 0, block({30, 29, 25.2}, {55, 50, 44})},
-    {"add", 3, ball({38, 31, 25}, 5)},
+const std::vector<TestEdit> mixed_edits = {
+    {"add", 3, ball_of({30.2, 20.1, 25.7}, 9.3)},
+    {"add", 77, block_of({40, 30, 20}, {15, 18, 12}, "rotate = [33, 0, 12]")},
+    {"subtract", 0, ball_of({33, 28, 22}, 6.5)},
+    {"intersect", 0, block_of({30, 29, 25.2}, {55, 50, 44})},
+    {"add", 3, ball_of({38, 31, 25}, 5)},
 };
 
 TEST(EachLabelEdits, GiveTheMeshOfARunOfTheLabelAlone) {
@@ -135,23 +135,24 @@ TEST(EachLabelEdits, GiveTheMeshOfARunOfTheLabelAlone) {
   std::set<std::uint64_t> labels = labels_of(volume);
   labels.erase(0);
   labels.insert(77);
-  expect_as_alone(EditedLabels(volume), mixed, labels);
+  expect_as_alone(EditedLabels(volume), mixed_edits, labels);
 }
 
 TEST(EachLabelEdits, GiveTheMeshOfARunOfTheLabelAloneInLargeBricks) {
   const RawVolume volume = cell_labels({60, 57, 50}, 3, 0, 15);
   std::set<std::uint64_t> labels = labels_of(volume);
   labels.insert(77);
-  expect_as_alone(EditedLabels(volume), mixed, labels, {"work.brick=64", "simplify.tolerance=0.3"});
+  expect_as_alone(EditedLabels(volume), mixed_edits, labels,
+                  {"work.brick=64", "simplify.tolerance=0.3"});
 }
 
 TEST(EachLabelEdits, OfEmptySpaceAreSolidsOfLabels) {
   expect_as_alone(EditedLabels(noise_volume({2, 2, 2}, 1), empty_space({60, 57, 50})),
-                  {{"add", 5, block({30, 29, 25}, {46, 44, 38})},
-                   {"add", 9, ball({30.2, 20.1, 25.7}, 9.3)},
-                   {"subtract", 0, ball({33, 28, 22}, 12.5)},
-                   {"add", 5, ball({5, 5, 5}, 12)},
-                   {"add", 11, block({30, 29, 25}, {3, 4, 70})}},
+                  {{"add", 5, block_of({30, 29, 25}, {46, 44, 38})},
+                   {"add", 9, ball_of({30.2, 20.1, 25.7}, 9.3)},
+                   {"subtract", 0, ball_of({33, 28, 22}, 12.5)},
+                   {"add", 5, ball_of({5, 5, 5}, 12)},
+                   {"add", 11, block_of({30, 29, 25}, {3, 4, 70})}},
                   {5, 9, 11});
 }
 
@@ -160,9 +161,9 @@ TEST(EachLabelEdits, ReplaceTakesWhatIsOfAnyLabel) {
   RawVolume volume = ball_labels(SampleType::u16, {60, 57, 50});
   const EditedLabels labels(volume);
   const Scene& scene = labels.scene();
-  const std::string solid = block({30, 29, 25.2}, {40, 30, 20}, "rotate = [10, 20, 30]");
+  const std::string solid = block_of({30, 29, 25.2}, {40, 30, 20}, "rotate = [10, 20, 30]");
   labels.set(of_labels({{"replace", 999, solid}}));
-  VOXWELD_EXPECT_DONE(scene.run_in("all", each));
+  VOXWELD_EXPECT_DONE(scene.run_in("all", each_in_parts));
   for (std::size_t i = 0; i < volume.samples.size(); i += 2) {
     const bool any = volume.samples[i] != std::byte{0} || volume.samples[i + 1] != std::byte{0};
     volume.samples[i] = std::byte{any};
@@ -183,15 +184,15 @@ TEST(EachLabelEdits, ReplaceJoinsALabelWithWhatItTakes) {
   const EditedLabels labels(volume);
   const Scene& scene = labels.scene();
   // All of it: one label is left, the whole volume, and its border is where it was.
-  labels.set(of_labels({{"subtract", 0, ball({20, 20, 20}, 9)},
-                        {"replace", 2, block({25, 25, 20}, {200, 200, 200})}}));
-  VOXWELD_EXPECT_DONE(scene.run_in("all", each));
+  labels.set(of_labels({{"subtract", 0, ball_of({20, 20, 20}, 9)},
+                        {"replace", 2, block_of({25, 25, 20}, {200, 200, 200})}}));
+  VOXWELD_EXPECT_DONE(scene.run_in("all", each_in_parts));
   EXPECT_EQ(manifest_of(scene.output("all")).at("counts").at("labels"), 1);
   const VerifyReport report = verify_output(scene.output("all"));
   EXPECT_TRUE(report.good()) << to_text(report);
   for (std::size_t i = 0; i < volume.samples.size(); i += 2) volume.samples[i] = std::byte{2};
   scene.write_volume(volume);
-  labels.set(table("subtract", ball({20, 20, 20}, 9)));
+  labels.set(table("subtract", ball_of({20, 20, 20}, 9)));
   VOXWELD_EXPECT_DONE(
       scene.run_in("one", parts + Settings{"surface.label=2", "surface.isovalue=2"}));
   EXPECT_EQ(
@@ -213,11 +214,11 @@ std::map<std::uint64_t, double> volumes(const fs::path& output) {
 TEST(EachLabelEdits, VolumesAreThoseOfTheSolids) {
   const EditedLabels labels(noise_volume({2, 2, 2}, 1), empty_space({64, 64, 64}));
   const Scene& scene = labels.scene();
-  labels.set(of_labels({{"add", 1, block({24.3, 25.1, 24.7}, {22, 20, 18})},
-                        {"add", 2, block({35.3, 35.1, 33.7}, {10, 12, 14})},
-                        {"subtract", 0, block({24.3, 25.1, 24.7}, {4, 5, 100})},
-                        {"replace", 3, block({17.3, 25.1, 34.7}, {200, 5, 20})},
-                        {"add", 4, ball({45.2, 15.4, 40.1}, 11)}}));
+  labels.set(of_labels({{"add", 1, block_of({24.3, 25.1, 24.7}, {22, 20, 18})},
+                        {"add", 2, block_of({35.3, 35.1, 33.7}, {10, 12, 14})},
+                        {"subtract", 0, block_of({24.3, 25.1, 24.7}, {4, 5, 100})},
+                        {"replace", 3, block_of({17.3, 25.1, 34.7}, {200, 5, 20})},
+                        {"add", 4, ball_of({45.2, 15.4, 40.1}, 11)}}));
   const double of_4 = 4.0 / 3 * std::numbers::pi * 11 * 11 * 11;
   for (const char* mode : {"each", "shared"}) {
     SCOPED_TRACE(mode);
@@ -240,14 +241,14 @@ TEST(EachLabelEdits, VolumesAreThoseOfTheSolids) {
 TEST(EachLabelEdits, ComeChangeAndGoAsIfTheyHadBeenThereFromTheStart) {
   const EditedLabels labels(cell_labels({60, 47, 40}, 6, 0, 12));
   const Scene& scene = labels.scene();
-  VOXWELD_EXPECT_DONE(scene.run(each));
+  VOXWELD_EXPECT_DONE(scene.run(each_in_parts));
   const Tree before = output_tree(scene.output());
   for (const std::vector<TestEdit>& edits :
-       {std::vector<TestEdit>{{"add", 4, ball({20, 20, 20}, 6)}}, mixed,
-        std::vector<TestEdit>{{"replace", 4, ball({20, 20, 20}, 6)}}, std::vector<TestEdit>{}}) {
+       {std::vector<TestEdit>{{"add", 4, ball_of({20, 20, 20}, 6)}}, mixed_edits,
+        std::vector<TestEdit>{{"replace", 4, ball_of({20, 20, 20}, 6)}}, std::vector<TestEdit>{}}) {
     labels.set(of_labels(edits));
-    VOXWELD_EXPECT_DONE(scene.run(each));
-    EXPECT_EQ(difference(output_tree(scene.output()), scene.clean_tree(each)), "");
+    VOXWELD_EXPECT_DONE(scene.run(each_in_parts));
+    EXPECT_EQ(difference(output_tree(scene.output()), scene.clean_tree(each_in_parts)), "");
   }
   EXPECT_EQ(difference(before, output_tree(scene.output())), "");
 }
@@ -256,26 +257,26 @@ TEST(EachLabelEdits, ComeChangeAndGoAsIfTheyHadBeenThereFromTheStart) {
 TEST(EachLabelEdits, OnlyTheShardsTheyReachAreBuiltAgain) {
   const EditedLabels labels(cell_labels({96, 96, 96}, 12, 0, 13));
   const Scene& scene = labels.scene();
-  VOXWELD_EXPECT_DONE(scene.run(each));
+  VOXWELD_EXPECT_DONE(scene.run(each_in_parts));
   const auto all = units_run(scene.output());
-  labels.set(of_labels({{"add", 500, ball({48, 48, 48}, 8)}}));  // inside one shard
-  VOXWELD_EXPECT_DONE(scene.run(each));
+  labels.set(of_labels({{"add", 500, ball_of({48, 48, 48}, 8)}}));  // inside one shard
+  VOXWELD_EXPECT_DONE(scene.run(each_in_parts));
   auto units = units_run(scene.output());
   EXPECT_EQ(units["build"], 1u);
   EXPECT_LT(units["stitch"], all.at("stitch"));
-  labels.set(of_labels({{"add", 501, ball({48, 48, 48}, 8)}}));
-  VOXWELD_EXPECT_DONE(scene.run(each));
+  labels.set(of_labels({{"add", 501, ball_of({48, 48, 48}, 8)}}));
+  VOXWELD_EXPECT_DONE(scene.run(each_in_parts));
   EXPECT_EQ(units_run(scene.output())["build"], 1u);
-  VOXWELD_EXPECT_DONE(scene.run(each));
+  VOXWELD_EXPECT_DONE(scene.run(each_in_parts));
   EXPECT_EQ(units_run(scene.output())["build"], 0u);
 }
 
 TEST(EachLabelEdits, EveryPartitionGivesTheSameBytes) {
   const EditedLabels labels(cell_labels({70, 60, 50}, 5, 0, 14));
   const Scene& scene = labels.scene();
-  std::vector<TestEdit> edits = mixed;
-  edits.push_back({"replace", 2, ball({12, 30, 30}, 15)});
-  edits.push_back({"add", 900, block({62, 30, 30}, {14, 70, 70})});
+  std::vector<TestEdit> edits = mixed_edits;
+  edits.push_back({"replace", 2, ball_of({12, 30, 30}, 15)});
+  edits.push_back({"add", 900, block_of({62, 30, 30}, {14, 70, 70})});
   labels.set(of_labels(edits));
   const Settings common = {"labels.mode=each", "output.tile_vertices=1024",
                            "output.formats=[\"drc\"]"};
@@ -291,7 +292,8 @@ TEST(EachLabelEdits, EveryPartitionGivesTheSameBytes) {
 TEST(EachLabelEdits, GiveLabelsThatAreNotChosen) {
   const EditedLabels labels(ball_labels(SampleType::u16, {40, 36, 33}));
   const Scene& scene = labels.scene();
-  labels.set(of_labels({{"add", 12, ball({20, 18, 16}, 6)}, {"replace", 7, ball({8, 8, 8}, 4)}}));
+  labels.set(
+      of_labels({{"add", 12, ball_of({20, 18, 16}, 6)}, {"replace", 7, ball_of({8, 8, 8}, 4)}}));
   for (const char* mode : {"each", "shared"}) {
     VOXWELD_EXPECT_DONE(
         scene.run_in(mode, parts + Settings{std::string("labels.mode=") + mode,
@@ -306,8 +308,8 @@ TEST(EachLabelEdits, GiveLabelsThatAreNotChosen) {
 
 TEST(EachLabelEdits, ThatLeaveNothingAreRefused) {
   const EditedLabels labels(ball_labels(SampleType::u16, {20, 20, 20}));
-  labels.set(table("subtract", ball({10, 10, 10}, 60)));
-  const ProgramResult result = labels.scene().run(each);
+  labels.set(table("subtract", ball_of({10, 10, 10}, 60)));
+  const ProgramResult result = labels.scene().run(each_in_parts);
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_NE(result.err.find("no surface: after the one edit"), std::string::npos) << result.err;
 }

@@ -15,9 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const Settings each = {"labels.mode=each"};
-const Settings small =
-    each + Settings{"work.brick=16", "work.shard=2", "output.tile_vertices=1024"};
+const Settings each_mode = {"labels.mode=each"};
+const Settings small_tiles =
+    each_mode + Settings{"work.brick=16", "work.shard=2", "output.tile_vertices=1024"};
 
 // The files of one label, by the name of their tile.
 Tree label_files(const fs::path& output, std::uint64_t label) {
@@ -36,7 +36,7 @@ Tree label_files(const fs::path& output, std::uint64_t label) {
 // The main promise: a label's mesh among all labels' is the mesh of a run of that label alone.
 void expect_as_alone(const RawVolume& volume, const Settings& settings, std::size_t several_tiles) {
   const Scene scene(volume);
-  VOXWELD_EXPECT_DONE(scene.run_in("all", each + settings));
+  VOXWELD_EXPECT_DONE(scene.run_in("all", each_mode + settings));
   std::size_t several = 0;
   const std::set<std::uint64_t> labels = labels_of(volume);
   for (const std::uint64_t label : labels) {
@@ -88,7 +88,7 @@ TEST(EachLabel, HasTheMeshOfARunOfItAloneAboveTheBricks) {
                   0);
 }
 
-std::vector<Settings> partitions() {
+std::vector<Settings> label_partitions() {
   return {{"work.brick=16", "work.shard=1", "work.chunk=16"},
           {"work.brick=16", "work.shard=4", "run.threads=1"},
           {"work.brick=32", "work.shard=2", "work.copy=true", "work.chunk=8"},
@@ -103,10 +103,10 @@ TEST(EachLabel, EveryPartitionGivesTheSameBytes) {
   for (const RawVolume& volume :
        {cell_labels({70, 60, 50}, 8, 0.02, 3), cell_labels({32, 31, 48}, 3, 1.0, 4), slabs}) {
     const Scene scene(volume);
-    const Settings common = each + Settings{"output.tile_vertices=1024"};
+    const Settings common = each_mode + Settings{"output.tile_vertices=1024"};
     const Tree first = scene.clean_tree(common);
     EXPECT_TRUE(first.contains("labels.jsonl"));
-    for (const Settings& variant : partitions())
+    for (const Settings& variant : label_partitions())
       EXPECT_EQ(difference(first, scene.clean_tree(common + variant)), "");
   }
 }

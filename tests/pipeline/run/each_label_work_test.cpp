@@ -15,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const Settings small = {"labels.mode=each", "work.brick=16", "work.shard=2",
-                        "output.tile_vertices=1024"};
+const Settings small_batches = {"labels.mode=each", "work.brick=16", "work.shard=2",
+                                "output.tile_vertices=1024"};
 
 // Forty regions: several batches, and some labels of several tiles.
 RawVolume many_labels() {
@@ -31,9 +31,9 @@ void set_sample(RawVolume& volume, Index3 at, std::uint16_t label) {
 
 TEST(EachLabelWork, NothingIsDoneTwice) {
   const Scene scene(many_labels());
-  VOXWELD_EXPECT_DONE(scene.run(small));
+  VOXWELD_EXPECT_DONE(scene.run(small_batches));
   const Tree first = output_tree(scene.output());
-  VOXWELD_EXPECT_DONE(scene.run(small));
+  VOXWELD_EXPECT_DONE(scene.run(small_batches));
   for (const auto& [stage, ran] : units_run(scene.output())) EXPECT_EQ(ran, 0u) << stage;
   EXPECT_EQ(difference(first, output_tree(scene.output())), "");
 }
@@ -42,37 +42,37 @@ TEST(EachLabelWork, NothingIsDoneTwice) {
 TEST(EachLabelWork, AChangeRedoesTheLabelsItTouches) {
   RawVolume volume = many_labels();
   const Scene scene(volume);
-  VOXWELD_EXPECT_DONE(scene.run(small));
+  VOXWELD_EXPECT_DONE(scene.run(small_batches));
   const auto all = units_run(scene.output());
   for (std::int64_t x = 20; x < 24; ++x) set_sample(volume, {x, 20, 20}, 5000);
   scene.write_volume(volume);
-  VOXWELD_EXPECT_DONE(scene.run(small));
+  VOXWELD_EXPECT_DONE(scene.run(small_batches));
   auto again = units_run(scene.output());
   EXPECT_GT(again["stitch"], 0u);
   EXPECT_LT(again["build"], 12u);  // of 12
   EXPECT_LT(again["stitch"], all.at("stitch") / 2);
   EXPECT_LE(again["encode"], again["stitch"]);
-  EXPECT_EQ(difference(scene.clean_tree(small), output_tree(scene.output())), "");
+  EXPECT_EQ(difference(scene.clean_tree(small_batches), output_tree(scene.output())), "");
   // And back: what the label's meshes were goes.
   scene.write_volume(many_labels());
-  VOXWELD_EXPECT_DONE(scene.run(small));
-  EXPECT_EQ(difference(scene.clean_tree(small), output_tree(scene.output())), "");
+  VOXWELD_EXPECT_DONE(scene.run(small_batches));
+  EXPECT_EQ(difference(scene.clean_tree(small_batches), output_tree(scene.output())), "");
 }
 
 // Each change from what is there, as a config is changed.
 TEST(EachLabelWork, SettingsRedoWhatReadsThem) {
   const Scene scene(ball_labels(SampleType::u16, {50, 40, 33}));
-  VOXWELD_EXPECT_DONE(scene.run(small));
+  VOXWELD_EXPECT_DONE(scene.run(small_batches));
   const auto expect_from = [&](const Settings& more, const std::string& first) {
     SCOPED_TRACE(more.empty() ? "" : more.back());
-    VOXWELD_EXPECT_DONE(scene.run(small + more));
+    VOXWELD_EXPECT_DONE(scene.run(small_batches + more));
     auto ran = units_run(scene.output());
     bool from_here = false;
     for (const char* stage : {"build", "merge", "stitch", "encode"}) {
       from_here = from_here || stage == first;
       EXPECT_EQ(ran[stage] > 0, from_here) << stage;
     }
-    EXPECT_EQ(difference(scene.clean_tree(small + more), output_tree(scene.output())), "");
+    EXPECT_EQ(difference(scene.clean_tree(small_batches + more), output_tree(scene.output())), "");
   };
   expect_from({"output.formats=[\"drc\"]"}, "encode");
   expect_from({"output.precision=0.1"}, "stitch");
@@ -84,7 +84,7 @@ TEST(EachLabelWork, SettingsRedoWhatReadsThem) {
 
 TEST(EachLabelWork, NamesAndColoursAreListedAnew) {
   const Scene scene(ball_labels(SampleType::u16, {40, 33, 20}));
-  const Settings settings = small + Settings{"output.formats=[\"drc\"]"};
+  const Settings settings = small_batches + Settings{"output.formats=[\"drc\"]"};
   VOXWELD_EXPECT_DONE(scene.run(settings));
   std::ofstream(scene.directory() / "map.csv")
       << "label,name,color\n1,first,#ff0010\n2,second ball,\n";
@@ -106,7 +106,7 @@ TEST(EachLabelWork, ColoursAreEncodedAnewAndNothingElse) {
   const fs::path map = scene.directory() / "map.csv";
   for (const char* mode : {"labels.mode=each", "labels.mode=shared"}) {
     SCOPED_TRACE(mode);
-    const Settings plain = small + Settings{mode, "output.tile_vertices=2048"};
+    const Settings plain = small_batches + Settings{mode, "output.tile_vertices=2048"};
     const Settings settings = plain + Settings{"labels.map=" + map.string()};
     VOXWELD_EXPECT_DONE(scene.run(plain));
     const auto encoded = [&](const char* rows) {
@@ -131,14 +131,14 @@ TEST(EachLabelWork, ColoursAreEncodedAnewAndNothingElse) {
 
 TEST(EachLabelWork, KilledItLosesNothing) {
   const Scene scene(many_labels());
-  const Tree clean = scene.clean_tree(small);
-  const ProgramResult undisturbed = scene.run_in("timing", small);
+  const Tree clean = scene.clean_tree(small_batches);
+  const ProgramResult undisturbed = scene.run_in("timing", small_batches);
   VOXWELD_EXPECT_DONE(undisturbed);
   std::mt19937 random(7);
   int killed = 0;
   for (int i = 0; i < 6; ++i) {
     std::uniform_real_distribution<double> moment(0, undisturbed.seconds);
-    const ProgramResult result = scene.run(small, Stop{SIGKILL, moment(random)});
+    const ProgramResult result = scene.run(small_batches, Stop{SIGKILL, moment(random)});
     if (result.exit_code == 128 + SIGKILL) {
       ++killed;
     } else {
@@ -147,19 +147,19 @@ TEST(EachLabelWork, KilledItLosesNothing) {
     }
   }
   EXPECT_GT(killed, 0);
-  VOXWELD_EXPECT_DONE(scene.run(small));
+  VOXWELD_EXPECT_DONE(scene.run(small_batches));
   EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
   EXPECT_TRUE(temporary_files(scene.work()).empty());
   EXPECT_TRUE(temporary_files(scene.output()).empty());
 }
 
-void change_a_bit(const fs::path& file, std::mt19937& random) {
+void change_a_bit_of(const fs::path& file, std::mt19937& random) {
   auto bytes = read_whole_file(file);
   if (bytes.empty()) return;
   bytes[random() % bytes.size()] ^= std::byte(1u << (random() % 8));
   write_whole_file(file, bytes, Durability::rename_only);
 }
-void cut(const fs::path& file, std::mt19937& random) {
+void cut_file(const fs::path& file, std::mt19937& random) {
   auto bytes = read_whole_file(file);
   bytes.resize(random() % std::max<std::size_t>(1, bytes.size()));
   write_whole_file(file, bytes, Durability::rename_only);
@@ -169,12 +169,12 @@ void cut(const fs::path& file, std::mt19937& random) {
 // the first may have trusted.
 TEST(EachLabelWork, DamageIsMended) {
   const Scene scene(cell_labels({45, 40, 33}, 12, 0.02, 6));
-  VOXWELD_EXPECT_DONE(scene.run(small));
+  VOXWELD_EXPECT_DONE(scene.run(small_batches));
   const Tree clean = output_tree(scene.output());
   std::mt19937 random(8);
   for (const char* ending : {".octree", "top.tree", ".tile", ".record", ".drc", ".glb",
                              "manifest.json", "tiles.jsonl", "labels.jsonl"})
-    for (const auto& how : {std::function(change_a_bit), std::function(cut)}) {
+    for (const auto& how : {std::function(change_a_bit_of), std::function(cut_file)}) {
       SCOPED_TRACE(ending);
       auto files = files_ending(scene.work(), ending);
       if (files.empty()) files = files_ending(scene.output(), ending);
@@ -185,7 +185,7 @@ TEST(EachLabelWork, DamageIsMended) {
           for (const auto& entry : fs::directory_iterator(scene.work()))
             for (const char* stage : {"merge-", "stitch-", "encode-"})
               if (entry.path().filename().string().starts_with(stage)) fs::remove_all(entry.path());
-        const ProgramResult result = scene.run(small);
+        const ProgramResult result = scene.run(small_batches);
         VOXWELD_EXPECT_DONE(result);
         EXPECT_EQ(difference(clean, output_tree(scene.output())), "") << result.err;
       }
@@ -195,17 +195,17 @@ TEST(EachLabelWork, DamageIsMended) {
 // Of a piece, whose checksum is in the directory alone.
 TEST(EachLabelWork, DamageOfAPieceIsNamed) {
   const Scene scene(ball_labels(SampleType::u16, {40, 33, 20}));
-  VOXWELD_EXPECT_DONE(scene.run(small));
+  VOXWELD_EXPECT_DONE(scene.run(small_batches));
   const fs::path octree = files_ending(scene.work(), ".octree").at(0);
   auto bytes = read_whole_file(octree);
   bytes[400] ^= std::byte{1};  // behind the header and the first piece's head: its body
   write_whole_file(octree, bytes, Durability::rename_only);
-  const ProgramResult result = scene.run(small + Settings{"output.precision=0.1"});
+  const ProgramResult result = scene.run(small_batches + Settings{"output.precision=0.1"});
   VOXWELD_EXPECT_DONE(result);
   EXPECT_NE(result.err.find(octree.string() + ": the checksum of a piece of label"),
             std::string::npos)
       << result.err;
-  EXPECT_EQ(difference(scene.clean_tree(small + Settings{"output.precision=0.1"}),
+  EXPECT_EQ(difference(scene.clean_tree(small_batches + Settings{"output.precision=0.1"}),
                        output_tree(scene.output())),
             "");
 }
@@ -213,7 +213,7 @@ TEST(EachLabelWork, DamageOfAPieceIsNamed) {
 ProgramResult share(const Scene& scene, const std::string& stage,
                     const std::vector<std::string>& options) {
   std::vector<std::string> arguments = {stage, scene.config().string()};
-  for (const std::string& setting : small + scene.in("shares")) {
+  for (const std::string& setting : small_batches + scene.in("shares")) {
     arguments.push_back("--set");
     arguments.push_back(setting);
   }
@@ -223,7 +223,7 @@ ProgramResult share(const Scene& scene, const std::string& stage,
 
 TEST(EachLabelWork, AllSharesAreTheWhole) {
   const Scene scene(many_labels());
-  const Tree whole = scene.clean_tree(small);
+  const Tree whole = scene.clean_tree(small_batches);
   for (const char* stage : {"ingest", "build", "merge", "stitch", "encode"}) {
     for (int part = 2; part >= 0 && std::string(stage) != "merge"; --part)
       VOXWELD_EXPECT_DONE(share(scene, stage, {"--part", fmt::format("{}/3", part)}));

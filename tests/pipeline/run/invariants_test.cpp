@@ -21,14 +21,14 @@ namespace fs = std::filesystem;
 std::string solid(const std::string& op, const std::string& shape) {
   return "[[edit]]\nop = \"" + op + "\"\n" + shape;
 }
-const std::string ball = "shape = \"sphere\"\ncenter = [14.2, 15.1, 18.3]\nradius = 7.4\n";
-const std::string slab =
+const std::string ball_keys = "shape = \"sphere\"\ncenter = [14.2, 15.1, 18.3]\nradius = 7.4\n";
+const std::string slab_keys =
     "shape = \"box\"\ncenter = [24.3, 15.2, 16.1]\nsize = [11, 13.5, 30]\nrotate = [20, 10, 0]\n";
-const std::string part = "shape = \"mesh\"\npath = \"part.off\"\n";
+const std::string part_keys = "shape = \"mesh\"\npath = \"part.off\"\n";
 
-const std::string edits_of_labels = solid("add", "material = 3\n" + ball) +
-                                    solid("replace", "material = 90\n" + slab) +
-                                    solid("subtract", part);
+const std::string edits_of_labels = solid("add", "material = 3\n" + ball_keys) +
+                                    solid("replace", "material = 90\n" + slab_keys) +
+                                    solid("subtract", part_keys);
 
 struct Subject {
   const char* name;
@@ -52,7 +52,7 @@ std::vector<Subject> subjects() {
       {"SharedLabels", few_labels, edits_of_labels, {"labels.mode=shared"}},
       {"EditedVolume",
        noise,
-       solid("subtract", ball) + solid("add", part) + solid("intersect", slab),
+       solid("subtract", ball_keys) + solid("add", part_keys) + solid("intersect", slab_keys),
        {}},
       {"Mesh", noise, mesh, {}, true},
   };

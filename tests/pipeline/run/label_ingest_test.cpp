@@ -51,8 +51,8 @@ std::vector<LabelCount> expected_counts(Index3 size) {
   return all;
 }
 
-const Settings each = {"labels.mode=each"};
-const Settings pieces = {"work.brick=16", "work.shard=1", "work.chunk=16"};
+const Settings each_label = {"labels.mode=each"};
+const Settings small_pieces = {"work.brick=16", "work.shard=1", "work.chunk=16"};
 
 LabelCounts counts_in(const fs::path& work) {
   const auto files = files_ending(work, "labels.all");
@@ -80,10 +80,10 @@ TEST(LabelIngest, CountsTheSameHoweverItIsCut) {
     const Scene scene(volume_of_labels(type, size));
     std::optional<Hash128> first;
     for (const Settings& cut :
-         {Settings{}, pieces, pieces + Settings{"work.copy=true", "work.chunk=8"},
+         {Settings{}, small_pieces, small_pieces + Settings{"work.copy=true", "work.chunk=8"},
           Settings{"work.brick=32", "work.shard=1", "work.copy=true", "run.threads=1"}}) {
       fs::remove_all(scene.work());
-      VOXWELD_EXPECT_DONE(scene.command("ingest", each + cut + scene.in("scene")));
+      VOXWELD_EXPECT_DONE(scene.command("ingest", each_label + cut + scene.in("scene")));
       const LabelCounts counts = counts_in(scene.work());
       EXPECT_EQ(all_of(counts), expected_counts(size));
       EXPECT_EQ(counts.summary().negatives, 0U);
@@ -96,11 +96,11 @@ TEST(LabelIngest, CountsTheSameHoweverItIsCut) {
 TEST(LabelIngest, InShares) {
   const Index3 size{50, 33, 40};
   const Scene scene(volume_of_labels(SampleType::u16, size));
-  for (const Settings& cut : {pieces, pieces + Settings{"work.copy=true"}}) {
+  for (const Settings& cut : {small_pieces, small_pieces + Settings{"work.copy=true"}}) {
     fs::remove_all(scene.work());
     const auto part = [&](const std::vector<std::string>& options) {
       std::vector<std::string> arguments = {"ingest", scene.config().string()};
-      for (const std::string& setting : each + cut + scene.in("scene"))
+      for (const std::string& setting : each_label + cut + scene.in("scene"))
         arguments.insert(arguments.end(), {"--set", setting});
       arguments.insert(arguments.end(), options.begin(), options.end());
       VOXWELD_EXPECT_DONE(run_voxweld(arguments));
@@ -120,7 +120,7 @@ TEST(LabelIngest, InShares) {
 
 TEST(LabelIngest, DoesWhatIsMissing) {
   const Scene scene(volume_of_labels(SampleType::u16, {50, 33, 40}));
-  const Settings settings = each + pieces + scene.in("scene");
+  const Settings settings = each_label + small_pieces + scene.in("scene");
   const auto plan = [&] {
     std::vector<std::string> arguments = {"run", scene.config().string(), "--dry-run"};
     for (const std::string& setting : settings)
@@ -162,20 +162,20 @@ TEST(LabelIngest, DoesWhatIsMissing) {
 TEST(LabelIngest, OfAStoreThatIsThere) {
   const Index3 size{50, 33, 40};
   const Scene scene(volume_of_labels(SampleType::u16, size));
-  const Settings settings = pieces + Settings{"work.copy=true"} + scene.in("scene");
+  const Settings settings = small_pieces + Settings{"work.copy=true"} + scene.in("scene");
   VOXWELD_EXPECT_DONE(scene.command("ingest", settings));
   const auto stored = files_ending(scene.work(), ".shard");
   ASSERT_EQ(stored.size(), 36U);
   const auto time = fs::last_write_time(stored[0]);
   EXPECT_TRUE(files_ending(scene.work(), "labels.all").empty()) << "nobody asked";
-  VOXWELD_EXPECT_DONE(scene.command("ingest", settings + each));
+  VOXWELD_EXPECT_DONE(scene.command("ingest", settings + each_label));
   EXPECT_EQ(fs::last_write_time(stored[0]), time);
   EXPECT_EQ(all_of(counts_in(scene.work())), expected_counts(size));
 }
 
 TEST(LabelIngest, BelowZeroIsNoLabel) {
   const Scene scene(volume_of_labels(SampleType::i16, {30, 30, 30}, -3));
-  VOXWELD_EXPECT_DONE(scene.command("ingest", each + scene.in("scene")));
+  VOXWELD_EXPECT_DONE(scene.command("ingest", each_label + scene.in("scene")));
   const LabelCounts counts = counts_in(scene.work());
   std::uint64_t below = 0;
   for (const LabelCount& count : expected_counts({30, 30, 30}))
@@ -183,15 +183,16 @@ TEST(LabelIngest, BelowZeroIsNoLabel) {
   EXPECT_EQ(counts.summary().negatives, below);
   EXPECT_EQ(counts.summary().negatives + counts.summary().samples, 27000U);
   scene.write_volume(volume_of_labels(SampleType::i16, {30, 30, 30}, -1000));
-  VOXWELD_EXPECT_DONE(scene.command("ingest", each + scene.in("scene")));
-  expect_refused(scene.command("build", each + scene.in("scene")), "all of them are below zero");
+  VOXWELD_EXPECT_DONE(scene.command("ingest", each_label + scene.in("scene")));
+  expect_refused(scene.command("build", each_label + scene.in("scene")),
+                 "all of them are below zero");
 }
 
 TEST(LabelIngest, WhatCannotBeIsRefused) {
   const Scene scene(volume_of_labels(SampleType::u64, {30, 30, 30}));
   const auto refused = [&](const Settings& settings, const std::string& words) {
-    VOXWELD_EXPECT_DONE(scene.command("ingest", each + scene.in("scene")));
-    expect_refused(scene.command("build", each + scene.in("scene") + settings), words);
+    VOXWELD_EXPECT_DONE(scene.command("ingest", each_label + scene.in("scene")));
+    expect_refused(scene.command("build", each_label + scene.in("scene") + settings), words);
   };
   refused({"labels.select=[77, \"900-950\"]"},
           "labels.select, labels.background: none of the 20 labels of");
@@ -210,7 +211,7 @@ TEST(LabelIngest, WhatCannotBeIsRefused) {
   scene.write_volume(volume);
   refused({}, ": 2 samples are 18446744073709551615, the first in slice 12; that number");
   RawVolume real{{8, 8, 8}, SampleType::f32, std::vector<std::byte>(8 * 8 * 8 * 4), 0};
-  expect_refused(Scene(real).command("ingest", each),
+  expect_refused(Scene(real).command("ingest", each_label),
                  "labels.mode = \"each\": labels are integers, the samples of");
 }
 
@@ -221,7 +222,8 @@ TEST(LabelIngest, WarnsOfWhatIsNotLookedAt) {
   EXPECT_NE(off.err.find("[labels] is not looked at"), std::string::npos) << off.err;
   const fs::path map = scene.directory() / "labels.csv";
   std::ofstream(map) << "label,material\n0,7\n";
-  const ProgramResult on = scene.command("ingest", each + Settings{"labels.map=" + map.string()});
+  const ProgramResult on =
+      scene.command("ingest", each_label + Settings{"labels.map=" + map.string()});
   VOXWELD_EXPECT_DONE(on);
   EXPECT_NE(on.err.find("labels.background leaves out 0 although"), std::string::npos) << on.err;
 }
@@ -229,13 +231,13 @@ TEST(LabelIngest, WarnsOfWhatIsNotLookedAt) {
 // A build is keyed by what its labels stand for, and by nothing else that is said of them.
 TEST(LabelKeys, AreOfTheRules) {
   const Scene scene(volume_of_labels(SampleType::u16, {30, 30, 30}));
-  VOXWELD_EXPECT_DONE(scene.command("ingest", each + scene.in("scene")));
+  VOXWELD_EXPECT_DONE(scene.command("ingest", each_label + scene.in("scene")));
   const auto file = [&](const std::string& name, const std::string& text) {
     std::ofstream(scene.directory() / name) << text;
     return "labels.map=" + (scene.directory() / name).string();
   };
   const auto key = [&](const Settings& settings) {
-    Config config = load_config(scene.config(), each + scene.in("scene") + settings);
+    Config config = load_config(scene.config(), each_label + scene.in("scene") + settings);
     Jobs jobs(config);
     jobs.open_volume(config);
     EXPECT_EQ(jobs.build().parameters.labels.mode, config.labels.mode);

@@ -13,11 +13,11 @@ namespace voxweld::testing {
 namespace {
 
 constexpr std::int64_t n = 96;
-constexpr std::uint64_t first = highest_label - 6;  // ids that only 64 bits hold
+constexpr std::uint64_t first_id = highest_label - 6;  // ids that only 64 bits hold
 
 // Of the phantom's labels; what is outside is 0 there.
 std::uint64_t label_of(Material material) {
-  return material == exterior ? 0 : material - first + 1;
+  return material == exterior ? 0 : material - first_id + 1;
 }
 
 struct Distances {
@@ -30,7 +30,7 @@ TEST(LabelPhantom, TrianglesLieOnTheInterfaceOfTheirPair) {
   const std::string volume = (scene.directory() / "junctions.nrrd").string();
   VOXWELD_EXPECT_DONE(
       run_voxweld({"phantom", "junctions", "--size", std::to_string(n), "--type", "uint64",
-                   "--first-label", std::to_string(first), "-o", volume}));
+                   "--first-label", std::to_string(first_id), "-o", volume}));
   VOXWELD_EXPECT_DONE(
       scene.run({"input.path=" + volume, "labels.mode=shared", "surface.inside=above"}));
   const VerifyReport report = verify_output(scene.output());

@@ -4,7 +4,6 @@
 
 #include <fstream>
 
-#include "pipeline/output/verify.h"
 #include "storage/meshes/mesh_file.h"
 #include "tests/pipeline/run/mesh_scene.h"
 #include "tests/support/triangle_meshes.h"
@@ -35,11 +34,6 @@ void expect_extent(const TriangleMesh& mesh, Vec3 lo, Vec3 hi, double within) {
     EXPECT_NEAR(extent.lo[a], lo[a], within);
     EXPECT_NEAR(extent.hi[a], hi[a], within);
   }
-}
-
-void expect_good(const fs::path& output) {
-  const VerifyReport report = verify_output(output);
-  EXPECT_TRUE(report.good()) << to_text(report);
 }
 
 TriangleMesh moved_mesh(TriangleMesh mesh, Vec3 by) {

@@ -13,11 +13,6 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-void expect_good(const fs::path& output) {
-  const VerifyReport report = verify_output(output);
-  EXPECT_TRUE(report.good()) << to_text(report);
-}
-
 TriangleMesh with(TriangleMesh mesh, const TriangleMesh& other) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());

@@ -55,13 +55,13 @@ void expect_runs_from(const Scene& scene, const Settings& before, const Settings
   EXPECT_EQ(difference(scene.clean_tree(after), output_tree(scene.output())), "");
 }
 
-const Settings copied = {"work.brick=16", "work.shard=2", "work.copy=true",
-                         "output.tile_vertices=1024"};
+const Settings copied_store = {"work.brick=16", "work.shard=2", "work.copy=true",
+                               "output.tile_vertices=1024"};
 
 TEST(Resume, NothingRunsTwice) {
   const Scene scene("porous", 48);
   for (const char* copy : {"work.copy=false", "work.copy=true"}) {
-    const Settings settings = copied + Settings{copy};
+    const Settings settings = copied_store + Settings{copy};
     VOXWELD_EXPECT_DONE(scene.run(settings));
     const ProgramResult again = scene.command("run", settings);
     VOXWELD_EXPECT_DONE(again);
@@ -80,24 +80,25 @@ TEST(Resume, TheManifestIsPrintedAsJson) {
 
 TEST(Resume, AChangedSettingRunsItsStageAndThoseAfter) {
   const Scene scene("porous", 48);
-  const auto with = [](const std::string& setting) { return copied + Settings{setting}; };
-  expect_runs_from(scene, copied, with("simplify.tolerance=0.3"), "build",
+  const auto with = [](const std::string& setting) { return copied_store + Settings{setting}; };
+  expect_runs_from(scene, copied_store, with("simplify.tolerance=0.3"), "build",
                    "simplify.tolerance was 0.1, is 0.3");
-  expect_runs_from(scene, copied, with("surface.isovalue=120"), "build",
+  expect_runs_from(scene, copied_store, with("surface.isovalue=120"), "build",
                    "surface.isovalue was 127.5, is 120");
-  expect_runs_from(scene, copied, with("output.tile_vertices=3000"), "merge",
+  expect_runs_from(scene, copied_store, with("output.tile_vertices=3000"), "merge",
                    "output.tile_vertices was 1024, is 3000");
-  expect_runs_from(scene, copied, with("output.precision=0.1"), "stitch",
+  expect_runs_from(scene, copied_store, with("output.precision=0.1"), "stitch",
                    "output.precision was 0.01, is 0.1");
-  expect_runs_from(scene, copied, with("output.normals=false"), "stitch",
+  expect_runs_from(scene, copied_store, with("output.normals=false"), "stitch",
                    "output.normals was true, is false");
-  expect_runs_from(scene, copied, with("output.formats=[\"glb\"]"), "encode", "output.formats was");
+  expect_runs_from(scene, copied_store, with("output.formats=[\"glb\"]"), "encode",
+                   "output.formats was");
 }
 
 TEST(Resume, AChangedChunkOfTheStoreRebuildsNothing) {
   const Scene scene("porous", 48);
-  VOXWELD_EXPECT_DONE(scene.run(copied + Settings{"work.chunk=32"}));
-  VOXWELD_EXPECT_DONE(scene.run(copied + Settings{"work.chunk=8"}));
+  VOXWELD_EXPECT_DONE(scene.run(copied_store + Settings{"work.chunk=32"}));
+  VOXWELD_EXPECT_DONE(scene.run(copied_store + Settings{"work.chunk=8"}));
   Units ran = units_run(scene.output());
   EXPECT_GT(ran["ingest"], 0u);
   for (const char* stage : {"build", "merge", "stitch", "encode"})
@@ -106,33 +107,34 @@ TEST(Resume, AChangedChunkOfTheStoreRebuildsNothing) {
 
 TEST(Resume, OtherThreadsAndMemoryRunNothing) {
   const Scene scene("porous", 32);
-  expect_runs_from(scene, copied, copied + Settings{"run.threads=1", "run.memory=1GiB"}, "", "");
+  expect_runs_from(scene, copied_store, copied_store + Settings{"run.threads=1", "run.memory=1GiB"},
+                   "", "");
 }
 
 TEST(Resume, FormatsLeftOutAreTakenAway) {
   const Scene scene("porous", 32);
-  VOXWELD_EXPECT_DONE(scene.run(copied));
+  VOXWELD_EXPECT_DONE(scene.run(copied_store));
   EXPECT_GT(files_ending(scene.output(), ".glb").size(), 2u);
-  VOXWELD_EXPECT_DONE(scene.run(copied + Settings{"output.formats=[\"drc\"]"}));
+  VOXWELD_EXPECT_DONE(scene.run(copied_store + Settings{"output.formats=[\"drc\"]"}));
   EXPECT_TRUE(files_ending(scene.output(), ".glb").empty());
   EXPECT_GT(files_ending(scene.output(), ".drc").size(), 2u);
-  VOXWELD_EXPECT_DONE(scene.run(copied + Settings{"output.merged=false"}));
+  VOXWELD_EXPECT_DONE(scene.run(copied_store + Settings{"output.merged=false"}));
   EXPECT_FALSE(fs::exists(scene.output() / "mesh.drc"));
 }
 
 TEST(Resume, WhatTheUserPutThereStays) {
   const Scene scene("porous", 32);
-  VOXWELD_EXPECT_DONE(scene.run(copied));
+  VOXWELD_EXPECT_DONE(scene.run(copied_store));
   const fs::path notes = scene.output() / "tiles" / "notes.glb";
   std::ofstream(notes) << "mine";
-  VOXWELD_EXPECT_DONE(scene.run(copied + Settings{"output.formats=[\"drc\"]"}));
+  VOXWELD_EXPECT_DONE(scene.run(copied_store + Settings{"output.formats=[\"drc\"]"}));
   EXPECT_TRUE(fs::exists(notes));
 }
 
 TEST(Resume, ATouchedInputRebuildsNothing) {
   const Scene scene(noise_volume({30, 30, 30}, 2));
   for (const char* copy : {"work.copy=false", "work.copy=true"}) {
-    const Settings settings = copied + Settings{copy};
+    const Settings settings = copied_store + Settings{copy};
     VOXWELD_EXPECT_DONE(scene.run(settings));
     const Tree before = output_tree(scene.output());
     fs::last_write_time(scene.volume(), fs::file_time_type::clock::now() + std::chrono::hours(1));
@@ -180,7 +182,7 @@ TEST(Resume, AnUnreadBrickThatChangesSidesIsNoticed) {
 
 TEST(Resume, ADeletedFileComesBack) {
   const Scene scene("porous", 40);
-  const Settings both[] = {copied, copied + Settings{"work.copy=false"}};
+  const Settings both[] = {copied_store, copied_store + Settings{"work.copy=false"}};
   for (const Settings& settings : both) {
     VOXWELD_EXPECT_DONE(scene.run(settings));
     const Tree before = output_tree(scene.output());
@@ -196,7 +198,7 @@ TEST(Resume, ADeletedFileComesBack) {
         {scene.work(), ".tile", "stitch"},           {scene.work(), "top.tree", "merge"},
         {scene.work(), ".octree", "build"},
     };
-    if (settings == copied) {
+    if (settings == copied_store) {
       deletions.push_back({scene.work(), ".shard", "ingest"});
       deletions.push_back({scene.work(), "zarr.json", "ingest"});
     }
@@ -217,7 +219,7 @@ TEST(Resume, ADeletedFileComesBack) {
 
 TEST(Resume, StagesOneByOneGiveTheSameBytes) {
   const Scene scene("porous", 40);
-  for (const Settings& settings : {copied, copied + Settings{"work.copy=false"}}) {
+  for (const Settings& settings : {copied_store, copied_store + Settings{"work.copy=false"}}) {
     fs::remove_all(scene.work());
     fs::remove_all(scene.output());
     for (const std::string& stage : stages) VOXWELD_EXPECT_DONE(scene.command(stage, settings));
@@ -229,7 +231,7 @@ TEST(Resume, StagesOneByOneGiveTheSameBytes) {
 
 TEST(Resume, AStageRunTooEarlyNamesTheOneToRun) {
   const Scene scene("porous", 32);
-  const Settings settings = copied;
+  const Settings settings = copied_store;
   for (std::size_t done = 0; done + 1 < stages.size(); ++done) {
     for (std::size_t early = done + 1; early < stages.size(); ++early) {
       const ProgramResult result = scene.command(stages[early], settings);

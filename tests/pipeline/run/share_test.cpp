@@ -12,7 +12,7 @@ namespace voxweld::testing {
 namespace {
 
 const Settings pieces = {"work.brick=16", "work.shard=2", "output.tile_vertices=1024"};
-const Settings copied = pieces + Settings{"work.copy=true"};
+const Settings copied_pieces = pieces + Settings{"work.copy=true"};
 
 ProgramResult share(const Scene& scene, const std::string& stage, const Settings& settings,
                     const std::vector<std::string>& options) {
@@ -44,9 +44,9 @@ void run_in_shares(const Scene& scene, const Settings& settings, int parts, bool
 
 TEST(Share, AllSharesAreTheWhole) {
   const Scene scene("porous", 70);
-  for (const Settings& settings : {pieces, copied}) {
+  for (const Settings& settings : {pieces, copied_pieces}) {
     const Tree whole = scene.clean_tree(settings);
-    run_in_shares(scene, settings, 5, settings == copied);
+    run_in_shares(scene, settings, 5, settings == copied_pieces);
     EXPECT_EQ(difference(whole, output_tree(scene.output("shares"))), "");
     // And nothing of it was done a second time by the closing commands.
     for (const auto& [stage, ran] : units_run(scene.output("shares"))) EXPECT_EQ(ran, 0u) << stage;
@@ -77,7 +77,7 @@ TEST(Share, OfAnInputThatIsReadSliceBySlice) {
 
 TEST(Share, TwoCopiesAtOnceAreHarmless) {
   const Scene scene("porous", 70);
-  const Tree whole = scene.clean_tree(copied);
+  const Tree whole = scene.clean_tree(copied_pieces);
   for (const char* stage : {"ingest", "build", "merge", "stitch", "encode"}) {
     std::vector<ProgramResult> results(3);
     {
@@ -86,12 +86,12 @@ TEST(Share, TwoCopiesAtOnceAreHarmless) {
         copies.emplace_back([&] {
           const bool whole_stage = std::string(stage) == "merge";
           result = share(
-              scene, stage, copied,
+              scene, stage, copied_pieces,
               whole_stage ? std::vector<std::string>{} : std::vector<std::string>{"--part", "0/1"});
         });
     }
     for (const ProgramResult& result : results) VOXWELD_EXPECT_DONE(result);
-    VOXWELD_EXPECT_DONE(share(scene, stage, copied, {}));
+    VOXWELD_EXPECT_DONE(share(scene, stage, copied_pieces, {}));
   }
   EXPECT_EQ(difference(whole, output_tree(scene.output("shares"))), "");
   EXPECT_TRUE(temporary_files(scene.work("shares")).empty());

@@ -15,23 +15,23 @@
 namespace voxweld::testing {
 namespace {
 
-constexpr int side = 24;
+constexpr int slice_side = 24;
 
 void write_slice(const std::filesystem::path& folder, int z) {
   std::vector<std::byte> pixels;
-  for (int y = 0; y < side; ++y)
-    for (int x = 0; x < side; ++x) {
+  for (int y = 0; y < slice_side; ++y)
+    for (int x = 0; x < slice_side; ++x) {
       const int dx = x - 12, dy = y - 11, dz = z - 10;
       pixels.push_back(static_cast<std::byte>(dx * dx + dy * dy + dz * dz < 70 ? 220 : 20));
     }
-  write_png(folder / ("slice_" + std::to_string(z) + ".png"), {side, side, 1}, pixels);
+  write_png(folder / ("slice_" + std::to_string(z) + ".png"), {slice_side, slice_side, 1}, pixels);
 }
 
 class Stack : public ::testing::Test {
  protected:
   Stack() {
     std::filesystem::create_directories(directory_ / "slices");
-    for (int z = 0; z < side; ++z) write_slice(directory_ / "slices", z);
+    for (int z = 0; z < slice_side; ++z) write_slice(directory_ / "slices", z);
     std::ofstream(directory_ / "stack.toml") << "[input]\npath = \"slices\"\nspacing = [1.0, 1.0, "
                                                 "1.5]\n[surface]\nisovalue = \"otsu\"\n";
   }
@@ -64,11 +64,11 @@ TEST_F(Stack, OnlyIngestLoadsTheImageLibrary) {
 
 TEST_F(Stack, AChangedOrAddedSliceIsNoticed) {
   ASSERT_EQ(traced("run").exit_code, 0);
-  write_slice(directory_ / "slices", side);
+  write_slice(directory_ / "slices", slice_side);
   const ProgramResult longer = traced("run");
   EXPECT_TRUE(loads_images(longer));
   EXPECT_EQ(read_manifest(directory_ / "stack.mesh" / manifest_name).frame.size,
-            (Index3{side, side, side + 1}));
+            (Index3{slice_side, slice_side, slice_side + 1}));
   std::filesystem::remove(directory_ / "slices" / "slice_7.png");
   const ProgramResult gap = run_voxweld({"run", (directory_ / "stack.toml").string()});
   EXPECT_EQ(gap.exit_code, 2);

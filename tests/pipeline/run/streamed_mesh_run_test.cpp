@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const Settings in_memory = {"run.memory=2GiB"};
-const Settings streamed = {"run.memory=64MiB"};
+const Settings much_memory = {"run.memory=2GiB"};
+const Settings little_memory = {"run.memory=64MiB"};
 const std::string by_pieces = "the mesh does not fit run.memory; it is read by pieces";
 const std::string small_tiles = "[work]\nbrick = 16\nshard = 2\n[output]\ntile_vertices = 1024\n";
 
@@ -66,15 +66,15 @@ class StreamedMeshRun : public ::testing::Test {
 TEST_F(StreamedMeshRun, TheSameBytesAsInMemory) {
   for (const char* name : {"a.off", "binary.stl", "little.ply"}) {
     set(name);
-    const Tree expected = scene().clean_tree(in_memory);
-    EXPECT_EQ(difference(expected, scene().clean_tree(streamed)), "") << name;
-    EXPECT_THAT(scene().run(streamed).err, HasSubstr(by_pieces)) << name;
+    const Tree expected = scene().clean_tree(much_memory);
+    EXPECT_EQ(difference(expected, scene().clean_tree(little_memory)), "") << name;
+    EXPECT_THAT(scene().run(little_memory).err, HasSubstr(by_pieces)) << name;
     EXPECT_EQ(difference(expected, output_tree(scene().output())), "") << name;
     if (std::string(name) != "a.off") continue;
     for (const char* shard : {"work.shard=1", "work.shard=4"})
-      EXPECT_EQ(
-          difference(expected, scene().clean_tree(streamed + Settings{"work.chunk=16", shard})),
-          "");
+      EXPECT_EQ(difference(expected,
+                           scene().clean_tree(little_memory + Settings{"work.chunk=16", shard})),
+                "");
   }
 }
 
@@ -86,14 +86,14 @@ TEST_F(StreamedMeshRun, WithEditsBehindIt) {
                            "radius = 3\n[[edit]]\nop = \"intersect\"\nshape = \"plane\"\n"
                            "center = [8, 0, 0]\naxis = [1, 0.2, 0]\n",
                            pin.string()));
-  EXPECT_EQ(difference(scene().clean_tree(in_memory), scene().clean_tree(streamed)), "");
+  EXPECT_EQ(difference(scene().clean_tree(much_memory), scene().clean_tree(little_memory)), "");
 }
 
 TEST_F(StreamedMeshRun, MemoryDecidesNothingElse) {
   set("a.off");
-  VOXWELD_EXPECT_DONE(scene().run(in_memory));
+  VOXWELD_EXPECT_DONE(scene().run(much_memory));
   const Tree expected = output_tree(scene().output());
-  VOXWELD_EXPECT_DONE(scene().run(streamed));
+  VOXWELD_EXPECT_DONE(scene().run(little_memory));
   auto units = units_run(scene().output());
   EXPECT_EQ(units["ingest"], 1U);
   EXPECT_EQ(units["build"] + units["check"] + units["stitch"] + units["encode"], 0U);
@@ -103,10 +103,11 @@ TEST_F(StreamedMeshRun, MemoryDecidesNothingElse) {
 // One command a stage: the mesh is read by the first and never again.
 TEST_F(StreamedMeshRun, SingleStagesReadItOnce) {
   set("a.off");
-  const Tree expected = scene().clean_tree(in_memory);
-  EXPECT_THAT(command("plan", streamed).out, HasSubstr("Estimated from the size alone"));
-  EXPECT_THAT(command("build", streamed).err, HasSubstr("stage build needs what stage ingest"));
-  const ProgramResult ingest = command("ingest", streamed);
+  const Tree expected = scene().clean_tree(much_memory);
+  EXPECT_THAT(command("plan", little_memory).out, HasSubstr("Estimated from the size alone"));
+  EXPECT_THAT(command("build", little_memory).err,
+              HasSubstr("stage build needs what stage ingest"));
+  const ProgramResult ingest = command("ingest", little_memory);
   VOXWELD_EXPECT_DONE(ingest);
   EXPECT_THAT(ingest.err, Not(HasSubstr(by_pieces)));  // plan has read it
   // The same to look at, and no mesh at all.
@@ -115,44 +116,44 @@ TEST_F(StreamedMeshRun, SingleStagesReadItOnce) {
   fs::remove(space_.at("a.off"));
   std::ofstream(space_.at("a.off")) << std::string(size, 'x');
   fs::last_write_time(space_.at("a.off"), time);
-  EXPECT_THAT(command("plan", streamed).out, HasSubstr("bricks ("));
+  EXPECT_THAT(command("plan", little_memory).out, HasSubstr("bricks ("));
   for (const char* part : {"1/3", "0/3", "2/3"})
-    VOXWELD_EXPECT_DONE(command("build", streamed, {"--part", part}));
+    VOXWELD_EXPECT_DONE(command("build", little_memory, {"--part", part}));
   for (const char* stage : {"merge", "stitch", "encode"})
-    VOXWELD_EXPECT_DONE(command(stage, streamed));
+    VOXWELD_EXPECT_DONE(command(stage, little_memory));
   EXPECT_EQ(difference(expected, output_tree(scene().output())), "");
-  EXPECT_THAT(command("run", streamed, {"--dry-run"}).out, HasSubstr("ingest  up to date"));
+  EXPECT_THAT(command("run", little_memory, {"--dry-run"}).out, HasSubstr("ingest  up to date"));
   // Touched, it is read again.
   fs::last_write_time(space_.at("a.off"), time + std::chrono::seconds(5));
-  const ProgramResult changed = command("build", streamed);
+  const ProgramResult changed = command("build", little_memory);
   EXPECT_EQ(changed.exit_code, 2);
   EXPECT_THAT(changed.err, HasSubstr("a.off: "));
 }
 
 TEST_F(StreamedMeshRun, AsATaskOfOneUnit) {
   set("a.off");
-  VOXWELD_EXPECT_DONE(command("ingest", streamed, {"--shards", "0"}));
-  VOXWELD_EXPECT_DONE(command("build", streamed, {"--shards", "0-3"}));
-  EXPECT_THAT(command("ingest", streamed, {"--shards", "1"}).err,
+  VOXWELD_EXPECT_DONE(command("ingest", little_memory, {"--shards", "0"}));
+  VOXWELD_EXPECT_DONE(command("build", little_memory, {"--shards", "0-3"}));
+  EXPECT_THAT(command("ingest", little_memory, {"--shards", "1"}).err,
               HasSubstr("--shards names 1, but stage ingest has 1 of them"));
 }
 
 TEST_F(StreamedMeshRun, KilledAtAnyInstant) {
   set("a.off");
-  const Tree expected = scene().clean_tree(in_memory);
-  const ProgramResult whole = scene().run_in("timing", streamed);
+  const Tree expected = scene().clean_tree(much_memory);
+  const ProgramResult whole = scene().run_in("timing", little_memory);
   VOXWELD_EXPECT_DONE(whole);
   std::mt19937 random(6);
   std::uniform_real_distribution<double> moment(0, whole.seconds);
-  for (int i = 0; i < 6; ++i) scene().run(streamed, Stop{SIGKILL, moment(random)});
-  VOXWELD_EXPECT_DONE(scene().run(streamed));
+  for (int i = 0; i < 6; ++i) scene().run(little_memory, Stop{SIGKILL, moment(random)});
+  VOXWELD_EXPECT_DONE(scene().run(little_memory));
   EXPECT_EQ(difference(expected, output_tree(scene().output())), "");
   EXPECT_TRUE(temporary_files(scene().work()).empty());
 }
 
 TEST_F(StreamedMeshRun, DamageIsFoundNamedAndMended) {
   set("a.off");
-  VOXWELD_EXPECT_DONE(scene().run(streamed));
+  VOXWELD_EXPECT_DONE(scene().run(little_memory));
   const Tree expected = output_tree(scene().output());
   std::mt19937 random(8);
   for (int round = 0; round < 6; ++round) {
@@ -168,11 +169,11 @@ TEST_F(StreamedMeshRun, DamageIsFoundNamedAndMended) {
     for (const auto& entry : fs::directory_iterator(scene().work()))
       if (!entry.path().filename().string().starts_with("ingest-")) fs::remove_all(entry.path());
     if (round == 0) {
-      const ProgramResult build = command("build", streamed);
+      const ProgramResult build = command("build", little_memory);
       EXPECT_EQ(build.exit_code, 1);
       EXPECT_THAT(build.err, HasSubstr(path.string()));
     }
-    const ProgramResult result = scene().run(streamed);
+    const ProgramResult result = scene().run(little_memory);
     VOXWELD_EXPECT_DONE(result);
     if (round == 0) {
       EXPECT_THAT(result.err, HasSubstr("it is removed and made again"));
@@ -186,13 +187,13 @@ TEST_F(StreamedMeshRun, Refusals) {
   open.triangles.pop_back();
   write_mesh(space_.at("open.off"), open);
   set("open.off");
-  const ProgramResult refused = scene().run(streamed);
+  const ProgramResult refused = scene().run(little_memory);
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(
       refused.err,
       HasSubstr("open.off: the mesh is not closed, so it has no inside: 3 of its edges have "
                 "an odd number of triangles, in 1 hole ("));
-  const ProgramResult wound = scene().run(streamed + Settings{"input.close=winding"});
+  const ProgramResult wound = scene().run(little_memory + Settings{"input.close=winding"});
   EXPECT_EQ(wound.exit_code, 2);
   EXPECT_THAT(wound.err, HasSubstr("run.memory = 64MiB is not enough for this mesh of"));
   EXPECT_THAT(wound.err, HasSubstr("winding numbers (close = \"winding\") are of all its"));

@@ -56,7 +56,7 @@ TileMesh book(int sheets, int length) {
   return mesh;
 }
 
-LatticeMesh as_lattice_mesh(const TileMesh& mesh) {
+LatticeMesh with_pairs(const TileMesh& mesh) {
   LatticeMesh out{mesh.positions, mesh.triangles, {}};
   for (const std::uint32_t pair : mesh.triangle_pairs) out.pairs.push_back(mesh.pairs[pair]);
   return out;
@@ -76,7 +76,7 @@ TEST(Pairs, ComeBackFromBothFormats) {
       const TileMesh mesh = book(sheets, 12);
       EncodeParameters parameters;
       parameters.normals = normals;
-      const TriangleDigest expected = digest(as_lattice_mesh(mesh));
+      const TriangleDigest expected = digest(with_pairs(mesh));
       const EncodedMesh encoded = encode_draco(mesh, parameters);
       EXPECT_GE(encoded.pair_id, 0);
       const LatticeMesh drc = weld(decode_draco(encoded.bytes), mesh.lattice);
@@ -141,7 +141,7 @@ TEST(Pairs, CornersKeepTheSideOfTheirNormals) {
 }
 
 TEST(Pairs, TheDigestTellsOtherLabelsApart) {
-  const LatticeMesh mesh = as_lattice_mesh(book(3, 4));
+  const LatticeMesh mesh = with_pairs(book(3, 4));
   LatticeMesh other = mesh;
   std::swap(other.pairs[0].inside, other.pairs[0].outside);
   EXPECT_NE(digest(other), digest(mesh));
@@ -176,7 +176,7 @@ TEST(Pairs, JoinedTilesHaveThePairsOfAll) {
   for (const TileMesh& part : parts) accumulator.append(part);
   const TileMesh joined = accumulator.take();
   EXPECT_TRUE(std::is_sorted(joined.pairs.begin(), joined.pairs.end()));
-  EXPECT_EQ(digest(as_lattice_mesh(joined)), digest(as_lattice_mesh(whole)));
+  EXPECT_EQ(digest(with_pairs(joined)), digest(with_pairs(whole)));
 }
 
 // A cube of two halves: each half's boundary is closed, the wall in it counts for both.

@@ -12,13 +12,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Hash128 key{1, 2};
+constexpr Hash128 record_key{1, 2};
 
 class AssetRecordTest : public ::testing::Test {
  protected:
   void SetUp() override {
     AssetRecord record;
-    record.key = key;
+    record.key = record_key;
     AssetFile file(output(), "tile.drc");
     file.append(as_bytes(std::string("12")));
     file.append(as_bytes(std::string("345")));
@@ -28,7 +28,7 @@ class AssetRecordTest : public ::testing::Test {
   fs::path output() const { return directory_ / "mesh"; }
   fs::path path() const { return directory_ / "tile.record"; }
   fs::path file() const { return output() / "tile.drc"; }
-  bool is_current() const { return asset_is_current(path(), key, output()); }
+  bool is_current() const { return asset_is_current(path(), record_key, output()); }
   Hash128 stamp() const { return read_asset_record(path())->files_stamp; }
   void write_later(const std::string& text) const {
     write_whole_file(file(), as_bytes(text), Durability::rename_only);

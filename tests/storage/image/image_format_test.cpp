@@ -34,7 +34,7 @@ std::vector<std::byte> small_jpeg() {
   return bytes;
 }
 
-std::string refusal(const std::filesystem::path& path) {
+std::string image_refusal(const std::filesystem::path& path) {
   try {
     ImageFile file(path);
   } catch (const FormatError& error) {
@@ -58,9 +58,9 @@ TEST(Jpeg, IsRefusedWhenBrokenOff) {
   EXPECT_EQ(read_bytes(directory / "a.jpg"), std::vector<std::uint8_t>(64, 100));
   for (std::size_t size = 0; size < whole.size(); ++size) {
     write_whole_file(directory / "a.jpg", std::span(whole).first(size), Durability::rename_only);
-    EXPECT_NE(refusal(directory / "a.jpg"), "opened") << size;
+    EXPECT_NE(image_refusal(directory / "a.jpg"), "opened") << size;
   }
-  EXPECT_THAT(refusal(directory / "a.jpg"), HasSubstr("does not come to its end"));
+  EXPECT_THAT(image_refusal(directory / "a.jpg"), HasSubstr("does not come to its end"));
 }
 
 TEST(Pnm, IsRefusedWhereItWouldBeStretched) {
@@ -68,7 +68,7 @@ TEST(Pnm, IsRefusedWhereItWouldBeStretched) {
   std::ofstream(directory / "a.pgm") << "P5\n# 7 8\n3 1\n255\nABC";
   EXPECT_THAT(read_bytes(directory / "a.pgm"), ElementsAre('A', 'B', 'C'));
   std::ofstream(directory / "b.pgm") << "P5\n3 1\n100\nABC";
-  EXPECT_THAT(refusal(directory / "b.pgm"), HasSubstr("declared as 100; expected 255"));
+  EXPECT_THAT(image_refusal(directory / "b.pgm"), HasSubstr("declared as 100; expected 255"));
 }
 
 void append_chunk(std::string& png, const std::string& type, const std::string& data) {

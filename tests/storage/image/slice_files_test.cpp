@@ -23,7 +23,7 @@ std::vector<std::string> names(const SliceFiles& files) {
   return result;
 }
 
-std::string refusal(std::vector<std::filesystem::path> paths) {
+std::string order_refusal(std::vector<std::filesystem::path> paths) {
   try {
     order_slices(std::move(paths));
   } catch (const InputError& error) {
@@ -40,9 +40,9 @@ TEST(SliceOrder, CountsInNumbersNotInCharacters) {
 
 TEST(SliceOrder, NamesMissingSlices) {
   EXPECT_THAT(
-      refusal({"d/s001.tif", "d/s002.tif", "d/s004.tif", "d/s005.tif", "d/s009.tif"}),
+      order_refusal({"d/s001.tif", "d/s002.tif", "d/s004.tif", "d/s005.tif", "d/s009.tif"}),
       AllOf(HasSubstr("missing"), HasSubstr("number 3, 6 to 8;"), HasSubstr("found 5 files")));
-  EXPECT_THAT(refusal({"d/s1.tif", "d/s3.tif"}), HasSubstr("number 2;"));
+  EXPECT_THAT(order_refusal({"d/s1.tif", "d/s3.tif"}), HasSubstr("number 2;"));
 }
 
 TEST(SliceOrder, TakesEveryNthSliceWithAWarning) {
@@ -50,18 +50,18 @@ TEST(SliceOrder, TakesEveryNthSliceWithAWarning) {
       order_slices({"d/s0.tif", "d/s10.tif", "d/s20.tif", "d/s5.tif", "d/s15.tif"});
   EXPECT_THAT(names(files), ElementsAre("s0.tif", "s5.tif", "s10.tif", "s15.tif", "s20.tif"));
   EXPECT_THAT(files.warnings, ElementsAre(HasSubstr("go up by 5")));
-  EXPECT_THAT(refusal({"d/s0.tif", "d/s2.tif", "d/s4.tif", "d/s6.tif", "d/s10.tif"}),
+  EXPECT_THAT(order_refusal({"d/s0.tif", "d/s2.tif", "d/s4.tif", "d/s6.tif", "d/s10.tif"}),
               HasSubstr("number 8;"));
 }
 
 TEST(SliceOrder, RefusesANumberTwice) {
-  EXPECT_THAT(refusal({"d/s1.tif", "d/s01.tif", "d/s2.tif"}),
+  EXPECT_THAT(order_refusal({"d/s1.tif", "d/s01.tif", "d/s2.tif"}),
               AllOf(HasSubstr("number 1 occurs twice"), HasSubstr("s01.tif"), HasSubstr("s1.tif")));
-  EXPECT_THAT(refusal({"d/s1.tif", "d/s01.tif"}), HasSubstr("occurs twice"));
+  EXPECT_THAT(order_refusal({"d/s1.tif", "d/s01.tif"}), HasSubstr("occurs twice"));
 }
 
 TEST(SliceOrder, RefusesStrangersAmongSlices) {
-  EXPECT_THAT(refusal({"d/s1.tif", "d/s2.tif", "d/mask.tif"}),
+  EXPECT_THAT(order_refusal({"d/s1.tif", "d/s2.tif", "d/mask.tif"}),
               AllOf(HasSubstr("2 images are named like s1.tif"), HasSubstr("(mask.tif)")));
 }
 
@@ -69,7 +69,7 @@ TEST(SliceOrder, FindsTheCounterAmongSeveralNumbers) {
   const SliceFiles files =
       order_slices({"d/930_scan_2.tif", "d/935_scan_1.tif", "d/931_scan_3.tif"});
   EXPECT_THAT(names(files), ElementsAre("935_scan_1.tif", "930_scan_2.tif", "931_scan_3.tif"));
-  EXPECT_THAT(refusal({"d/z1_c1.tif", "d/z1_c2.tif", "d/z2_c1.tif", "d/z2_c2.tif"}),
+  EXPECT_THAT(order_refusal({"d/z1_c1.tif", "d/z1_c2.tif", "d/z2_c1.tif", "d/z2_c2.tif"}),
               AllOf(HasSubstr("2 numbers vary"), HasSubstr("pattern")));
   EXPECT_THAT(order_slices({"d/10_5.tif", "d/12_8.tif"}).warnings,
               ElementsAre(HasSubstr("cannot be noticed")));

@@ -20,7 +20,7 @@ ImagePage described(const std::string& description, double resolution, const std
   return page;
 }
 
-std::string refusal(const std::string& description, std::size_t pages) {
+std::string calibration_refusal(const std::string& description, std::size_t pages) {
   try {
     read_calibration(described(description, 0, ""), {"a.tif", pages});
   } catch (const FormatError& error) {
@@ -53,12 +53,16 @@ TEST(Calibration, DoesNotGuessTheDistanceOfSlices) {
 }
 
 TEST(Calibration, RefusesWhatIsNotOneVolume) {
-  EXPECT_THAT(refusal("ImageJ=1\nimages=8\nchannels=2\nslices=4\n", 8), HasSubstr("2 channels"));
-  EXPECT_THAT(refusal("ImageJ=1\nimages=8\nslices=4\nframes=2\n", 8), HasSubstr("2 times"));
-  EXPECT_EQ(refusal("ImageJ=1\nimages=8\nframes=8\n", 8), "accepted");
-  EXPECT_THAT(refusal("ImageJ=1\nimages=900\nslices=900\n", 1), HasSubstr("over 4 GiB"));
-  EXPECT_THAT(refusal("<?xml?><OME><Pixels SizeC=\"3\" SizeZ=\"4\" SizeT=\"1\"></OME>", 12),
-              HasSubstr("3 channels"));
+  EXPECT_THAT(calibration_refusal("ImageJ=1\nimages=8\nchannels=2\nslices=4\n", 8),
+              HasSubstr("2 channels"));
+  EXPECT_THAT(calibration_refusal("ImageJ=1\nimages=8\nslices=4\nframes=2\n", 8),
+              HasSubstr("2 times"));
+  EXPECT_EQ(calibration_refusal("ImageJ=1\nimages=8\nframes=8\n", 8), "accepted");
+  EXPECT_THAT(calibration_refusal("ImageJ=1\nimages=900\nslices=900\n", 1),
+              HasSubstr("over 4 GiB"));
+  EXPECT_THAT(
+      calibration_refusal("<?xml?><OME><Pixels SizeC=\"3\" SizeZ=\"4\" SizeT=\"1\"></OME>", 12),
+      HasSubstr("3 channels"));
 }
 
 TEST(Calibration, ReadsOme) {

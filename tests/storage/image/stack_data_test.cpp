@@ -25,7 +25,7 @@ std::vector<T> read_all(const SampleSource& source) {
   return samples;
 }
 
-std::string refusal(const std::string& name) {
+std::string data_refusal(const std::string& name) {
   try {
     open_stack({tiff(name), {}, {}});
   } catch (const FormatError& error) {
@@ -105,12 +105,14 @@ TEST(RealStacks, HalfFloatsBecomeFloats) {
 
 TEST(RealStacks, RefusesWhatIsNotGrey) {
   VOXWELD_NEEDS_SHARED_DATA("tiff/image_tiff");
-  EXPECT_THAT(refusal("image_tiff/rgb-3c-8b.tiff"), HasSubstr("3 channels"));
-  EXPECT_THAT(refusal("image_tiff/palette-1c-8b.tiff"), HasSubstr("palette"));
-  EXPECT_THAT(refusal("image_tiff/cmyk-4c-8b.tiff"), HasSubstr("5 channels"));
-  EXPECT_THAT(refusal("image_tiff/minisblack-2c-8b-alpha.tiff"), HasSubstr("2 channels"));
-  EXPECT_THAT(refusal("image_tiff/gradient-1c-64b.tiff"), HasSubstr("cannot be read as an image"));
-  EXPECT_THAT(refusal("image_tiff/minisblack-1c-5b.tiff"), HasSubstr("cannot be read as an image"));
+  EXPECT_THAT(data_refusal("image_tiff/rgb-3c-8b.tiff"), HasSubstr("3 channels"));
+  EXPECT_THAT(data_refusal("image_tiff/palette-1c-8b.tiff"), HasSubstr("palette"));
+  EXPECT_THAT(data_refusal("image_tiff/cmyk-4c-8b.tiff"), HasSubstr("5 channels"));
+  EXPECT_THAT(data_refusal("image_tiff/minisblack-2c-8b-alpha.tiff"), HasSubstr("2 channels"));
+  EXPECT_THAT(data_refusal("image_tiff/gradient-1c-64b.tiff"),
+              HasSubstr("cannot be read as an image"));
+  EXPECT_THAT(data_refusal("image_tiff/minisblack-1c-5b.tiff"),
+              HasSubstr("cannot be read as an image"));
 }
 
 // Nothing here may crash or hang, whatever it is.

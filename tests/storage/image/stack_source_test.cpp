@@ -43,7 +43,7 @@ void expect_samples(const SampleSource& source, const Box3& box) {
         ASSERT_EQ(*sample++, sample_at(x, y, z)) << x << ' ' << y << ' ' << z;
 }
 
-std::string refusal(const std::filesystem::path& path) {
+std::string stack_refusal(const std::filesystem::path& path) {
   try {
     open_stack({path.string(), {}, {}});
   } catch (const Error& error) {
@@ -143,19 +143,20 @@ TEST_F(Stack, ReadsMoreSlicesThanDescriptors) {
 TEST_F(Stack, RefusesUnlikeSlices) {
   write_slices(3);
   write_tiff(directory_ / "slice1.tif", {slice(6, 4, 1)});
-  EXPECT_THAT(refusal(directory_.path()),
+  EXPECT_THAT(stack_refusal(directory_.path()),
               AllOf(HasSubstr("slice1.tif: 6 x 4 pixels"), HasSubstr("expected 6 x 5 pixels"),
                     HasSubstr("slice0.tif")));
   write_tiff(directory_ / "slice1.tif",
              {tiff_page(6, 5, SampleType::u8, std::vector<std::uint8_t>(30))});
-  EXPECT_THAT(refusal(directory_.path()), AllOf(HasSubstr("uint8"), HasSubstr("uint16")));
+  EXPECT_THAT(stack_refusal(directory_.path()), AllOf(HasSubstr("uint8"), HasSubstr("uint16")));
   write_tiff(directory_ / "slice1.tif", {slice(6, 5, 0), slice(6, 5, 1)});
-  EXPECT_THAT(refusal(directory_.path()), AllOf(HasSubstr("slice1.tif"), HasSubstr("2 pages")));
+  EXPECT_THAT(stack_refusal(directory_.path()),
+              AllOf(HasSubstr("slice1.tif"), HasSubstr("2 pages")));
 }
 
 TEST_F(Stack, RefusesUnlikePages) {
   write_tiff(directory_ / "a.tif", {slice(6, 5, 0), slice(6, 5, 1), slice(3, 2, 2)});
-  EXPECT_THAT(refusal(directory_ / "a.tif"),
+  EXPECT_THAT(stack_refusal(directory_ / "a.tif"),
               AllOf(HasSubstr("a.tif, page 3: 3 x 2 pixels"), HasSubstr("expected 6 x 5")));
 }
 
@@ -164,17 +165,17 @@ TEST_F(Stack, RefusesColour) {
   page.channels = 3;
   page.photometric = 2;
   write_tiff(directory_ / "a.tif", {page});
-  EXPECT_THAT(refusal(directory_ / "a.tif"),
+  EXPECT_THAT(stack_refusal(directory_ / "a.tif"),
               AllOf(HasSubstr("a.tif: has 3 channels"), HasSubstr("convert the slices to grey")));
 }
 
 TEST_F(Stack, NamesDamagedAndMissingSlices) {
   write_slices(4);
   std::ofstream(directory_ / "slice2.tif") << "garbage";
-  EXPECT_THAT(refusal(directory_.path()), HasSubstr("slice2.tif"));
+  EXPECT_THAT(stack_refusal(directory_.path()), HasSubstr("slice2.tif"));
   std::filesystem::remove(directory_ / "slice2.tif");
-  EXPECT_THAT(refusal(directory_.path()), AllOf(HasSubstr("missing"), HasSubstr("number 2")));
-  EXPECT_THAT(refusal(directory_ / "nowhere"), HasSubstr("no such file or directory"));
+  EXPECT_THAT(stack_refusal(directory_.path()), AllOf(HasSubstr("missing"), HasSubstr("number 2")));
+  EXPECT_THAT(stack_refusal(directory_ / "nowhere"), HasSubstr("no such file or directory"));
 }
 
 TEST_F(Stack, NoticesAFileThatChangesUnderWay) {

@@ -11,7 +11,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 // Lines as they stand in the header, which is filled to whole blocks.
-std::string header(const std::string& lines) {
+std::string inrimage_header(const std::string& lines) {
   std::string text = fmt::format("#INRIMAGE-4#{{\n{}", lines);
   text.append((256 - (text.size() + 4) % 256) % 256, '\n');
   text += "##}\n";
@@ -38,7 +38,7 @@ TEST(Inrimage, EveryTypeOrderAndCompression) {
       for (const bool compressed : {false, true}) {
         const KnownVolume volume = make_volume(type, {6, 5, 7});
         const bool big = cpu == "sun" || cpu == "sgi";
-        Bytes data = to_bytes(header(lines_of(volume, cpu))) +
+        Bytes data = to_bytes(inrimage_header(lines_of(volume, cpu))) +
                      volume.stored(big ? std::endian::big : std::endian::little);
         if (compressed) data = deflated(data, Wrapper::gzip);
         const auto source =
@@ -61,8 +61,8 @@ TEST(Inrimage, HeadersOfAnyLength) {
   for (const std::size_t remark : {1, 100, 139, 140, 300, 5000}) {
     const std::string lines =
         fmt::format("{}# {}\n", lines_of(volume, "pc"), std::string(remark, 'x'));
-    const auto source =
-        open_path(write_file(directory / "a.dat", to_bytes(header(lines)) + volume.stored()));
+    const auto source = open_path(
+        write_file(directory / "a.dat", to_bytes(inrimage_header(lines)) + volume.stored()));
     expect_volume(*source, volume);
   }
 }
@@ -71,7 +71,8 @@ TEST(Inrimage, Geometry) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::u16, {3, 4, 5});
   const auto info = [&](const std::string& lines) {
-    return open_path(write_file(directory / "a.inr", to_bytes(header(lines)) + volume.stored()))
+    return open_path(
+               write_file(directory / "a.inr", to_bytes(inrimage_header(lines)) + volume.stored()))
         ->info();
   };
   const std::string lines = lines_of(volume, "pc");
@@ -93,7 +94,8 @@ TEST(Inrimage, WhatCannotBeReadIsNamed) {
   const auto say = [&](const std::string& line_start, const std::string& line) {
     const std::string lines =
         with_line(fmt::format("\n{}", lines_of(volume, "pc")), line_start, line);
-    return complaint(write_file(directory / "a.inr", to_bytes(header(lines)) + volume.stored()));
+    return complaint(
+        write_file(directory / "a.inr", to_bytes(inrimage_header(lines)) + volume.stored()));
   };
   EXPECT_THAT(say("XDIM", ""), HasSubstr("the header has no field 'XDIM'"));
   EXPECT_THAT(say("YDIM", "YDIM=0"), HasSubstr("a.inr:4: field 'YDIM': expected a positive size"));
@@ -116,7 +118,7 @@ TEST(Inrimage, WhatCannotBeReadIsNamed) {
 TEST(Inrimage, DamagedFiles) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::u16, {3, 4, 5});
-  const Bytes whole = to_bytes(header(lines_of(volume, "pc"))) + volume.stored();
+  const Bytes whole = to_bytes(inrimage_header(lines_of(volume, "pc"))) + volume.stored();
   const auto say = [&](const Bytes& bytes, const std::string& name = "a.inr") {
     return complaint(write_file(directory / name, bytes));
   };

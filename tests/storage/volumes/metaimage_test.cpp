@@ -20,7 +20,8 @@ const char* meta_type(SampleType type) {
   return names.at(type);
 }
 
-std::string header(const KnownVolume& volume, const std::string& more, const std::string& data) {
+std::string metaimage_header(const KnownVolume& volume, const std::string& more,
+                             const std::string& data) {
   return fmt::format(
       "ObjectType = Image\nNDims = 3\nDimSize = {} {} {}\nElementType = {}\nElementSpacing = 1 2 "
       "0.5\n{}ElementDataFile = {}\n",
@@ -39,14 +40,14 @@ TEST(MetaImage, EveryTypeOrderAndCompression) {
           data = deflated(data, Wrapper::zlib);
           more += fmt::format("CompressedData = True\nCompressedDataSize = {}\n", data.size());
         }
-        const auto local = open_path(
-            write_file(directory / "a.mha", to_bytes(header(volume, more, "LOCAL")) + data));
+        const auto local = open_path(write_file(
+            directory / "a.mha", to_bytes(metaimage_header(volume, more, "LOCAL")) + data));
         expect_volume(*local, volume);
         EXPECT_EQ(local->info().access, compressed ? Access::stream : Access::box);
         EXPECT_TRUE(local->info().warnings.empty());
         write_file(directory / "the samples.raw", data);
-        const auto beside =
-            open_path(write_file(directory / "a.mhd", header(volume, more, "the samples.raw")));
+        const auto beside = open_path(
+            write_file(directory / "a.mhd", metaimage_header(volume, more, "the samples.raw")));
         expect_volume(*beside, volume);
         EXPECT_EQ(beside->info().files.size(), 2U);
         EXPECT_EQ(beside->info().geometry.spacing, (Vec3{1, 2, 0.5}));
@@ -56,7 +57,8 @@ TEST(MetaImage, EveryTypeOrderAndCompression) {
 TEST(MetaImage, TextSamples) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::i16, {6, 5, 7});
-  const std::string text = header(volume, "BinaryData = False\n", "LOCAL") + as_text(volume);
+  const std::string text =
+      metaimage_header(volume, "BinaryData = False\n", "LOCAL") + as_text(volume);
   expect_volume(*open_path(write_file(directory / "a.mha", text)), volume);
 }
 
@@ -72,12 +74,13 @@ TEST(MetaImage, FilesByListAndPattern) {
   const std::string order = "BinaryDataByteOrderMSB = True\n";
   for (const std::string& files :
        {"LIST\n" + list, "LIST 2\n" + list, "LIST 2D\n" + list, std::string("s%02d.raw 1 9 2")}) {
-    const auto source = open_path(write_file(directory / "a.mhd", header(volume, order, files)));
+    const auto source =
+        open_path(write_file(directory / "a.mhd", metaimage_header(volume, order, files)));
     expect_volume(*source, volume);
     EXPECT_EQ(source->info().files.size(), 6U);
   }
   const auto say = [&](const std::string& files) {
-    return complaint(write_file(directory / "a.mhd", header(volume, order, files)));
+    return complaint(write_file(directory / "a.mhd", metaimage_header(volume, order, files)));
   };
   EXPECT_THAT(say("LIST\ns01.raw\n"), AllOf(HasSubstr("1 files are listed"), HasSubstr("5")));
   EXPECT_THAT(say("LIST x\ns01.raw\n"), HasSubstr("expected LIST"));
@@ -92,31 +95,32 @@ TEST(MetaImage, HeaderSize) {
   const KnownVolume volume = make_volume(SampleType::u8, {4, 3, 5});
   write_file(directory / "d.raw", Bytes(13, std::byte{1}) + volume.stored());
   for (const char* size : {"13", "-1"})
-    expect_volume(
-        *open_path(write_file(directory / "a.mhd",
-                              header(volume, fmt::format("HeaderSize = {}\n", size), "d.raw"))),
-        volume);
+    expect_volume(*open_path(write_file(
+                      directory / "a.mhd",
+                      metaimage_header(volume, fmt::format("HeaderSize = {}\n", size), "d.raw"))),
+                  volume);
   write_file(directory / "d.raw",
              Bytes(13, std::byte{1}) + deflated(volume.stored(), Wrapper::zlib));
-  expect_volume(
-      *open_path(write_file(directory / "a.mhd",
-                            header(volume, "CompressedData = True\nHeaderSize = 13\n", "d.raw"))),
-      volume);
-  EXPECT_THAT(
-      complaint(write_file(directory / "a.mhd",
-                           header(volume, "CompressedData = True\nHeaderSize = -1\n", "d.raw"))),
-      HasSubstr("-1 has no meaning"));
-  EXPECT_THAT(
-      complaint(write_file(directory / "a.mhd", header(volume, "HeaderSize = -2\n", "d.raw"))),
-      HasSubstr("'-2'"));
+  expect_volume(*open_path(write_file(
+                    directory / "a.mhd",
+                    metaimage_header(volume, "CompressedData = True\nHeaderSize = 13\n", "d.raw"))),
+                volume);
+  EXPECT_THAT(complaint(write_file(
+                  directory / "a.mhd",
+                  metaimage_header(volume, "CompressedData = True\nHeaderSize = -1\n", "d.raw"))),
+              HasSubstr("-1 has no meaning"));
+  EXPECT_THAT(complaint(write_file(directory / "a.mhd",
+                                   metaimage_header(volume, "HeaderSize = -2\n", "d.raw"))),
+              HasSubstr("'-2'"));
 }
 
 TEST(MetaImage, Geometry) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::u8, {3, 4, 5});
   const auto info = [&](const std::string& more) {
-    return open_path(write_file(directory / "a.mha",
-                                to_bytes(header(volume, more, "LOCAL")) + volume.stored()))
+    return open_path(
+               write_file(directory / "a.mha",
+                          to_bytes(metaimage_header(volume, more, "LOCAL")) + volume.stored()))
         ->info();
   };
   // The first three numbers are where x goes.
@@ -132,7 +136,7 @@ TEST(MetaImage, Geometry) {
   EXPECT_EQ(made.geometry.origin, (Vec3{1, 2, 3}));
   EXPECT_EQ(made.geometry.unit, "");
   const std::string plain =
-      with_line(header(volume, "", "LOCAL"), "ElementSpacing", "ElementSize = 3 4 5");
+      with_line(metaimage_header(volume, "", "LOCAL"), "ElementSpacing", "ElementSize = 3 4 5");
   EXPECT_EQ(open_path(write_file(directory / "a.mha", to_bytes(plain) + volume.stored()))
                 ->info()
                 .geometry.spacing,
@@ -157,13 +161,14 @@ TEST(MetaImage, FourthDimensionOfOne) {
 TEST(MetaImage, WarnsOfWhatItOverlooks) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::u16, {3, 4, 5});
-  const auto source = open_path(write_file(
-      directory / "a.mha", to_bytes(header(volume,
+  const auto source = open_path(
+      write_file(directory / "a.mha",
+                 to_bytes(metaimage_header(volume,
                                            "CompressedData = True\nCompressedDataSize = 77\n"
                                            "ElementToIntensityFunctionSlope = 1\n"
                                            "ElementToIntensityFunctionOffset = -1024\n",
                                            "LOCAL")) +
-                               deflated(volume.stored(), Wrapper::zlib)));
+                     deflated(volume.stored(), Wrapper::zlib)));
   expect_volume(*source, volume);
   EXPECT_THAT(source->info().warnings,
               ::testing::ElementsAre(HasSubstr("-1024"), HasSubstr("little-endian assumed"),
@@ -174,11 +179,11 @@ TEST(MetaImage, TruncatedDataAreRefused) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::u16, {6, 5, 7});
   for (const bool compressed : {false, true}) {
-    const Bytes head =
-        to_bytes(header(volume,
-                        compressed ? "ElementByteOrderMSB = False\nCompressedData = True\n"
-                                   : "ElementByteOrderMSB = False\n",
-                        "LOCAL"));
+    const Bytes head = to_bytes(
+        metaimage_header(volume,
+                         compressed ? "ElementByteOrderMSB = False\nCompressedData = True\n"
+                                    : "ElementByteOrderMSB = False\n",
+                         "LOCAL"));
     const Bytes whole =
         head + (compressed ? deflated(volume.stored(), Wrapper::zlib) : volume.stored());
     for (std::size_t size = 0; size < whole.size(); size += 5)
@@ -193,7 +198,8 @@ TEST(MetaImage, TruncatedDataAreRefused) {
 TEST(MetaImage, BadHeadersAreNamedWithTheirLine) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::u8, {3, 4, 5});
-  const std::string good = header(volume, "ElementNumberOfChannels = 1\nOffset = 0 0 0\n", "LOCAL");
+  const std::string good =
+      metaimage_header(volume, "ElementNumberOfChannels = 1\nOffset = 0 0 0\n", "LOCAL");
   const auto say = [&](const std::string& text) {
     return complaint(write_file(directory / "a.mha", to_bytes(text) + volume.stored()));
   };

@@ -9,8 +9,8 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 // A minimal header without its end; the rest is appended.
-std::string header(const KnownVolume& volume, const std::string& encoding,
-                   const std::string& more = "") {
+std::string nrrd_header(const KnownVolume& volume, const std::string& encoding,
+                        const std::string& more = "") {
   return fmt::format(
       "NRRD0004\n# a comment\ntype: {}\ndimension: 3\nsizes: {} {} {}\nencoding: {}\n{}",
       sample_type_name(volume.type), volume.size.x, volume.size.y, volume.size.z, encoding, more);
@@ -24,7 +24,7 @@ TEST(Nrrd, EveryTypeOrderAndEncodingAttached) {
         const KnownVolume volume = make_volume(type, {6, 5, 7});
         Bytes data = volume.stored(order);
         if (encoding[0] == 'g') data = deflated(data, Wrapper::gzip);
-        const std::string text = header(
+        const std::string text = nrrd_header(
             volume, encoding, order == std::endian::big ? "endian: big\n\n" : "endian: little\n\n");
         const auto source = open_path(write_file(directory / "a.nrrd", to_bytes(text) + data));
         expect_volume(*source, volume);
@@ -39,7 +39,7 @@ TEST(Nrrd, TextOfEveryType) {
   for (const SampleType type : all_types) {
     const KnownVolume volume = make_volume(type, {6, 5, 7});
     for (const char* separator : {" ", ", ", "\t"}) {
-      const std::string text = header(volume, "ascii") + "\n" + as_text(volume, separator);
+      const std::string text = nrrd_header(volume, "ascii") + "\n" + as_text(volume, separator);
       expect_volume(*open_path(write_file(directory / "a.nrrd", text)), volume);
     }
   }
@@ -49,7 +49,8 @@ TEST(Nrrd, TextThatDoesNotFitTheTypeIsNamed) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::u8, {2, 2, 1});
   const auto say = [&](const std::string& samples) {
-    return complaint(write_file(directory / "a.nrrd", header(volume, "text") + "\n" + samples));
+    return complaint(
+        write_file(directory / "a.nrrd", nrrd_header(volume, "text") + "\n" + samples));
   };
   EXPECT_EQ(say("1 2 3 4"), "");
   EXPECT_THAT(say("1 2 256 4"),
@@ -63,7 +64,7 @@ TEST(Nrrd, DetachedWithSkips) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::i16, {6, 5, 7});
   const auto text = [&](const std::string& encoding, const std::string& skips) {
-    return header(volume, encoding, "endian: little\ndata file: my data.bin\n" + skips);
+    return nrrd_header(volume, encoding, "endian: little\ndata file: my data.bin\n" + skips);
   };
   const Bytes junk = to_bytes("first line\r\nsecond line\nabc");
   // Lines are skipped before decompression and bytes after.
@@ -105,20 +106,23 @@ TEST(Nrrd, FilesByListAndPattern) {
     for (const std::string& files : {"data file: LIST\n" + list, "data file: LIST 2\n" + list,
                                      std::string("data file: slice_%03d.bin 100 31 -1\n"),
                                      std::string("datafile: slice_%03d.bin 100 31 -1 2\n")}) {
-      const auto source =
-          open_path(write_file(directory / "a.nhdr", header(volume, encoding, fields + files)));
+      const auto source = open_path(
+          write_file(directory / "a.nhdr", nrrd_header(volume, encoding, fields + files)));
       expect_volume(*source, volume);
       EXPECT_EQ(source->info().files.size(), 71U);
     }
-    EXPECT_THAT(complaint(write_file(directory / "a.nhdr",
-                                     header(volume, encoding, fields + "data file: LIST\na\nb\n"))),
-                AllOf(HasSubstr("2 files are listed"), HasSubstr("70")));
-    EXPECT_THAT(complaint(write_file(directory / "a.nhdr",
-                                     header(volume, encoding, fields + "data file: s%d 1 9 1\n"))),
-                AllOf(HasSubstr("names 9 files"), HasSubstr("70")));
-    EXPECT_THAT(complaint(write_file(directory / "a.nhdr",
-                                     header(volume, encoding, fields + "data file: s%d 1 70 1\n"))),
-                AllOf(HasSubstr("a.nhdr:9"), HasSubstr("s1 is not there")));
+    EXPECT_THAT(
+        complaint(write_file(directory / "a.nhdr",
+                             nrrd_header(volume, encoding, fields + "data file: LIST\na\nb\n"))),
+        AllOf(HasSubstr("2 files are listed"), HasSubstr("70")));
+    EXPECT_THAT(
+        complaint(write_file(directory / "a.nhdr",
+                             nrrd_header(volume, encoding, fields + "data file: s%d 1 9 1\n"))),
+        AllOf(HasSubstr("names 9 files"), HasSubstr("70")));
+    EXPECT_THAT(
+        complaint(write_file(directory / "a.nhdr",
+                             nrrd_header(volume, encoding, fields + "data file: s%d 1 70 1\n"))),
+        AllOf(HasSubstr("a.nhdr:9"), HasSubstr("s1 is not there")));
   }
 }
 
@@ -129,7 +133,7 @@ TEST(Nrrd, ManyFilesWarnOnce) {
     write_file(directory / fmt::format("s{}", z),
                volume.share(z, 7, std::endian::little) + Bytes(3));
   const auto source = open_path(write_file(
-      directory / "a.nhdr", header(volume, "raw", "old min: -5\ndata file: s%d 0 6 1\n")));
+      directory / "a.nhdr", nrrd_header(volume, "raw", "old min: -5\ndata file: s%d 0 6 1\n")));
   EXPECT_THAT(source->info().warnings,
               ::testing::ElementsAre(HasSubstr("stored units"),
                                      AllOf(HasSubstr("s0: 3 bytes after"), HasSubstr("6 more"))));
@@ -140,11 +144,11 @@ TEST(Nrrd, GeometryFromDirections) {
   const KnownVolume volume = make_volume(SampleType::u8, {3, 4, 5});
   const auto source = open_path(write_file(
       directory / "a.nrrd",
-      to_bytes(
-          header(volume, "raw",
-                 "space: left-posterior-superior\nspace directions: (0,2,0) (-3, 0, 0) (0,0,0.5)\n"
-                 "space origin: (10,20,-30.5)\nspace units: \"mm\" \"mm\" \"mm\"\n"
-                 "kinds: domain domain domain\nkey:=value: x\n\n")) +
+      to_bytes(nrrd_header(
+          volume, "raw",
+          "space: left-posterior-superior\nspace directions: (0,2,0) (-3, 0, 0) (0,0,0.5)\n"
+          "space origin: (10,20,-30.5)\nspace units: \"mm\" \"mm\" \"mm\"\n"
+          "kinds: domain domain domain\nkey:=value: x\n\n")) +
           volume.stored()));
   expect_volume(*source, volume);
   const VolumeGeometry& geometry = source->info().geometry;
@@ -161,8 +165,9 @@ TEST(Nrrd, GeometryFromSpacings) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::u8, {3, 4, 5});
   const auto info = [&](const std::string& fields) {
-    return open_path(write_file(directory / "a.nrrd",
-                                to_bytes(header(volume, "raw", fields + "\n")) + volume.stored()))
+    return open_path(
+               write_file(directory / "a.nrrd",
+                          to_bytes(nrrd_header(volume, "raw", fields + "\n")) + volume.stored()))
         ->info();
   };
   VolumeInfo made = info("spacings: 0.5 2 3\nunits: \"um\" \"microns\" \"um\"\n");
@@ -200,7 +205,7 @@ TEST(Nrrd, AxesOfSizeOneFallAway) {
 TEST(Nrrd, TruncatedAndCorruptDataAreRefused) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::u16, {6, 5, 7});
-  const Bytes text = to_bytes(header(volume, "raw", "endian: little\n\n"));
+  const Bytes text = to_bytes(nrrd_header(volume, "raw", "endian: little\n\n"));
   const Bytes whole = text + volume.stored();
   for (std::size_t size = 0; size < whole.size(); size += 7) {
     const auto path =
@@ -208,7 +213,7 @@ TEST(Nrrd, TruncatedAndCorruptDataAreRefused) {
                    Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)));
     EXPECT_THAT(complaint(path), HasSubstr("a.nrrd")) << size;
   }
-  const Bytes head = to_bytes(header(volume, "gzip", "endian: little\n\n"));
+  const Bytes head = to_bytes(nrrd_header(volume, "gzip", "endian: little\n\n"));
   const Bytes packed = head + deflated(volume.stored(), Wrapper::gzip);
   for (std::size_t size = head.size(); size < packed.size(); size += 3) {
     const auto path =
@@ -228,7 +233,7 @@ TEST(Nrrd, TruncatedAndCorruptDataAreRefused) {
 TEST(Nrrd, StreamsRestart) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::u16, {60, 50, 7});
-  const Bytes text = to_bytes(header(volume, "gzip", "endian: little\n\n"));
+  const Bytes text = to_bytes(nrrd_header(volume, "gzip", "endian: little\n\n"));
   const Bytes packed = text + deflated(volume.stored(), Wrapper::gzip);
   const auto source = open_path(write_file(directory / "a.nrrd", packed));
   std::vector<std::byte> out(volume.samples.size());
@@ -246,7 +251,7 @@ TEST(Nrrd, StreamsRestart) {
 TEST(Nrrd, JoinedGzipMembersAreOneStream) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::u16, {6, 5, 8});
-  const Bytes text = to_bytes(header(volume, "gzip", "endian: little\n\n"));
+  const Bytes text = to_bytes(nrrd_header(volume, "gzip", "endian: little\n\n"));
   const Bytes packed = text + deflated(volume.share(0, 2, std::endian::little), Wrapper::gzip) +
                        deflated(volume.share(1, 2, std::endian::little), Wrapper::gzip) +
                        to_bytes("trailing");
@@ -256,7 +261,7 @@ TEST(Nrrd, JoinedGzipMembersAreOneStream) {
 TEST(Nrrd, BadHeadersAreNamedWithTheirLine) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::i16, {3, 4, 5});
-  const std::string good = header(volume, "raw", "endian: little\nspacings: 1 1 1\n\n");
+  const std::string good = nrrd_header(volume, "raw", "endian: little\nspacings: 1 1 1\n\n");
   const auto say = [&](const std::string& text) {
     return complaint(write_file(directory / "a.nrrd", to_bytes(text) + volume.stored()));
   };
