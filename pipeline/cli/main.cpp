@@ -21,7 +21,7 @@ constexpr const char* description =
     "`voxweld init` writes one, `voxweld run` does what it says. Work that is done is kept: run "
     "again after a change or a failure, and only what is missing is made.";
 
-constexpr const char* footer =
+constexpr const char* first_steps =
     "First steps:\n"
     "  voxweld init scan.nii.gz        writes scan.toml; look at its isovalue\n"
     "  voxweld run scan.toml           writes the meshes into scan.mesh\n"
@@ -89,7 +89,7 @@ int run_main(int argc, char** argv) {
   std::string level = "info";
   set_up(app, level);
   add_commands(app, program);
-  app.footer(footer + reader_names());  // each command has its own
+  app.footer(first_steps + reader_names());  // each command has its own
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& shown) {

@@ -70,6 +70,7 @@ LabelParameters Jobs::chosen_labels(const Config& config) const {
 
 void Jobs::open_volume(Config& config) {
   if (!config.surface.isovalue) config.surface.isovalue = choose_isovalue(config, ingest_);
+  if (config.output.tile_vertices == 0) config.output.tile_vertices = fitting_tile_vertices(config);
   const Volume volume = ingested_volume(config, ingest_);
   VolumeInfo info = volume.source->info();
   const LabelParameters labels = final_labels(config, map_, ingest_);

@@ -148,7 +148,8 @@ int run(const std::string& folder, std::uint64_t labels, std::int64_t side) {
   stitch.folder = folder + "/stitch";
   timed("stitch: write the batches", [&] { write_batches(stitch, top, *plan); });
   timed("stitch: look at what is there", [&] {
-    if (!stitch_stage(stitch, top, *plan)->look({}).current()) throw InputError("batches are missing");
+    if (!stitch_stage(stitch, top, *plan)->look({}).current())
+      throw InputError("batches are missing");
   });
   Listing listing;
   listing.output = folder + "/mesh";

@@ -175,7 +175,7 @@ class StageSimulation {
   }
 
   const SimulatedWork& all_;
-  const SimulatedStage& work_;
+  const SimulatedUnits& work_;
   std::size_t stage_;
   const SimulatedCluster& cluster_;
   const SimulationChoice& choice_;

@@ -136,7 +136,7 @@ class Drawing {
     for (; owed >= 1; --owed) {
       const std::size_t tile = one(random_);
       for (const std::size_t stage : {stitch, encode}) {
-        SimulatedStage& work = work_.stages[stage];
+        SimulatedUnits& work = work_.stages[stage];
         const MeasuredUnit& unit = costs.units[stage][tile];
         work.units.push_back({work.units.size(), {}, unit.weight, 0});
         work.costs.push_back(unit);

@@ -50,14 +50,14 @@ struct WorkMix {
   RowReads rows;
 };
 
-struct SimulatedStage {
+struct SimulatedUnits {
   std::vector<Unit> units;          // as the stage itself would list them
   std::vector<MeasuredUnit> costs;  // beside them
   MeasuredUnit task;                // of a task before its first unit
 };
 
 struct SimulatedWork {
-  std::array<SimulatedStage, stages_simulated> stages;
+  std::array<SimulatedUnits, stages_simulated> stages;
   double shards = 0, tiles = 0, vertices = 0;
 };
 

@@ -6,9 +6,9 @@
 #include <algorithm>
 
 #include "storage/support/error.h"
-#include "tests/paper/allocation_count.h"
 #include "tests/paper/staged_contour.h"
 #include "tests/paper/stopwatch.h"
+#include "tests/support/allocation_count.h"
 
 namespace {
 
@@ -33,9 +33,9 @@ struct Row {
 // From the signed octree with its Hermite data on, as the paper measures; and what the octree of
 // the whole volume takes at once, as the paper keeps it: signs, Hermite data, all nodes with QEFs.
 void measure_paper(const ModelVolume& model, int turns, Row& row) {
-  const std::uint64_t before = live_bytes();
+  const std::uint64_t before = testing::live_bytes();
   const std::vector<HermiteBrick> hermite = hermite_data(model, Homogeneous::forget);
-  row.at_once = live_bytes() - before;
+  row.at_once = testing::live_bytes() - before;
   VolumeBricks bricks;
   std::uint64_t node_bytes = 0;
   row.generate_ms = median(turns, [&] {
@@ -58,11 +58,11 @@ void measure_paper(const ModelVolume& model, int turns, Row& row) {
 void measure_program(const ModelVolume& model, int turns, Row& row) {
   row.whole_ms =
       median(turns, [&] { return processor_ms([&] { contour_bricks(build_bricks(model)); }); });
-  const std::uint64_t before = live_bytes();
-  forget_peak();
+  const std::uint64_t before = testing::live_bytes();
+  testing::forget_peak();
   const VolumeBricks bricks = build_bricks(model);
-  row.peak = peak_bytes() - before;
-  row.finished = live_bytes() - before;
+  row.peak = testing::peak_bytes() - before;
+  row.finished = testing::live_bytes() - before;
   for (const TileMesh& tile : contour_bricks(bricks).tiles) {
     row.polygons += tile.quads + tile.polygon_triangles;
   }

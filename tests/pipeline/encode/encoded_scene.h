@@ -45,7 +45,11 @@ class EncodedScene {
   void encode(const EncodeJob& job) {
     context_.reports.clear();
     shown_.clear();
-    run_encode(context_, job, make_manifest(context_, *jobs_));
+    const TopArtifact top(job.stitch->merge->path());
+    const auto plan = unit_plan(top, context_.config.labels.mode);
+    const auto work = encode_stage({context_.config, job, top, *plan,
+                                    [&] { return make_manifest(context_.config, *jobs_, top); }});
+    do_stage(context_, *work);
   }
   const std::string& shown() const { return shown_; }
 

@@ -15,8 +15,9 @@ namespace {
 constexpr std::uint64_t mebibyte = 1 << 20, gibibyte = 1 << 30;
 
 StageMemory build_needs(std::uint64_t base, std::uint64_t per_unit, std::uint64_t per_worker = 0) {
-  return {"build",    base, per_unit, "one brick (brick = 256)", "raise run.memory or lower work.brick",
-          per_worker};
+  return {
+      "build",   base, per_unit, "one brick (brick = 256)", "raise run.memory or lower work.brick",
+      per_worker};
 }
 
 std::string refusal(std::uint64_t budget, const StageMemory& need) {

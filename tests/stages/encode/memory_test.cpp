@@ -1,64 +1,24 @@
 // Holds encode_memory_bytes and decode_memory_bytes against every byte allocated.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <malloc.h>
 
-#include <atomic>
 #include <chrono>
 #include <cstdlib>
-#include <new>
 #include <random>
 
 #include "stages/encode/draco_codec.h"
+#include "tests/support/allocation_count.h"
 #include "tests/support/shapes.h"
-
-namespace {
-std::atomic<std::int64_t> now_bytes{0}, peak_bytes{0};
-
-void* counted(std::size_t size) {
-  void* p = std::malloc(size);
-  if (p == nullptr) throw std::bad_alloc();
-  const auto used = static_cast<std::int64_t>(malloc_usable_size(p));
-  const std::int64_t now = now_bytes += used;
-  std::int64_t peak = peak_bytes;
-  while (now > peak && !peak_bytes.compare_exchange_weak(peak, now)) {
-  }
-  return p;
-}
-void release(void* p) {
-  if (p != nullptr) now_bytes -= static_cast<std::int64_t>(malloc_usable_size(p));
-  std::free(p);
-}
-}  // namespace
-
-void* operator new(std::size_t size) {
-  return counted(size);
-}
-void* operator new[](std::size_t size) {
-  return counted(size);
-}
-void operator delete(void* p) noexcept {
-  release(p);
-}
-void operator delete[](void* p) noexcept {
-  release(p);
-}
-void operator delete(void* p, std::size_t) noexcept {
-  release(p);
-}
-void operator delete[](void* p, std::size_t) noexcept {
-  release(p);
-}
 
 namespace voxweld {
 namespace {
 
 template <class Work>
 std::uint64_t peak_of(Work work) {
-  const std::int64_t before = now_bytes;
-  peak_bytes = before;
+  const std::uint64_t before = testing::live_bytes();
+  testing::forget_peak();
   work();
-  return static_cast<std::uint64_t>(peak_bytes - before);
+  return testing::peak_bytes() - before;
 }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {

@@ -3,11 +3,11 @@
 
 #include <cstdint>
 
-namespace voxweld::paper {
+namespace voxweld::testing {
 
 std::uint64_t live_bytes();
 // The most there were since the last forget_peak().
 std::uint64_t peak_bytes();
 void forget_peak();
 
-}  // namespace voxweld::paper
+}  // namespace voxweld::testing

@@ -1,4 +1,4 @@
-#include "tests/paper/allocation_count.h"
+#include "tests/support/allocation_count.h"
 
 #include <malloc.h>
 
@@ -45,7 +45,7 @@ void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
   give_back(p);
 }
 
-namespace voxweld::paper {
+namespace voxweld::testing {
 
 std::uint64_t live_bytes() {
   return live;
@@ -57,4 +57,4 @@ void forget_peak() {
   peak = live.load();
 }
 
-}  // namespace voxweld::paper
+}  // namespace voxweld::testing
