@@ -73,5 +73,5 @@ say "the image"
 mkdir "$place/image"
 tar -C "$place/image" -xzf "$place"/out/*.tar.gz
 make_mesh "$place/image"
-cmp "$place/clean/try/scan.mesh/manifest.json" "$place/image/try/scan.mesh/manifest.json"
+cmp "$place/clean/try/scan.mesh/mesh.drc" "$place/image/try/scan.mesh/mesh.drc"
 say "both in order"

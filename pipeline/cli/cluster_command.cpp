@@ -147,8 +147,8 @@ void add_cluster_commands(CLI::App& app, Program& program) {
                              "It becomes jobs that wait for each other; `voxweld status` says how "
                              "far they are. [slurm] in the config says what to ask for.",
                              submitted, submit);
-  submitting->footer(examples_text({{"voxweld submit scan.toml --set slurm.partition=compute", ""},
-                                    {"voxweld status scan.toml --watch", "until it is done"}}));
+  add_examples(*submitting, {{"voxweld submit scan.toml --set slurm.partition=compute", ""},
+                             {"voxweld status scan.toml --watch", "until it is done"}});
   submitting->add_flag("--json", submitted->json, "Prints the jobs as JSON");
   auto shown = std::make_shared<ClusterArguments>();
   CLI::App* status = add(app, program, "status",

@@ -110,13 +110,14 @@ std::string value_name(const Rule& rule) {
   return words.empty() ? "VALUE" : fmt::format("{{{}}}", fmt::join(words, ","));
 }
 
-std::string examples_text(const std::vector<Example>& examples) {
-  std::string text = "Examples:";
+void add_examples(CLI::App& command, const std::vector<Example>& examples) {
+  std::string text = command.get_footer();
+  text += text.empty() ? "Examples:" : "\n\nExamples:";
   for (const Example& example : examples) {
     text += "\n  " + example.line;
     if (!example.does.empty()) text += "\n      " + example.does;
   }
-  return text;
+  command.footer(text);
 }
 
 }  // namespace voxweld

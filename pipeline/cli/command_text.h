@@ -48,11 +48,11 @@ std::vector<std::string> words_of(const Rule& rule);
 // What stands for a value of the rule: "{above,below}", "FILE" or "VALUE".
 std::string value_name(const Rule& rule);
 
-// Examples for the end of a command's help: each a command line and, where it does not say it
-// itself, what it does.
+// A command line and, where it does not say it itself, what it does.
 struct Example {
   std::string line, does;
 };
-std::string examples_text(const std::vector<Example>& examples);
+// At the end of the command's help, after what else stands there.
+void add_examples(CLI::App& command, const std::vector<Example>& examples);
 
 }  // namespace voxweld

@@ -234,11 +234,11 @@ void add_edit_command(CLI::App& app, Program& program) {
       "A solid, an [[edit]] of the config, is added to the material, cut out of it or intersected "
       "with it. All else of the file stays as it is written, and only the part of the volume that "
       "the edit reaches is made again.");
-  command->footer(
-      examples_text({{"voxweld edit scan.toml --add sphere --op subtract --center 9,9,4 --radius 2",
-                      "cuts a ball out; lengths are in the unit of the spacing"},
-                     {"voxweld edit scan.toml --change 1 --radius 3", ""},
-                     {"voxweld edit scan.toml --list", ""}}));
+  add_examples(*command,
+               {{"voxweld edit scan.toml --add sphere --op subtract --center 9,9,4 --radius 2",
+                 "cuts a ball out; lengths are in the unit of the spacing"},
+                {"voxweld edit scan.toml --change 1 --radius 3", ""},
+                {"voxweld edit scan.toml --list", ""}});
   add_config_options(*command, arguments->run);
   const char* group = "What to do (one of these)";
   const Rule& shape = find_edit_setting("shape")->rule;

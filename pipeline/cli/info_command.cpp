@@ -19,10 +19,6 @@ void add_info_command(CLI::App& app, Program& program) {
       "Says what a file or folder holds\n"
       "Takes a volume, a mesh, a config, an output or work directory of a run, or any file in "
       "one.");
-  command->footer(
-      examples_text({{"voxweld info scan.nii.gz", "size, type, spacing, range of the samples"},
-                     {"voxweld info 'slices/*.tif'", "a stack of images"},
-                     {"voxweld info scan.mesh --check", "looks for damage"}}));
   command
       ->add_option("path", arguments->volume.path,
                    "A file, a folder or a pattern in quotes: 'slices/*.tif'")
@@ -40,6 +36,9 @@ void add_info_command(CLI::App& app, Program& program) {
   command->add_flag("--verbose", arguments->options.verbose,
                     "Also lists bricks, tiles, shards or files one by one");
   add_volume_options(*command, arguments->volume);
+  add_examples(*command, {{"voxweld info scan.nii.gz", "size, type, spacing, range of the samples"},
+                          {"voxweld info 'slices/*.tif'", "a stack of images"},
+                          {"voxweld info scan.mesh --check", "looks for damage"}});
   command->callback([&program, arguments] {
     program.run = [&program, arguments] {
       InfoOptions& options = arguments->options;

@@ -206,13 +206,6 @@ void add_init_command(CLI::App& app, Program& program) {
       "Writes a config for a volume or a closed mesh\n"
       "Reads the volume once, takes an isovalue from its histogram (Otsu's threshold) and writes a "
       "short config with what one is likely to change.");
-  command->footer(
-      examples_text({{"voxweld init scan.nii.gz", "writes scan.toml"},
-                     {"voxweld init 'slices/*.tif' --spacing 0.02 --unit mm -o part.toml",
-                      "a stack of images, which seldom say how far apart they are"},
-                     {"voxweld init scan.raw --size 512 512 300 --type uint16", ""},
-                     {"voxweld init part.stl --resolution 200", "a mesh, to simplify or to edit"},
-                     {"voxweld init cells.nrrd --labels", "a mesh for each label"}}));
   command
       ->add_option("input", arguments->volume.path,
                    "A file, a folder or a pattern in quotes: 'slices/*.tif'; or a mesh: .stl, "
@@ -246,6 +239,13 @@ void add_init_command(CLI::App& app, Program& program) {
       ->capture_default_str()
       ->group(meshes);
   add_volume_options(*command, arguments->volume);
+  add_examples(*command,
+               {{"voxweld init scan.nii.gz", "writes scan.toml"},
+                {"voxweld init 'slices/*.tif' --spacing 0.02 --unit mm -o part.toml",
+                 "a stack of images, which seldom say how far apart they are"},
+                {"voxweld init scan.raw --size 512 512 300 --type uint16", ""},
+                {"voxweld init part.stl --resolution 200", "a mesh, to simplify or to edit"},
+                {"voxweld init cells.nrrd --labels", "a mesh for each label"}});
   command->callback([&program, arguments] {
     program.run = [&program, arguments] { return init(*arguments, program); };
   });

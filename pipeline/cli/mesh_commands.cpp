@@ -63,7 +63,7 @@ void add_verify_command(CLI::App& app, Program& program) {
       "Reads everything in an output directory again: files, counts and checksums as the manifest "
       "lists them, each tile and the whole a closed manifold, tiles equal to the bit where they "
       "meet. Exits with 1 where something is wrong.");
-  command->footer(examples_text({{"voxweld verify scan.mesh", ""}}));
+  add_examples(*command, {{"voxweld verify scan.mesh", ""}});
   command->add_option("directory", arguments->directory, "The output directory of a finished run")
       ->type_name("FILE")
       ->required();
@@ -92,9 +92,9 @@ void add_render_command(CLI::App& app, Program& program) {
       "render",
       "Draws a picture of meshes, as PNG\n"
       "z points up; one mesh is in memory at a time, so an output directory may be of any size.");
-  command->footer(examples_text({{"voxweld render scan.mesh -o scan.png", ""},
-                                 {"voxweld render scan.mesh -o inside.png --azimuth 120 --cut-y 80",
-                                  "from another side, without what lies beyond y = 80"}}));
+  add_examples(*command, {{"voxweld render scan.mesh -o scan.png", ""},
+                          {"voxweld render scan.mesh -o inside.png --azimuth 120 --cut-y 80",
+                           "from another side, without what lies beyond y = 80"}});
   RenderOptions& o = arguments->options;
   command
       ->add_option("input", arguments->input,
@@ -132,7 +132,7 @@ void add_export_command(CLI::App& app, Program& program) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
       app.add_subcommand("export", "Converts a mesh file to .ply, .obj, .stl or .off");
-  command->footer(examples_text({{"voxweld export scan.mesh/mesh.drc -o scan.ply", ""}}));
+  add_examples(*command, {{"voxweld export scan.mesh/mesh.drc -o scan.ply", ""}});
   command->add_option("input", arguments->input, "A mesh file: " + endings_text(mesh_writers()))
       ->type_name("FILE")
       ->required();

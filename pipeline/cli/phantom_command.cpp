@@ -86,9 +86,9 @@ int make_phantom(const PhantomArguments& arguments, Program& program) {
 void add_phantom_command(CLI::App& app, Program& program) {
   auto arguments = std::make_shared<PhantomArguments>();
   CLI::App* command = app.add_subcommand("phantom", description());
-  command->footer(
-      examples_text({{"voxweld phantom gyroid --size 128 --spacing 0.5 --unit mm -o gyroid.nrrd",
-                      "then: voxweld init gyroid.nrrd"}}));
+  add_examples(*command,
+               {{"voxweld phantom gyroid --size 128 --spacing 0.5 --unit mm -o gyroid.nrrd",
+                 "then: voxweld init gyroid.nrrd"}});
   command->add_option("kind", arguments->kind, "What to make")->type_name(kind_names())->required();
   command->add_option("--size", arguments->size, "Samples along each side")->capture_default_str();
   command

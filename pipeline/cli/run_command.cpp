@@ -68,11 +68,11 @@ void add_run_command(CLI::App& app, Program& program) {
       "Makes the meshes a config asks for\n"
       "Does what is missing of all five stages and nothing twice: an interrupted run goes on where "
       "it stopped, and after a change of the config only what depends on it is made again.");
-  run->footer(examples_text(
-      {{"voxweld run scan.toml", "the meshes go into scan.mesh, intermediate files into scan.work"},
-       {"voxweld run scan.toml --set surface.isovalue=300 --set run.memory=8GiB",
-        "with other values than the file has"},
-       {"voxweld run scan.toml --dry-run", "says what would be done, and why"}}));
+  add_examples(*run, {{"voxweld run scan.toml",
+                       "the meshes go into scan.mesh, intermediate files into scan.work"},
+                      {"voxweld run scan.toml --set surface.isovalue=300 --set run.memory=8GiB",
+                       "with other values than the file has"},
+                      {"voxweld run scan.toml --dry-run", "says what would be done, and why"}});
   auto arguments = std::make_shared<RunArguments>();
   add_config_options(*run, *arguments);
   run->add_flag("--dry-run", arguments->dry_run, "Says what would run and why, and does nothing");
