@@ -9,9 +9,11 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "pipeline/build/build_stage.h"
 #include "pipeline/encode/listing.h"
 #include "pipeline/executor/probe.h"
 #include "pipeline/merge/merge_stage.h"
+#include "pipeline/stage/file_layout.h"
 #include "storage/artifact/asset_record.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/support/error.h"

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "pipeline/build/build_stage.h"
 #include "pipeline/encode/listing.h"
 #include "pipeline/encode/output_files.h"
 #include "pipeline/executor/probe.h"
