@@ -8,7 +8,7 @@
 namespace voxweld {
 namespace {
 
-constexpr std::size_t merge = 2;
+constexpr std::size_t merging = 2;
 
 ClusterMachine machine_of(const SimulatedCluster& cluster) {
   ClusterMachine machine;
@@ -58,7 +58,7 @@ class StageSimulation {
     const double closing = seconds(looks_.closing, all_.shards, all_.tiles);
     result_.wall_s = before + submitting + seen + closing;
     const double driver = result_.wall_s - array.wall_s;
-    result_.serial_s = stage_ == merge ? result_.wall_s : driver;
+    result_.serial_s = stage_ == merging ? result_.wall_s : driver;
     const double cores = static_cast<double>(machine_.slots * machine_.threads_a_task);
     result_.ideal_s = result_.cpu_s / cores;
     result_.busy = result_.cpu_s / (result_.wall_s * cores);
@@ -91,14 +91,14 @@ class StageSimulation {
       }
       if (simulated_stages[stage_] == "encode" && choice_.looks.every_task_notes)
         task.start.bytes += 2 * note_bytes_a_tile * all_.tiles;
-      if (stage_ == merge) task.start.cpu_s += seconds(looks_.inside, all_.shards, all_.tiles);
+      if (stage_ == merging) task.start.cpu_s += seconds(looks_.inside, all_.shards, all_.tiles);
       tasks.push_back(std::move(task));
     }
     return tasks;
   }
 
   MeasuredUnit as_preset(MeasuredUnit unit) const {
-    const double times = stage_ == merge ? all_.shards : 1;
+    const double times = stage_ == merging ? all_.shards : 1;
     unit.trips = std::max(0.0, unit.trips - times * looks_.saved.trips);
     unit.read_bytes = std::max(0.0, unit.read_bytes - times * looks_.saved.bytes);
     return unit;
@@ -168,7 +168,7 @@ class StageSimulation {
         {sum.bytes / machine_.bytes_per_s, "bandwidth"},
         {sum.trips / machine_.trips_per_s, "metadata"},
         {sum.trips * machine_.round_trip_s / cores, "latency"},
-        {longest_s, stage_ == merge ? "one process" : "longest task"},
+        {longest_s, stage_ == merging ? "one process" : "longest task"},
         {driver, "driver"},
     }};
     result_.bound = std::max_element(bounds.begin(), bounds.end())->second;

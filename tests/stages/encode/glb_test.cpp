@@ -1,5 +1,6 @@
 #include "stages/encode/glb.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -145,12 +146,12 @@ TEST(Glb, PassesTheKhronosValidator) {
   const GlbParameters variants[] = {{}, {.frame = scanner_frame()}, {.frame = {}, .y_up = false}};
   for (const GlbParameters& variant : variants) {
     for (const bool normals : {false, true}) {
-      const auto path = directory / ("a" + std::to_string(files.size()) + ".glb");
+      const auto path = directory / fmt::format("a{}.glb", files.size());
       write_whole_file(path, wrap_glb(torus(normals), variant), Durability::rename_only);
-      files += " " + path.string();
+      files += fmt::format(" {}", path.string());
     }
   }
-  EXPECT_EQ(std::system(("node " + script + files).c_str()), 0);
+  EXPECT_EQ(std::system(fmt::format("node {}{}", script, files).c_str()), 0);
 }
 
 }  // namespace
