@@ -13,13 +13,11 @@
 //   brick_store      as volume, and records, chunk, shard, compression, shards {total, present};
 //                    verbose: shard_list [{at, bytes, range}]
 //   octree           key, content_hash, version, made_by, input_hash, bricks, active_bricks,
-//   active_cells,
-//                    crossing_edges, vertices, collapsed_above, worst_residual, leaves (by level),
-//                    nodes {outside, inside, leaf, split}; verbose: brick_list [{at, vertices,
-//                    polygons, skin_cells, bytes}]
+//                    active_cells, crossing_edges, vertices, collapsed_above, worst_residual,
+//                    leaves (by level), nodes {outside, inside, leaf, split}; verbose: brick_list
+//                    [{at, vertices, polygons, skin_cells, bytes}]
 //   label_octrees    (labels.mode = "each") as octree, but pieces and nodes are counts, of all
-//   labels
-//                    together; verbose: piece_list [{label, brick, vertices, polygons, skin_cells,
+//                    labels together; verbose: piece_list [{label, brick, vertices, polygons, skin_cells,
 //                    bytes}]
 //   top_tree         key, content_hash, version, made_by, bricks, active_bricks, active_cells,
 //                    crossing_edges, vertices, collapsed_above, top_leaves, worst_residual, leaves
@@ -44,8 +42,7 @@
 //   mesh             format, points, vertices (distinct positions), triangles, normals, bounds {lo,
 //                    hi} (as in the file)
 //   input_mesh       format, vertices (distinct positions), triangles, bounds {lo, hi}, size,
-//   volume
-//                    (what it encloses; negative where its triangles face inward), closed,
+//                    volume (what it encloses; negative where its triangles face inward), closed,
 //                    boundary_edges (of an odd number of triangles), holes, hole_list [{edges,
 //                    size, center}] (the largest first: verbose all of them, else ten)
 //   output           border, topology, frame, lattice, counts, files {count, bytes}, merged, error,

@@ -1,6 +1,5 @@
 // Based on: Ju, Losasso, Schaefer, Warren, "Dual Contouring of Hermite Data", 2002, sections 3.1
-// and
-// 4. Where it differs: bottom-up over linear levels, eight nodes at a time; cells with several
+// and 4. Where it differs: bottom-up over linear levels, eight nodes at a time; cells with several
 // sheets (Nielson, "Dual Marching Cubes", 2004) never take part in a safe collapse.
 #include "stages/build/brick_nodes.h"
 
@@ -10,7 +9,7 @@ namespace voxweld {
 namespace {
 
 // "free" may collapse what no sign test allows, up to the smallest brick: polygons are then decided
-// edge by edge inside one brick (polygons.cpp), the same for every brick size.
+// edge by edge inside one brick (brick_polygons.cpp), the same for every brick size.
 int highest_collapse(const BrickFrame& frame, const SimplifyParameters& simplify) {
   if (!simplify.enabled) return 0;
   const int highest = std::min(frame.level, frame.domain_level);

@@ -15,9 +15,8 @@
 //       {SampleType::f32, {side, side, side}, std::as_bytes(std::span(samples))}, parameters);
 //   const TileMesh mesh = join_tiles(contour.tiles);
 //   for (const LatticePoint& q : mesh.positions)
-//     std::printf("v %g %g %g\n", mesh.lattice.coordinate(0, q[0]), mesh.lattice.coordinate(1,
-//     q[1]),
-//                 mesh.lattice.coordinate(2, q[2]));
+//     std::printf("v %g %g %g\n", mesh.lattice.coordinate(0, q[0]),
+//                 mesh.lattice.coordinate(1, q[1]), mesh.lattice.coordinate(2, q[2]));
 //
 // Lengths are in the units of ContourParameters::spacing, and sample (0, 0, 0) lies at
 // ContourOptions::first.

@@ -3,8 +3,7 @@
 //
 //   name                       content
 //   brick code << 8 | part     of one brick with a surface; the code is the Morton code of the
-//   brick's
-//                              index; part 1 LeafVertex, 2 PolygonRefs, 3 emit levels (u8, only
+//                              brick's index; part 1 LeafVertex, 2 PolygonRefs, 3 emit levels (u8, only
 //                              under topology = "free"), 4 BlockCount, 5 SkinCell, 6 SkinVertex;
 //                              between labels (labels.mode = "shared") also 7 MaterialPair, 8 the
 //                              polygons' pairs (u32), 9 the skin cells' sheets (u32)

@@ -1,10 +1,16 @@
 // A tile's mesh between stitch and encode. Kind "tile", a container with these sections:
-//   1 TileHeader (one)   2 positions, i32 x 3      3 vertex ids, u64    4 PackedNormal x 3, or
-//   empty 5 triangles, u32 x 3 6 CornerNormal x 3, or empty
-// and between labels: 7 MaterialPair 8 the triangles' pairs, u32
-// With labels.mode = "each" a file has a mesh for each of some labels: those of mesh i are
+//   1  TileHeader (one)
+//   2  positions, i32 x 3
+//   3  vertex ids, u64
+//   4  PackedNormal x 3, or empty
+//   5  triangles, u32 x 3
+//   6  CornerNormal x 3, or empty
+// and between labels
+//   7  MaterialPair
+//   8  the triangles' pairs, u32
+// With labels.mode = "each" a file has a mesh for each of some labels. Sections of mesh i are
 // i << 8 | the numbers above, and
-//   9                    the label of each mesh, u64
+//   9  the label of each mesh, u64
 #pragma once
 
 #include "storage/artifact/container.h"

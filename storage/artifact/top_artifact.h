@@ -1,7 +1,7 @@
 // The top tree: the leaves above the bricks and the tile plan, as merge leaves them. Kind "tops", a
 // container with these sections:
 //   1              MergeCounts (one)
-//   2              TileRecord: PlannedTile, in Morton order
+//   2              PlannedTile, in Morton order
 //   3              code of the first leaf of each leaf section, u64
 //   4              content hashes of the octree artifacts merged, in the Morton order of the shards
 //   0x1000000 + i  TopLeaf, in Morton order, leaves_per_section in each but the last

@@ -47,7 +47,7 @@ struct InputFile {
 };
 
 struct VolumeInfo {
-  std::string format;  // "nrrd", "metaimage", "nifti", "inrimage", "raw", "stack", "zarr"
+  std::string format;  // as its reader is called, "nrrd"; "mesh" or "empty" of solids alone
   SampleType type = SampleType::u8;
   VolumeGeometry geometry;
   Access access = Access::box;
@@ -81,8 +81,7 @@ class SampleSource {
   virtual const RangedSource* ranges() const { return nullptr; }
 };
 
-// True when the source's lowest and highest values are known for a box without reading it.
-// Ranges are of non-NaN samples; `any_nan` tells of the others.
+// The lowest and highest of some samples. NaNs are left out, and `any_nan` tells of them.
 struct ValueRange {
   double lo = 0, hi = 0;
   bool any_nan = false;

@@ -202,7 +202,7 @@ const std::vector<WrongKey>& wrong_keys() {
        {{"\"never\"", "\"never\" (a string)"}, {"1", "1"}}},
       {"output.tiles", "true or false (default: true)", not_flag},
       {"output.tile_vertices",
-       "an integer from 1024 to 1000000000 (default: 500000)",
+       "\"auto\" or an integer from 1024 to 1000000000 (default: \"auto\")",
        {{"1023", "1023"},
         {"5000000000", "5000000000"},
         {"5e5", "500000.0"},

@@ -43,18 +43,18 @@ struct FileKind {
   const char* ending;
 };
 
-const FileKind kinds[] = {{"octree", true, ".octree"},
-                          {"top tree", true, "top.tree"},
-                          {"tile", true, ".tile"},
-                          {"asset record", true, "0.record"},
-                          {"merged record", true, "merged.record"},
-                          {"last config", true, "last-run.toml"},
-                          {"tile drc", false, "0.drc"},
-                          {"tile glb", false, "1.glb"},
-                          {"merged drc", false, "mesh.drc"},
-                          {"merged glb", false, "mesh.glb"},
-                          {"manifest", false, "manifest.json"},
-                          {"tile list", false, "tiles.jsonl"}};
+const FileKind file_kinds[] = {{"octree", true, ".octree"},
+                               {"top tree", true, "top.tree"},
+                               {"tile", true, ".tile"},
+                               {"asset record", true, "0.record"},
+                               {"merged record", true, "merged.record"},
+                               {"last config", true, "last-run.toml"},
+                               {"tile drc", false, "0.drc"},
+                               {"tile glb", false, "1.glb"},
+                               {"merged drc", false, "mesh.drc"},
+                               {"merged glb", false, "mesh.glb"},
+                               {"manifest", false, "manifest.json"},
+                               {"tile list", false, "tiles.jsonl"}};
 const FileKind store_kinds[] = {{"shard record", true, ".shard"}, {"zarr.json", true, "zarr.json"}};
 
 const Settings small_work = {"work.brick=16", "work.shard=2", "output.tile_vertices=1024"};
@@ -90,7 +90,7 @@ void expect_all_mended(const Scene& scene, const Settings& settings, const Kinds
 }
 
 TEST(Damage, OfEachKindIsMended) {
-  expect_all_mended(Scene("porous", 40), small_work, kinds, 1);
+  expect_all_mended(Scene("porous", 40), small_work, file_kinds, 1);
 }
 
 TEST(Damage, OfTheStoreIsMended) {
