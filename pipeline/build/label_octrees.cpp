@@ -151,8 +151,10 @@ class LabelOctrees::NodeWriter {
 
   void add_piece(const PieceRecord& piece) {
     out_.directory(piece);
-    node_.largest_piece = std::max(node_.largest_piece, piece.body_bytes() + piece.skin_bytes());
-    content_->integer(static_cast<std::int64_t>(piece.key.brick)).hash(piece.body).hash(piece.skin);
+    node_.largest_piece = std::max(node_.largest_piece, piece.body_bytes() + piece.ghost_bytes());
+    content_->integer(static_cast<std::int64_t>(piece.key.brick))
+        .hash(piece.body)
+        .hash(piece.ghost);
   }
 
   const BuildJob& job_;

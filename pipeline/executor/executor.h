@@ -44,9 +44,11 @@ struct RunOptions {
   // What names the stage's work for such an executor: the same for the same parameters, and no
   // other. Empty: nothing of an earlier process is taken over.
   std::string identity;
-  // What the units share, for work that knows only on its way what it takes. Null: nothing is shared.
+  // What the units share, for work that knows only on its way what it takes. Null: nothing is
+  // shared.
   MemoryPool* memory = nullptr;
-  // Where an executor whose units run in other processes adds what its processes took: cpu_s, and the largest peak_resident.
+  // Where an executor whose units run in other processes adds what its processes took: cpu_s, and
+  // the largest peak_resident.
   StageFigures* elsewhere = nullptr;
 };
 

@@ -24,8 +24,8 @@ struct StageMemory {
   std::uint64_t per_worker_bytes = 0;
 };
 
-// The most threads, at most `wanted_threads`, whose workers fit the budget beside the largest unit; at
-// least 1.
+// The most threads, at most `wanted_threads`, whose workers fit the budget beside the largest unit;
+// at least 1.
 // Precondition: wanted_threads >= 1.
 // Throws InputError naming the smallest run.memory that would do where not even one unit fits.
 int threads_within(const MemoryBudget& budget, const StageMemory& need, int wanted_threads);

@@ -49,7 +49,7 @@ InfoDocument brick_list(const fs::path& path, const ShardArtifact& artifact) {
     list.push_back({{"at", facts_of(morton_decode(code))},
                     {"vertices", octree.vertices.size()},
                     {"polygons", octree.polygons.size()},
-                    {"skin_cells", octree.skin.cells.size()},
+                    {"ghost_cells", octree.ghost.cells.size()},
                     {"bytes", artifact.brick_bytes(code)}});
   }
   return list;

@@ -36,8 +36,8 @@ InfoDocument describe_label_octrees(const fs::path& path, const InfoOptions& opt
                                       {"brick", facts_of(morton_decode(piece.key.brick))},
                                       {"vertices", piece.vertices},
                                       {"polygons", piece.polygons},
-                                      {"skin_cells", piece.skin_cells},
-                                      {"bytes", piece.body_bytes() + piece.skin_bytes()}});
+                                      {"ghost_cells", piece.ghost_cells},
+                                      {"bytes", piece.body_bytes() + piece.ghost_bytes()}});
   });
   return document;
 }

@@ -94,8 +94,8 @@ class Sampler {
     sums.polygons += octree.polygons.size();
     sums.octree_bytes +=
         octree.vertices.size() * sizeof(LeafVertex) + octree.polygons.size() * sizeof(PolygonRefs) +
-        octree.blocks.size() * sizeof(BlockCount) + octree.skin.cells.size() * sizeof(SkinCell) +
-        octree.skin.vertices.size() * sizeof(SkinVertex);
+        octree.blocks.size() * sizeof(BlockCount) + octree.ghost.cells.size() * sizeof(GhostCell) +
+        octree.ghost.vertices.size() * sizeof(GhostVertex);
   }
   BrickPlace place_of(Index3 brick) const { return place_of_brick(grid_, brick); }
 

@@ -139,7 +139,7 @@ std::uint64_t tile_bytes(const Config& config, std::int64_t vertices) {
 std::int64_t fitting_tile_vertices(const Config& config) {
   constexpr std::int64_t good = 500000, least = 1024;
   // Depends on the config alone, so that every process of a run has the same.
-  constexpr std::uint64_t program = std::uint64_t{64} << 20, at_once = 4;
+  constexpr std::uint64_t program = std::uint64_t{64} << 20, at_once = 2;
   const std::uint64_t memory = config.run.memory;
   const std::uint64_t most = memory > program ? (memory - program) / at_once : 0;
   std::int64_t vertices = good;

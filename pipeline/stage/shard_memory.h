@@ -16,10 +16,11 @@ inline constexpr std::uint64_t label_run_samples = std::uint64_t{1} << 18;
 inline constexpr std::uint64_t label_notes_bytes = std::uint64_t{8} << 20;
 
 struct ShardMemory {
-  // Of one worker, whatever the samples are: those it has read, and what a shard's own octree needs.
+  // Of one worker, whatever the samples are: those it has read, and what a shard's own octree
+  // needs.
   std::uint64_t worker = 0;
-  // The most that one brick can take: the worst there is. Most take a tenth of it, and say so before
-  // they do (BrickScratch::reserve).
+  // The most that one brick can take: the worst there is. Most take a tenth of it, and say so
+  // before they do (BrickScratch::reserve).
   std::uint64_t brick = 0;
 
   std::uint64_t whole() const { return worker + brick; }

@@ -37,10 +37,10 @@ class LabelPieces : public ReadPieces {
     if (!piece) throw std::logic_error("stitch: a brick of the tile has no piece");
     files_.of_brick(brick.at)->read_piece(*piece, brick.level, out);
   }
-  bool read_skin(Index3 brick, Skin& out) override {
+  bool read_ghost_layer(Index3 brick, GhostLayer& out) override {
     const auto piece = find(brick);
     if (!piece) return false;
-    files_.of_brick(brick)->read_skin(*piece, out);
+    files_.of_brick(brick)->read_ghost_layer(*piece, out);
     return true;
   }
   std::optional<PieceRecord> find(Index3 brick) {
@@ -70,7 +70,7 @@ class LabelStitch : public StitchWork {
     return KeyHasher().hash(job_.key).hash(batches_[unit].inputs).finish();
   }
   std::uint64_t brick_bytes(std::uint64_t unit) override {
-    // As read and as held, once for the brick and once for its neighbours' skins.
+    // As read and as held, once for the brick and once for its neighbours' ghost layers.
     return 4 * batches_[unit].largest_piece;
   }
   void run(std::uint64_t unit, const std::filesystem::path& path, StitchScratch& scratch,

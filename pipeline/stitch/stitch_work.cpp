@@ -16,10 +16,10 @@ class SurfacePieces : public ReadPieces {
   void read(const CellKey& brick, BrickOctree& out) override {
     files_.of_brick(brick.at)->read_brick(morton_encode(brick.at), out);
   }
-  bool read_skin(Index3 brick, Skin& out) override {
+  bool read_ghost_layer(Index3 brick, GhostLayer& out) override {
     const auto file = files_.of_brick(brick);
     if (file == nullptr || !file->has_brick(morton_encode(brick))) return false;
-    file->read_skin(morton_encode(brick), out);
+    file->read_ghost_layer(morton_encode(brick), out);
     return true;
   }
 
@@ -74,9 +74,9 @@ const BrickOctree& ReadPieces::brick(const CellKey& key) {
   return scratch_.brick;
 }
 
-const Skin* ReadPieces::skin(Index3 brick, int direction) {
-  Skin& skin = scratch_.upper[static_cast<std::size_t>(direction)];
-  return read_skin(brick, skin) ? &skin : nullptr;
+const GhostLayer* ReadPieces::ghost(Index3 brick, int direction) {
+  GhostLayer& ghost = scratch_.upper[static_cast<std::size_t>(direction)];
+  return read_ghost_layer(brick, ghost) ? &ghost : nullptr;
 }
 
 std::unique_ptr<StitchWork> stitch_work(const StitchJob& job, const TopArtifact& top) {

@@ -11,10 +11,10 @@
 
 namespace voxweld {
 
-// A worker's brick and its neighbours' skins, reused.
+// A worker's brick and its neighbours' ghost layers, reused.
 struct StitchScratch {
   BrickOctree brick;
-  std::array<Skin, 8> upper;
+  std::array<GhostLayer, 8> upper;
 };
 
 class StitchWork {
@@ -40,12 +40,12 @@ class ReadPieces : public BrickPieces {
       : scratch_(scratch), worker_(worker) {}
 
   const BrickOctree& brick(const CellKey& key) final;
-  const Skin* skin(Index3 brick, int direction) final;
+  const GhostLayer* ghost(Index3 brick, int direction) final;
 
  private:
   virtual void read(const CellKey& brick, BrickOctree& out) = 0;
   // False where the brick has no surface.
-  virtual bool read_skin(Index3 brick, Skin& out) = 0;
+  virtual bool read_ghost_layer(Index3 brick, GhostLayer& out) = 0;
 
   StitchScratch& scratch_;
   const WorkerContext& worker_;

@@ -67,7 +67,7 @@ Hash128 tile_key(const StitchJob& job, const PlannedTile& tile, const std::vecto
     files.of_brick(brick.at)->add_brick_hashes(morton_encode(brick.at), key);
     for (int d = 1; d < 8; ++d) {
       const Index3 at = upper_neighbour(brick.at, d);
-      if (const auto file = files.of_brick(at)) file->add_skin_hashes(morton_encode(at), key);
+      if (const auto file = files.of_brick(at)) file->add_ghost_hashes(morton_encode(at), key);
     }
   }
   return key.finish();

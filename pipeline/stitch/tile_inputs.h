@@ -1,5 +1,5 @@
-// What one tile's stitching reads: its bricks, their upper neighbours' skins, its part of the top
-// tree.
+// What one tile's stitching reads: its bricks, their upper neighbours' ghost layers, its part of
+// the top tree.
 #pragma once
 
 #include <memory>
@@ -40,7 +40,7 @@ std::vector<CellKey> tile_bricks(const BuildJob& job, CellKey tile, ShardFiles& 
 Hash128 tile_key(const StitchJob& job, const PlannedTile& tile, const std::vector<CellKey>& bricks,
                  const std::vector<TopLeaf>& above, ShardFiles& files);
 
-// The most bytes the parts of one of these bricks take, its neighbours' skins included.
+// The most bytes the parts of one of these bricks take, its neighbours' ghost layers included.
 std::uint64_t largest_brick_bytes(const std::vector<CellKey>& bricks, ShardFiles& files);
 
 }  // namespace voxweld

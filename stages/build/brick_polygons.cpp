@@ -183,8 +183,8 @@ std::uint32_t pack_sheets(const CellSheets& sheets) {
 
 }  // namespace
 
-void make_skin(const ActiveCells& cells, const BrickLeaves& leaves, bool labels,
-               std::vector<std::uint32_t>& scratch, BrickOctree& out) {
+void make_ghost_layer(const ActiveCells& cells, const BrickLeaves& leaves, bool labels,
+                      std::vector<std::uint32_t>& scratch, BrickOctree& out) {
   constexpr std::uint32_t unseen = 0xffffffffu;
   scratch.assign(out.vertices.size(), unseen);
   for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -194,15 +194,15 @@ void make_skin(const ActiveCells& cells, const BrickLeaves& leaves, bool labels,
       continue;
     const std::uint32_t first = leaves.first_vertex(i);
     if (scratch[first] == unseen) {
-      scratch[first] = static_cast<std::uint32_t>(out.skin.vertices.size());
+      scratch[first] = static_cast<std::uint32_t>(out.ghost.vertices.size());
       const bool own_leaf = out.vertices[first].leaf.level() == 0;
       const std::uint32_t sheets = own_leaf ? cells.sheets(i).sheets : 1;
       for (std::uint32_t s = 0; s < sheets; ++s)
-        out.skin.vertices.push_back({first + s, out.vertices[first + s]});
+        out.ghost.vertices.push_back({first + s, out.vertices[first + s]});
     }
-    out.skin.cells.push_back({code | static_cast<std::uint32_t>(cells.signs(i)) << 24,
-                              scratch[first] | static_cast<std::uint32_t>(cells.joined(i)) << 31});
-    if (labels) out.skin.sheets_of_edges.push_back(pack_sheets(cells.sheets(i)));
+    out.ghost.cells.push_back({code | static_cast<std::uint32_t>(cells.signs(i)) << 24,
+                               scratch[first] | static_cast<std::uint32_t>(cells.joined(i)) << 31});
+    if (labels) out.ghost.sheets_of_edges.push_back(pack_sheets(cells.sheets(i)));
   }
 }
 

@@ -1,4 +1,4 @@
-// The polygons a brick owns, and the skin its lower neighbours need for theirs.
+// The polygons a brick owns, and the ghost layer its lower neighbours need for theirs.
 //
 // Based on: Ju, Losasso, Schaefer, Warren, "Dual Contouring of Hermite Data", 2002, section 3.2
 // (the dual walk). Where it differs: on safe octrees the walk equals a flat pass over the finest
@@ -22,8 +22,8 @@ void emit_polygons(const BrickFrame& frame, Index3 volume_size, const LabelGrid&
                    const ContourParameters& parameters, BrickOctree& out);
 
 // scratch: one entry a vertex, any content. labels: whether the sheets of edges are needed, see
-// Skin.
-void make_skin(const ActiveCells& cells, const BrickLeaves& leaves, bool labels,
-               std::vector<std::uint32_t>& scratch, BrickOctree& out);
+// GhostLayer.
+void make_ghost_layer(const ActiveCells& cells, const BrickLeaves& leaves, bool labels,
+                      std::vector<std::uint32_t>& scratch, BrickOctree& out);
 
 }  // namespace voxweld

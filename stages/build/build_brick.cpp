@@ -20,9 +20,9 @@ void clear(BrickOctree& brick, int level) {
   brick.blocks.assign(std::size_t{1} << 3 * (level - block_level), BlockCount{});
   brick.pairs.clear();
   brick.polygon_pairs.clear();
-  brick.skin.sheets_of_edges.clear();
-  brick.skin.cells.clear();
-  brick.skin.vertices.clear();
+  brick.ghost.sheets_of_edges.clear();
+  brick.ghost.cells.clear();
+  brick.ghost.vertices.clear();
   brick.root = RootRecord{};
   brick.counts = BrickCounts{};
 }
@@ -135,7 +135,7 @@ void build_octree(const BrickFrame& frame, Index3 volume_size, const Grid& grid,
   s.nodes.simplify(frame, grid, s.cells, edges, parameters);
   s.leaves.collect(frame, s.cells, s.nodes, parameters, out);
   emit_polygons(frame, volume_size, grid, s.cells, s.leaves, parameters, out);
-  make_skin(s.cells, s.leaves, std::is_same_v<Grid, LabelGrid>, s.vertex_marks, out);
+  make_ghost_layer(s.cells, s.leaves, std::is_same_v<Grid, LabelGrid>, s.vertex_marks, out);
   out.root = make_root(frame, grid, s.nodes, parameters, out);
 }
 
@@ -272,10 +272,10 @@ std::uint64_t build_brick_bytes(int level) {
 std::uint64_t build_brick_bytes(int level, std::uint64_t active_cells) {
   const std::uint64_t side = std::uint64_t{1} << level;
   const std::uint64_t points = (side + 3) * (side + 3) * (side + 3);
-  // Worst cases of an active cell: three edges that cross and a polygon each, and those of the upper
-  // border planes. A cell keeps either a QEF (and the level above an eighth of those, and so on) or
-  // up to four sheets, each a SheetVertex and a LeafVertex. Vectors may have grown to twice their
-  // content.
+  // Worst cases of an active cell: three edges that cross and a polygon each, and those of the
+  // upper border planes. A cell keeps either a QEF (and the level above an eighth of those, and so
+  // on) or up to four sheets, each a SheetVertex and a LeafVertex. Vectors may have grown to twice
+  // their content.
   const std::uint64_t per_edge = sizeof(HermiteEdge) + 2 * sizeof(PolygonRefs);
   const std::uint64_t per_cell =
       16 + std::uint64_t{2} * 4 * (sizeof(SheetVertex) + sizeof(LeafVertex));

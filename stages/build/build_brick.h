@@ -1,4 +1,4 @@
-// Build: the samples of one brick to its simplified octree, polygons, skin and root record.
+// Build: the samples of one brick to its simplified octree, polygons, ghost layer and root record.
 //
 // Based on: Ju, Losasso, Schaefer, Warren, "Dual Contouring of Hermite Data", 2002. The brick is an
 // aligned subtree of the volume's one octree, so nothing is approximated at its border; what it

@@ -49,9 +49,9 @@ TileMesh stitch_tile(const PlannedTile& tile, const StitchParameters& parameters
   for (const CellKey& key : bricks) {
     const BrickOctree& octree = pieces.brick(key);
     StitchBrick brick{key,          octree.vertices,      octree.polygons, octree.emit_levels,
-                      octree.pairs, octree.polygon_pairs, &octree.skin,    {}};
+                      octree.pairs, octree.polygon_pairs, &octree.ghost,   {}};
     for (int d = 1; d < 8; ++d)
-      brick.upper[static_cast<std::size_t>(d)] = pieces.skin(upper_neighbour(key.at, d), d);
+      brick.upper[static_cast<std::size_t>(d)] = pieces.ghost(upper_neighbour(key.at, d), d);
     cut_to_tile(tile, octree.blocks, brick);
     stitcher.add(brick);
   }

@@ -19,8 +19,8 @@ class BrickPieces {
   // Needs no root and no counts. Lives until the next call.
   virtual const BrickOctree& brick(const CellKey& key) = 0;
   // Null where the brick has no surface, or is none. Lives until the next brick is asked for, or
-  // the next skin in the same direction.
-  virtual const Skin* skin(Index3 brick, int direction) = 0;
+  // the next ghost layer in the same direction.
+  virtual const GhostLayer* ghost(Index3 brick, int direction) = 0;
 };
 
 // Those of `leaves` that the bricks and their upper neighbours lie in, ascending. Their Morton

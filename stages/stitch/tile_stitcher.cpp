@@ -26,11 +26,11 @@ void reorder(std::vector<T>& values, const std::vector<std::uint32_t>& order) {
   values = std::move(sorted);
 }
 
-std::uint32_t sheet_of(const Skin& skin, const SkinCell& cell, int edge) {
-  if (skin.sheets_of_edges.empty())
+std::uint32_t sheet_of(const GhostLayer& ghost, const GhostCell& cell, int edge) {
+  if (ghost.sheets_of_edges.empty())
     return cell_sheets(static_cast<CellSigns>(cell.signs()), cell.joined())
         .sheet_of_edge[static_cast<std::size_t>(edge)];
-  return skin.sheets_of_edges[static_cast<std::size_t>(&cell - skin.cells.data())] >> (2 * edge) &
+  return ghost.sheets_of_edges[static_cast<std::size_t>(&cell - ghost.cells.data())] >> (2 * edge) &
          3;
 }
 
@@ -59,8 +59,8 @@ const TopLeaf* TileStitcher::leaf_above(CellKey brick) const {
 
 void TileStitcher::add(const StitchBrick& brick) {
   local_.assign(brick.vertices.size(), unset);
-  in_own_skin_.assign(brick.vertices.size(), 0);
-  for (const SkinVertex& v : brick.own_skin->vertices) in_own_skin_[v.brick_vertex] = 1;
+  in_own_layer_.assign(brick.vertices.size(), 0);
+  for (const GhostVertex& v : brick.own_layer->vertices) in_own_layer_[v.brick_vertex] = 1;
   brick_above_ = brick.vertices.size() == 1 ? leaf_above(brick.key) : nullptr;
   for (std::size_t i = 0; i < brick.polygons.size(); ++i) {
     std::array<std::uint32_t, 4> corners;
@@ -105,7 +105,7 @@ TileStitcher::Corner TileStitcher::local_corner(const StitchBrick& brick, std::u
   const auto sheet = static_cast<std::size_t>(v.leaf.sheet());
   const auto group = brick.vertices.subspan(vertex - sheet, sheet + 1);
   Corner corner{};
-  if (in_own_skin_[vertex] != 0 || brick_above_ != nullptr) {
+  if (in_own_layer_[vertex] != 0 || brick_above_ != nullptr) {
     corner = shared_vertex(brick.key, group);
   } else {
     const CellKey leaf = leaf_key(brick.key, v.leaf);
@@ -120,23 +120,23 @@ TileStitcher::Corner TileStitcher::local_corner(const StitchBrick& brick, std::u
 TileStitcher::Corner TileStitcher::foreign_corner(const StitchBrick& brick, CornerRef ref) {
   const int d = ref.direction();
   const CellKey neighbour{brick.key.level, brick.key.at + Index3{d & 1, d >> 1 & 1, d >> 2}};
-  const Skin* skin = brick.upper[static_cast<std::size_t>(d)];
+  const GhostLayer* ghost = brick.upper[static_cast<std::size_t>(d)];
   const auto fail = [&](const char* what) {
     throw std::logic_error(
         fmt::format("stitch: brick {} refers to cell {:#x} of brick {}, which {}", name(brick.key),
                     ref.code(), name(neighbour), what));
   };
-  if (skin == nullptr) fail("has no skin");
+  if (ghost == nullptr) fail("has no ghost layer");
   const auto cell =
-      std::lower_bound(skin->cells.begin(), skin->cells.end(), ref.code(),
-                       [](const SkinCell& c, std::uint32_t code) { return c.code() < code; });
-  if (cell == skin->cells.end() || cell->code() != ref.code()) fail("is not active there");
+      std::lower_bound(ghost->cells.begin(), ghost->cells.end(), ref.code(),
+                       [](const GhostCell& c, std::uint32_t code) { return c.code() < code; });
+  if (cell == ghost->cells.end() || cell->code() != ref.code()) fail("is not active there");
   const std::uint32_t first = cell->first();
   std::uint32_t sheet = 0;
-  if (skin->vertices[first].vertex.leaf.level() == 0) sheet = sheet_of(*skin, *cell, ref.edge());
+  if (ghost->vertices[first].vertex.leaf.level() == 0) sheet = sheet_of(*ghost, *cell, ref.edge());
   if (sheet > 3) fail("has no crossing on that edge");
   group_.clear();
-  for (std::uint32_t s = 0; s <= sheet; ++s) group_.push_back(skin->vertices[first + s].vertex);
+  for (std::uint32_t s = 0; s <= sheet; ++s) group_.push_back(ghost->vertices[first + s].vertex);
   return shared_vertex(neighbour, group_);
 }
 

@@ -1,4 +1,4 @@
-// Stitch: the polygons of one tile, brick by brick, with the upper neighbours' skins for the
+// Stitch: the polygons of one tile, brick by brick, with the upper neighbours' ghost layers for the
 // corners that lie beyond; a vertex is computed once and referred to by id, so there is nothing to
 // patch.
 //
@@ -35,8 +35,8 @@ struct StitchBrick {
   // labels.mode = "shared": as BrickOctree has them, polygon_pairs beside polygons; else empty.
   std::span<const MaterialPair> pairs;
   std::span<const std::uint32_t> polygon_pairs;
-  const Skin* own_skin = nullptr;
-  std::array<const Skin*, 8> upper{};  // by direction; null where no brick has a surface
+  const GhostLayer* own_layer = nullptr;
+  std::array<const GhostLayer*, 8> upper{};  // by direction; null where no brick has a surface
 };
 
 class TileStitcher {
@@ -70,11 +70,12 @@ class TileStitcher {
   std::span<const TopLeaf> top_;
   TileMesh mesh_;
   std::vector<NormalSense> senses_;  // of the mesh's vertices
-  // Vertices that several bricks refer to, those of the skins and of the leaves above: found by id.
+  // Vertices that several bricks refer to, those of the ghost layers and of the leaves above: found
+  // by id.
   std::unordered_map<std::uint64_t, std::uint32_t> shared_;
   std::map<MaterialPair, std::uint32_t> pairs_;  // place in mesh_.pairs, as first met
-  std::vector<std::uint32_t> local_;       // of the current brick: index in the mesh, or unset
-  std::vector<std::uint8_t> in_own_skin_;  // of the current brick
+  std::vector<std::uint32_t> local_;        // of the current brick: index in the mesh, or unset
+  std::vector<std::uint8_t> in_own_layer_;  // of the current brick
   const TopLeaf* brick_above_ = nullptr;
   std::vector<LeafVertex> group_;
 };

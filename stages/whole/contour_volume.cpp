@@ -9,8 +9,8 @@
 namespace voxweld {
 namespace {
 
-// The octree is put together from cubes of so many bricks a side. The result is the same for any; of
-// so few small volumes have several, as large ones have in the program.
+// The octree is put together from cubes of so many bricks a side. The result is the same for any;
+// of so few small volumes have several, as large ones have in the program.
 constexpr int cube_bricks = 2;
 
 HaloBlock block_of(const VolumeSamples& samples) {
@@ -54,9 +54,9 @@ class Pieces : public BrickPieces {
   const BrickOctree& brick(const CellKey& key) override {
     return bricks_.octrees.at(morton_encode(key.at));
   }
-  const Skin* skin(Index3 brick, int) override {
+  const GhostLayer* ghost(Index3 brick, int) override {
     const auto found = bricks_.octrees.find(morton_encode(brick));
-    return found == bricks_.octrees.end() ? nullptr : &found->second.skin;
+    return found == bricks_.octrees.end() ? nullptr : &found->second.ghost;
   }
 
  private:

@@ -62,12 +62,13 @@ void put(std::span<std::byte>& out, std::span<const std::byte> bytes) {
 
 std::uint64_t PieceRecord::body_bytes() const {
   return std::uint64_t{vertices} * sizeof(LeafVertex) +
-         std::uint64_t{polygons} * sizeof(PolygonRefs) + std::uint64_t{blocks} * sizeof(FilledBlock);
+         std::uint64_t{polygons} * sizeof(PolygonRefs) +
+         std::uint64_t{blocks} * sizeof(FilledBlock);
 }
 
-std::uint64_t PieceRecord::skin_bytes() const {
-  return std::uint64_t{skin_cells} * sizeof(SkinCell) +
-         std::uint64_t{skin_vertices} * sizeof(SkinVertex);
+std::uint64_t PieceRecord::ghost_bytes() const {
+  return std::uint64_t{ghost_cells} * sizeof(GhostCell) +
+         std::uint64_t{ghost_vertices} * sizeof(GhostVertex);
 }
 
 std::vector<std::byte> to_bytes(const LabelNode& n) {
@@ -143,20 +144,20 @@ PieceHead LabelShardWriter::piece(Material material, const BrickOctree& octree,
   record.vertices = size(octree.vertices);
   record.polygons = size(octree.polygons);
   record.blocks = size(blocks);
-  record.skin_cells = size(octree.skin.cells);
-  record.skin_vertices = size(octree.skin.vertices);
+  record.ghost_cells = size(octree.ghost.cells);
+  record.ghost_vertices = size(octree.ghost.vertices);
   const auto hash_of = [](auto... parts) {
     StreamHasher hash;
     (hash.update(parts), ...);
     return hash.finish();
   };
   const auto vertices = as_section(octree.vertices), polygons = as_section(octree.polygons),
-             counts = std::as_bytes(blocks), cells = as_section(octree.skin.cells),
-             skin = as_section(octree.skin.vertices);
+             counts = std::as_bytes(blocks), cells = as_section(octree.ghost.cells),
+             ghost = as_section(octree.ghost.vertices);
   record.body = hash_of(vertices, polygons, counts);
-  record.skin = hash_of(cells, skin);
+  record.ghost = hash_of(cells, ghost);
   append(head);
-  for (const auto& part : {vertices, polygons, counts, cells, skin}) append(part);
+  for (const auto& part : {vertices, polygons, counts, cells, ghost}) append(part);
   return head;
 }
 
@@ -194,14 +195,14 @@ void LabelShardWriter::brick(std::uint64_t code, const ArtifactReader& from, con
     const PieceRecord& piece = record.head.piece;
     if (record.check != check_of(record.head) || piece.key.brick != code ||
         piece.offset != brick_bytes_ + sizeof record ||
-        piece.body_bytes() + piece.skin_bytes() > section->size - piece.offset)
+        piece.body_bytes() + piece.ghost_bytes() > section->size - piece.offset)
       from.damaged("the head of a piece is wrong");
     const auto body = read_part(from, piece, piece.offset, piece.body_bytes(), piece.body);
-    const auto skin =
-        read_part(from, piece, piece.offset + piece.body_bytes(), piece.skin_bytes(), piece.skin);
+    const auto ghost =
+        read_part(from, piece, piece.offset + piece.body_bytes(), piece.ghost_bytes(), piece.ghost);
     append(record.head);
     append(body);
-    append(skin);
+    append(ghost);
     f(record.head, blocks_of(piece, body));
   }
   end_brick();
@@ -295,15 +296,15 @@ void LabelShardArtifact::read_piece(const PieceRecord& piece, int brick_level,
   }
   if (block != blocks.end() || end != piece.polygons)
     file_.damaged("the parts of a piece contradict each other");
-  read_skin(piece, out.skin);
+  read_ghost_layer(piece, out.ghost);
 }
 
-void LabelShardArtifact::read_skin(const PieceRecord& piece, Skin& out) const {
+void LabelShardArtifact::read_ghost_layer(const PieceRecord& piece, GhostLayer& out) const {
   const auto bytes =
-      read_part(file_, piece, piece.offset + piece.body_bytes(), piece.skin_bytes(), piece.skin);
+      read_part(file_, piece, piece.offset + piece.body_bytes(), piece.ghost_bytes(), piece.ghost);
   std::span<const std::byte> rest = bytes;
-  take(rest, piece.skin_cells, out.cells);
-  take(rest, piece.skin_vertices, out.vertices);
+  take(rest, piece.ghost_cells, out.cells);
+  take(rest, piece.ghost_vertices, out.vertices);
   out.sheets_of_edges.clear();
 }
 

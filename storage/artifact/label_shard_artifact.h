@@ -5,8 +5,8 @@
 //   name                content
 //   brick code << 8 | 1 the pieces of one brick, back to back; the code is the Morton code of the
 //                       brick's index. A piece is its PieceHead, its body (LeafVertex, PolygonRefs,
-//                       and of FilledBlock those that hold anything) and its skin (SkinCell,
-//                       SkinVertex); each has a checksum of its own, the head in itself, the others
+//                       and of FilledBlock those that hold anything) and its ghost layer (GhostCell,
+//                       GhostVertex); each has a checksum of its own, the head in itself, the others
 //                       in its PieceRecord, so it is read alone
 //   2 << 56 | i         page i of the directory: PieceRecord, by material, then by brick
 //   3 << 56 | i         page i of the nodes, by material, then in Morton order: of each a
@@ -40,13 +40,13 @@ struct PieceKey {
 
 struct PieceRecord {
   PieceKey key;
-  std::uint64_t offset = 0;  // of the body in the brick's section; the skin comes behind it
-  std::uint32_t vertices = 0, polygons = 0, blocks = 0, skin_cells = 0, skin_vertices = 0;
+  std::uint64_t offset = 0;  // of the body in the brick's section; the ghost layer comes behind it
+  std::uint32_t vertices = 0, polygons = 0, blocks = 0, ghost_cells = 0, ghost_vertices = 0;
   std::uint32_t reserved = 0;
-  Hash128 body, skin;
+  Hash128 body, ghost;
 
   std::uint64_t body_bytes() const;
-  std::uint64_t skin_bytes() const;
+  std::uint64_t ghost_bytes() const;
 };
 
 // A label that fills a brick has nothing but a head there; the directory leaves it out.
@@ -75,7 +75,8 @@ class LabelShardWriter {
   // The pieces of one brick, in any order: between begin_brick and end_brick.
   void begin_brick(std::uint64_t code);
   // blocks: filled_blocks(octree.blocks).
-  PieceHead piece(Material material, const BrickOctree& octree, std::span<const FilledBlock> blocks);
+  PieceHead piece(Material material, const BrickOctree& octree,
+                  std::span<const FilledBlock> blocks);
   void end_brick();
   // In place of these three, all that another artifact of this kind has of a brick, and f of each
   // piece. DamagedArtifact when one fails its checks.
@@ -121,7 +122,7 @@ class LabelShardArtifact {
   void each_piece(const std::function<void(const PieceRecord&)>& f) const;
   // All but root and counts. brick_level: log2 of the cells a side of the shard's bricks.
   void read_piece(const PieceRecord& piece, int brick_level, BrickOctree& out) const;
-  void read_skin(const PieceRecord& piece, Skin& out) const;
+  void read_ghost_layer(const PieceRecord& piece, GhostLayer& out) const;
 
   // Pages of the nodes, and the bytes of each node of one: by material, then in Morton order.
   std::uint64_t node_pages() const { return first_nodes_.size(); }

@@ -10,8 +10,8 @@ enum Part : std::uint64_t {
   polygons,
   emit_levels,
   blocks,
-  skin_cells,
-  skin_vertices,
+  ghost_cells,
+  ghost_vertices,
   pairs,
   polygon_pairs,
   sheets_of_edges,
@@ -35,11 +35,11 @@ struct ShardNodeRecord {
 
 // Records are written as they lie in memory, so none may have padding, which would carry whatever
 // was there before.
-static_assert(std::has_unique_object_representations_v<SkinCell> &&
+static_assert(std::has_unique_object_representations_v<GhostCell> &&
               std::has_unique_object_representations_v<BlockCount> &&
               std::has_unique_object_representations_v<PolygonRefs> &&
               std::has_unique_object_representations_v<CubeCount>);
-static_assert(sizeof(LeafVertex) == 28 && sizeof(SkinVertex) == 32 && sizeof(TopLeaf) == 48 &&
+static_assert(sizeof(LeafVertex) == 28 && sizeof(GhostVertex) == 32 && sizeof(TopLeaf) == 48 &&
               sizeof(RootRecord) == 8 + 52 + 40 + 28 + 8 + 64 &&
               std::has_unique_object_representations_v<MaterialPair> &&
               sizeof(ShardNodeRecord) == 40 + sizeof(RootRecord));
@@ -61,16 +61,16 @@ void ShardArtifactWriter::brick(std::uint64_t code, const BrickOctree& octree) {
   where_any(emit_levels, octree.emit_levels);
   where_any(pairs, octree.pairs);
   where_any(polygon_pairs, octree.polygon_pairs);
-  where_any(sheets_of_edges, octree.skin.sheets_of_edges);
+  where_any(sheets_of_edges, octree.ghost.sheets_of_edges);
   file_.section(section_name(code, blocks), as_section(octree.blocks));
-  file_.section(section_name(code, skin_cells), as_section(octree.skin.cells));
-  file_.section(section_name(code, skin_vertices), as_section(octree.skin.vertices));
+  file_.section(section_name(code, ghost_cells), as_section(octree.ghost.cells));
+  file_.section(section_name(code, ghost_vertices), as_section(octree.ghost.vertices));
 }
 
 void ShardArtifactWriter::brick(std::uint64_t code, const ArtifactReader& from) {
   // In the order of the other one, so that the same bricks are the same file.
   for (const Part part : {vertices, polygons, emit_levels, pairs, polygon_pairs, sheets_of_edges,
-                          blocks, skin_cells, skin_vertices}) {
+                          blocks, ghost_cells, ghost_vertices}) {
     const std::uint64_t name = section_name(code, part);
     if (from.find(name) == nullptr) continue;
     from.read(name, section_);
@@ -142,8 +142,8 @@ void ShardArtifact::add_brick_hashes(std::uint64_t code, KeyHasher& key) const {
     if (const SectionRecord* record = file_.find(section_name(code, part))) key.hash(record->hash);
 }
 
-void ShardArtifact::add_skin_hashes(std::uint64_t code, KeyHasher& key) const {
-  for (const Part part : {skin_cells, skin_vertices, sheets_of_edges})
+void ShardArtifact::add_ghost_hashes(std::uint64_t code, KeyHasher& key) const {
+  for (const Part part : {ghost_cells, ghost_vertices, sheets_of_edges})
     if (const SectionRecord* record = file_.find(section_name(code, part))) key.hash(record->hash);
 }
 
@@ -154,7 +154,7 @@ void ShardArtifact::read_brick(std::uint64_t code, BrickOctree& out) const {
   read_where_any(code, pairs, out.pairs);
   read_where_any(code, polygon_pairs, out.polygon_pairs);
   file_.read_array(section_name(code, blocks), out.blocks);
-  read_skin(code, out.skin);
+  read_ghost_layer(code, out.ghost);
   const auto beside_polygons = [&](std::size_t size) {
     return size == 0 || size == out.polygons.size();
   };
@@ -173,12 +173,12 @@ void ShardArtifact::read_where_any(std::uint64_t code, std::uint64_t part,
     file_.read_array(section_name(code, part), out);
 }
 
-void ShardArtifact::read_skin(std::uint64_t code, Skin& out) const {
-  file_.read_array(section_name(code, skin_cells), out.cells);
-  file_.read_array(section_name(code, skin_vertices), out.vertices);
+void ShardArtifact::read_ghost_layer(std::uint64_t code, GhostLayer& out) const {
+  file_.read_array(section_name(code, ghost_cells), out.cells);
+  file_.read_array(section_name(code, ghost_vertices), out.vertices);
   read_where_any(code, sheets_of_edges, out.sheets_of_edges);
   if (!out.sheets_of_edges.empty() && out.sheets_of_edges.size() != out.cells.size())
-    file_.damaged("the parts of a skin contradict each other");
+    file_.damaged("the parts of a ghost layer contradict each other");
 }
 
 std::uint64_t ShardArtifact::brick_bytes(std::uint64_t code) const {

@@ -3,10 +3,10 @@
 //
 //   name                       content
 //   brick code << 8 | part     of one brick with a surface; the code is the Morton code of the
-//                              brick's index; part 1 LeafVertex, 2 PolygonRefs, 3 emit levels (u8, only
-//                              under topology = "free"), 4 BlockCount, 5 SkinCell, 6 SkinVertex;
+//                              brick's index; part 1 LeafVertex, 2 PolygonRefs, 3 emit levels (u8,
+//                              only under topology = "free"), 4 BlockCount, 5 GhostCell, 6 GhostVertex;
 //                              between labels (labels.mode = "shared") also 7 MaterialPair, 8 the
-//                              polygons' pairs (u32), 9 the skin cells' sheets (u32)
+//                              polygons' pairs (u32), 9 the ghost layer cells' sheets (u32)
 //   all ones << 8 | part       part 2 ShardNodeRecord, 3 CubeCount, 4 TopLeaf (each node's range is
 //                              in its record); 1, 5 and 6 as shard_summary.h
 //
@@ -63,12 +63,12 @@ class ShardArtifact {
   std::vector<ShardNode> nodes() const;
 
   bool has_brick(std::uint64_t code) const;
-  // Hashes of the parts stitch reads of its own bricks, or of neighbours (the skin alone).
+  // Hashes of the parts stitch reads of its own bricks, or of neighbours (the ghost layer alone).
   void add_brick_hashes(std::uint64_t code, KeyHasher& key) const;
-  void add_skin_hashes(std::uint64_t code, KeyHasher& key) const;
+  void add_ghost_hashes(std::uint64_t code, KeyHasher& key) const;
 
   void read_brick(std::uint64_t code, BrickOctree& out) const;  // all but root and counts
-  void read_skin(std::uint64_t code, Skin& out) const;
+  void read_ghost_layer(std::uint64_t code, GhostLayer& out) const;
   // Bytes the brick's parts take in memory.
   std::uint64_t brick_bytes(std::uint64_t code) const;
 

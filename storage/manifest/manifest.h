@@ -13,8 +13,8 @@
 //                lies at first + spacing * i in the files, and what lies at p there at origin +
 //                direction * p in the world; first (optional, 0) is 0 but for meshes as input
 //   counts       {bricks, active_bricks, collapsed_above_bricks, leaves [per level], vertices,
-//                quads, triangles (polygons), output_triangles = 2 quads + triangles, tiles, collinear,
-//                files, bytes (mesh files, those of the tiles included), labels (with "labels")};
+//                quads, triangles (polygons), output_triangles = 2 quads + triangles, tiles,
+//                collinear, files, bytes (mesh files, those of the tiles included), labels (with "labels")};
 //                vertices: of the octree, which with a closed border and safe topology are those
 //                of the welded mesh; else some of them are in no polygon
 //   merged       {"drc": path, "glb": path ...}, by the name of the format, or null

@@ -1,5 +1,5 @@
 // What build makes of one brick: the simplified octree's vertices, the polygons the brick owns, the
-// skin its lower neighbours need, and the record by which merge goes on collapsing above it.
+// ghost layer its lower neighbours need, and the record by which merge goes on collapsing above it.
 #pragma once
 
 #include <algorithm>
@@ -116,21 +116,22 @@ inline std::vector<FilledBlock> filled_blocks(std::span<const BlockCount> blocks
 }
 
 // An active finest cell of the lowest layer on x, y or z.
-struct SkinCell {
-  std::uint32_t code_signs = 0;    // Morton code (24 bits) | sign byte << 24
-  std::uint32_t first_joined = 0;  // first of its sheets in Skin::vertices | joined face << 31
+struct GhostCell {
+  std::uint32_t code_signs = 0;  // Morton code (24 bits) | sign byte << 24
+  std::uint32_t first_joined =
+      0;  // first of its sheets in GhostLayer::vertices | joined face << 31
   constexpr std::uint32_t code() const { return code_signs & 0xffffff; }
   constexpr int signs() const { return static_cast<int>(code_signs >> 24); }
   constexpr std::uint32_t first() const { return first_joined & 0x7fffffff; }
   constexpr bool joined() const { return first_joined >> 31 != 0; }
 };
-struct SkinVertex {
+struct GhostVertex {
   std::uint32_t brick_vertex = 0;  // its index in BrickOctree::vertices
   LeafVertex vertex;
 };
-struct Skin {
-  std::vector<SkinCell> cells;  // ascending code
-  std::vector<SkinVertex> vertices;
+struct GhostLayer {
+  std::vector<GhostCell> cells;  // ascending code
+  std::vector<GhostVertex> vertices;
   // Between labels a sign byte does not tell the sheets: beside `cells`, that of edge e in the bits
   // 2 e and 2 e + 1. Else empty.
   std::vector<std::uint32_t> sheets_of_edges;
@@ -185,7 +186,7 @@ struct BrickOctree {
   std::vector<MaterialPair> pairs;
   std::vector<std::uint32_t> polygon_pairs;
   std::vector<BlockCount> blocks;
-  Skin skin;
+  GhostLayer ghost;
   RootRecord root;
   BrickCounts counts;
 };

@@ -208,7 +208,7 @@ void Simplifier::simplify(const HermiteBrick& brick, const Grid& grid, BrickOctr
   nodes_.simplify(brick.frame, grid, brick.cells, brick.edges, parameters);
   leaves_.collect(brick.frame, brick.cells, nodes_, parameters, out);
   emit_polygons(brick.frame, model_.volume.size, grid, brick.cells, leaves_, parameters, out);
-  make_skin(brick.cells, leaves_, std::is_same_v<Grid, LabelGrid>, marks_, out);
+  make_ghost_layer(brick.cells, leaves_, std::is_same_v<Grid, LabelGrid>, marks_, out);
   out.root = root_of(grid, brick.frame, nodes_, parameters, out);
   node_bytes_ += bytes_of(nodes_, brick.frame.level);
 }

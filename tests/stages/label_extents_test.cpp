@@ -60,7 +60,7 @@ std::string bytes_of(const BrickOctree& brick) {
   std::ostringstream all;
   for (const std::string& part :
        {bytes_of(brick.vertices), bytes_of(brick.polygons), bytes_of(brick.blocks),
-        bytes_of(brick.skin.cells), bytes_of(brick.skin.vertices),
+        bytes_of(brick.ghost.cells), bytes_of(brick.ghost.vertices),
         bytes_of(std::vector<RootRecord>{brick.root})})
     all << part.size() << ':' << part;
   const BrickCounts& c = brick.counts;

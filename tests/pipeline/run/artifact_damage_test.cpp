@@ -49,10 +49,10 @@ void read_all_of_label_shard(const fs::path& path) {
   const LabelShardArtifact artifact(path);
   artifact.summary();
   BrickOctree brick;
-  Skin skin;
+  GhostLayer ghost;
   artifact.each_piece([&](const PieceRecord& piece) {
     artifact.read_piece(piece, brick_level, brick);
-    artifact.read_skin(piece, skin);
+    artifact.read_ghost_layer(piece, ghost);
   });
   for (std::uint64_t page = 0; page < artifact.node_pages(); ++page)
     artifact.each_node(page, [](const LabelNode&, std::span<const std::byte>) {});
