@@ -17,7 +17,8 @@ class SurfaceOctrees : public ShardOctrees {
   void share_memory(MemoryShare* share) override {
     share_ = share;
     scratch_.reserve = nullptr;
-    if (share != nullptr) scratch_.reserve = [share](std::uint64_t bytes) { share->reserve(bytes); };
+    if (share != nullptr)
+      scratch_.reserve = [share](std::uint64_t bytes) { share->reserve(bytes); };
   }
   void free_buffers() override {
     scratch_.free_buffers();

@@ -18,8 +18,8 @@ struct StageMemory {
   // The most that one unit takes. Units under way wait for each other where theirs do not fit
   // together (memory_pool.h).
   std::uint64_t per_unit_bytes = 0;
-  std::string unit;                  // "one brick (brick = 256)"
-  std::string advice;                // "raise run.memory or lower work.brick"
+  std::string unit;    // "one brick (brick = 256)"
+  std::string advice;  // "raise run.memory or lower work.brick"
   // What a worker keeps from one unit to the next.
   std::uint64_t per_worker_bytes = 0;
 };

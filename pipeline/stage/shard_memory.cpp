@@ -36,9 +36,10 @@ ShardMemory shard_memory(const BrickGrid& grid, SampleType type, LabelMode label
   }
   const std::uint64_t row = ((std::uint64_t{1} << grid.shard_level()) + halo) * side * side;
   const std::uint64_t side16 = std::uint64_t{1} << (grid.shard_level() - block_level);
-  memory.worker = std::max(one * sample_bytes(type), std::min(row * sample_bytes(type), run_bytes)) +
-                  (labels == LabelMode::shared ? build_labels_bytes(grid.brick_level()) : 0) +
-                  side16 * side16 * side16 * 2 * sizeof(CubeCount);
+  memory.worker =
+      std::max(one * sample_bytes(type), std::min(row * sample_bytes(type), run_bytes)) +
+      (labels == LabelMode::shared ? build_labels_bytes(grid.brick_level()) : 0) +
+      side16 * side16 * side16 * 2 * sizeof(CubeCount);
   return memory;
 }
 

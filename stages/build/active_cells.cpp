@@ -49,7 +49,8 @@ std::size_t ActiveCells::count_rows() const {
   std::size_t count = 0;
   for (auto z = window_.lo.z; z < window_.hi.z; ++z)
     for (auto y = window_.lo.y; y < window_.hi.y; ++y) {
-      const std::uint64_t* row = rows_.data() + static_cast<std::size_t>(z * side_ + y) * row_words_;
+      const std::uint64_t* row =
+          rows_.data() + static_cast<std::size_t>(z * side_ + y) * row_words_;
       for (std::size_t w = 0; w < row_words_; ++w)
         count += static_cast<std::size_t>(std::popcount(row[w]));
     }

@@ -7,8 +7,8 @@
 #include <fstream>
 
 #include "storage/support/file_io.h"
-#include "tests/pipeline/solids/mesh_formats.h"
 #include "tests/pipeline/run/mesh_scene.h"
+#include "tests/pipeline/solids/mesh_formats.h"
 #include "tests/support/triangle_meshes.h"
 
 namespace voxweld::testing {
