@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # Runs clang-tidy (checks in .clang-tidy) over our sources; any warning fails.
-# Usage: tests/tidy.sh [BUILD_DIR] [--since REV | FILE.cpp...]
+# Usage: tests/tidy.sh [BUILD_DIR] [--since REV [--most N] | FILE.cpp...]
 #   BUILD_DIR must be configured with VOXWELD_UNITY=OFF: its compile_commands.json says how each
 #   file is compiled. Default: build-tidy, which is configured so. --since: the sources that are not
 #   as in the commit REV, and for a changed header the source of its name; exit status 77 where there
-#   is no REV, as in a clone without its history.
+#   is no REV, as in a clone without its history. --most: of these no more than N, those with most
+#   changed lines.
 #   Without files: all of storage, stages, pipeline and tests that it knows.
 set -euo pipefail
 case ${1:-} in -h | --help)
-  sed -n '2,8s/^# //p' "$0"
+  sed -n '2,9s/^# //p' "$0"
   exit 0
   ;;
 esac
@@ -28,9 +29,10 @@ if [ ! -f "$commands" ]; then
 fi
 known() { sed -n 's/^ *"file": "\(.*\)",\{0,1\}$/\1/p' "$commands" | sort -u; }
 
+# Those with most changed lines first.
 changed_since() {
-  git -C "$root" diff --name-only --diff-filter=d "$1" -- '*.cpp' '*.h' |
-    sed -E "s,^(.*)\.(cpp|h)\$,$root/\1.cpp," | sort -u
+  git -C "$root" diff --numstat --diff-filter=d --no-renames "$1" -- '*.cpp' '*.h' |
+    sort -rn | cut -f3 | sed -E "s,^(.*)\.(cpp|h)\$,$root/\1.cpp," | awk '!seen[$0]++'
 }
 
 if [ "${1:-}" = --since ]; then
@@ -38,8 +40,12 @@ if [ "${1:-}" = --since ]; then
     echo "skipped: $2 is no commit that this clone has"
     exit 77
   }
-  mapfile -t files < <(comm -12 <(changed_since "$2") <(known))
+  mapfile -t files < <(changed_since "$2" | grep -xFf <(known))
   echo "tidy: ${#files[@]} sources changed since $2"
+  if [ "${3:-}" = --most ] && [ ${#files[@]} -gt "${4:?--most wants a number}" ]; then
+    files=("${files[@]:0:$4}")
+    echo "tidy: looking at $4 of them"
+  fi
   [ ${#files[@]} -gt 0 ] || exit 0
 elif [ $# -gt 0 ]; then
   files=("$@")

@@ -104,11 +104,11 @@ NodeState ShardBuilder::unedited_state(Index3 brick) const {
 
 // The bricks row, row + 1 .. end - 1 along x: maximal runs of those that must be read, cut where
 // the samples would become too many.
-std::vector<ShardBuilder::Run> ShardBuilder::runs_of(Index3 row, std::int64_t end) const {
+std::vector<ShardBuilder::BrickRow> ShardBuilder::runs_of(Index3 row, std::int64_t end) const {
   const bool labels = job_.parameters.labels.mode == LabelMode::each;
   const std::uint64_t most =
       labels ? label_run_samples : run_bytes / sample_bytes(job_.volume.source->info().type);
-  std::vector<Run> runs;
+  std::vector<BrickRow> runs;
   for (Index3 brick = row; brick.x < end; ++brick.x) {
     if (known_of(brick).state != NodeState::split) continue;
     const Box3 samples = brick_samples(job_, brick);
@@ -131,7 +131,7 @@ void ShardBuilder::each_run(Index3 shard, F&& f) {
   const Box3 bricks = job_.grid.shard_bricks(shard);
   for (std::int64_t z = bricks.lo.z; z < bricks.hi.z; ++z)
     for (std::int64_t y = bricks.lo.y; y < bricks.hi.y; ++y)
-      for (const Run& run : runs_of({bricks.lo.x, y, z}, bricks.hi.x)) f(run);
+      for (const BrickRow& run : runs_of({bricks.lo.x, y, z}, bricks.hi.x)) f(run);
 }
 
 template <class F>
@@ -162,7 +162,7 @@ void ShardBuilder::note_sides(Index3 shard, StreamHasher& hash) const {
   });
 }
 
-Hash128 ShardBuilder::read(const Run& run) {
+Hash128 ShardBuilder::read(const BrickRow& run) {
   const std::size_t size = sample_bytes(job_.volume.source->info().type);
   samples_.resize(static_cast<std::size_t>(run.samples.count()) * size);
   if (!run.samples.empty()) job_.volume.source->read(run.samples, samples_.data());
@@ -176,7 +176,7 @@ Hash128 ShardBuilder::input_hash(Index3 shard) {
   look_at(shard);
   StreamHasher hash;
   note_sides(shard, hash);
-  each_run(shard, [&](const Run& run) {
+  each_run(shard, [&](const BrickRow& run) {
     const Hash128 samples = read(run);
     hash.update(std::as_bytes(std::span(&samples, 1)));
   });
@@ -185,7 +185,7 @@ Hash128 ShardBuilder::input_hash(Index3 shard) {
 
 // Bricks whose edits are those of the earlier build are taken over; what is read is read in whole
 // runs, unless all of one is taken over.
-BuiltRun ShardBuilder::build_run(const Run& run, const EarlierShard* earlier,
+BuiltRun ShardBuilder::build_run(const BrickRow& run, const EarlierShard* earlier,
                                  const WorkerContext& worker) {
   std::vector<const BuiltBrick*> kept(static_cast<std::size_t>(run.count), nullptr);
   const auto brick = [&](std::size_t i) {
@@ -221,7 +221,7 @@ void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlie
   note_sides(shard, hash);
   octrees_->begin(shard, stamp);
   std::vector<BuiltRun> runs;
-  each_run(shard, [&](const Run& run) {
+  each_run(shard, [&](const BrickRow& run) {
     runs.push_back(build_run(run, earlier, worker));
     hash.update(std::as_bytes(std::span(&runs.back().samples, 1)));
   });

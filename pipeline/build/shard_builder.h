@@ -19,7 +19,7 @@ class ShardBuilder {
   const BrickReport& bricks() const { return bricks_; }
 
  private:
-  struct Run {  // bricks along x that are read together
+  struct BrickRow {  // bricks along x that are read together
     Index3 first;
     std::int64_t count = 0;
     Box3 samples;
@@ -33,7 +33,7 @@ class ShardBuilder {
   template <class F>
   void each_brick(Index3 shard, F&& f) const;
   void look_at(Index3 shard);
-  std::vector<Run> runs_of(Index3 row, std::int64_t end) const;
+  std::vector<BrickRow> runs_of(Index3 row, std::int64_t end) const;
   Box3 touched_samples(Index3 brick) const;
   Bounds bounds_of(Index3 brick) const;
   bool meets_ring(Index3 brick) const;
@@ -43,9 +43,9 @@ class ShardBuilder {
   const KnownBrick& known_of(Index3 brick) const;
   void note_sides(Index3 shard, StreamHasher& hash) const;
   // Of the run's samples.
-  Hash128 read(const Run& run);
+  Hash128 read(const BrickRow& run);
   void build(Index3 shard, Hash128 stamp, const EarlierShard* earlier, const WorkerContext& worker);
-  BuiltRun build_run(const Run& run, const EarlierShard* earlier, const WorkerContext& worker);
+  BuiltRun build_run(const BrickRow& run, const EarlierShard* earlier, const WorkerContext& worker);
 
   const BuildJob& job_;
   Box3 shard_bricks_;              // of the shard at hand

@@ -1,18 +1,11 @@
 #include "pipeline/encode/output_files.h"
 
-#include <algorithm>
-
-#include "storage/artifact/container.h"
+#include "storage/artifact/unfinished_note.h"
 #include "storage/manifest/manifest.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
 namespace {
-
-constexpr std::array<char, 4> note_kind = {'u', 'n', 'f', 'i'};
-constexpr std::uint32_t note_version = 1;
-constexpr std::uint64_t first_section = 1;
-constexpr std::size_t section_bytes = std::size_t{1} << 20;
 
 void add_listed(const std::filesystem::path& output, FileNames& names) {
   for (const FileRecord& file : read_manifest(output / manifest_name).files) names.add(file.path);
@@ -23,7 +16,7 @@ void add_listed(const std::filesystem::path& output, FileNames& names) {
 }
 
 std::filesystem::path note_path(const std::filesystem::path& output) {
-  return output / "unfinished.files";
+  return output / unfinished_name;
 }
 
 bool has_begun(const std::filesystem::path& output, Hash128 key) {
@@ -31,7 +24,7 @@ bool has_begun(const std::filesystem::path& output, Hash128 key) {
       !std::filesystem::exists(note_path(output)))
     return false;
   try {
-    return ArtifactReader(note_path(output), note_kind, note_version).key() == key;
+    return read_unfinished_key(note_path(output)) == key;
   } catch (const DamagedArtifact&) {
     return false;
   } catch (const StorageError&) {  // a task that ended the run has just taken it away
@@ -42,16 +35,7 @@ bool has_begun(const std::filesystem::path& output, Hash128 key) {
 void add_noted(const std::filesystem::path& output, FileNames& names) {
   if (!std::filesystem::exists(note_path(output))) return;
   try {
-    const ArtifactReader reader(note_path(output), note_kind, note_version);
-    std::vector<char> text;
-    for (const SectionRecord& section : reader.sections()) {
-      reader.read_array(section.name, text);
-      for (auto begin = text.begin(); begin != text.end();) {
-        const auto end = std::find(begin, text.end(), '\0');
-        names.add({&*begin, static_cast<std::size_t>(end - begin)});
-        begin = end == text.end() ? end : end + 1;
-      }
-    }
+    each_unfinished(note_path(output), [&](std::string_view name) { names.add(name); });
   } catch (const DamagedArtifact&) {
     return;  // what it named stays; nothing else depends on it
   }
@@ -74,19 +58,7 @@ void begin_output(const std::filesystem::path& output, Hash128 key, FileNames& n
   if (has_begun(output, key)) return;
   add_files_of_earlier_runs(output, names);
   planned(names);
-  ArtifactWriter note(note_path(output), {note_kind, note_version, key});
-  std::string text;
-  std::uint64_t section = first_section;
-  const auto flush = [&] {
-    note.section(section++, as_bytes(text));
-    text.clear();
-  };
-  names.each([&](const std::string& name) {
-    text.append(name).push_back('\0');
-    if (text.size() >= section_bytes) flush();
-  });
-  flush();
-  note.commit(Durability::fsync);
+  write_unfinished_note(note_path(output), key, names);
   std::filesystem::remove(output / manifest_name);
 }
 

@@ -1,10 +1,7 @@
 // Which files of an output directory are ours: those its manifest lists, and while encode is at
-// work, when there is no manifest, those of `unfinished.files`. So a run that follows a killed one
+// work, when there is no manifest, those of its `unfinished.files`
+// (storage/artifact/unfinished_note.h). So a run that follows a killed one
 // still knows what to clear away.
-//
-// unfinished.files: a container (storage/artifact/container.h) of kind "unfi", version 1, whose key
-// is of what the run planned; sections 1, 2 ...: names relative to the directory, each followed by
-// a zero byte.
 #pragma once
 
 #include <filesystem>

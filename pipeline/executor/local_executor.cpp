@@ -29,9 +29,9 @@ std::vector<std::size_t> schedule(std::span<const Unit> units, UnitOrder order) 
 }
 
 // One stage under way: the units not yet started and what became of the others.
-class Run {
+class StageUnderWay {
  public:
-  Run(std::span<const Unit> units, const UnitWork& work, const RunOptions& options)
+  StageUnderWay(std::span<const Unit> units, const UnitWork& work, const RunOptions& options)
       : units_(units), work_(work), options_(options), sequence_(schedule(units, options.order)) {}
 
   // Takes units until none is left. Each slot's loop runs on one thread.
@@ -111,7 +111,7 @@ void LocalExecutor::run_units(StageName stage, std::span<const Unit> units, cons
   assert(options.threads >= 1);
   const int threads = std::max(options.threads, 1);
   const int slots = static_cast<int>(std::min(units.size(), static_cast<std::size_t>(threads)));
-  Run run(units, work, options);
+  StageUnderWay run(units, work, options);
   on_slots(threads, slots, [&](int slot) { run.work_through(slot); });
   run.finish(stage);
 }

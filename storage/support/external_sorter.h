@@ -59,10 +59,10 @@ class RunMerge {
   bool next(Head& head, std::vector<std::byte>& tail) {
     while (!heap_.empty()) {
       take(head, tail);
-      if constexpr (!has_join<Order>)
-        return true;
-      else if (join_equal(head, tail))
-        return true;
+      if constexpr (has_join<Order>) {
+        if (!join_equal(head, tail)) continue;
+      }
+      return true;
     }
     return false;
   }
