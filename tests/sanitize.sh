@@ -2,7 +2,7 @@
 # Builds with sanitizers and runs tests under them; any finding fails.
 # Usage: tests/sanitize.sh asan|tsan [TEST_PROGRAM...]
 #   asan: addresses, leaks and undefined behaviour; tsan: data races.
-#   With test programs named (test_container ...) only those are built and run, else all of ctest.
+#   With test programs named (test_storage ...) only those are built and run, else all of ctest.
 set -euo pipefail
 usage() { sed -n '2,5s/^# //p' "${BASH_SOURCE[0]}"; }
 

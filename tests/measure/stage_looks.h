@@ -75,7 +75,7 @@ constexpr LookPreset looks_before = {
               2 * artifact_trips,
           0, 0},
          {}},
-        // missing_tiles: prepare and a stat; run_stitch: tile_bricks once more for the memory.
+        // StageWork::look: prepare and a stat; memory: tile_bricks once more.
         // Done: prepare, the tile artifact (stitch_stage.cpp, tile_inputs.cpp).
         {{(tile_opens + 1) * artifact_trips, 1, 0},
          {tile_opens * artifact_trips, 1 + artifact_trips, 0},
