@@ -9,7 +9,6 @@
 #include "pipeline/build/common_material.h"
 #include "pipeline/build/shard_builder.h"
 #include "pipeline/executor/probe.h"
-#include "pipeline/stage/shard_memory.h"
 #include "stages/solids/lattice_solid.h"
 #include "storage/support/error.h"
 
@@ -191,15 +190,15 @@ void BuildWork::prove(RunContext& context, StageLook& look) {
 }
 
 StageMemory BuildWork::memory(std::span<const std::uint64_t>) {
-  const std::int64_t side = std::int64_t{1} << job_.grid.brick_level();
-  std::string unit = fmt::format("one brick (work.brick = {})", side);
+  const bool replaces = replaces_labels(job_.parameters.edits);
+  StageMemory memory =
+      build_memory(job_.grid, shard_memory(job_.grid, job_.volume.source->info().type,
+                                           job_.parameters.labels.mode, replaces));
+  memory.base_bytes = job_.largest_bin.index_bytes;
+  memory.per_worker_bytes += job_.largest_bin.bytes;
   if (job_.largest_bin.triangles > 0)
-    unit += fmt::format(" with up to {} triangles of the mesh", job_.largest_bin.triangles);
-  const ShardMemory shard =
-      shard_memory(job_.grid, job_.volume.source->info().type, job_.parameters.labels.mode,
-                   replaces_labels(job_.parameters.edits));
-  return {"build", job_.largest_bin.index_bytes,           shard.brick,
-          unit,    "raise run.memory or lower work.brick", shard.worker + job_.largest_bin.bytes};
+    memory.unit += fmt::format(" with up to {} triangles of the mesh", job_.largest_bin.triangles);
+  return memory;
 }
 
 }  // namespace
@@ -213,6 +212,15 @@ std::vector<Unit> shard_units(const BrickGrid& grid, std::span<const std::uint64
                      static_cast<double>(grid.shard_bricks(shard).count())});
   }
   return units;
+}
+
+StageMemory build_memory(const BrickGrid& grid, const ShardMemory& shard) {
+  return {"build",
+          0,
+          shard.brick,
+          fmt::format("one brick (work.brick = {})", std::int64_t{1} << grid.brick_level()),
+          "raise run.memory or lower work.brick",
+          shard.worker};
 }
 
 std::unique_ptr<StageWork> build_stage(const BuildJob& job) {

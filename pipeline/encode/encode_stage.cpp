@@ -80,12 +80,12 @@ std::uint64_t sum(const std::vector<std::uint64_t>& values) {
   return std::accumulate(values.begin(), values.end(), std::uint64_t{0});
 }
 
-// The tiles as the plan has them, then the merged mesh where there is to be one: as long as all
-// tiles together, so it begins first, and tiles get what it leaves of run.memory. Of one tile alone
-// it has the same files: then it comes after it. More than there is: the unit waits until nobody
-// else has any.
+// More than there is: the unit waits until nobody else has any.
 constexpr std::uint64_t all_memory = std::numeric_limits<std::uint64_t>::max();
 
+// The tiles as the plan has them, then the merged mesh where there is to be one: as long as all
+// tiles together, so it begins first, and tiles get what it leaves of run.memory. Of one tile alone
+// it has the same files: then it comes after it.
 class EncodeStage final : public StageWork {
  public:
   explicit EncodeStage(EncodeInputs inputs)
@@ -181,10 +181,7 @@ StageMemory EncodeStage::memory(std::span<const std::uint64_t> numbers) {
     need = std::max(need, bytes(number));
     pairs = std::max(pairs, pairs_in(number));
   }
-  StageMemory memory{
-      "encode", 0, need,
-      fmt::format("one tile (output.tile_vertices = {})", config_.output.tile_vertices),
-      "raise run.memory or lower output.tile_vertices; what is finished is kept"};
+  StageMemory memory = encode_memory(config_, need);
   if (pairs > 0) memory.unit += fmt::format(" with {} pairs of labels", pairs);
   if (pairs > 0 && job_.formats.size() > 1) {
     const MeshWriter& costliest = costliest_of_pairs(job_);
@@ -219,6 +216,12 @@ std::uint64_t encode_bytes(const Config& config, const PlannedTile& tile) {
   // A tile also refers to vertices beyond its border.
   const std::uint64_t v = tile.vertices + tile.vertices / 4, t = 2 * tile.polygons;
   return stitch_bytes(v, tile.polygons) / 2 + encode_memory_bytes(v, t, config.output.normals);
+}
+
+StageMemory encode_memory(const Config& config, std::uint64_t largest) {
+  return {"encode", 0, largest,
+          fmt::format("one tile (output.tile_vertices = {})", config.output.tile_vertices),
+          "raise run.memory or lower output.tile_vertices; what is finished is kept"};
 }
 
 MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_t pair_bytes) {

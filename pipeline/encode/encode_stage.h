@@ -20,6 +20,8 @@ MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_
 
 // What encoding a tile of that size takes.
 std::uint64_t encode_bytes(const Config& config, const PlannedTile& tile);
+// The stage's need where the largest of its tiles takes so many bytes.
+StageMemory encode_memory(const Config& config, std::uint64_t largest);
 
 // What the work refers to, and outlives it.
 struct EncodeInputs {

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/build/build_stage.h"
 #include "pipeline/build/contour_parameters.h"
 #include "pipeline/config/settings.h"
 #include "pipeline/ingest/label_choice.h"
-#include "pipeline/stage/shard_memory.h"
 #include "pipeline/stage/unit_plan.h"
 #include "stages/encode/draco_codec.h"
 #include "stages/ingest/threshold.h"
@@ -110,12 +110,10 @@ void check_budget(const RunContext& context, const Jobs& jobs) {
   const bool replaces =
       std::any_of(config.edits.begin(), config.edits.end(),
                   [](const EditConfig& edit) { return edit.op == EditOp::replace; });
-  const ShardMemory shard =
-      shard_memory(brick_grid(config, info.geometry), info.type, config.labels.mode, replaces);
+  const BrickGrid grid = brick_grid(config, info.geometry);
   std::vector<StageMemory> needs = {
       ingest_stage(config, jobs.ingest())->memory({}),
-      {"build", 0, shard.brick, fmt::format("one brick (work.brick = {})", config.work.brick),
-       "raise run.memory or lower work.brick", shard.worker}};
+      build_memory(grid, shard_memory(grid, info.type, config.labels.mode, replaces))};
   // The largest first: the figure it is refused with does for all.
   const auto bytes = [](const StageMemory& need) {
     return need.base_bytes + need.per_unit_bytes + need.per_worker_bytes;

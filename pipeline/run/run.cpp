@@ -74,14 +74,10 @@ void check_writable(const std::filesystem::path& directory, const std::string& k
 // are planned, a run.memory that is too small for one of them is refused before any is made.
 void check_plan(RunContext& context, Stages& stages) {
   const UnitPlan& plan = stages.plan();
-  StageMemory largest{
-      "encode", 0, 0,
-      fmt::format("one tile (output.tile_vertices = {})", context.config.output.tile_vertices),
-      "raise run.memory or lower output.tile_vertices; what is finished is kept"};
+  std::uint64_t largest = 0;
   for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
-    largest.per_unit_bytes =
-        std::max(largest.per_unit_bytes, encode_bytes(context.config, plan.largest(unit)));
-  stage_threads(context, largest);
+    largest = std::max(largest, encode_bytes(context.config, plan.largest(unit)));
+  stage_threads(context, encode_memory(context.config, largest));
   plan_merged(context.config, plan);
 }
 

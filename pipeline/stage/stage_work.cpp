@@ -70,10 +70,4 @@ void do_stage(RunContext& context, StageWork& work) {
   if (context.selection.all()) work.close(context);
 }
 
-void check_memory(const RunContext& context, StageWork& work) {
-  std::vector<std::uint64_t> all(work.size());
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
-  stage_threads(context, work.memory(all));
-}
-
 }  // namespace voxweld

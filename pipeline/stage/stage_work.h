@@ -70,7 +70,4 @@ class StageWork {
 // Does all that is missing of the units context selects and, where it selects all, of the rest.
 void do_stage(RunContext& context, StageWork& work);
 
-// Throws what do_stage would before it begins where run.memory is too small for one of the units.
-void check_memory(const RunContext& context, StageWork& work);
-
 }  // namespace voxweld
