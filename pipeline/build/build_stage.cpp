@@ -45,11 +45,6 @@ ArtifactState state_of(const BuildJob& job, Index3 shard) {
   }
 }
 
-bool replaces_labels(const Edits& edits) {
-  return std::any_of(edits.begin(), edits.end(),
-                     [](const Edit& edit) { return edit.op == EditOp::replace; });
-}
-
 // Of a brick that is skipped, against one with a surface.
 constexpr double cost_of_empty_brick = 0.01;
 
@@ -190,10 +185,7 @@ void BuildWork::prove(RunContext& context, StageLook& look) {
 }
 
 StageMemory BuildWork::memory(std::span<const std::uint64_t>) {
-  const bool replaces = replaces_labels(job_.parameters.edits);
-  StageMemory memory =
-      build_memory(job_.grid, shard_memory(job_.grid, job_.volume.source->info().type,
-                                           job_.parameters.labels.mode, replaces));
+  StageMemory memory = build_memory(job_.grid, job_.memory);
   memory.base_bytes = job_.largest_bin.index_bytes;
   memory.per_worker_bytes += job_.largest_bin.bytes;
   if (job_.largest_bin.triangles > 0)

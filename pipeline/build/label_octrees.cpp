@@ -28,15 +28,9 @@ void append(std::vector<std::byte>& out, const T* values, std::size_t count) {
 
 }  // namespace
 
-LabelOctrees::LabelOctrees(const BuildJob& job)
-    : job_(job), notes_(job.folder, label_notes_bytes) {}
-
-void LabelOctrees::share_memory(MemoryShare* share) {
-  share_ = share;
-  if (share == nullptr)
-    labels_.set_reserve(nullptr);
-  else
-    labels_.set_reserve([share](std::uint64_t bytes) { share->reserve(bytes); });
+LabelOctrees::LabelOctrees(const BuildJob& job, MemoryShare& share)
+    : job_(job), share_(share), notes_(job.folder, label_notes_bytes) {
+  labels_.set_reserve([&share](std::uint64_t bytes) { share.reserve(bytes); });
 }
 
 void LabelOctrees::begin(Index3 shard, Hash128 input_stamp) {
@@ -72,7 +66,7 @@ void LabelOctrees::build_brick(const CellKey& brick, const WorkerContext& worker
                });
   if (any) out_->end_brick();
   note(built, surface);
-  if (share_ != nullptr) share_->yield();
+  share_.yield();
 }
 
 void LabelOctrees::keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) {

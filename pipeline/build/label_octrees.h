@@ -13,9 +13,8 @@ namespace voxweld {
 
 class LabelOctrees : public ShardOctrees {
  public:
-  explicit LabelOctrees(const BuildJob& job);
+  LabelOctrees(const BuildJob& job, MemoryShare& share);
 
-  void share_memory(MemoryShare* share) override;
   void free_buffers() override { labels_.free_buffers(); }
   void begin(Index3 shard, Hash128 input_stamp) override;
   void build(const HaloBlock& block, Index3 first, std::int64_t count,
@@ -32,7 +31,7 @@ class LabelOctrees : public ShardOctrees {
 
   const BuildJob& job_;
   LabelBricks labels_;
-  MemoryShare* share_ = nullptr;
+  MemoryShare& share_;
   Index3 shard_;
   std::unique_ptr<LabelShardWriter> out_;
   RecordSorter notes_;  // of all pieces, by label and brick

@@ -14,12 +14,6 @@ Box3 brick_samples(const BuildJob& job, Index3 brick) {
                    Box3{{}, job.grid.size()});
 }
 
-}  // namespace
-
-ShardBuilder::ShardBuilder(const BuildJob& job) : job_(job), octrees_(make_shard_octrees(job)) {}
-
-namespace {
-
 // Ranges of 64-bit integers are rounded outward, so one value alone may stand for its neighbours.
 NodeState label_state(const ValueRange& range, double label, bool in_ring) {
   constexpr double exact = 9007199254740992.0;  // 2^53
@@ -105,9 +99,6 @@ NodeState ShardBuilder::unedited_state(Index3 brick) const {
 // The bricks row, row + 1 .. end - 1 along x: maximal runs of those that must be read, cut where
 // the samples would become too many.
 std::vector<ShardBuilder::BrickRow> ShardBuilder::runs_of(Index3 row, std::int64_t end) const {
-  const bool labels = job_.parameters.labels.mode == LabelMode::each;
-  const std::uint64_t most =
-      labels ? label_run_samples : run_bytes / sample_bytes(job_.volume.source->info().type);
   std::vector<BrickRow> runs;
   for (Index3 brick = row; brick.x < end; ++brick.x) {
     if (known_of(brick).state != NodeState::split) continue;
@@ -115,7 +106,7 @@ std::vector<ShardBuilder::BrickRow> ShardBuilder::runs_of(Index3 row, std::int64
     if (!runs.empty() && runs.back().first.x + runs.back().count == brick.x) {
       Box3 joined = runs.back().samples;
       joined.hi.x = samples.hi.x;
-      if (static_cast<std::uint64_t>(joined.count()) <= most) {
+      if (static_cast<std::uint64_t>(joined.count()) <= job_.memory.run_samples) {
         runs.back().samples = joined;
         ++runs.back().count;
         continue;
@@ -232,13 +223,15 @@ void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlie
   octrees_->finish(hash.finish(), std::move(runs));
 }
 
+void ShardBuilder::share_memory(const WorkerContext& worker) {
+  if (share_) return;
+  share_.emplace(worker.memory(), worker.interrupt(), [this] { octrees_->free_buffers(); });
+  octrees_ = make_shard_octrees(job_, *share_);
+}
+
 void ShardBuilder::build(Index3 shard, const WorkerContext& worker) {
-  MemoryShare share(worker.memory(), worker.interrupt(), [this] { octrees_->free_buffers(); });
-  octrees_->share_memory(&share);
-  struct Unshared {
-    ShardOctrees& octrees;
-    ~Unshared() { octrees.share_memory(nullptr); }
-  } unshared{*octrees_};
+  share_memory(worker);
+  const MemoryShare::Use use(*share_);
   const BrickReport before = bricks_;
   const Hash128 stamp = job_.volume.stamp(shard_samples(job_, shard));
   if (const auto earlier = EarlierShard::open(job_, shard, stamp)) {

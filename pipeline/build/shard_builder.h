@@ -1,6 +1,8 @@
 // One shard from samples to octree artifact, brick by brick.
 #pragma once
 
+#include <optional>
+
 #include "pipeline/build/earlier_shard.h"
 #include "pipeline/build/shard_octrees.h"
 
@@ -8,7 +10,7 @@ namespace voxweld {
 
 class ShardBuilder {
  public:
-  explicit ShardBuilder(const BuildJob& job);
+  explicit ShardBuilder(const BuildJob& job) : job_(job) {}
 
   // Reads, builds and writes the artifact. `worker` is asked to stop between bricks.
   void build(Index3 shard, const WorkerContext& worker);
@@ -45,13 +47,16 @@ class ShardBuilder {
   // Of the run's samples.
   Hash128 read(const BrickRow& run);
   void build(Index3 shard, Hash128 stamp, const EarlierShard* earlier, const WorkerContext& worker);
+  void share_memory(const WorkerContext& worker);
   BuiltRun build_run(const BrickRow& run, const EarlierShard* earlier, const WorkerContext& worker);
 
   const BuildJob& job_;
   Box3 shard_bricks_;              // of the shard at hand
   std::vector<KnownBrick> known_;  // of these, x fastest
   std::vector<std::byte> samples_;
+  // Both from the first build on; the share frees the octrees' buffers when it ends.
   std::unique_ptr<ShardOctrees> octrees_;
+  std::optional<MemoryShare> share_;
   BrickReport bricks_;
 };
 

@@ -12,14 +12,11 @@ namespace {
 // Of one surface: its octree is the shard's.
 class SurfaceOctrees : public ShardOctrees {
  public:
-  explicit SurfaceOctrees(const BuildJob& job) : job_(job), edits_(job.parameters) {}
-
-  void share_memory(MemoryShare* share) override {
-    share_ = share;
-    scratch_.reserve = nullptr;
-    if (share != nullptr)
-      scratch_.reserve = [share](std::uint64_t bytes) { share->reserve(bytes); };
+  SurfaceOctrees(const BuildJob& job, MemoryShare& share)
+      : job_(job), edits_(job.parameters), share_(share) {
+    scratch_.reserve = [&share](std::uint64_t bytes) { share.reserve(bytes); };
   }
+
   void free_buffers() override {
     scratch_.free_buffers();
     brick_ = {};
@@ -68,7 +65,7 @@ class SurfaceOctrees : public ShardOctrees {
   LocalEdits edits_;
   BrickScratch scratch_;
   BrickOctree brick_;
-  MemoryShare* share_ = nullptr;
+  MemoryShare& share_;
   Index3 shard_;
   std::unique_ptr<ShardArtifactWriter> out_;
   std::vector<Root> roots_;
@@ -110,7 +107,7 @@ void SurfaceOctrees::build(const HaloBlock& block, Index3 first, std::int64_t co
     if (brick_.root.state == NodeState::outside) continue;
     note_surface(key, brick_.root, brick_.blocks);
     if (brick_.root.state != NodeState::inside) out_->brick(morton_encode(key.at), brick_);
-    if (share_ != nullptr) share_->yield();
+    share_.yield();
   }
 }
 
@@ -134,9 +131,10 @@ std::vector<ShardNode> SurfaceOctrees::reduce() {
 
 }  // namespace
 
-std::unique_ptr<ShardOctrees> make_shard_octrees(const BuildJob& job) {
-  if (job.parameters.labels.mode == LabelMode::each) return std::make_unique<LabelOctrees>(job);
-  return std::make_unique<SurfaceOctrees>(job);
+std::unique_ptr<ShardOctrees> make_shard_octrees(const BuildJob& job, MemoryShare& share) {
+  if (job.parameters.labels.mode == LabelMode::each)
+    return std::make_unique<LabelOctrees>(job, share);
+  return std::make_unique<SurfaceOctrees>(job, share);
 }
 
 }  // namespace voxweld

@@ -18,8 +18,6 @@ namespace voxweld {
 class ShardOctrees {
  public:
   virtual ~ShardOctrees() = default;
-  // From now on bricks take their memory from this share; null: from nothing.
-  virtual void share_memory(MemoryShare* share) = 0;
   // Gives what bricks have left behind back to the system.
   virtual void free_buffers() = 0;
   virtual void begin(Index3 shard, Hash128 input_stamp) = 0;
@@ -36,7 +34,7 @@ class ShardOctrees {
   virtual void finish(Hash128 input, std::vector<BuiltRun> runs) = 0;
 };
 
-// The one for labels.mode of the job.
-std::unique_ptr<ShardOctrees> make_shard_octrees(const BuildJob& job);
+// The one for labels.mode of the job. Bricks take their memory from `share`, which lives longer.
+std::unique_ptr<ShardOctrees> make_shard_octrees(const BuildJob& job, MemoryShare& share);
 
 }  // namespace voxweld

@@ -98,9 +98,7 @@ class EncodeStage final : public StageWork {
         merged_(plan_merged(config_, plan_, pair_bytes(sum(pairs_)))) {}
 
   Stage stage() const override { return Stage::encode; }
-  std::string noun() const override {
-    return label_mode(job_) == LabelMode::each ? "groups" : "meshes";
-  }
+  std::string noun() const override { return plan_.of_labels() ? "groups" : "meshes"; }
   std::string identity() const override { return job_.folder.filename().string(); }
   std::uint64_t size() const override { return plan_.size() + (merged_.write ? 1 : 0); }
   std::vector<Unit> units(std::span<const std::uint64_t> numbers) const override;
@@ -226,8 +224,7 @@ StageMemory encode_memory(const Config& config, std::uint64_t largest) {
 
 MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_t pair_bytes) {
   MergedPlan plan;
-  // Closed surfaces of neighbouring labels overlap: they are no one mesh.
-  if (config.labels.mode == LabelMode::each) return plan;
+  if (units.of_labels()) return plan;
   std::uint64_t vertices = 0, triangles = 0;
   for (std::uint64_t unit = 0; unit < units.size(); ++unit) {
     const PlannedTile tile = units.total(unit);

@@ -144,10 +144,9 @@ class LabelSums {
   std::uint64_t tile_ = 0;
 };
 
-// Records read at once, as many as are small. A label takes 128 bytes in the file, and about 200
-// in memory.
-std::size_t records_at_once(const Listing& listing) {
-  if (listing.labels == LabelMode::off) return records_ahead;
+// Records of labels read at once, as many as are small. A label takes 128 bytes in the file, and
+// about 200 in memory.
+std::size_t label_records_ahead(const Listing& listing) {
   std::vector<std::uintmax_t> sizes(listing.tiles.size());
   probe_all(sizes.size(), [&](std::size_t i) {
     std::error_code missing;  // the reader says it
@@ -195,20 +194,23 @@ void list_tiles(const Listing& listing, Manifest& manifest, FileNames& leftovers
   ListFile tiles(listing.output, tiles_name);
   std::optional<ListFile> labels;
   std::optional<LabelLines> lines;
-  LabelSums sums(listing.scratch);
+  std::optional<LabelSums> sums;
+  std::size_t ahead = records_ahead;
   if (listing.labels != LabelMode::off) {
     labels.emplace(listing.output, labels_name);
     lines.emplace(*labels, manifest, listing.materials);
+    ahead = label_records_ahead(listing);
   }
+  if (listing.labels == LabelMode::shared) sums.emplace(listing.scratch);
   probe_in_order<AssetRecord>(
-      listing.tiles.size(), records_at_once(listing),
+      listing.tiles.size(), ahead,
       [&](std::size_t i) { return whole_record(listing.tiles[i].record); },
       [&](std::size_t i, AssetRecord&& record) {
         counts.quads += record.quads;
         counts.triangles += record.polygon_triangles;
         counts.output_triangles += record.triangles;
         counts.collinear += record.collinear;
-        if (listing.labels == LabelMode::shared) sums.add(record);
+        if (sums) sums->add(record);
         each_mesh(listing, listing.tiles[i].tile, record,
                   [&](const TileRecord& tile, const LabelAsset* mesh) {
                     if (mesh != nullptr) lines->add(*mesh, tile.files.empty() ? 0 : 1, tile.files);
@@ -219,8 +221,8 @@ void list_tiles(const Listing& listing, Manifest& manifest, FileNames& leftovers
                   });
       });
   manifest.files.push_back(tiles.finish("list"));
-  if (listing.labels == LabelMode::off) return;
-  sums.write(*lines);
+  if (!labels) return;
+  if (sums) sums->write(*lines);
   counts.labels = lines->finish();
   manifest.files.push_back(labels->finish("labels"));
 }

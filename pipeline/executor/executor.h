@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -46,7 +47,7 @@ struct RunOptions {
   std::string identity;
   // What the units share, for work that knows only on its way what it takes. Null: nothing is
   // shared.
-  MemoryPool* memory = nullptr;
+  std::shared_ptr<MemoryPool> memory;
   // Where an executor whose units run in other processes adds what its processes took: cpu_s, and
   // the largest peak_resident.
   StageFigures* elsewhere = nullptr;
@@ -63,7 +64,7 @@ class WorkerContext {
   // Counts bytes towards the rate that is shown.
   void add_bytes(std::uint64_t bytes);
   // Precondition: the stage shares memory.
-  MemoryPool& memory() const { return *options_.memory; }
+  const std::shared_ptr<MemoryPool>& memory() const { return options_.memory; }
   const InterruptFlag* interrupt() const { return options_.interrupt; }
   // Throws Interrupted once a stop was asked for; long units call it between their pieces.
   void check_interrupt() const {

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 namespace voxweld {
 
 bool MemoryPool::try_take(std::uint64_t bytes) {
   const std::scoped_lock lock(mutex_);
-  if (!queue_.empty() || taken_ > total_ || bytes > total_ - taken_) return false;
+  if (!queue_.empty()) return false;
+  take_back_parked(bytes);
+  if (!free(bytes)) return false;
   taken_ += bytes;
   peak_ = std::max(peak_, taken_);
   return true;
@@ -23,8 +26,13 @@ void MemoryPool::take(std::uint64_t bytes, const InterruptFlag* interrupt) {
     std::erase(queue_, ticket);
     freed_.notify_all();
   };
-  if (queue_.front() != ticket || !fits(bytes)) ++waits_;
-  while (queue_.front() != ticket || !fits(bytes)) {
+  const auto my_turn = [&] {
+    if (queue_.front() != ticket) return false;
+    take_back_parked(bytes);
+    return fits(bytes);
+  };
+  if (!my_turn()) ++waits_;
+  while (!my_turn()) {
     freed_.wait_for(lock, between_looks);
     if (interrupt == nullptr || !interrupt->requested()) continue;
     leave();
@@ -42,6 +50,30 @@ void MemoryPool::give_back(std::uint64_t bytes) {
     taken_ -= bytes;
   }
   freed_.notify_all();
+}
+
+void MemoryPool::park(MemoryShare& share) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (share.held_ == 0) return;
+    parked_.push_back(&share);
+  }
+  freed_.notify_all();
+}
+
+void MemoryPool::unpark(MemoryShare& share) {
+  const std::scoped_lock lock(mutex_);
+  std::erase(parked_, &share);
+}
+
+// With the lock held, so that no worker goes back to work in a share that is being emptied.
+void MemoryPool::take_back_parked(std::uint64_t wanted) {
+  while (!parked_.empty() && !free(wanted)) {
+    MemoryShare& share = *parked_.front();
+    parked_.erase(parked_.begin());
+    share.free_buffers_();
+    taken_ -= std::exchange(share.held_, 0);
+  }
 }
 
 bool MemoryPool::wanted() const {
@@ -62,23 +94,23 @@ std::uint64_t MemoryPool::waits() const {
 void MemoryShare::release() {
   if (held_ == 0) return;
   free_buffers_();
-  pool_.give_back(held_);
+  pool_->give_back(held_);
   held_ = 0;
 }
 
 void MemoryShare::reserve(std::uint64_t bytes) {
   if (bytes <= held_) return;
-  if (pool_.try_take(bytes - held_)) {
+  if (pool_->try_take(bytes - held_)) {
     held_ = bytes;
     return;
   }
   release();
-  pool_.take(bytes, interrupt_);
+  pool_->take(bytes, interrupt_);
   held_ = bytes;
 }
 
 void MemoryShare::yield() {
-  if (pool_.wanted()) release();
+  if (pool_->wanted()) release();
 }
 
 }  // namespace voxweld

@@ -6,16 +6,21 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <mutex>
+#include <vector>
 
 #include "pipeline/executor/interrupt.h"
 
 namespace voxweld {
 
+class MemoryShare;
+
 // Bytes handed out, first come, first served. Thread-safe.
 //
 // Nobody may wait while holding what the one before it waits for: a worker that has to wait gives
-// back all that it can do without first (MemoryShare does).
+// back all that it can do without first (MemoryShare does), and what nobody works with is taken
+// back before anybody waits.
 class MemoryPool {
  public:
   explicit MemoryPool(std::uint64_t bytes) : total_(bytes) {}
@@ -35,14 +40,18 @@ class MemoryPool {
   std::uint64_t waits() const;
 
  private:
-  bool fits(std::uint64_t bytes) const {
-    return taken_ == 0 || (taken_ <= total_ && bytes <= total_ - taken_);
-  }
+  friend class MemoryShare;
+  bool free(std::uint64_t bytes) const { return taken_ <= total_ && bytes <= total_ - taken_; }
+  bool fits(std::uint64_t bytes) const { return taken_ == 0 || free(bytes); }
+  void park(MemoryShare& share);
+  void unpark(MemoryShare& share);
+  void take_back_parked(std::uint64_t wanted);
 
   const std::uint64_t total_;
   mutable std::mutex mutex_;
   std::condition_variable freed_;
-  std::deque<std::uint64_t> queue_;  // tickets of those who wait
+  std::deque<std::uint64_t> queue_;   // tickets of those who wait
+  std::vector<MemoryShare*> parked_;  // the first to be taken back first
   std::uint64_t next_ticket_ = 0;
   std::uint64_t taken_ = 0, peak_ = 0, waits_ = 0;
 };
@@ -65,15 +74,33 @@ class MemoryLoan {
 };
 
 // What one worker holds of a pool: it grows to the most a piece of work needed, since the worker's
-// buffers do, and is given back, buffers and all, when somebody waits.
+// buffers do, and is given back, buffers and all, when somebody waits. Between uses it keeps both,
+// until somebody needs them.
 class MemoryShare {
  public:
-  // free_buffers: gives the worker's buffers back to the system; called when the share is.
-  MemoryShare(MemoryPool& pool, const InterruptFlag* interrupt, std::function<void()> free_buffers)
-      : pool_(pool), interrupt_(interrupt), free_buffers_(std::move(free_buffers)) {}
-  ~MemoryShare() { release(); }
+  // free_buffers: gives the worker's buffers back to the system; called when the share is, from any
+  // thread while the share is not in use.
+  MemoryShare(std::shared_ptr<MemoryPool> pool, const InterruptFlag* interrupt,
+              std::function<void()> free_buffers)
+      : pool_(std::move(pool)), interrupt_(interrupt), free_buffers_(std::move(free_buffers)) {}
+  ~MemoryShare() {
+    pool_->unpark(*this);
+    release();
+  }
   MemoryShare(const MemoryShare&) = delete;
   MemoryShare& operator=(const MemoryShare&) = delete;
+
+  // The time in which the worker touches its buffers; reserve and yield are for within.
+  class Use {
+   public:
+    explicit Use(MemoryShare& share) : share_(share) { share_.pool_->unpark(share_); }
+    ~Use() { share_.pool_->park(share_); }
+    Use(const Use&) = delete;
+    Use& operator=(const Use&) = delete;
+
+   private:
+    MemoryShare& share_;
+  };
 
   // Before work that takes so many bytes, buffers included.
   void reserve(std::uint64_t bytes);
@@ -82,9 +109,10 @@ class MemoryShare {
   std::uint64_t held() const { return held_; }
 
  private:
+  friend class MemoryPool;
   void release();
 
-  MemoryPool& pool_;
+  std::shared_ptr<MemoryPool> pool_;
   const InterruptFlag* interrupt_;
   std::function<void()> free_buffers_;
   std::uint64_t held_ = 0;

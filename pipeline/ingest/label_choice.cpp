@@ -15,7 +15,6 @@ namespace {
 LabelMap read_map(const Config& config) {
   const LabelsConfig& labels = config.labels;
   if (labels.map.empty()) return {};
-  if (labels.mode == LabelMode::off) return {};
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(labels.map, error);
   const std::uint64_t need = program_bytes() + (error ? 0 : label_map_bytes_per_byte * size);
@@ -28,13 +27,7 @@ LabelMap read_map(const Config& config) {
   return read_label_map(labels.map);
 }
 
-void warn_of_labels(const Config& config, const LabelMap& map) {
-  const LabelsConfig& labels = config.labels;
-  if (labels.mode == LabelMode::off) {
-    LabelsConfig defaults;
-    if (labels != defaults) spdlog::warn("[labels] is not looked at: labels.mode is \"off\"");
-    return;
-  }
+void warn_of_background(const LabelsConfig& labels, const LabelMap& map) {
   if (const std::string left_out = background_in_map(labels, map); !left_out.empty())
     spdlog::warn(
         "{}: labels.background leaves out {} although the file makes materials of them; change "
@@ -102,8 +95,13 @@ MaterialRules sized(const Config& config, const MaterialRules& chosen, const Lab
 }  // namespace
 
 LabelMap read_labels_map(const Config& config) {
+  if (config.labels.mode == LabelMode::off) {
+    if (config.labels != LabelsConfig{})
+      spdlog::warn("[labels] is not looked at: labels.mode is \"off\"");
+    return {};
+  }
   LabelMap map = read_map(config);
-  warn_of_labels(config, map);
+  warn_of_background(config.labels, map);
   return map;
 }
 

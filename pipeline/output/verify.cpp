@@ -62,6 +62,7 @@ class Verifier {
         options_(options),
         manifest_(read_manifest(directory / manifest_name)),
         each_(manifest_.labels == LabelMode::each),
+        shared_(manifest_.labels == LabelMode::shared),
         frame_(manifest_),
         tiles_(directory_, manifest_, options_.formats),
         threads_(options.threads > 0 ? options.threads : tbb::info::default_concurrency()) {
@@ -84,9 +85,7 @@ class Verifier {
   }
 
  private:
-  bool promises_manifold() const {
-    return !manifest_.free_topology && manifest_.labels != LabelMode::shared;
-  }
+  bool promises_manifold() const { return !manifest_.free_topology && !shared_; }
   void note(Problem problem) {
     if (report_.problem_count++ < options_.listed_problems)
       report_.problems.push_back(std::move(problem));
@@ -114,9 +113,8 @@ class Verifier {
   }
 
   void open_surface(std::optional<Material> label) {
-    const bool shared = manifest_.labels == LabelMode::shared;
     surface_.emplace(frame_,
-                     SeamRules{manifest_.open_border, manifest_.free_topology, shared, label});
+                     SeamRules{manifest_.open_border, manifest_.free_topology, shared_, label});
   }
 
   // Tiles of different labels have nothing to do with each other.
@@ -287,7 +285,8 @@ class Verifier {
   const fs::path directory_;
   const VerifyOptions options_;
   const Manifest manifest_;
-  const bool each_;  // labels are surfaces of their own
+  const bool each_;    // labels are surfaces of their own
+  const bool shared_;  // or parts of one complex
   const PointFrame frame_;
   const TileReader tiles_;
   std::optional<LabelListReader> labels_;  // of labels

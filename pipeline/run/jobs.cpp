@@ -55,6 +55,12 @@ void warn_of_origin(const Config& config, const VolumeGeometry& geometry) {
       config.input.path.string(), geometry.origin.x, geometry.origin.y, geometry.origin.z);
 }
 
+ShardMemory shard_memory(const Config& config, const VolumeInfo& info) {
+  const bool replaces = std::ranges::any_of(
+      config.edits, [](const EditConfig& edit) { return edit.op == EditOp::replace; });
+  return shard_memory(brick_grid(config, info.geometry), info.type, config.labels.mode, replaces);
+}
+
 }  // namespace
 
 Jobs::Jobs(const Config& config, const InterruptFlag* interrupt) {
@@ -82,7 +88,7 @@ void Jobs::open_volume(Config& config) {
   const StagePaths paths = stage_paths(config, info, labels);
   build_.emplace(BuildJob{volume, brick_grid(config, info.geometry),
                           contour_parameters(config, volume.geometry(), volume.solid, labels),
-                          paths.build, paths.build_key});
+                          paths.build, paths.build_key, shard_memory(config, info)});
   if (ingest_.mesh) build_->largest_bin = largest_bin(*ingest_.mesh);
   merge_ = {&*build_, paths.merge, paths.merge_key,
             static_cast<std::uint64_t>(config.output.tile_vertices)};
@@ -107,13 +113,9 @@ void Jobs::open_volume(Config& config) {
 void check_budget(const RunContext& context, const Jobs& jobs) {
   const VolumeInfo& info = jobs.ingest().info;
   const Config& config = context.config;
-  const bool replaces =
-      std::any_of(config.edits.begin(), config.edits.end(),
-                  [](const EditConfig& edit) { return edit.op == EditOp::replace; });
-  const BrickGrid grid = brick_grid(config, info.geometry);
   std::vector<StageMemory> needs = {
       ingest_stage(config, jobs.ingest())->memory({}),
-      build_memory(grid, shard_memory(grid, info.type, config.labels.mode, replaces))};
+      build_memory(brick_grid(config, info.geometry), shard_memory(config, info))};
   // The largest first: the figure it is refused with does for all.
   const auto bytes = [](const StageMemory& need) {
     return need.base_bytes + need.per_unit_bytes + need.per_worker_bytes;

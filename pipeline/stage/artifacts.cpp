@@ -72,9 +72,8 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info,
   build.text(sample_type_name(info.type));
   build.integer(g.size.x).integer(g.size.y).integer(g.size.z);
   vec(build, g.spacing);
-  if (each || labels.mode != LabelMode::off || config.surface.label)
-    build.integer(label_estimate_version);
-  if (labels.mode != LabelMode::off) build.hash(hash_of(*labels.rules));
+  if (labels.rules != nullptr || config.surface.label) build.integer(label_estimate_version);
+  if (labels.rules != nullptr) build.hash(hash_of(*labels.rules));
   paths.build_key = build.finish();
   paths.build = work / ("build-" + short_hex(paths.build_key));
 

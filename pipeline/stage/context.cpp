@@ -39,7 +39,7 @@ void run_stage(RunContext& context, const StageRun& stage, const std::vector<Uni
   StageFigures elsewhere;
   StageMemory memory = stage.memory;
   memory.base_bytes += program_bytes();
-  MemoryPool pool(units_share(context, memory, threads));
+  const auto pool = std::make_shared<MemoryPool>(units_share(context, memory, threads));
   RunOptions options;
   options.threads = threads;
   options.order = stage.order;
@@ -47,10 +47,10 @@ void run_stage(RunContext& context, const StageRun& stage, const std::vector<Uni
   options.interrupt = context.interrupt;
   options.done = stage.done;
   options.identity = stage.identity;
-  options.memory = &pool;
+  options.memory = pool;
   options.elsewhere = &elsewhere;
   const UnitWork within = [&](const Unit& unit, WorkerContext& worker) {
-    const MemoryLoan loan(pool, stage.bytes ? stage.bytes(unit) : 0, context.interrupt);
+    const MemoryLoan loan(*pool, stage.bytes ? stage.bytes(unit) : 0, context.interrupt);
     work(unit, worker);
   };
   context.executor->run_units(stage.stage, units, within, options);

@@ -11,6 +11,9 @@
 namespace voxweld {
 namespace {
 
+constexpr std::uint64_t run_bytes = std::uint64_t{16} << 20;
+constexpr std::uint64_t label_run_samples = std::uint64_t{1} << 18;  // each may be another label
+
 // Of labels' octrees beside their samples and what build_brick takes: each of `samples` samples may
 // be of another label.
 std::uint64_t label_octrees_bytes(const BrickGrid& grid, std::uint64_t samples) {
@@ -29,11 +32,13 @@ ShardMemory shard_memory(const BrickGrid& grid, SampleType type, LabelMode label
   ShardMemory memory;
   memory.brick = build_brick_bytes(grid.brick_level());
   if (labels == LabelMode::each) {
+    memory.run_samples = label_run_samples;
     const std::uint64_t samples = std::max(one, label_run_samples);
     memory.worker = samples * sample_bytes(type) + label_octrees_bytes(grid, samples) +
                     (replaces ? build_replacing_bytes(grid.brick_level()) : 0);
     return memory;
   }
+  memory.run_samples = run_bytes / sample_bytes(type);
   const std::uint64_t row = ((std::uint64_t{1} << grid.shard_level()) + halo) * side * side;
   const std::uint64_t side16 = std::uint64_t{1} << (grid.shard_level() - block_level);
   memory.worker =

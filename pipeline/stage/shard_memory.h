@@ -7,11 +7,6 @@
 
 namespace voxweld {
 
-// Bricks are read several at a time along x, as long as their samples stay under this: bytes, and
-// samples where every label of them has an octree of its own.
-inline constexpr std::uint64_t run_bytes = std::uint64_t{16} << 20;
-inline constexpr std::uint64_t label_run_samples = std::uint64_t{1} << 18;
-
 // Of pieces of labels, held before they go to disk.
 inline constexpr std::uint64_t label_notes_bytes = std::uint64_t{8} << 20;
 
@@ -22,6 +17,8 @@ struct ShardMemory {
   // The most that one brick can take: the worst there is. Most take a tenth of it, and say so
   // before they do (BrickScratch::reserve).
   std::uint64_t brick = 0;
+  // Bricks are read several at a time along x, as long as they have no more samples than this.
+  std::uint64_t run_samples = 0;
 
   std::uint64_t whole() const { return worker + brick; }
 };

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "pipeline/stage/shard_memory.h"
 #include "pipeline/stage/volume.h"
 #include "stages/contouring/brick_grid.h"
 #include "stages/contouring/parameters.h"
@@ -26,6 +27,7 @@ struct BuildJob {
   ContourParameters parameters;
   std::filesystem::path folder;
   Hash128 key;
+  ShardMemory memory = {};
   // Part of the brick store could not be made: shards that would read it are left out.
   bool partial_input = false;
   LargestBin largest_bin = {};

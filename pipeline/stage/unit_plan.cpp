@@ -37,6 +37,7 @@ class TilePlan : public UnitPlan {
     const PlannedTile& tile = tiles_[unit];
     return {{tile_stem("tiles", tile.key(), tiles_.size()).string(), tile.vertices}};
   }
+  bool of_labels() const override { return false; }
   bool spread(std::uint64_t) const override { return false; }
 
  private:
@@ -86,6 +87,7 @@ class BatchPlan : public UnitPlan {
       meshes.push_back({stem(surface.material).string(), surface.vertices});
     return meshes;
   }
+  bool of_labels() const override { return true; }
   bool spread(std::uint64_t unit) const override {
     return batches_[unit].surface_tiles > tiles_a_folder;
   }

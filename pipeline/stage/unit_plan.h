@@ -34,6 +34,9 @@ class UnitPlan {
                                      const std::string& ending) const = 0;
   // Its meshes, in their order.
   virtual std::vector<PlannedMesh> meshes(std::uint64_t unit) const = 0;
+  // Whether each mesh is the closed surface of one label: those of neighbours lie on each other, so
+  // that all of them are no one mesh.
+  virtual bool of_labels() const = 0;
   // Of a label: its files are spread over folders, since it has so many.
   virtual bool spread(std::uint64_t unit) const = 0;
   // The largest tile of each unit.

@@ -29,9 +29,7 @@ class StitchStage final : public StageWork {
       : job_(job), plan_(plan), work_(stitch_work(job, top)) {}
 
   Stage stage() const override { return Stage::stitch; }
-  std::string noun() const override {
-    return job_.build->parameters.labels.mode == LabelMode::each ? "batches" : "tiles";
-  }
+  std::string noun() const override { return plan_.of_labels() ? "batches" : "tiles"; }
   std::string identity() const override { return job_.folder.filename().string(); }
   std::uint64_t size() const override { return plan_.size(); }
   std::vector<Unit> units(std::span<const std::uint64_t> numbers) const override {

@@ -81,9 +81,10 @@ TEST(MemoryPool, AStopEndsTheWaitAndLeavesTheQueue) {
 }
 
 TEST(MemoryShare, GrowsToTheLargestAndIsGivenBackWithItsBuffersWhenSomebodyWaits) {
-  MemoryPool pool(100);
+  const auto pool = std::make_shared<MemoryPool>(100);
   int freed = 0;
   MemoryShare share(pool, nullptr, [&] { ++freed; });
+  const MemoryShare::Use use(share);
   share.reserve(30);
   share.reserve(20);
   EXPECT_EQ(share.held(), 30U);
@@ -93,19 +94,46 @@ TEST(MemoryShare, GrowsToTheLargestAndIsGivenBackWithItsBuffersWhenSomebodyWaits
   EXPECT_EQ(share.held(), 50U);
   EXPECT_EQ(freed, 0);
   std::jthread other([&] {
-    pool.take(80, nullptr);
-    pool.give_back(80);
+    pool->take(80, nullptr);
+    pool->give_back(80);
   });
-  wait_until([&] { return pool.wanted(); });
+  wait_until([&] { return pool->wanted(); });
   share.yield();
   EXPECT_EQ(share.held(), 0U);
   EXPECT_EQ(freed, 1);
 }
 
+TEST(MemoryShare, KeepsItsBuffersBetweenUsesUntilSomebodyNeedsThem) {
+  const auto pool = std::make_shared<MemoryPool>(100);
+  int freed = 0;
+  MemoryShare share(pool, nullptr, [&] { ++freed; });
+  const auto use = [&](std::uint64_t bytes) {
+    const MemoryShare::Use in_use(share);
+    share.reserve(bytes);
+    EXPECT_GE(share.held(), bytes);
+  };
+  use(60);
+  EXPECT_TRUE(pool->try_take(40));
+  EXPECT_EQ(share.held(), 60U);
+  use(60);
+  EXPECT_EQ(freed, 0);
+  pool->give_back(40);
+  pool->take(50, nullptr);  // would wait for ever if the share were not taken back
+  EXPECT_EQ(freed, 1);
+  EXPECT_EQ(share.held(), 0U);
+  pool->give_back(50);
+  use(100);
+  EXPECT_TRUE(pool->try_take(1));
+  EXPECT_EQ(freed, 2);
+  const MemoryShare::Use in_use(share);
+  share.reserve(99);
+  EXPECT_FALSE(pool->try_take(1)) << "nobody may take what is in use";
+}
+
 // Workers with bricks of any size: never more than the budget, and nobody waits for ever.
 TEST(MemoryShare, WorkersOfAnySizeEndWithinTheBudget) {
   constexpr std::uint64_t budget = 1000;
-  MemoryPool pool(budget);
+  const auto pool = std::make_shared<MemoryPool>(budget);
   std::atomic<std::uint64_t> live = 0, most = 0, done = 0;
   {
     std::vector<std::jthread> workers;
@@ -117,7 +145,12 @@ TEST(MemoryShare, WorkersOfAnySizeEndWithinTheBudget) {
           live -= buffers;
           buffers = 0;
         });
+        std::optional<MemoryShare::Use> use;
         for (int brick = 0; brick < 2000; ++brick) {
+          if (brick % 20 == 0) {
+            use.reset();
+            use.emplace(share);
+          }
           const std::uint64_t bytes = random() % 50 == 0 ? budget : random() % 400;
           share.reserve(bytes);
           if (bytes > buffers) {
@@ -135,7 +168,7 @@ TEST(MemoryShare, WorkersOfAnySizeEndWithinTheBudget) {
   EXPECT_EQ(done, 12000U);
   EXPECT_LE(most, budget);
   EXPECT_GT(most, budget / 2);
-  EXPECT_TRUE(pool.try_take(budget));
+  EXPECT_TRUE(pool->try_take(budget));
 }
 
 }  // namespace
