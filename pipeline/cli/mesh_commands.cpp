@@ -30,7 +30,7 @@ int render(const RenderArguments& arguments) {
   // Two passes over the files, one mesh in memory at a time: bounds, then the picture.
   constexpr double far = std::numeric_limits<double>::infinity();
   MeshBounds bounds{{far, far, far}, {-far, -far, -far}};
-  for_each_mesh(arguments.input, [&](const DecodedMesh& mesh) {
+  for_each_mesh(arguments.input, [&](const DecodedMesh& mesh, std::optional<Material>) {
     const MeshBounds own = bounds_of(std::span(&mesh, 1));
     for (int a = 0; a < 3; ++a) {
       bounds.lo[a] = std::min(bounds.lo[a], own.lo[a]);
@@ -39,7 +39,7 @@ int render(const RenderArguments& arguments) {
   });
   Renderer renderer(bounds, options);
   renderer.set_colours(listed_colours(arguments.input));
-  for_each_label_mesh(arguments.input, [&](const DecodedMesh& mesh, std::optional<Material> label) {
+  for_each_mesh(arguments.input, [&](const DecodedMesh& mesh, std::optional<Material> label) {
     renderer.draw(mesh, label);
   });
   const Image image = renderer.finish();
