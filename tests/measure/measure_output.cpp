@@ -8,10 +8,10 @@
 #include <cstdlib>
 
 #include "pipeline/output/load.h"
-#include "pipeline/phantom/measure.h"
 #include "storage/manifest/manifest.h"
 #include "storage/support/error.h"
 #include "tests/support/mesh_fidelity.h"
+#include "tests/support/phantom_distance.h"
 
 int main(int argc, char** argv) try {
   using namespace voxweld;
