@@ -241,28 +241,6 @@ bool takes_any_text(const Rule& rule) {
          std::holds_alternative<TimeLimitRule>(rule);
 }
 
-std::string type_text(const Rule& rule) {
-  return std::visit(
-      Overloaded{
-          [](const PathRule&) { return "string"; }, [](const ChoiceRule&) { return "string"; },
-          [](const ChoiceListRule&) { return "list of strings"; },
-          [](const FlagRule&) { return "boolean"; },
-          [](const SwitchRule&) { return "boolean or string"; },
-          [](const IntegerRule& r) { return r.automatic ? "integer or string" : "integer"; },
-          [](const PowerOfTwoRule&) { return "integer"; },
-          [](const PositiveNumberRule&) { return "number"; },
-          [](const NumberOrWordRule&) { return "number or string"; },
-          [](const SpacingRule&) { return "number or list of numbers"; },
-          [](const IntegerListRule&) { return "list of integers"; },
-          [](const TripleRule&) { return "list of numbers"; },
-          [](const MemoryRule&) { return "string or integer"; },
-          [](const NameRule&) { return "string"; }, [](const TimeLimitRule&) { return "string"; },
-          [](const OptionListRule&) { return "list of strings"; },
-          [](const LineListRule&) { return "list of strings"; },
-          [](const LabelListRule& r) { return r.words.empty() ? "list" : "string or list"; }},
-      rule);
-}
-
 std::string accepted_text(const Rule& rule) {
   using fmt::format;
   return std::visit(

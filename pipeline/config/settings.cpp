@@ -1,5 +1,8 @@
 #include "pipeline/config/settings.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <initializer_list>
 #include <limits>
@@ -97,13 +100,6 @@ std::vector<Setting> input_settings() {
           binding::choice(in, &In::endian, {"little", "big"}), ingest_and_build),
       row({"input", "header_bytes", "Raw only: bytes before the first sample."},
           binding::member(in, &In::header_bytes, IntegerRule{0, no_limit}), ingest_and_build),
-  };
-}
-
-std::vector<Setting> mesh_input_settings() {
-  using In = InputConfig;
-  constexpr auto in = &Config::input;
-  return {
       row({"input", "resolution",
            "Meshes only: cells along the longest side of the mesh's bounding box, the margin not "
            "counted.",
@@ -286,7 +282,7 @@ const std::vector<std::string>& reserved_options() {
   return names;
 }
 
-std::vector<Setting> slurm_task_settings() {
+std::vector<Setting> slurm_settings() {
   using Slurm = SlurmConfig;
   constexpr auto slurm = &Config::slurm;
   return {
@@ -304,13 +300,6 @@ std::vector<Setting> slurm_task_settings() {
            "Memory to ask for a task. \"auto\" asks for run.memory and a margin, so that a task is "
            "not killed for what the system counts besides."},
           binding::memory(slurm, &Slurm::mem, MemoryRule{least_memory, true}), none),
-  };
-}
-
-std::vector<Setting> slurm_array_settings() {
-  using Slurm = SlurmConfig;
-  constexpr auto slurm = &Config::slurm;
-  return {
       row({"slurm", "max_array",
            "The most tasks of one job array. The cluster's own limit is MaxArraySize."},
           binding::member(slurm, &Slurm::max_array, IntegerRule{1, 1000000}), none),
@@ -333,9 +322,8 @@ std::vector<Setting> slurm_array_settings() {
 
 std::vector<Setting> make_settings() {
   std::vector<Setting> all;
-  for (auto make : {input_settings, mesh_input_settings, work_settings, surface_settings,
-                    labels_settings, simplify_settings, output_settings, run_settings,
-                    slurm_task_settings, slurm_array_settings})
+  for (auto make : {input_settings, work_settings, surface_settings, labels_settings,
+                    simplify_settings, output_settings, run_settings, slurm_settings})
     for (Setting& setting : make()) all.push_back(std::move(setting));
   return all;
 }
@@ -349,7 +337,13 @@ std::string_view stage_name(Stage stage) {
 }
 
 bool Setting::read_by(Stage stage) const {
-  return std::find(stages.begin(), stages.end(), stage) != stages.end();
+  return std::ranges::find(stages, stage) != stages.end();
+}
+
+std::string Setting::stages_text() const {
+  std::vector<std::string_view> names;
+  for (const Stage stage : stages) names.push_back(stage_name(stage));
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
 std::string KeyFacts::default_text() const {
