@@ -122,48 +122,48 @@ int show_logs(Program& program, const ClusterArguments& arguments) {
 
 using Command = int (*)(Program&, const ClusterArguments&);
 
-CLI::App* add(CLI::App& app, Program& program, const char* name, const char* help,
-              std::shared_ptr<ClusterArguments> arguments, Command command) {
-  CLI::App* sub = app.add_subcommand(name, help)->group("On a Slurm cluster");
-  add_config_options(*sub, arguments->run);
-  sub->callback([&program, arguments, command] {
-    program.run = [&program, arguments, command] { return command(program, *arguments); };
-  });
-  return sub;
+struct Added {
+  CLI::App& command;
+  ClusterArguments& arguments;  // live as long as the command
+};
+
+Added add(CLI::App& app, Program& program, const char* name, const char* help, Command run) {
+  auto arguments = std::make_shared<ClusterArguments>();
+  CLI::App* command = app.add_subcommand(name, help)->group("On a Slurm cluster");
+  add_config_options(*command, arguments->run);
+  when_chosen(*command, program, [&program, arguments, run] { return run(program, *arguments); });
+  return {*command, *arguments};
 }
 
 }  // namespace
 
 void add_cluster_commands(CLI::App& app, Program& program) {
-  auto planned = std::make_shared<ClusterArguments>();
-  add(app, program, "plan",
-      "Estimates tasks, files, disk and core-hours of the work\n"
-      "Beside each estimate stands what the tasks have used so far.",
-      planned, show_plan)
-      ->add_flag("--json", planned->json, "Prints it as JSON");
-  auto submitted = std::make_shared<ClusterArguments>();
-  CLI::App* submitting = add(app, program, "submit",
-                             "Hands the whole work to Slurm and returns\n"
-                             "It becomes jobs that wait for each other; `voxweld status` says how "
-                             "far they are. [slurm] in the config says what to ask for.",
-                             submitted, submit);
-  add_examples(*submitting, {{"voxweld submit scan.toml --set slurm.partition=compute", ""},
-                             {"voxweld status scan.toml --watch", "until it is done"}});
-  submitting->add_flag("--json", submitted->json, "Prints the jobs as JSON");
-  auto shown = std::make_shared<ClusterArguments>();
-  CLI::App* status = add(app, program, "status",
-                         "Says how far the work is and what is in Slurm's queue\n"
-                         "Exits with 1 until all of it is done.",
-                         shown, show_status);
-  status->add_flag("--watch", shown->watch,
-                   "Says it every ten seconds, until all is done or nothing is in the queue");
-  status->add_flag("--json", shown->json, "Prints it as JSON");
-  add(app, program, "cancel", "Takes the jobs from Slurm's queue; finished work is kept",
-      std::make_shared<ClusterArguments>(), cancel);
-  auto logged = std::make_shared<ClusterArguments>();
-  add(app, program, "logs", "Prints the logs of failed tasks, or of one shard or tile", logged,
-      show_logs)
-      ->add_option("number", logged->unit, "A shard or tile: the logs of all tasks that had it");
+  const Added plan = add(app, program, "plan",
+                         "Estimates tasks, files, disk and core-hours of the work\n"
+                         "Beside each estimate stands what the tasks have used so far.",
+                         show_plan);
+  plan.command.add_flag("--json", plan.arguments.json, "Prints it as JSON");
+  const Added submits = add(app, program, "submit",
+                            "Hands the whole work to Slurm and returns\n"
+                            "It becomes jobs that wait for each other; `voxweld status` says how "
+                            "far they are. [slurm] in the config says what to ask for.",
+                            submit);
+  add_examples(submits.command, {{"voxweld submit scan.toml --set slurm.partition=compute", ""},
+                                 {"voxweld status scan.toml --watch", "until it is done"}});
+  submits.command.add_flag("--json", submits.arguments.json, "Prints the jobs as JSON");
+  const Added status = add(app, program, "status",
+                           "Says how far the work is and what is in Slurm's queue\n"
+                           "Exits with 1 until all of it is done.",
+                           show_status);
+  status.command.add_flag(
+      "--watch", status.arguments.watch,
+      "Says it every ten seconds, until all is done or nothing is in the queue");
+  status.command.add_flag("--json", status.arguments.json, "Prints it as JSON");
+  add(app, program, "cancel", "Takes the jobs from Slurm's queue; finished work is kept", cancel);
+  const Added logs = add(app, program, "logs",
+                         "Prints the logs of failed tasks, or of one shard or tile", show_logs);
+  logs.command.add_option("number", logs.arguments.unit,
+                          "A shard or tile: the logs of all tasks that had it");
 }
 
 }  // namespace voxweld

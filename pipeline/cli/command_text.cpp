@@ -8,16 +8,6 @@
 namespace voxweld {
 namespace {
 
-std::vector<std::string> split(const std::string& text, char at) {
-  std::vector<std::string> parts;
-  std::size_t begin = 0;
-  for (std::size_t end = 0; end != std::string::npos; begin = end + 1) {
-    end = text.find(at, begin);
-    parts.push_back(text.substr(begin, end - begin));
-  }
-  return parts;
-}
-
 // CLI11 calls a choice "TEXT:{a,b}" and a range "INT:INT in [1 - 9]".
 std::vector<std::string> choices_in(const std::string& type) {
   const auto open = type.find('{'), close = type.find('}');
@@ -78,6 +68,22 @@ std::string CommandText::usage() const {
     if (option.argument)
       text += option.required ? " " + option.names.front() : " [" + option.names.front() + "]";
   return commands.empty() ? text : text + " COMMAND";
+}
+
+std::vector<std::string> CommandText::command_names() const {
+  std::vector<std::string> names;
+  for (const CommandText& command : commands) names.push_back(command.name);
+  return names;
+}
+
+std::vector<std::string> split(const std::string& text, char at) {
+  std::vector<std::string> parts;
+  std::size_t begin = 0;
+  for (std::size_t end = 0; end != std::string::npos; begin = end + 1) {
+    end = text.find(at, begin);
+    parts.push_back(text.substr(begin, end - begin));
+  }
+  return parts;
 }
 
 CommandText command_text(const CLI::App& app) {

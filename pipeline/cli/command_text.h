@@ -36,7 +36,11 @@ struct CommandText {
 
   // "run [OPTIONS] CONFIG"
   std::string usage() const;
+  std::vector<std::string> command_names() const;
 };
+
+// What stands between the characters `at`, empty parts too.
+std::vector<std::string> split(const std::string& text, char at);
 
 // Without what is hidden (CLI11: of no group). The first line of a description is the summary.
 CommandText command_text(const CLI::App& app);

@@ -20,6 +20,25 @@ struct Program {
   std::function<int()> run;  // of the chosen command; returns the exit code
 };
 
+// What main calls where the command is the one that was chosen.
+template <class F>
+void when_chosen(CLI::App& command, Program& program, F run) {
+  command.callback([&program, run] { program.run = run; });
+}
+
+// A file that has to be named.
+inline void add_file(CLI::App& command, const std::string& name, std::string& file,
+                     const std::string& help) {
+  command.add_option(name, file, help)->type_name("FILE")->required();
+}
+
+// An option whose help tells its default.
+template <class T>
+CLI::Option* add_value(CLI::App& command, const std::string& name, T& value,
+                       const std::string& help) {
+  return command.add_option(name, value, help)->capture_default_str();
+}
+
 void add_run_command(CLI::App& app, Program& program);
 void add_stage_commands(CLI::App& app, Program& program);    // ingest, build, merge, stitch, encode
 void add_cluster_commands(CLI::App& app, Program& program);  // plan, submit, status, cancel, logs

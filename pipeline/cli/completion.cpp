@@ -40,12 +40,6 @@ std::string joined(const Words& words) {
   return fmt::format("{}", fmt::join(words, " "));
 }
 
-Words command_names(const CommandText& all) {
-  Words names;
-  for (const CommandText& command : all.commands) names.push_back(command.name);
-  return names;
-}
-
 // In single quotes no shell expands anything; a quote itself ends them.
 std::string quoted(const std::string& text) {
   std::string out = "'";
@@ -84,7 +78,7 @@ std::string bash_cases(const CommandText& command, const CommandText& all) {
       text += fmt::format("    {}:{}) {} ;;\n", command.name, name, bash_answer(option));
   }
   if (!command.commands.empty())
-    argument = fmt::format("choices='{}'", joined(command_names(command)));
+    argument = fmt::format("choices='{}'", joined(command.command_names()));
   return text + fmt::format("    {}:*) if [[ $cur == -* ]]; then choices='{}'; else {}; fi ;;\n",
                             command.name, names, argument);
 }
@@ -192,7 +186,7 @@ std::string fish_option(const std::string& condition, const OptionText& option) 
 std::string bash_completion(const CommandText& all) {
   std::string text = bash_begin;
   text += fmt::format("      {}) command=$word && break ;;\n    esac\n  done\n",
-                      fmt::join(command_names(all), "|"));
+                      fmt::join(all.command_names(), "|"));
   text += "  case $command:$prev in\n";
   for (const CommandText& command : all.commands) text += bash_cases(command, all);
   text += bash_cases(all, all);

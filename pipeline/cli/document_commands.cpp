@@ -15,21 +15,17 @@ void add_document_commands(CLI::App& app, Program& program) {
   completion->add_option("shell", *shell, "The shell")
       ->required()
       ->check(CLI::IsMember({"bash", "zsh", "fish"}));
-  completion->callback([&app, &program, shell] {
-    program.run = [&app, shell] {
-      const CommandText all = command_text(app);
-      fmt::print("{}", *shell == "bash"  ? bash_completion(all)
-                       : *shell == "zsh" ? zsh_completion(all)
-                                         : fish_completion(all));
-      return 0;
-    };
+  when_chosen(*completion, program, [&app, shell] {
+    const CommandText all = command_text(app);
+    fmt::print("{}", *shell == "bash"  ? bash_completion(all)
+                     : *shell == "zsh" ? zsh_completion(all)
+                                       : fish_completion(all));
+    return 0;
   });
   CLI::App* manual = app.add_subcommand("manual", "Prints the manual page")->group("");
-  manual->callback([&app, &program] {
-    program.run = [&app] {
-      fmt::print("{}", manual_page(command_text(app)));
-      return 0;
-    };
+  when_chosen(*manual, program, [&app] {
+    fmt::print("{}", manual_page(command_text(app)));
+    return 0;
   });
 }
 

@@ -255,9 +255,7 @@ void add_edit_command(CLI::App& app, Program& program) {
       ->group(group);
   command->add_flag("--no-run", arguments->no_run, "Changes the config and runs nothing");
   add_key_options(*command, *arguments);
-  command->callback([&program, arguments] {
-    program.run = [&program, arguments] { return edit(program, *arguments); };
-  });
+  when_chosen(*command, program, [&program, arguments] { return edit(program, *arguments); });
 }
 
 }  // namespace voxweld

@@ -16,12 +16,8 @@ constexpr std::size_t column = 22;  // where descriptions begin
 // Lines that begin with blanks are laid out already.
 std::string paragraphs(const std::string& text, const std::string& indent) {
   std::string out;
-  std::size_t begin = 0;
-  for (std::size_t end = 0; end != std::string::npos; begin = end + 1) {
-    end = text.find('\n', begin);
-    const std::string line = text.substr(begin, end - begin);
+  for (const std::string& line : split(text, '\n'))
     out += line.starts_with(' ') ? indent + line + "\n" : wrapped(line, indent, width);
-  }
   return out;
 }
 

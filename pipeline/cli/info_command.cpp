@@ -19,11 +19,8 @@ void add_info_command(CLI::App& app, Program& program) {
       "Says what a file or folder holds\n"
       "Takes a volume, a mesh, a config, an output or work directory of a run, or any file in "
       "one.");
-  command
-      ->add_option("path", arguments->volume.path,
-                   "A file, a folder or a pattern in quotes: 'slices/*.tif'")
-      ->type_name("FILE")
-      ->required();
+  add_file(*command, "path", arguments->volume.path,
+           "A file, a folder or a pattern in quotes: 'slices/*.tif'");
   command->add_flag("--json", arguments->json, "Prints it as JSON");
   command->add_flag("--check", arguments->options.check,
                     "Reads all of it and compares it with its checksums; exits with 1 for damage");
@@ -39,16 +36,14 @@ void add_info_command(CLI::App& app, Program& program) {
   add_examples(*command, {{"voxweld info scan.nii.gz", "size, type, spacing, range of the samples"},
                           {"voxweld info 'slices/*.tif'", "a stack of images"},
                           {"voxweld info scan.mesh --check", "looks for damage"}});
-  command->callback([&program, arguments] {
-    program.run = [&program, arguments] {
-      InfoOptions& options = arguments->options;
-      options.input = input_spec(arguments->volume);
-      options.hooks = scan_hooks(program, "reading");
-      const InfoDocument document = describe(options);
-      program.console->clear_status();
-      fmt::print("{}", arguments->json ? to_json_text(document) : to_text(document));
-      return found_damage(document) ? 1 : 0;
-    };
+  when_chosen(*command, program, [&program, arguments] {
+    InfoOptions& options = arguments->options;
+    options.input = input_spec(arguments->volume);
+    options.hooks = scan_hooks(program, "reading");
+    const InfoDocument document = describe(options);
+    program.console->clear_status();
+    fmt::print("{}", arguments->json ? to_json_text(document) : to_text(document));
+    return found_damage(document) ? 1 : 0;
   });
 }
 

@@ -206,12 +206,10 @@ void add_init_command(CLI::App& app, Program& program) {
       "Writes a config for a volume or a closed mesh\n"
       "Reads the volume once, takes an isovalue from its histogram (Otsu's threshold) and writes a "
       "short config with what one is likely to change.");
-  command
-      ->add_option("input", arguments->volume.path,
-                   "A file, a folder or a pattern in quotes: 'slices/*.tif'; or a mesh: .stl, "
-                   ".off, .obj or .ply")
-      ->type_name("FILE")
-      ->required();
+  add_file(
+      *command, "input", arguments->volume.path,
+      "A file, a folder or a pattern in quotes: 'slices/*.tif'; or a mesh: .stl, .off, .obj or "
+      ".ply");
   command
       ->add_option("-o,--output", arguments->output,
                    "The config to write (default: the input's name + .toml, here)")
@@ -232,11 +230,9 @@ void add_init_command(CLI::App& app, Program& program) {
       ->check(CLI::PositiveNumber)
       ->excludes(resolution)
       ->group(meshes);
-  command
-      ->add_option("--close", arguments->close,
-                   "\"winding\" takes a mesh with holes and closes them, by the winding number")
+  add_value(*command, "--close", arguments->close,
+            "\"winding\" takes a mesh with holes and closes them, by the winding number")
       ->check(CLI::IsMember({"no", "winding"}))
-      ->capture_default_str()
       ->group(meshes);
   add_volume_options(*command, arguments->volume);
   add_examples(*command,
@@ -246,9 +242,7 @@ void add_init_command(CLI::App& app, Program& program) {
                 {"voxweld init scan.raw --size 512 512 300 --type uint16", ""},
                 {"voxweld init part.stl --resolution 200", "a mesh, to simplify or to edit"},
                 {"voxweld init cells.nrrd --labels", "a mesh for each label"}});
-  command->callback([&program, arguments] {
-    program.run = [&program, arguments] { return init(*arguments, program); };
-  });
+  when_chosen(*command, program, [&program, arguments] { return init(*arguments, program); });
 }
 
 }  // namespace voxweld

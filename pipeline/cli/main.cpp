@@ -61,9 +61,8 @@ void set_up(CLI::App& app, std::string& level) {
   app.set_version_flag("--version", "voxweld " VOXWELD_VERSION, "Shows the version");
   app.require_subcommand(1);
   app.fallthrough();
-  app.add_option("--log-level", level, "What to say on standard error while a command works")
-      ->check(CLI::IsMember({"quiet", "warning", "info", "debug"}))
-      ->capture_default_str();
+  add_value(app, "--log-level", level, "What to say on standard error while a command works")
+      ->check(CLI::IsMember({"quiet", "warning", "info", "debug"}));
 }
 
 // In the order in which one meets them.

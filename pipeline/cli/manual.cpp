@@ -31,11 +31,8 @@ std::string roff(const std::string& text) {
 // Lines that begin with blanks are laid out already.
 std::string prose(const std::string& text) {
   std::string out;
-  std::size_t begin = 0;
   bool laid_out = false;
-  for (std::size_t end = 0; end != std::string::npos; begin = end + 1) {
-    end = text.find('\n', begin);
-    const std::string line = text.substr(begin, end - begin);
+  for (const std::string& line : split(text, '\n')) {
     if (line.empty()) continue;
     if (line.starts_with(' ') != laid_out) {
       laid_out = !laid_out;
@@ -69,7 +66,7 @@ std::string command_section(const CommandText& command) {
 }
 
 std::string commands_text(const CommandText& all) {
-  std::string text = ".SH COMMANDS\n", group;
+  std::string text = ".SH COMMANDS\n";
   for (const CommandText& command : all.commands) text += command_section(command);
   return text;
 }

@@ -30,7 +30,7 @@ int render(const RenderArguments& arguments) {
   // Two passes over the files, one mesh in memory at a time: bounds, then the picture.
   constexpr double far = std::numeric_limits<double>::infinity();
   MeshBounds bounds{{far, far, far}, {-far, -far, -far}};
-  for_each_mesh(arguments.input, [&](const DecodedMesh& mesh) {
+  for_each_mesh(arguments.input, [&](const DecodedMesh& mesh, std::optional<Material>) {
     const MeshBounds own = bounds_of(std::span(&mesh, 1));
     for (int a = 0; a < 3; ++a) {
       bounds.lo[a] = std::min(bounds.lo[a], own.lo[a]);
@@ -39,7 +39,7 @@ int render(const RenderArguments& arguments) {
   });
   Renderer renderer(bounds, options);
   renderer.set_colours(listed_colours(arguments.input));
-  for_each_label_mesh(arguments.input, [&](const DecodedMesh& mesh, std::optional<Material> label) {
+  for_each_mesh(arguments.input, [&](const DecodedMesh& mesh, std::optional<Material> label) {
     renderer.draw(mesh, label);
   });
   const Image image = renderer.finish();
@@ -64,25 +64,20 @@ void add_verify_command(CLI::App& app, Program& program) {
       "lists them, each tile and the whole a closed manifold, tiles equal to the bit where they "
       "meet. Exits with 1 where something is wrong.");
   add_examples(*command, {{"voxweld verify scan.mesh", ""}});
-  command->add_option("directory", arguments->directory, "The output directory of a finished run")
-      ->type_name("FILE")
-      ->required();
-  command->add_option("--threads", arguments->options.threads, "Threads to use; 0: all there are")
-      ->capture_default_str()
+  add_file(*command, "directory", arguments->directory, "The output directory of a finished run");
+  add_value(*command, "--threads", arguments->options.threads, "Threads to use; 0: all there are")
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--no-merged", arguments->no_merged,
                     "Leaves out the file with the whole mesh, which needs memory for all of it");
   command->add_flag("--json", arguments->json, "Prints the report as JSON");
-  command->callback([&program, arguments] {
-    program.run = [arguments] {
-      arguments->options.merged = !arguments->no_merged;
-      if (!std::filesystem::exists(std::filesystem::path(arguments->directory) / manifest_name))
-        throw InputError(arguments->directory + ": not an output directory: it has no " +
-                         manifest_name + "; name the output.directory of a finished run");
-      const VerifyReport report = verify_output(arguments->directory, arguments->options);
-      fmt::print("{}", arguments->json ? to_json_text(report) : to_text(report));
-      return report.good() ? 0 : 1;
-    };
+  when_chosen(*command, program, [arguments] {
+    arguments->options.merged = !arguments->no_merged;
+    if (!std::filesystem::exists(std::filesystem::path(arguments->directory) / manifest_name))
+      throw InputError(arguments->directory + ": not an output directory: it has no " +
+                       manifest_name + "; name the output.directory of a finished run");
+    const VerifyReport report = verify_output(arguments->directory, arguments->options);
+    fmt::print("{}", arguments->json ? to_json_text(report) : to_text(report));
+    return report.good() ? 0 : 1;
   });
 }
 
@@ -96,33 +91,24 @@ void add_render_command(CLI::App& app, Program& program) {
                           {"voxweld render scan.mesh -o inside.png --azimuth 120 --cut-y 80",
                            "from another side, without what lies beyond y = 80"}});
   RenderOptions& o = arguments->options;
-  command
-      ->add_option("input", arguments->input,
-                   "An output directory, or a mesh file: " + endings_text(mesh_writers()))
-      ->type_name("FILE")
-      ->required();
-  command->add_option("-o,--output", arguments->output, "The PNG to write")
-      ->type_name("FILE")
-      ->required();
-  command->add_option("--width", o.width, "Pixels")->capture_default_str();
-  command->add_option("--height", o.height, "Pixels")->capture_default_str();
-  command->add_option("--azimuth", o.azimuth, "Degrees around z; 0 looks along +y")
-      ->capture_default_str();
-  command->add_option("--elevation", o.elevation, "Degrees above the horizon")
-      ->capture_default_str();
-  command->add_option("--zoom", o.zoom, "At 1 the whole mesh fits")->capture_default_str();
+  add_file(*command, "input", arguments->input,
+           "An output directory, or a mesh file: " + endings_text(mesh_writers()));
+  add_file(*command, "-o,--output", arguments->output, "The PNG to write");
+  add_value(*command, "--width", o.width, "Pixels");
+  add_value(*command, "--height", o.height, "Pixels");
+  add_value(*command, "--azimuth", o.azimuth, "Degrees around z; 0 looks along +y");
+  add_value(*command, "--elevation", o.elevation, "Degrees above the horizon");
+  add_value(*command, "--zoom", o.zoom, "At 1 the whole mesh fits");
   command
       ->add_option("--centre", arguments->centre,
                    "The point in the middle of the picture, x y z in the mesh's unit (default: the "
                    "middle of the mesh)")
       ->expected(3);
-  command->add_option("--field-of-view", o.field_of_view, "Degrees; 0: orthographic")
-      ->capture_default_str();
+  add_value(*command, "--field-of-view", o.field_of_view, "Degrees; 0: orthographic");
   command->add_option("--cut-x", o.cut[0], "Leaves out what lies above this x, to look inside");
   command->add_option("--cut-y", o.cut[1], "The same for y");
   command->add_option("--cut-z", o.cut[2], "The same for z");
-  command->callback(
-      [&program, arguments] { program.run = [arguments] { return render(*arguments); }; });
+  when_chosen(*command, program, [arguments] { return render(*arguments); });
 }
 
 void add_export_command(CLI::App& app, Program& program) {
@@ -133,19 +119,13 @@ void add_export_command(CLI::App& app, Program& program) {
   CLI::App* command =
       app.add_subcommand("export", "Converts a mesh file to .ply, .obj, .stl or .off");
   add_examples(*command, {{"voxweld export scan.mesh/mesh.drc -o scan.ply", ""}});
-  command->add_option("input", arguments->input, "A mesh file: " + endings_text(mesh_writers()))
-      ->type_name("FILE")
-      ->required();
-  command->add_option("-o,--output", arguments->output, "The file to write; its ending says how")
-      ->type_name("FILE")
-      ->required();
-  command->callback([&program, arguments] {
-    program.run = [arguments] {
-      const DecodedMesh mesh = load_mesh(arguments->input);
-      export_mesh(mesh, arguments->output);
-      fmt::print("{}: {} triangles\n", arguments->output, mesh.triangles.size());
-      return 0;
-    };
+  add_file(*command, "input", arguments->input, "A mesh file: " + endings_text(mesh_writers()));
+  add_file(*command, "-o,--output", arguments->output, "The file to write; its ending says how");
+  when_chosen(*command, program, [arguments] {
+    const DecodedMesh mesh = load_mesh(arguments->input);
+    export_mesh(mesh, arguments->output);
+    fmt::print("{}: {} triangles\n", arguments->output, mesh.triangles.size());
+    return 0;
   });
 }
 

@@ -18,12 +18,6 @@ std::string unknown(const std::string& what, const std::string& name,
                      nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest));
 }
 
-std::vector<std::string> command_names(const CommandText& all) {
-  std::vector<std::string> names;
-  for (const CommandText& command : all.commands) names.push_back(command.name);
-  return names;
-}
-
 std::vector<std::string> option_names(const CommandText& all, const CommandText& chosen) {
   std::vector<std::string> names;
   for (const CommandText* command : {&chosen, &all})
@@ -53,7 +47,7 @@ std::string parse_error_text(const CLI::App& app, const CLI::ParseError& error) 
     text = unknown("option", option->substr(0, option->find('=')),
                    option_names(all, chosen.empty() ? all : command_text(*chosen.front())));
   else if (chosen.empty() && !left.empty())
-    text = unknown("command", left.front(), command_names(all));
+    text = unknown("command", left.front(), all.command_names());
   else if (chosen.empty() && dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
     text = "expected a command, such as: voxweld init scan.nii.gz";
   else

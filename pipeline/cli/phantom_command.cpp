@@ -90,31 +90,20 @@ void add_phantom_command(CLI::App& app, Program& program) {
                {{"voxweld phantom gyroid --size 128 --spacing 0.5 --unit mm -o gyroid.nrrd",
                  "then: voxweld init gyroid.nrrd"}});
   command->add_option("kind", arguments->kind, "What to make")->type_name(kind_names())->required();
-  command->add_option("--size", arguments->size, "Samples along each side")->capture_default_str();
-  command
-      ->add_option("--type", arguments->type,
-                   "uint8, uint16 or float32; of labels and junctions any integer type")
-      ->capture_default_str();
-  command
-      ->add_option("-o,--output", arguments->output,
-                   "The file: .nrrd, .nhdr (with .raw beside it), .raw or .zarr")
-      ->type_name("FILE")
-      ->required();
-  command
-      ->add_option("--seed", arguments->seed, "Of porous, labels and noise: another one for each")
-      ->capture_default_str();
-  command
-      ->add_option("--first-label", arguments->first_label,
-                   "Of labels and junctions: the number of the first, the others count on")
-      ->capture_default_str();
-  command
-      ->add_option("--spacing", arguments->spacing,
-                   "Distance of neighbouring samples, as the file records it")
-      ->capture_default_str();
+  add_value(*command, "--size", arguments->size, "Samples along each side");
+  add_value(*command, "--type", arguments->type,
+            "uint8, uint16 or float32; of labels and junctions any integer type");
+  add_file(*command, "-o,--output", arguments->output,
+           "The file: .nrrd, .nhdr (with .raw beside it), .raw or .zarr");
+  add_value(*command, "--seed", arguments->seed,
+            "Of porous, labels and noise: another one for each");
+  add_value(*command, "--first-label", arguments->first_label,
+            "Of labels and junctions: the number of the first, the others count on");
+  add_value(*command, "--spacing", arguments->spacing,
+            "Distance of neighbouring samples, as the file records it");
   command->add_option("--unit", arguments->unit, "Unit of the spacing, such as mm");
-  command->callback([&program, arguments] {
-    program.run = [&program, arguments] { return make_phantom(*arguments, program); };
-  });
+  when_chosen(*command, program,
+              [&program, arguments] { return make_phantom(*arguments, program); });
 }
 
 }  // namespace voxweld

@@ -77,18 +77,16 @@ void add_run_command(CLI::App& app, Program& program) {
   add_config_options(*run, *arguments);
   run->add_flag("--dry-run", arguments->dry_run, "Says what would run and why, and does nothing");
   run->add_flag("--json", arguments->json, "Prints the manifest on standard output at the end");
-  run->callback([&program, arguments] {
-    program.run = [&program, arguments] {
-      LocalExecutor here;
-      RunContext context = make_context(program, *arguments, here);
-      if (arguments->dry_run) {
-        fmt::print("{}", dry_run(context));
-        return 0;
-      }
-      run_where_asked(program, context);
-      print_summary(context, arguments->json);
+  when_chosen(*run, program, [&program, arguments] {
+    LocalExecutor here;
+    RunContext context = make_context(program, *arguments, here);
+    if (arguments->dry_run) {
+      fmt::print("{}", dry_run(context));
       return 0;
-    };
+    }
+    run_where_asked(program, context);
+    print_summary(context, arguments->json);
+    return 0;
   });
 }
 
@@ -116,9 +114,8 @@ void add_stage_commands(CLI::App& app, Program& program) {
     command->add_flag("--inputs-checked", one->inputs_checked,
                       "Does not check that what the stage needs is complete: for one task among "
                       "thousands, where it was checked before");
-    command->callback([&program, one, stage] {
-      program.run = [&program, one, stage] { return run_stage_command(program, *one, stage); };
-    });
+    when_chosen(*command, program,
+                [&program, one, stage] { return run_stage_command(program, *one, stage); });
   }
 }
 

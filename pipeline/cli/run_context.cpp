@@ -34,12 +34,8 @@ void choose_kernels() {
 }  // namespace
 
 void add_config_options(CLI::App& command, RunArguments& arguments) {
-  command
-      .add_option("config", arguments.config,
-                  "The config file (TOML); `voxweld init` writes one, `voxweld settings` lists its "
-                  "keys")
-      ->type_name("FILE")
-      ->required();
+  add_file(command, "config", arguments.config,
+           "The config file (TOML); `voxweld init` writes one, `voxweld settings` lists its keys");
   command
       .add_option("--set", arguments.overrides,
                   "Gives a key of the config another value, for this once: surface.isovalue=300. "

@@ -15,13 +15,11 @@ void add_settings_command(CLI::App& app, Program& program) {
   CLI::App* command = app.add_subcommand("settings", "Lists every key of the config file");
   command->add_flag("--json", arguments->json, "Prints a JSON schema, for editors");
   command->add_flag("--example", arguments->example, "Prints a config file with every key");
-  command->callback([&program, arguments] {
-    program.run = [arguments] {
-      fmt::print("{}", arguments->json      ? config_schema_json()
-                       : arguments->example ? reference_config()
-                                            : settings_help());
-      return 0;
-    };
+  when_chosen(*command, program, [arguments] {
+    fmt::print("{}", arguments->json      ? config_schema_json()
+                     : arguments->example ? reference_config()
+                                          : settings_help());
+    return 0;
   });
 }
 

@@ -24,14 +24,11 @@ void add_volume_options(CLI::App& command, VolumeArguments& arguments) {
       ->group(group);
   command.add_option("--type", arguments.type, "Raw: type of a sample, such as uint16 or float32")
       ->group(group);
-  command.add_option("--endian", arguments.endian, "Raw: byte order of a sample")
+  add_value(command, "--endian", arguments.endian, "Raw: byte order of a sample")
       ->check(CLI::IsMember({"little", "big"}))
-      ->capture_default_str()
       ->group(group);
-  command
-      .add_option("--header-bytes", arguments.header_bytes, "Raw: bytes before the first sample")
+  add_value(command, "--header-bytes", arguments.header_bytes, "Raw: bytes before the first sample")
       ->check(CLI::NonNegativeNumber)
-      ->capture_default_str()
       ->group(group);
   command
       .add_option("--spacing", arguments.spacing,

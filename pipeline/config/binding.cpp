@@ -1,7 +1,6 @@
 #include "pipeline/config/binding.h"
 
 #include <cstdint>
-#include <limits>
 
 #include "pipeline/config/label_list.h"
 #include "stages/encode/mesh_writers.h"
@@ -9,88 +8,70 @@
 
 namespace voxweld::binding {
 
-Binding input_format() {
+void Form::read(Value v, Texts& out) {
+  out.clear();
+  for (const ConfigValue& item : *v.list()) out.push_back(*item.text());
+}
+
+void Form::read(Value v, Index3& out) {
+  for (int axis = 0; axis < 3; ++axis)
+    out[axis] = *(*v.list())[static_cast<std::size_t>(axis)].integer();
+}
+
+void Form::read(Value v, Vec3& out) {
+  for (int axis = 0; axis < 3; ++axis)
+    out[axis] =
+        v.list() == nullptr ? v.number() : (*v.list())[static_cast<std::size_t>(axis)].number();
+}
+
+void Form::read(Value v, Box3& out) {
+  const ConfigValue::List& list = *v.list();
+  read(ConfigValue{ConfigValue::List(list.begin(), list.begin() + 3)}, out.lo);
+  read(ConfigValue{ConfigValue::List(list.begin() + 3, list.end())}, out.hi);
+}
+
+Written Form::written(const Path& v) {
+  return v.empty() ? std::nullopt : written(v.string());
+}
+
+Written Form::written(const Texts& v) {
+  ConfigValue::List list;
+  for (const std::string& item : v) list.push_back({item});
+  return ConfigValue{std::move(list)};
+}
+
+Written Form::written(const Box3& v) {
+  return ConfigValue{ConfigValue::List{{v.lo.x}, {v.lo.y}, {v.lo.z}, {v.hi.x}, {v.hi.y}, {v.hi.z}}};
+}
+
+Binding<Config> input_format() {
   ChoiceRule rule{{"auto"}};
   for (const VolumeReader& reader : volume_readers()) rule.names.push_back(reader.name);
   rule.names.insert(rule.names.end(), {"empty", "mesh"});
-  return text(&Config::input, &InputConfig::format, std::move(rule));
+  return member(&Config::input, &InputConfig::format, std::move(rule));
 }
 
-Binding crop() {
-  return {IntegerListRule{6, 0, most_samples},
-          [](Config& c, const ConfigValue& v) {
-            const auto& list = *v.list();
-            Box3 box;
-            for (int axis = 0; axis < 3; ++axis) {
-              box.lo[axis] = *list[static_cast<std::size_t>(axis)].integer();
-              box.hi[axis] = *list[static_cast<std::size_t>(axis) + 3].integer();
-            }
-            c.input.crop = box;
-          },
-          [](const Config& c) -> std::optional<ConfigValue> {
-            if (!c.input.crop) return std::nullopt;
-            const Box3& box = *c.input.crop;
-            return ConfigValue{ConfigValue::List{
-                {box.lo.x}, {box.lo.y}, {box.lo.z}, {box.hi.x}, {box.hi.y}, {box.hi.z}}};
-          }};
+Binding<Config> unit() {
+  return bound<Config>(
+      ChoiceRule{{"m", "cm", "mm", "um", "nm", "angstrom"}},
+      place(&Config::input, &InputConfig::unit),
+      [](const ConfigValue& value, std::string& out) { Form::read(value, out); },
+      [](const std::string& in) { return in.empty() ? std::nullopt : Form::written(in); });
 }
 
-Binding spacing() {
-  return {SpacingRule{},
-          [](Config& c, const ConfigValue& v) {
-            const auto* list = v.list();
-            if (list == nullptr)
-              c.input.spacing = Vec3{v.number(), v.number(), v.number()};
-            else
-              c.input.spacing = Vec3{(*list)[0].number(), (*list)[1].number(), (*list)[2].number()};
-          },
-          [](const Config& c) -> std::optional<ConfigValue> {
-            if (!c.input.spacing) return std::nullopt;
-            const Vec3 s = *c.input.spacing;
-            return ConfigValue{ConfigValue::List{{s.x}, {s.y}, {s.z}}};
-          }};
-}
-
-Binding unit() {
-  return {ChoiceRule{{"m", "cm", "mm", "um", "nm", "angstrom"}},
-          [](Config& c, const ConfigValue& v) { c.input.unit = *v.text(); },
-          [](const Config& c) -> std::optional<ConfigValue> {
-            if (c.input.unit.empty()) return std::nullopt;
-            return ConfigValue{c.input.unit};
-          }};
-}
-
-Binding raw_size() {
-  return {IntegerListRule{3, 1, most_samples},
-          [](Config& c, const ConfigValue& v) {
-            const auto& list = *v.list();
-            c.input.size = Index3{*list[0].integer(), *list[1].integer(), *list[2].integer()};
-          },
-          [](const Config& c) -> std::optional<ConfigValue> {
-            if (!c.input.size) return std::nullopt;
-            const Index3 s = *c.input.size;
-            return ConfigValue{ConfigValue::List{{s.x}, {s.y}, {s.z}}};
-          }};
-}
-
-Binding raw_type() {
+Binding<Config> raw_type() {
   ChoiceRule rule;
   for (int i = 0; i <= static_cast<int>(SampleType::f64); ++i)
     rule.names.emplace_back(sample_type_name(static_cast<SampleType>(i)));
-  return {std::move(rule),
-          [](Config& c, const ConfigValue& v) { c.input.type = parse_sample_type(*v.text()); },
-          [](const Config& c) -> std::optional<ConfigValue> {
-            if (!c.input.type) return std::nullopt;
-            return ConfigValue{std::string(sample_type_name(*c.input.type))};
-          }};
+  return member(&Config::input, &InputConfig::type, std::move(rule));
 }
 
-Binding isovalue() {
+Binding<Config> isovalue() {
   return {NumberOrWordRule{"otsu"},
           [](Config& c, const ConfigValue& v) {
             c.surface.isovalue = v.is_number() ? std::optional(v.number()) : std::nullopt;
           },
-          [](const Config& c) -> std::optional<ConfigValue> {
+          [](const Config& c) -> Written {
             // A mesh's config may not give one, so what stands for it inside is not told.
             if (c.input.is_mesh()) return std::nullopt;
             if (!c.surface.isovalue) return ConfigValue{std::string("otsu")};
@@ -98,18 +79,7 @@ Binding isovalue() {
           }};
 }
 
-Binding label() {
-  return {IntegerRule{0, std::numeric_limits<std::int64_t>::max()},
-          [](Config& c, const ConfigValue& v) {
-            c.surface.label = static_cast<std::uint64_t>(*v.integer());
-          },
-          [](const Config& c) -> std::optional<ConfigValue> {
-            if (!c.surface.label) return std::nullopt;
-            return ConfigValue{static_cast<std::int64_t>(*c.surface.label)};
-          }};
-}
-
-Binding selected_labels() {
+Binding<Config> selected_labels() {
   using Select = LabelsConfig::Select;
   static const std::vector<std::string> words = {"all", "mapped"};
   return {LabelListRule{words},
@@ -121,37 +91,31 @@ Binding selected_labels() {
             c.labels.selected =
                 list == nullptr ? std::vector<LabelRange>() : label_ranges_of(*list);
           },
-          [](const Config& c) -> std::optional<ConfigValue> {
+          [](const Config& c) -> Written {
             if (c.labels.select == Select::listed)
               return ConfigValue{label_items(c.labels.selected)};
             return ConfigValue{words[static_cast<std::size_t>(c.labels.select)]};
           }};
 }
 
-Binding background() {
+Binding<Config> background() {
   return {LabelListRule{{}, true},
           [](Config& c, const ConfigValue& v) { c.labels.background = label_ranges_of(*v.list()); },
-          [](const Config& c) -> std::optional<ConfigValue> {
-            return ConfigValue{label_items(c.labels.background)};
-          }};
+          [](const Config& c) -> Written { return ConfigValue{label_items(c.labels.background)}; }};
 }
 
 // In the order of the table: what is written does not depend on the order it was asked for in.
-Binding formats() {
+Binding<Config> formats() {
   std::vector<std::string> names;
   for (const MeshWriter& writer : mesh_writers()) names.emplace_back(writer.name);
-  return {ChoiceListRule{names},
-          [names](Config& c, const ConfigValue& v) {
-            c.output.formats.clear();
-            for (const ConfigValue& item : *v.list()) c.output.formats.push_back(*item.text());
-            std::ranges::sort(c.output.formats, {},
-                              [&](const std::string& name) { return index_of(names, name); });
-          },
-          [](const Config& c) -> std::optional<ConfigValue> {
-            ConfigValue::List list;
-            for (const std::string& name : c.output.formats) list.push_back({name});
-            return ConfigValue{std::move(list)};
-          }};
+  return bound<Config>(
+      ChoiceListRule{names}, place(&Config::output, &OutputConfig::formats),
+      [names](const ConfigValue& value, std::vector<std::string>& out) {
+        Form::read(value, out);
+        std::ranges::sort(out, {},
+                          [&](const std::string& name) { return std::ranges::find(names, name); });
+      },
+      [](const std::vector<std::string>& in) { return Form::written(in); });
 }
 
 }  // namespace voxweld::binding

@@ -1,8 +1,9 @@
-// How each member of Config is read from a value and written as one: what a row of the table of
-// settings is bound to.
+// How a member of a config is read from a value and written as one: what a row of the table of
+// settings, or of the keys of an edit, is bound to.
 #pragma once
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -16,174 +17,151 @@
 namespace voxweld::binding {
 
 // The rule says which values `set` can be given.
+template <class Owner>
 struct Binding {
   Rule rule;
-  std::function<void(Config&, const ConfigValue&)> set;
-  std::function<std::optional<ConfigValue>(const Config&)> get;
+  std::function<void(Owner&, const ConfigValue&)> set;
+  std::function<std::optional<ConfigValue>(const Owner&)> get;
 };
 
-// Members of their own form.
-Binding input_format();
-Binding crop();
-Binding spacing();
-Binding unit();
-Binding raw_size();
-Binding raw_type();
-Binding isovalue();
-Binding label();
-Binding selected_labels();
-Binding background();
-Binding formats();
+// Empty where the member leaves it open.
+using Written = std::optional<ConfigValue>;
 
-// Members of a common form, named by their group and member.
+// What a value stands for and the value of a member in its one canonical form, by the member's type.
+// Precondition: a value that is read is of that form.
+struct Form {
+  using Path = std::filesystem::path;
+  using Value = const ConfigValue&;
+  using Texts = std::vector<std::string>;
+
+  static void read(Value v, bool& out) { out = *v.flag(); }
+  static void read(Value v, std::int64_t& out) { out = *v.integer(); }
+  static void read(Value v, std::uint64_t& out) { out = static_cast<std::uint64_t>(*v.integer()); }
+  static void read(Value v, double& out) { out = v.number(); }
+  static void read(Value v, std::string& out) { out = *v.text(); }
+  static void read(Value v, Path& out) { out = *v.text(); }
+  static void read(Value v, SampleType& out) { out = parse_sample_type(*v.text()).value(); }
+  static void read(Value v, Texts& out);
+  static void read(Value v, Index3& out);
+  static void read(Value v, Vec3& out);  // three numbers, or one for all three
+  static void read(Value v, Box3& out);
+  template <class T>
+  static void read(Value v, std::optional<T>& out) {
+    read(v, out.emplace());
+  }
+
+  static Written written(bool v) { return ConfigValue{v}; }
+  static Written written(std::int64_t v) { return ConfigValue{v}; }
+  static Written written(std::uint64_t v) { return ConfigValue{static_cast<std::int64_t>(v)}; }
+  static Written written(double v) { return ConfigValue{v}; }
+  static Written written(const std::string& v) { return ConfigValue{v}; }
+  static Written written(const Path& v);  // empty: open
+  static Written written(SampleType v) { return ConfigValue{std::string(sample_type_name(v))}; }
+  static Written written(const Texts& v);
+  static Written written(Index3 v) { return ConfigValue{ConfigValue::List{{v.x}, {v.y}, {v.z}}}; }
+  static Written written(Vec3 v) { return ConfigValue{ConfigValue::List{{v.x}, {v.y}, {v.z}}}; }
+  static Written written(const Box3& v);
+  template <class T>
+  static Written written(const std::optional<T>& v) {
+    return v ? written(*v) : std::nullopt;
+  }
+};
+
+// at(owner) is the member; read(value, member) and written(member) as those of Form.
+template <class Owner, class At, class Read, class Write>
+Binding<Owner> bound(Rule rule, At at, Read read, Write written) {
+  return {std::move(rule), [=](Owner& owner, const ConfigValue& value) { read(value, at(owner)); },
+          [=](const Owner& owner) -> Written { return written(at(owner)); }};
+}
+template <class Owner, class At>
+Binding<Owner> bound(Rule rule, At at) {
+  return bound<Owner>(
+      std::move(rule), at,
+      [](const ConfigValue& value, auto& member) { Form::read(value, member); },
+      [](const auto& member) { return Form::written(member); });
+}
+
+// An enumeration: names[i] is the name of the enumerator i.
+template <class Owner, class At>
+Binding<Owner> bound_choice(std::vector<std::string> names, At at) {
+  return bound<Owner>(
+      ChoiceRule{names}, at,
+      [names](const ConfigValue& value, auto& member) {
+        const auto found = std::ranges::find(names, *value.text());
+        member = static_cast<std::remove_reference_t<decltype(member)>>(found - names.begin());
+      },
+      [names](auto member) { return ConfigValue{names[static_cast<std::size_t>(member)]}; });
+}
+
+// Members of a group of the config.
 template <class Group, class T>
-using Field = std::pair<Group Config::*, T Group::*>;
-
-template <class T, class Group>
-T& at(Config& config, const Field<Group, T>& field) {
-  return (config.*field.first).*field.second;
-}
-template <class T, class Group>
-const T& at(const Config& config, const Field<Group, T>& field) {
-  return (config.*field.first).*field.second;
+auto place(Group Config::*group, T Group::*member) {
+  return [=](auto& config) -> auto& {
+    return config.*group.*member;
+  };
 }
 
-inline std::size_t index_of(const std::vector<std::string>& names, const std::string& name) {
-  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+// Of a form that goes with the member's type.
+template <class Group, class T>
+Binding<Config> member(Group Config::*group, T Group::*member, Rule rule) {
+  return bound<Config>(std::move(rule), place(group, member));
 }
 
-template <class Group>
-Binding path(Group Config::*group, std::filesystem::path Group::*member) {
-  const Field<Group, std::filesystem::path> field{group, member};
-  return {PathRule{}, [=](Config& c, const ConfigValue& v) { at(c, field) = *v.text(); },
-          [=](const Config& c) -> std::optional<ConfigValue> {
-            if (at(c, field).empty()) return std::nullopt;
-            return ConfigValue{at(c, field).string()};
-          }};
-}
-
-// names[i] is the name of the enumerator i.
 template <class Group, class Enum>
-Binding choice(Group Config::*group, Enum Group::*member, std::vector<std::string> names) {
-  const Field<Group, Enum> field{group, member};
-  return {ChoiceRule{names},
-          [=](Config& c, const ConfigValue& v) {
-            at(c, field) = static_cast<Enum>(index_of(names, *v.text()));
-          },
-          [=](const Config& c) -> std::optional<ConfigValue> {
-            return ConfigValue{names[static_cast<std::size_t>(at(c, field))]};
-          }};
+Binding<Config> choice(Group Config::*group, Enum Group::*member, std::vector<std::string> names) {
+  return bound_choice<Config>(std::move(names), place(group, member));
 }
 
 // Enumerators in the order automatic, always, never.
 template <class Group, class Enum>
-Binding switch_of(Group Config::*group, Enum Group::*member) {
-  const Field<Group, Enum> field{group, member};
-  return {SwitchRule{},
-          [=](Config& c, const ConfigValue& v) {
-            at(c, field) = v.flag() == nullptr ? Enum::automatic
-                           : *v.flag()         ? Enum::always
-                                               : Enum::never;
-          },
-          [=](const Config& c) -> std::optional<ConfigValue> {
-            if (at(c, field) == Enum::automatic) return ConfigValue{std::string("auto")};
-            return ConfigValue{at(c, field) == Enum::always};
-          }};
-}
-
-template <class Group>
-Binding flag(Group Config::*group, bool Group::*member) {
-  const Field<Group, bool> field{group, member};
-  return {FlagRule{}, [=](Config& c, const ConfigValue& v) { at(c, field) = *v.flag(); },
-          [=](const Config& c) -> std::optional<ConfigValue> { return ConfigValue{at(c, field)}; }};
-}
-
-template <class Group>
-Binding integer(Group Config::*group, std::int64_t Group::*member, Rule rule) {
-  const Field<Group, std::int64_t> field{group, member};
-  return {std::move(rule), [=](Config& c, const ConfigValue& v) { at(c, field) = *v.integer(); },
-          [=](const Config& c) -> std::optional<ConfigValue> { return ConfigValue{at(c, field)}; }};
+Binding<Config> switch_of(Group Config::*group, Enum Group::*member) {
+  return bound<Config>(
+      SwitchRule{}, place(group, member),
+      [](const ConfigValue& value, Enum& out) {
+        out = value.flag() == nullptr ? Enum::automatic
+              : *value.flag()         ? Enum::always
+                                      : Enum::never;
+      },
+      [](Enum in) {
+        return in == Enum::automatic ? ConfigValue{std::string("auto")}
+                                     : ConfigValue{in == Enum::always};
+      });
 }
 
 // The value 0 is "auto", whatever the range.
 template <class Group>
-Binding integer_or_auto(Group Config::*group, std::int64_t Group::*member, IntegerRule rule) {
-  const Field<Group, std::int64_t> field{group, member};
+Binding<Config> integer_or_auto(Group Config::*group, std::int64_t Group::*member,
+                                IntegerRule rule) {
   rule.automatic = true;
-  return {rule,
-          [=](Config& c, const ConfigValue& v) {
-            at(c, field) = v.integer() == nullptr ? 0 : *v.integer();
-          },
-          [=](const Config& c) -> std::optional<ConfigValue> {
-            if (at(c, field) == 0) return ConfigValue{std::string("auto")};
-            return ConfigValue{at(c, field)};
-          }};
+  return bound<Config>(
+      rule, place(group, member),
+      [](const ConfigValue& value, std::int64_t& out) {
+        out = value.integer() == nullptr ? 0 : *value.integer();
+      },
+      [](std::int64_t in) { return in == 0 ? ConfigValue{std::string("auto")} : ConfigValue{in}; });
 }
 
 // A size in bytes. Where the rule has "auto", 0 is that.
 template <class Group>
-Binding memory(Group Config::*group, std::uint64_t Group::*member, MemoryRule rule) {
-  const Field<Group, std::uint64_t> field{group, member};
-  return {rule,
-          [=](Config& c, const ConfigValue& v) {
-            at(c, field) = v.text() != nullptr ? parse_bytes(*v.text()).value_or(0)
-                                               : static_cast<std::uint64_t>(*v.integer());
-          },
-          [=](const Config& c) -> std::optional<ConfigValue> {
-            if (rule.automatic && at(c, field) == 0) return ConfigValue{std::string("auto")};
-            return ConfigValue{bytes_text(at(c, field))};
-          }};
+Binding<Config> memory(Group Config::*group, std::uint64_t Group::*member, MemoryRule rule) {
+  return bound<Config>(
+      rule, place(group, member),
+      [](const ConfigValue& value, std::uint64_t& out) {
+        out = value.text() != nullptr ? parse_bytes(*value.text()).value_or(0)
+                                      : static_cast<std::uint64_t>(*value.integer());
+      },
+      [rule](std::uint64_t in) {
+        return ConfigValue{rule.automatic && in == 0 ? "auto" : bytes_text(in)};
+      });
 }
 
-template <class Group>
-Binding text(Group Config::*group, std::string Group::*member, Rule rule) {
-  const Field<Group, std::string> field{group, member};
-  return {std::move(rule), [=](Config& c, const ConfigValue& v) { at(c, field) = *v.text(); },
-          [=](const Config& c) -> std::optional<ConfigValue> { return ConfigValue{at(c, field)}; }};
-}
-
-template <class Group>
-Binding texts(Group Config::*group, std::vector<std::string> Group::*member, Rule rule) {
-  const Field<Group, std::vector<std::string>> field{group, member};
-  return {std::move(rule),
-          [=](Config& c, const ConfigValue& v) {
-            at(c, field).clear();
-            for (const ConfigValue& item : *v.list()) at(c, field).push_back(*item.text());
-          },
-          [=](const Config& c) -> std::optional<ConfigValue> {
-            ConfigValue::List list;
-            for (const std::string& item : at(c, field)) list.push_back({item});
-            return ConfigValue{std::move(list)};
-          }};
-}
-
-// Without a default: empty unless it is given.
-template <class Group>
-Binding optional(Group Config::*group, std::optional<std::int64_t> Group::*member,
-                 IntegerRule rule) {
-  const Field<Group, std::optional<std::int64_t>> field{group, member};
-  return {rule, [=](Config& c, const ConfigValue& v) { at(c, field) = *v.integer(); },
-          [=](const Config& c) -> std::optional<ConfigValue> {
-            if (!at(c, field)) return std::nullopt;
-            return ConfigValue{*at(c, field)};
-          }};
-}
-
-template <class Group>
-Binding optional_positive(Group Config::*group, std::optional<double> Group::*member) {
-  const Field<Group, std::optional<double>> field{group, member};
-  return {PositiveNumberRule{}, [=](Config& c, const ConfigValue& v) { at(c, field) = v.number(); },
-          [=](const Config& c) -> std::optional<ConfigValue> {
-            if (!at(c, field)) return std::nullopt;
-            return ConfigValue{*at(c, field)};
-          }};
-}
-
-template <class Group>
-Binding positive(Group Config::*group, double Group::*member) {
-  const Field<Group, double> field{group, member};
-  return {PositiveNumberRule{}, [=](Config& c, const ConfigValue& v) { at(c, field) = v.number(); },
-          [=](const Config& c) -> std::optional<ConfigValue> { return ConfigValue{at(c, field)}; }};
-}
+// Members of their own form.
+Binding<Config> input_format();
+Binding<Config> unit();
+Binding<Config> raw_type();
+Binding<Config> isovalue();
+Binding<Config> selected_labels();
+Binding<Config> background();
+Binding<Config> formats();
 
 }  // namespace voxweld::binding

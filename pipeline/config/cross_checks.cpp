@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <utility>
+#include <vector>
 
 #include "pipeline/config/settings.h"
 #include "storage/support/error.h"
@@ -37,72 +37,48 @@ class CrossChecks {
 
   void raw() const {
     const InputConfig& in = config_.input;
-    // Judged by value, not by presence: canonical configs write the defaults of every key.
-    const std::array<std::pair<const char*, bool>, 4> raw_only = {
-        {{"input.size", in.size.has_value()},
-         {"input.type", in.type.has_value()},
-         {"input.endian", in.endian != InputConfig::Endian::little},
-         {"input.header_bytes", in.header_bytes != 0}}};
     if (!in.has_samples()) return;
     if (in.format != "raw" && in.format != "auto")
-      for (const auto& [name, set] : raw_only)
-        if (set) fail({name}, "only raw files take it; remove it, or set input.format = \"raw\"");
+      refuse({"input.size", "input.type", "input.endian", "input.header_bytes"},
+             "only raw files take it; remove it, or set input.format = \"raw\"");
     const bool needed = in.format == "raw" || in.size || in.type;
-    if (needed && !in.size) fail({"input.size", "input.format", "input.type"}, missing_raw("size"));
-    if (needed && !in.type) fail({"input.type", "input.format", "input.size"}, missing_raw("type"));
+    constexpr const char* missing = "missing, and raw files need it: expected ";
+    if (needed && !in.size)
+      fail({"input.size", "input.format", "input.type"}, missing + accepted("input.size"));
+    if (needed && !in.type)
+      fail({"input.type", "input.format", "input.size"}, missing + accepted("input.type"));
   }
 
   void empty() const {
     const InputConfig& in = config_.input;
     if (!in.is_empty()) return;
-    const std::array<std::pair<const char*, bool>, 5> of_files = {
-        {{"input.path", !in.path.empty()},
-         {"input.crop", in.crop.has_value()},
-         {"input.type", in.type.has_value()},
-         {"input.endian", in.endian != InputConfig::Endian::little},
-         {"input.header_bytes", in.header_bytes != 0}}};
-    for (const auto& [name, set] : of_files)
-      if (set) fail({name}, "empty space has no file; remove it, or input.format = \"empty\"");
+    refuse({"input.path", "input.crop", "input.type", "input.endian", "input.header_bytes"},
+           "empty space has no file; remove it, or input.format = \"empty\"");
     if (!in.size)
-      fail({"input.size", "input.format"}, "missing, and empty space needs it: expected " +
-                                               accepted_text(find_setting("input", "size")->rule));
+      fail({"input.size", "input.format"},
+           "missing, and empty space needs it: expected " + accepted("input.size"));
     if (config_.edits.empty())
       fail({"input.format"}, "empty space and no edits have no surface; add [[edit]] tables");
   }
 
   void mesh() const {
     const InputConfig& in = config_.input;
-    const std::array<std::pair<const char*, bool>, 4> of_meshes = {
-        {{"input.resolution", in.resolution.has_value()},
-         {"input.cell", in.cell.has_value()},
-         {"input.margin", in.margin != InputConfig{}.margin},
-         {"input.close", in.close != MeshClosing::no}}};
-    if (!in.is_mesh()) {
-      for (const auto& [name, set] : of_meshes)
-        if (set)
-          fail({name}, "only meshes take it; remove it, or name an .stl, .off, .obj or .ply");
-      return;
-    }
-    const std::array<std::pair<const char*, bool>, 6> of_volumes = {
-        {{"input.crop", in.crop.has_value()},
-         {"input.spacing", in.spacing.has_value()},
-         {"input.size", in.size.has_value()},
-         {"input.type", in.type.has_value()},
-         {"input.endian", in.endian != InputConfig::Endian::little},
-         {"input.header_bytes", in.header_bytes != 0}}};
-    for (const auto& [name, set] : of_volumes)
-      if (set)
-        fail({name},
-             "a mesh has no samples; remove it: input.resolution or input.cell says how "
-             "finely it is sampled");
+    if (!in.is_mesh())
+      return refuse({"input.resolution", "input.cell", "input.margin", "input.close"},
+                    "only meshes take it; remove it, or name an .stl, .off, .obj or .ply");
+    refuse({"input.crop", "input.spacing", "input.size", "input.type", "input.endian",
+            "input.header_bytes"},
+           "a mesh has no samples; remove it: input.resolution or input.cell says how "
+           "finely it is sampled");
     if (in.resolution && in.cell)
       fail({"input.resolution", "input.cell"},
            "input.cell says the same in another way; remove one of the two");
     if (!in.resolution && !in.cell)
       fail({"input.resolution", "input.path", "input.format"},
-           "missing, and a mesh needs it, or input.cell: expected " +
-               accepted_text(find_setting("input", "resolution")->rule));
-    surface_of_mesh();
+           "missing, and a mesh needs it, or input.cell: expected " + accepted("input.resolution"));
+    constexpr const char* own = "a mesh is its own surface, with its own normals; remove it";
+    if (places_.contains("surface.isovalue")) fail({"surface.isovalue"}, own);
+    refuse({"surface.label", "surface.inside", "surface.gradient"}, own);
   }
 
   void label() const {
@@ -154,17 +130,17 @@ class CrossChecks {
   // Edits stand in the file alone, so they are named by their numbers.
   void edits_of_labels() const {
     const LabelMode mode = config_.labels.mode;
-    const auto refuse = [&](std::size_t number, const char* problem) {
+    const auto refuse_edit = [&](std::size_t number, const char* problem) {
       throw InputError(fmt::format("{}: edit {}: {}", file_, number, problem));
     };
     for (std::size_t i = 0; i < config_.edits.size(); ++i) {
       const EditConfig& edit = config_.edits[i];
       if (mode != LabelMode::off && gives_material(edit.op) && !edit.material)
-        refuse(i + 1, "material is missing: expected the label that the solid gets");
+        refuse_edit(i + 1, "material is missing: expected the label that the solid gets");
       if (mode == LabelMode::off && edit.op == EditOp::replace)
-        refuse(i + 1,
-               "op = \"replace\": there is one material, so nothing to replace; it is for "
-               "labels.mode = \"each\" and \"shared\"");
+        refuse_edit(i + 1,
+                    "op = \"replace\": there is one material, so nothing to replace; it is for "
+                    "labels.mode = \"each\" and \"shared\"");
     }
   }
 
@@ -194,20 +170,21 @@ class CrossChecks {
   }
 
  private:
-  void surface_of_mesh() const {
-    const SurfaceConfig& surface = config_.surface;
-    const std::array<std::pair<const char*, bool>, 4> of_samples = {
-        {{"surface.isovalue", places_.contains("surface.isovalue")},
-         {"surface.label", surface.label.has_value()},
-         {"surface.inside", surface.inside != SurfaceConfig::Inside::above},
-         {"surface.gradient", surface.gradient != SurfaceConfig::Gradient::eno}}};
-    for (const auto& [name, set] : of_samples)
-      if (set) fail({name}, "a mesh is its own surface, with its own normals; remove it");
+  static const Setting& setting_of(const std::string& name) {
+    const auto dot = name.find('.');
+    return *find_setting(name.substr(0, dot), name.substr(dot + 1));
+  }
+  static std::string accepted(const std::string& name) {
+    return accepted_text(setting_of(name).rule);
   }
 
-  static std::string missing_raw(const std::string& key) {
-    const Setting& setting = *find_setting("input", key);
-    return fmt::format("missing, and raw files need it: expected {}", accepted_text(setting.rule));
+  // Those of the names that are not at their defaults. Judged by value, not by presence: canonical
+  // configs write the defaults of every key.
+  void refuse(const std::vector<std::string>& names, const std::string& problem) const {
+    for (const std::string& name : names) {
+      const Setting& setting = setting_of(name);
+      if (setting.get(config_) != setting.default_value) fail({name}, problem);
+    }
   }
 
   // The message is about the first name.
@@ -215,9 +192,7 @@ class CrossChecks {
     std::string where = file_;
     for (auto name = names.rbegin(); name != names.rend(); ++name)
       if (const auto found = places_.find(*name); found != places_.end()) where = found->second;
-    const auto dot = names[0].find('.');
-    const Setting& setting = *find_setting(names[0].substr(0, dot), names[0].substr(dot + 1));
-    const auto value = setting.get(config_);
+    const auto value = setting_of(names[0]).get(config_);
     throw InputError(fmt::format("{}: {}{}: {}", where, names[0],
                                  value ? " = " + to_toml(*value) : std::string(), problem));
   }

@@ -1,21 +1,18 @@
 #include "pipeline/config/edit_settings.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <limits>
 #include <utility>
 
+#include "pipeline/config/binding.h"
+
 namespace voxweld {
 namespace {
 
 using Shapes = std::vector<SolidShape>;
-
-// The order of the names is that of the enumerators.
-const std::vector<std::string>& op_names() {
-  static const std::vector<std::string> names = {"add", "subtract", "intersect", "replace"};
-  return names;
-}
 
 const std::vector<std::string>& shape_names() {
   static const std::vector<std::string> names = {"sphere", "box",   "cylinder", "cone",
@@ -23,59 +20,31 @@ const std::vector<std::string>& shape_names() {
   return names;
 }
 
-const std::vector<std::string>& closing_names() {
-  static const std::vector<std::string> names = {"no", "winding"};
-  return names;
+using Binding = binding::Binding<EditConfig>;
+
+template <class T>
+auto place(T EditConfig::*member) {
+  return [=](auto& edit) -> auto& {
+    return edit.*member;
+  };
 }
 
-struct Binding {
-  Rule rule;
-  std::function<void(EditConfig&, const ConfigValue&)> set;
-  std::function<ConfigValue(const EditConfig&)> get;
-};
+template <class T>
+Binding member(T EditConfig::*member, Rule rule) {
+  return binding::bound<EditConfig>(std::move(rule), place(member));
+}
 
 template <class Enum>
 Binding choice(Enum EditConfig::*member, const std::vector<std::string>& names) {
-  return {
-      ChoiceRule{names},
-      [=](EditConfig& e, const ConfigValue& v) {
-        const auto found = std::find(names.begin(), names.end(), *v.text());
-        e.*member = static_cast<Enum>(found - names.begin());
-      },
-      [=](const EditConfig& e) { return ConfigValue{names[static_cast<std::size_t>(e.*member)]}; }};
+  return binding::bound_choice<EditConfig>(names, place(member));
 }
 
-Binding positive(double EditConfig::*member) {
-  return {PositiveNumberRule{},
-          [=](EditConfig& e, const ConfigValue& v) { e.*member = v.number(); },
-          [=](const EditConfig& e) { return ConfigValue{e.*member}; }};
-}
-
-Binding triple(Vec3 EditConfig::*member, TripleRule::Of of = TripleRule::Of::any) {
-  return {TripleRule{of},
-          [=](EditConfig& e, const ConfigValue& v) {
-            const auto& list = *v.list();
-            e.*member = Vec3{list[0].number(), list[1].number(), list[2].number()};
-          },
-          [=](const EditConfig& e) {
-            const Vec3 v = e.*member;
-            return ConfigValue{ConfigValue::List{{v.x}, {v.y}, {v.z}}};
-          }};
-}
-
+// 0 where it is not set.
 Binding material() {
-  return {IntegerRule{0, std::numeric_limits<std::int64_t>::max()},
-          [](EditConfig& e, const ConfigValue& v) {
-            e.material = static_cast<std::uint64_t>(*v.integer());
-          },
-          [](const EditConfig& e) {
-            return ConfigValue{static_cast<std::int64_t>(e.material.value_or(0))};
-          }};
-}
-
-Binding path(std::filesystem::path EditConfig::*member) {
-  return {PathRule{}, [=](EditConfig& e, const ConfigValue& v) { e.*member = *v.text(); },
-          [=](const EditConfig& e) { return ConfigValue{(e.*member).string()}; }};
+  return binding::bound<EditConfig>(
+      IntegerRule{0, std::numeric_limits<std::int64_t>::max()}, place(&EditConfig::material),
+      [](const ConfigValue& value, auto& out) { binding::Form::read(value, out); },
+      [](const auto& in) { return binding::Form::written(in.value_or(0)); });
 }
 
 struct EditWords {
@@ -84,17 +53,14 @@ struct EditWords {
   const char* sample;
 };
 
-EditSetting row(EditWords words, Binding bound, Shapes shapes = {}) {
-  EditSetting setting;
-  setting.key = words.key;
-  setting.rule = std::move(bound.rule);
-  setting.description = words.description;
-  setting.default_value = bound.get(EditConfig{});
-  setting.shapes = std::move(shapes);
-  setting.sample = words.sample;
-  setting.set = std::move(bound.set);
-  setting.get = std::move(bound.get);
-  return setting;
+EditSetting row(EditWords words, const Binding& bound, Shapes shapes = {}) {
+  return {{words.key, bound.rule, words.description, false, {}, bound.get(EditConfig{})},
+          std::move(shapes),
+          {},
+          words.sample,
+          bound.set,
+          [get = bound.get](const EditConfig& edit) { return get(edit).value(); },
+          {}};
 }
 
 EditSetting required(EditSetting setting) {
@@ -128,7 +94,7 @@ std::vector<EditSetting> make_edit_settings() {
            "all but it. Between labels \"add\" gives all of it the label `material`, and "
            "\"replace\" only what is of some label already.",
            "\"subtract\""},
-          choice(&EditConfig::op, op_names())),
+          choice(&EditConfig::op, {"add", "subtract", "intersect", "replace"})),
       unset(
           "none; between labels add and replace need it",
           [](const EditConfig& e) { return e.material.has_value(); },
@@ -143,50 +109,43 @@ std::vector<EditSetting> make_edit_settings() {
                     "which way its triangles wind does not matter, and what it encloses twice is "
                     "outside again.",
                     "\"part.stl\""},
-                   path(&EditConfig::path), {mesh})),
+                   member(&EditConfig::path, PathRule{}), {mesh})),
       required_but_for(
           mesh, row({"center",
                      "The middle of the solid; of a plane, any point of it; of a mesh, where the "
                      "origin of its own coordinates comes to lie.",
                      "[10.0, 20.0, 30.0]"},
-                    triple(&EditConfig::center))),
+                    member(&EditConfig::center, TripleRule{}))),
       required(
           row({"radius",
                "Of a sphere, a cylinder or a cone's base; of a torus, of the ring inside its tube.",
                "4.0"},
-              positive(&EditConfig::radius), {sphere, cylinder, cone, torus})),
-      required(row({"height", "Length from end to end.", "12.0"}, positive(&EditConfig::height),
-                   {cylinder, cone})),
+              member(&EditConfig::radius, PositiveNumberRule{}), {sphere, cylinder, cone, torus})),
+      required(row({"height", "Length from end to end.", "12.0"},
+                   member(&EditConfig::height, PositiveNumberRule{}), {cylinder, cone})),
       required(row({"tube", "Radius of the tube itself, at most that of the ring.", "1.0"},
-                   positive(&EditConfig::tube), {torus})),
+                   member(&EditConfig::tube, PositiveNumberRule{}), {torus})),
       required(row({"size", "Lengths of the sides, before it is rotated.", "[4.0, 5.0, 6.0]"},
-                   triple(&EditConfig::size, Of::positive), {box})),
+                   member(&EditConfig::size, TripleRule{Of::positive}), {box})),
       row({"axis",
            "A direction of any length: along the height, towards a cone's tip; across a torus's "
            "ring; of a plane, out of the solid, which lies behind it.",
            "[0.0, 0.0, 1.0]"},
-          triple(&EditConfig::axis, Of::not_all_zero), {cylinder, cone, torus, plane}),
+          member(&EditConfig::axis, TripleRule{Of::not_all_zero}), {cylinder, cone, torus, plane}),
       row({"scale", "Lengths of the output for one of the mesh's own.", "25.4"},
-          positive(&EditConfig::scale), {mesh}),
+          member(&EditConfig::scale, PositiveNumberRule{}), {mesh}),
       row({"rotate",
            "Degrees to turn it about its center: about the x axis, then y, then z; x turns y "
            "towards z, y turns z towards x, z turns x towards y.",
            "[0.0, 0.0, 30.0]"},
-          triple(&EditConfig::rotate), {box, mesh}),
+          member(&EditConfig::rotate, TripleRule{}), {box, mesh}),
       row({"close",
            "\"no\" refuses a mesh that is not closed; \"winding\" closes its holes, and makes one "
            "of "
            "what overlaps: inside is where its triangles wind around at least half.",
            "\"winding\""},
-          choice(&EditConfig::close, closing_names()), {mesh}),
+          choice(&EditConfig::close, {"no", "winding"}), {mesh}),
   };
-}
-
-std::vector<std::string> names_where(const std::function<bool(const EditSetting&)>& wanted) {
-  std::vector<std::string> names;
-  for (const EditSetting& setting : edit_settings())
-    if (wanted(setting)) names.push_back(setting.key);
-  return names;
 }
 
 }  // namespace
@@ -196,21 +155,18 @@ std::string_view shape_name(SolidShape shape) {
 }
 
 bool EditSetting::taken_by(SolidShape shape) const {
-  return shapes.empty() || std::find(shapes.begin(), shapes.end(), shape) != shapes.end();
+  return shapes.empty() || std::ranges::find(shapes, shape) != shapes.end();
 }
 
 bool EditSetting::required_by(SolidShape shape) const {
   return required && taken_by(shape) &&
-         std::find(optional_for.begin(), optional_for.end(), shape) == optional_for.end();
+         std::ranges::find(optional_for, shape) == optional_for.end();
 }
 
 std::string EditSetting::shapes_text() const {
-  std::string text;
-  for (const SolidShape shape : shapes) {
-    if (!text.empty()) text += ", ";
-    text += shape_name(shape);
-  }
-  return text.empty() ? "all" : text;
+  std::vector<std::string_view> names;
+  for (const SolidShape shape : shapes) names.push_back(shape_name(shape));
+  return names.empty() ? "all" : fmt::format("{}", fmt::join(names, ", "));
 }
 
 std::span<const EditSetting> edit_settings() {
@@ -224,12 +180,11 @@ const EditSetting* find_edit_setting(std::string_view key) {
   return nullptr;
 }
 
-std::vector<std::string> edit_key_names() {
-  return names_where([](const EditSetting&) { return true; });
-}
-
-std::vector<std::string> edit_key_names(SolidShape shape) {
-  return names_where([&](const EditSetting& setting) { return setting.taken_by(shape); });
+std::vector<std::string> edit_key_names(std::optional<SolidShape> shape) {
+  std::vector<std::string> names;
+  for (const EditSetting& setting : edit_settings())
+    if (!shape || setting.taken_by(*shape)) names.push_back(setting.key);
+  return names;
 }
 
 std::string_view edit_description() {

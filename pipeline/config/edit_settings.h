@@ -4,6 +4,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -40,8 +41,8 @@ struct EditSetting : KeyFacts {
 std::span<const EditSetting> edit_settings();
 // Null when there is none of that name.
 const EditSetting* find_edit_setting(std::string_view key);
-std::vector<std::string> edit_key_names();
-std::vector<std::string> edit_key_names(SolidShape shape);
+// Of all shapes, or those that one takes.
+std::vector<std::string> edit_key_names(std::optional<SolidShape> shape = {});
 // What edits are for, in one paragraph.
 std::string_view edit_description();
 

@@ -35,8 +35,8 @@ struct Written {
 };
 
 std::string what_it_takes(std::optional<SolidShape> shape) {
-  if (!shape) return "An edit takes " + joined(edit_key_names());
-  return fmt::format("A {} takes {}", shape_name(*shape), joined(edit_key_names(*shape)));
+  return fmt::format("{} takes {}", shape ? fmt::format("A {}", shape_name(*shape)) : "An edit",
+                     joined(edit_key_names(shape)));
 }
 
 // Empty where the shape is missing or wrong, which is told of later.
@@ -54,8 +54,7 @@ void read_key(const Written& edit, const DocumentEntry& entry, std::optional<Sol
               EditConfig& config) {
   const EditSetting* setting = find_edit_setting(entry.key);
   if (setting == nullptr) {
-    const auto names = shape ? edit_key_names(*shape) : edit_key_names();
-    const std::string nearest = nearest_name(entry.key, names);
+    const std::string nearest = nearest_name(entry.key, edit_key_names(shape));
     edit.fail(entry.key_at,
               fmt::format("unknown key {}{} {}", shown(entry.key),
                           nearest.empty() ? "." : did_you_mean(nearest), what_it_takes(shape)));

@@ -1,15 +1,14 @@
 #include "pipeline/config/refuse.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "storage/support/error.h"
 
 namespace voxweld {
 
 std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 std::string shown(const std::string& name) {

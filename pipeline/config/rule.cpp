@@ -13,6 +13,7 @@
 #include "pipeline/config/label_list.h"
 #include "pipeline/config/overloaded.h"
 #include "pipeline/config/suggest.h"
+#include "storage/support/text_fields.h"
 
 namespace voxweld {
 namespace {
@@ -30,7 +31,7 @@ std::string range_text(std::int64_t lo, std::int64_t hi) {
 }
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
+  return std::ranges::find(names, name) != names.end();
 }
 
 Verdict refuse(std::string hint = {}) {
@@ -45,15 +46,11 @@ std::string quote_hint(const ConfigValue& value) {
   double parsed = 0;
   const char* const end = text->data() + text->size();
   const auto [stop, error] = std::from_chars(text->data(), end, parsed);
-  if (error != std::errc{} || stop != end) return {};
-  return "write numbers without quotes";
+  return error == std::errc{} && stop == end ? "write numbers without quotes" : "";
 }
 
 std::string meant(const std::string& name, const std::vector<std::string>& names) {
-  std::string lower = name;
-  for (char& c : lower)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  const std::string nearest = nearest_name(lower, names);
+  const std::string nearest = nearest_name(lower(name), names);
   return nearest.empty() ? "" : "did you mean " + toml_string(nearest) + "?";
 }
 
@@ -108,35 +105,34 @@ Verdict check_positive(const ConfigValue& value) {
   return {exact_number(value) && value.number() > 0, {}};
 }
 
-Verdict check_spacing(const ConfigValue& value) {
+// A list of `count` items that all fit.
+template <class F>
+bool is_list_of(const ConfigValue& value, std::size_t count, F&& fits) {
   const auto* list = value.list();
-  if (list == nullptr) return check_positive(value);
-  if (list->size() != 3) return refuse();
-  return {std::all_of(list->begin(), list->end(),
-                      [](const ConfigValue& item) { return check_positive(item).accepted; }),
-          {}};
+  return list != nullptr && list->size() == count && std::ranges::all_of(*list, fits);
+}
+
+Verdict check_spacing(const ConfigValue& value) {
+  if (value.list() == nullptr) return check_positive(value);
+  return {is_list_of(value, 3, [](const auto& item) { return check_positive(item).accepted; }), {}};
 }
 
 Verdict check_integers(const IntegerListRule& rule, const ConfigValue& value) {
-  const auto* list = value.list();
-  if (list == nullptr || list->size() != rule.count) return refuse();
-  return {std::all_of(list->begin(), list->end(),
-                      [&](const ConfigValue& item) {
-                        return check_integer(rule.lo, rule.hi, item).accepted;
-                      }),
-          {}};
+  return {
+      is_list_of(value, rule.count,
+                 [&](const auto& item) { return check_integer(rule.lo, rule.hi, item).accepted; }),
+      {}};
 }
 
 Verdict check_triple(const TripleRule& rule, const ConfigValue& value) {
-  const auto* list = value.list();
-  if (list == nullptr || list->size() != 3) return refuse();
   using Of = TripleRule::Of;
   const auto fits = [&](const ConfigValue& item) {
     return exact_number(item) && (rule.of != Of::positive || item.number() > 0);
   };
-  if (!std::all_of(list->begin(), list->end(), fits)) return refuse();
   const auto zero = [](const ConfigValue& item) { return item.number() == 0; };
-  return {rule.of != Of::not_all_zero || !std::all_of(list->begin(), list->end(), zero), {}};
+  return {
+      is_list_of(value, 3, fits) && !(rule.of == Of::not_all_zero && is_list_of(value, 3, zero)),
+      {}};
 }
 
 Verdict check_memory(const MemoryRule& rule, const ConfigValue& value) {
@@ -245,28 +241,6 @@ bool takes_any_text(const Rule& rule) {
          std::holds_alternative<TimeLimitRule>(rule);
 }
 
-std::string type_text(const Rule& rule) {
-  return std::visit(
-      Overloaded{
-          [](const PathRule&) { return "string"; }, [](const ChoiceRule&) { return "string"; },
-          [](const ChoiceListRule&) { return "list of strings"; },
-          [](const FlagRule&) { return "boolean"; },
-          [](const SwitchRule&) { return "boolean or string"; },
-          [](const IntegerRule& r) { return r.automatic ? "integer or string" : "integer"; },
-          [](const PowerOfTwoRule&) { return "integer"; },
-          [](const PositiveNumberRule&) { return "number"; },
-          [](const NumberOrWordRule&) { return "number or string"; },
-          [](const SpacingRule&) { return "number or list of numbers"; },
-          [](const IntegerListRule&) { return "list of integers"; },
-          [](const TripleRule&) { return "list of numbers"; },
-          [](const MemoryRule&) { return "string or integer"; },
-          [](const NameRule&) { return "string"; }, [](const TimeLimitRule&) { return "string"; },
-          [](const OptionListRule&) { return "list of strings"; },
-          [](const LineListRule&) { return "list of strings"; },
-          [](const LabelListRule& r) { return r.words.empty() ? "list" : "string or list"; }},
-      rule);
-}
-
 std::string accepted_text(const Rule& rule) {
   using fmt::format;
   return std::visit(
@@ -362,10 +336,7 @@ std::optional<std::uint64_t> parse_bytes(const std::string& text) {
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, count, std::chars_format::fixed);
   if (error != std::errc{} || text.front() < '0' || text.front() > '9') return std::nullopt;
-  std::string unit;
-  for (const char* c = stop; c != end; ++c)
-    if (*c != ' ' || !unit.empty())
-      unit += *c >= 'A' && *c <= 'Z' ? static_cast<char>(*c + 32) : *c;
+  const std::string unit = lower({std::find_if(stop, end, [](char c) { return c != ' '; }), end});
   for (const Unit& known : units) {
     if (unit != known.name) continue;
     // Whole counts are multiplied as integers, so that every byte count has an exact text.

@@ -63,8 +63,6 @@ using Rule = std::variant<PathRule, ChoiceRule, ChoiceListRule, FlagRule, Switch
 // Choices are left out: a number in the place of a name is worth a message.
 bool takes_any_text(const Rule& rule);
 
-// "integer", "string", "number or string" ...
-std::string type_text(const Rule& rule);
 // Reads after "expected": "a power of two from 8 to 256".
 std::string accepted_text(const Rule& rule);
 

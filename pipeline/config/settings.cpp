@@ -1,5 +1,8 @@
 #include "pipeline/config/settings.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <initializer_list>
 #include <limits>
@@ -41,18 +44,14 @@ struct SettingWords {
   const char* default_note = "";
 };
 
-Setting row(SettingWords words, binding::Binding bound, Stages stages) {
-  Setting setting;
-  setting.table = words.table;
-  setting.key = words.key;
-  setting.rule = std::move(bound.rule);
-  setting.stages = stages;
-  setting.description = words.description;
-  setting.default_note = words.default_note;
-  setting.default_value = bound.get(Config{});
-  setting.set = std::move(bound.set);
-  setting.get = std::move(bound.get);
-  return setting;
+Setting row(SettingWords words, const binding::Binding<Config>& bound, Stages stages) {
+  const auto default_value = bound.get(Config{});
+  return {{words.key, bound.rule, words.description, false, words.default_note, default_value},
+          words.table,
+          stages,
+          false,
+          bound.set,
+          bound.get};
 }
 
 Setting required(Setting setting) {
@@ -76,7 +75,7 @@ std::vector<Setting> input_settings() {
                "The volume: a file, a directory of slices or a Zarr array; or a closed triangle "
                "mesh in an .stl, .off, .obj or .ply file. What it holds decides what is done "
                "again, not its name."},
-              binding::path(in, &In::path), none)),
+              binding::member(in, &In::path, PathRule{}), none)),
       row({"input", "format",
            "How to read it. \"auto\" goes by the content and the name. \"empty\" is no file but "
            "empty space of input.size, for what [[edit]] makes in it: it needs no path and no "
@@ -84,43 +83,36 @@ std::vector<Setting> input_settings() {
           binding::input_format(), ingest),
       row({"input", "crop", "The box of samples to use, half-open: [x0, y0, z0, x1, y1, z1].",
            "the whole volume"},
-          binding::crop(), ingest_and_build),
+          binding::member(in, &In::crop, IntegerListRule{6, 0, most_samples}), ingest_and_build),
       row({"input", "spacing",
            "Distance of neighbouring samples: one number or [x, y, z]. Overrides the file's.",
            "as the file says, else 1"},
-          binding::spacing(), lengths),
+          binding::member(in, &In::spacing, SpacingRule{}), lengths),
       row({"input", "unit", "Unit of the spacing. Overrides the file's.", "as the file says"},
           binding::unit(), {Stage::ingest, Stage::encode}),
       row({"input", "size",
            "Raw files and empty space: samples along [x, y, z], x fastest in the file.",
            "none; raw files and empty space need it"},
-          binding::raw_size(), ingest_and_build),
+          binding::member(in, &In::size, IntegerListRule{3, 1, most_samples}), ingest_and_build),
       row({"input", "type", "Raw only: type of a sample.", "none; raw files need it"},
           binding::raw_type(), ingest_and_build),
       row({"input", "endian", "Raw only: byte order of a sample."},
           binding::choice(in, &In::endian, {"little", "big"}), ingest_and_build),
       row({"input", "header_bytes", "Raw only: bytes before the first sample."},
-          binding::integer(in, &In::header_bytes, IntegerRule{0, no_limit}), ingest_and_build),
-  };
-}
-
-std::vector<Setting> mesh_input_settings() {
-  using In = InputConfig;
-  constexpr auto in = &Config::input;
-  return {
+          binding::member(in, &In::header_bytes, IntegerRule{0, no_limit}), ingest_and_build),
       row({"input", "resolution",
            "Meshes only: cells along the longest side of the mesh's bounding box, the margin not "
            "counted.",
            "none; meshes need it, or input.cell"},
-          binding::optional(in, &In::resolution, IntegerRule{least_resolution, most_resolution}),
+          binding::member(in, &In::resolution, IntegerRule{least_resolution, most_resolution}),
           mesh_lengths),
       row({"input", "cell", "Meshes only: the side of a cell, in the mesh's own unit.",
            "none; meshes need it, or input.resolution"},
-          binding::optional_positive(in, &In::cell), mesh_lengths),
+          binding::member(in, &In::cell, PositiveNumberRule{}), mesh_lengths),
       row({"input", "margin",
            "Meshes only: cells of empty space around the mesh's bounds, and half a cell more. "
            "Solids that [[edit]] adds need room there."},
-          binding::integer(in, &In::margin, IntegerRule{1, 65536}), mesh_lengths),
+          binding::member(in, &In::margin, IntegerRule{1, 65536}), mesh_lengths),
       row({"input", "close",
            "Meshes only: \"no\" refuses one that is not closed; \"winding\" closes its holes, and "
            "makes one of what overlaps: inside is where its triangles wind around at least half "
@@ -136,16 +128,16 @@ std::vector<Setting> work_settings() {
       row({"work", "directory",
            "Where intermediate files and finished work are kept, to resume from.",
            "\"<config name>.work\" beside the config"},
-          binding::path(work, &Work::directory), none),
+          binding::member(work, &Work::directory, PathRule{}), none),
       row({"work", "chunk",
            "Samples a side of the brick store's chunks. At most brick * shard. Never changes the "
            "result."},
-          binding::integer(work, &Work::chunk, PowerOfTwoRule{8, 256}), ingest),
+          binding::member(work, &Work::chunk, PowerOfTwoRule{8, 256}), ingest),
       row({"work", "brick", "Cells a side of a brick: one octree. Never changes the result."},
-          binding::integer(work, &Work::brick, PowerOfTwoRule{16, 256}), ingest_and_build),
+          binding::member(work, &Work::brick, PowerOfTwoRule{16, 256}), ingest_and_build),
       row({"work", "shard",
            "Bricks a side of a shard, one store file and build task. Never changes the result."},
-          binding::integer(work, &Work::shard, PowerOfTwoRule{1, 16}), ingest_and_build),
+          binding::member(work, &Work::shard, PowerOfTwoRule{1, 16}), ingest_and_build),
       row({"work", "copy",
            "Copy the samples into the brick store first. \"auto\" copies only inputs that cannot "
            "be read in boxes."},
@@ -166,7 +158,7 @@ std::vector<Setting> surface_settings() {
            "are the samples of this value; crossings and normals come from a filter over five "
            "samples a side, so that they are smooth.",
            "none: the surface is at the isovalue"},
-          binding::label(), build),
+          binding::member(surface, &Surface::label, IntegerRule{0, no_limit}), build),
       row({"surface", "inside", "Which side of the isovalue is material. Equal is inside."},
           binding::choice(surface, &Surface::inside, {"above", "below"}), build),
       row({"surface", "border",
@@ -202,14 +194,13 @@ std::vector<Setting> labels_settings() {
                "it does not name are kept. What it holds decides what is done again, not its "
                "name.",
                "none"},
-              binding::path(labels, &Labels::map), build)),
+              binding::member(labels, &Labels::map, PathRule{}), build)),
       by_effect(row(
           {"labels", "min_voxels", "Leave out what has fewer samples, after labels were merged."},
-          binding::integer(labels, &Labels::min_voxels, IntegerRule{0, no_limit}), build)),
+          binding::member(labels, &Labels::min_voxels, IntegerRule{0, no_limit}), build)),
       by_effect(row({"labels", "max_voxels",
                      "Leave out what has more samples, after labels were merged; 0: no limit."},
-                    binding::integer(labels, &Labels::max_voxels, IntegerRule{0, no_limit}),
-                    build)),
+                    binding::member(labels, &Labels::max_voxels, IntegerRule{0, no_limit}), build)),
   };
 }
 
@@ -218,9 +209,9 @@ std::vector<Setting> simplify_settings() {
   constexpr auto simplify = &Config::simplify;
   return {
       row({"simplify", "enabled", "Collapse octree cells where the surface allows it."},
-          binding::flag(simplify, &Simplify::enabled), collapse),
+          binding::member(simplify, &Simplify::enabled, FlagRule{}), collapse),
       row({"simplify", "tolerance", "How far a vertex may be from the surface it stands for."},
-          binding::positive(simplify, &Simplify::tolerance), collapse),
+          binding::member(simplify, &Simplify::tolerance, PositiveNumberRule{}), collapse),
       row({"simplify", "tolerance_unit",
            "\"voxel\": in smallest spacings; \"physical\": in the spacing's unit."},
           binding::choice(simplify, &Simplify::tolerance_unit, {"voxel", "physical"}), collapse),
@@ -244,13 +235,13 @@ std::vector<Setting> output_settings() {
   return {
       row({"output", "directory", "Where the meshes and the manifest go.",
            "\"<config name>.mesh\" beside the config"},
-          binding::path(output, &Output::directory), none),
+          binding::member(output, &Output::directory, PathRule{}), none),
       row({"output", "formats", "The file formats to write."}, binding::formats(), encode),
       row({"output", "merged",
            "Also write the whole mesh as one file. \"auto\" does where it is small enough."},
           binding::switch_of(output, &Output::merged), encode),
       row({"output", "tiles", "Write the tiles, the pieces of the mesh, as files of their own."},
-          binding::flag(output, &Output::tiles), encode),
+          binding::member(output, &Output::tiles, FlagRule{}), encode),
       row({"output", "tile_vertices",
            "The most vertices a tile may have. \"auto\" is 500000, and less where run.memory is "
            "too "
@@ -259,8 +250,9 @@ std::vector<Setting> output_settings() {
           merge),
       row({"output", "precision",
            "The step coordinates are rounded to, at most, in smallest spacings."},
-          binding::positive(output, &Output::precision), stitch),
-      row({"output", "normals", "Write normals."}, binding::flag(output, &Output::normals), stitch),
+          binding::member(output, &Output::precision, PositiveNumberRule{}), stitch),
+      row({"output", "normals", "Write normals."},
+          binding::member(output, &Output::normals, FlagRule{}), stitch),
   };
 }
 
@@ -273,7 +265,7 @@ std::vector<Setting> run_settings() {
            "[slurm])."},
           binding::choice(run, &Run::executor, {"local", "slurm"}), none),
       row({"run", "threads", "Threads to use; 0: as many as the machine has."},
-          binding::integer(run, &Run::threads, IntegerRule{0, 4096}), none),
+          binding::member(run, &Run::threads, IntegerRule{0, 4096}), none),
       row({"run", "memory", "The most memory a process may use."},
           binding::memory(run, &Run::memory, MemoryRule{least_memory}), none),
   };
@@ -290,56 +282,48 @@ const std::vector<std::string>& reserved_options() {
   return names;
 }
 
-std::vector<Setting> slurm_task_settings() {
+std::vector<Setting> slurm_settings() {
   using Slurm = SlurmConfig;
   constexpr auto slurm = &Config::slurm;
   return {
       row({"slurm", "partition", "The partition to submit to; \"\": the cluster's default."},
-          binding::text(slurm, &Slurm::partition, NameRule{}), none),
+          binding::member(slurm, &Slurm::partition, NameRule{}), none),
       row({"slurm", "account", "The account to charge; \"\": the user's default."},
-          binding::text(slurm, &Slurm::account, NameRule{}), none),
+          binding::member(slurm, &Slurm::account, NameRule{}), none),
       row({"slurm", "qos", "The quality of service to ask for; \"\": the cluster's default."},
-          binding::text(slurm, &Slurm::qos, NameRule{}), none),
+          binding::member(slurm, &Slurm::qos, NameRule{}), none),
       row({"slurm", "time", "The time limit of one task, as sbatch takes it."},
-          binding::text(slurm, &Slurm::time, TimeLimitRule{}), none),
+          binding::member(slurm, &Slurm::time, TimeLimitRule{}), none),
       row({"slurm", "cpus_per_task", "Processors of one task, and the threads it runs."},
-          binding::integer(slurm, &Slurm::cpus_per_task, IntegerRule{1, 1024}), none),
+          binding::member(slurm, &Slurm::cpus_per_task, IntegerRule{1, 1024}), none),
       row({"slurm", "mem",
            "Memory to ask for a task. \"auto\" asks for run.memory and a margin, so that a task is "
            "not killed for what the system counts besides."},
           binding::memory(slurm, &Slurm::mem, MemoryRule{least_memory, true}), none),
-  };
-}
-
-std::vector<Setting> slurm_array_settings() {
-  using Slurm = SlurmConfig;
-  constexpr auto slurm = &Config::slurm;
-  return {
       row({"slurm", "max_array",
            "The most tasks of one job array. The cluster's own limit is MaxArraySize."},
-          binding::integer(slurm, &Slurm::max_array, IntegerRule{1, 1000000}), none),
+          binding::member(slurm, &Slurm::max_array, IntegerRule{1, 1000000}), none),
       row({"slurm", "max_running", "The most tasks to run at once; 0: no limit but the cluster's."},
-          binding::integer(slurm, &Slurm::max_running, IntegerRule{0, 1000000}), none),
+          binding::member(slurm, &Slurm::max_running, IntegerRule{0, 1000000}), none),
       row({"slurm", "shards_per_task",
            "Shards one task works through. \"auto\" goes by how many there are."},
           binding::integer_or_auto(slurm, &Slurm::shards_per_task, IntegerRule{1, no_limit}), none),
       row({"slurm", "retries", "How often a task that failed or was lost is submitted again."},
-          binding::integer(slurm, &Slurm::retries, IntegerRule{0, 100}), none),
+          binding::member(slurm, &Slurm::retries, IntegerRule{0, 100}), none),
       row({"slurm", "extra",
            "Further options for sbatch, each as it would stand after #SBATCH: "
            "[\"--constraint=avx2\", \"--exclusive\"]."},
-          binding::texts(slurm, &Slurm::extra, OptionListRule{reserved_options()}), none),
+          binding::member(slurm, &Slurm::extra, OptionListRule{reserved_options()}), none),
       row({"slurm", "prologue",
            "Shell lines to run before a task's command: [\"module load gcc/12\"]."},
-          binding::texts(slurm, &Slurm::prologue, LineListRule{}), none),
+          binding::member(slurm, &Slurm::prologue, LineListRule{}), none),
   };
 }
 
 std::vector<Setting> make_settings() {
   std::vector<Setting> all;
-  for (auto make : {input_settings, mesh_input_settings, work_settings, surface_settings,
-                    labels_settings, simplify_settings, output_settings, run_settings,
-                    slurm_task_settings, slurm_array_settings})
+  for (auto make : {input_settings, work_settings, surface_settings, labels_settings,
+                    simplify_settings, output_settings, run_settings, slurm_settings})
     for (Setting& setting : make()) all.push_back(std::move(setting));
   return all;
 }
@@ -353,7 +337,13 @@ std::string_view stage_name(Stage stage) {
 }
 
 bool Setting::read_by(Stage stage) const {
-  return std::find(stages.begin(), stages.end(), stage) != stages.end();
+  return std::ranges::find(stages, stage) != stages.end();
+}
+
+std::string Setting::stages_text() const {
+  std::vector<std::string_view> names;
+  for (const Stage stage : stages) names.push_back(stage_name(stage));
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
 std::string KeyFacts::default_text() const {

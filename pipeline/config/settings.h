@@ -52,6 +52,7 @@ struct Setting : KeyFacts {
 
   std::string name() const { return table + "." + key; }
   bool read_by(Stage stage) const;
+  std::string stages_text() const;  // "build, merge", or "none"
 };
 
 // In the order of tables and keys in a config file.

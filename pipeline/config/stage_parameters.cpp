@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <string>
@@ -45,19 +46,17 @@ std::vector<ChangedSetting> changed_edits(const std::vector<EditConfig>& before,
   if (before.size() != after.size())
     return {
         {nullptr, "number of edits", std::to_string(before.size()), std::to_string(after.size())}};
+  std::vector<std::size_t> numbers;  // from 1
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (before[i] != after[i]) numbers.push_back(i + 1);
+  if (numbers.empty()) return {};
+  const std::size_t first = numbers.front();
+  if (numbers.size() == 1) return changed_keys(before[first - 1], after[first - 1], first);
   constexpr std::size_t most_told = 5;
-  std::string numbers;
-  std::size_t count = 0;
-  std::size_t last = 0;
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    if (before[i] == after[i]) continue;
-    last = i;
-    if (++count <= most_told) numbers += fmt::format("{}{}", count == 1 ? "" : ", ", i + 1);
-  }
-  if (count == 0) return {};
-  if (count == 1) return changed_keys(before[last], after[last], last + 1);
-  if (count > most_told) numbers += fmt::format(" and {} more", count - most_told);
-  return {{nullptr, "edits " + numbers, {}, {}}};
+  const std::size_t untold = numbers.size() - std::min(numbers.size(), most_told);
+  numbers.resize(numbers.size() - untold);
+  const std::string more = untold > 0 ? fmt::format(" and {} more", untold) : "";
+  return {{nullptr, fmt::format("edits {}{}", fmt::join(numbers, ", "), more), {}, {}}};
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "pipeline/info/label_survey.h"
 #include "storage/artifact/asset_record.h"
 #include "storage/artifact/histogram_artifact.h"
+#include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/top_artifact.h"
@@ -14,18 +15,42 @@ namespace {
 
 namespace fs = std::filesystem;
 
-InfoDocument artifact_document(const std::string& kind, const fs::path& path) {
-  InfoDocument document = new_document(kind, path);
-  document["bytes"] = fs::file_size(path);
-  return document;
-}
-
 template <class Artifact>
-void add_hashes(InfoDocument& document, const Artifact& artifact, std::uint32_t version) {
-  document["key"] = to_hex(artifact.key());
+InfoDocument artifact_document(const std::string& kind, const fs::path& path,
+                               const Artifact& artifact, std::uint32_t version) {
+  InfoDocument document = keyed_document(kind, path, artifact.key());
   document["content_hash"] = to_hex(artifact.content_hash());
   document["version"] = version;
   document["made_by"] = InfoDocument::parse(artifact.provenance(), nullptr, false);
+  return document;
+}
+
+// Of one material or of many labels.
+template <class Artifact>
+InfoDocument octree_document(const std::string& kind, const fs::path& path,
+                             const Artifact& artifact, std::uint32_t version) {
+  const ShardSummary summary = artifact.summary();
+  InfoDocument document = artifact_document(kind, path, artifact, version);
+  document["input_hash"] = to_hex(summary.input);
+  document["bricks"] = summary.bricks;
+  document["active_bricks"] = summary.active_bricks;
+  document["active_cells"] = summary.counts.active_cells;
+  document["crossing_edges"] = summary.counts.crossing_edges;
+  document["vertices"] = summary.counts.vertices;
+  document["collapsed_above"] = summary.collapsed_above;
+  document["worst_residual"] = summary.counts.worst_residual;
+  document["leaves"] = level_facts(summary.counts.leaves);
+  return document;
+}
+
+// Of a tile's mesh: as a header or a record has them.
+template <class Mesh>
+void add_mesh_counts(InfoDocument& document, const Mesh& mesh) {
+  document["vertices"] = mesh.vertices;
+  document["triangles"] = mesh.triangles;
+  document["quads"] = mesh.quads;
+  document["polygon_triangles"] = mesh.polygon_triangles;
+  document["collinear"] = mesh.collinear;
 }
 
 InfoDocument node_facts(const std::vector<ShardNode>& nodes) {
@@ -57,28 +82,34 @@ InfoDocument brick_list(const fs::path& path, const ShardArtifact& artifact) {
 
 InfoDocument describe_octree(const fs::path& path, const InfoOptions& options) {
   const ShardArtifact artifact(path);
-  const ShardSummary summary = artifact.summary();
-  InfoDocument document = artifact_document("octree", path);
-  add_hashes(document, artifact, shard_version);
-  document["input_hash"] = to_hex(summary.input);
-  document["bricks"] = summary.bricks;
-  document["active_bricks"] = summary.active_bricks;
-  document["active_cells"] = summary.counts.active_cells;
-  document["crossing_edges"] = summary.counts.crossing_edges;
-  document["vertices"] = summary.counts.vertices;
-  document["collapsed_above"] = summary.collapsed_above;
-  document["worst_residual"] = summary.counts.worst_residual;
-  document["leaves"] = level_facts(summary.counts.leaves);
+  InfoDocument document = octree_document("octree", path, artifact, shard_version);
   document["nodes"] = node_facts(artifact.nodes());
   if (options.verbose) document["brick_list"] = brick_list(path, artifact);
+  return document;
+}
+
+InfoDocument describe_label_octrees(const fs::path& path, const InfoOptions& options) {
+  const LabelShardArtifact artifact(path);
+  InfoDocument document = octree_document("label_octrees", path, artifact, label_shard_version);
+  document["pieces"] = artifact.piece_count();
+  document["nodes"] = artifact.node_count();
+  if (!options.verbose) return document;
+  document["piece_list"] = InfoDocument::array();
+  artifact.each_piece([&](const PieceRecord& piece) {
+    document["piece_list"].push_back({{"label", piece.key.material},
+                                      {"brick", facts_of(morton_decode(piece.key.brick))},
+                                      {"vertices", piece.vertices},
+                                      {"polygons", piece.polygons},
+                                      {"ghost_cells", piece.ghost_cells},
+                                      {"bytes", piece.body_bytes() + piece.ghost_bytes()}});
+  });
   return document;
 }
 
 InfoDocument describe_top(const fs::path& path, const InfoOptions& options) {
   const TopArtifact artifact(path);
   const MergeCounts counts = artifact.counts();
-  InfoDocument document = artifact_document("top_tree", path);
-  add_hashes(document, artifact, top_version);
+  InfoDocument document = artifact_document("top_tree", path, artifact, top_version);
   document["bricks"] = counts.bricks;
   document["active_bricks"] = counts.active_bricks;
   document["active_cells"] = counts.active_cells;
@@ -106,8 +137,7 @@ InfoDocument describe_top(const fs::path& path, const InfoOptions& options) {
 
 InfoDocument describe_tile(const fs::path& path) {
   const TileArtifact artifact(path);
-  InfoDocument document = artifact_document("tile", path);
-  add_hashes(document, artifact, tile_version);
+  InfoDocument document = artifact_document("tile", path, artifact, tile_version);
   if (!artifact.labels().empty()) {
     add_label_tiles(document, artifact);
     return document;
@@ -115,11 +145,7 @@ InfoDocument describe_tile(const fs::path& path) {
   const TileHeader header = artifact.header();
   document["level"] = header.level;
   document["at"] = facts_of(header.key().at);
-  document["vertices"] = header.vertices;
-  document["triangles"] = header.triangles;
-  document["quads"] = header.quads;
-  document["polygon_triangles"] = header.polygon_triangles;
-  document["collinear"] = header.collinear;
+  add_mesh_counts(document, header);
   document["lattice"] = facts_of({header.step, static_cast<int>(header.bits), header.origin});
   return document;
 }
@@ -127,13 +153,8 @@ InfoDocument describe_tile(const fs::path& path) {
 InfoDocument describe_asset(const fs::path& path) {
   const auto record = read_asset_record(path);
   if (!record) throw DamagedArtifact(path.string(), "its contents are not an asset record");
-  InfoDocument document = artifact_document("asset_record", path);
-  document["key"] = to_hex(record->key);
-  document["vertices"] = record->vertices;
-  document["triangles"] = record->triangles;
-  document["quads"] = record->quads;
-  document["polygon_triangles"] = record->polygon_triangles;
-  document["collinear"] = record->collinear;
+  InfoDocument document = keyed_document("asset_record", path, record->key);
+  add_mesh_counts(document, *record);
   for (const LabelAsset& asset : record->labels) document["labels"].push_back(asset.label);
   document["files"] = InfoDocument::array();
   for (const FileRecord& file : record->files)
@@ -146,8 +167,7 @@ InfoDocument describe_asset(const fs::path& path) {
 
 InfoDocument describe_histogram(const fs::path& path) {
   const HistogramArtifact artifact = read_histogram_artifact(path);
-  InfoDocument document = artifact_document("histogram", path);
-  document["key"] = to_hex(artifact.key);
+  InfoDocument document = keyed_document("histogram", path, artifact.key);
   document["type"] = sample_type_name(artifact.histogram.type);
   document["values"] = value_facts(artifact.histogram, std::nullopt);
   return document;
@@ -155,8 +175,7 @@ InfoDocument describe_histogram(const fs::path& path) {
 
 InfoDocument describe_labels(const fs::path& path) {
   const LabelCounts counts(path);
-  InfoDocument document = artifact_document("label_counts", path);
-  document["key"] = to_hex(counts.key());
+  InfoDocument document = keyed_document("label_counts", path, counts.key());
   document["content_hash"] = to_hex(counts.content_hash());
   document["labels"] = label_facts(counts);
   return document;

@@ -15,9 +15,8 @@ namespace {
 namespace fs = std::filesystem;
 
 std::uint64_t distinct(std::vector<std::array<float, 3>> positions) {
-  std::sort(positions.begin(), positions.end());
-  return static_cast<std::uint64_t>(
-      std::distance(positions.begin(), std::unique(positions.begin(), positions.end())));
+  std::ranges::sort(positions);
+  return positions.size() - std::ranges::unique(positions).size();
 }
 
 InfoDocument file_facts(const FileRecord& file) {
@@ -84,8 +83,7 @@ InfoDocument check_files(const fs::path& directory, const Manifest& manifest,
 
 InfoDocument describe_mesh(const fs::path& path) {
   const DecodedMesh mesh = load_mesh(path);
-  InfoDocument document = new_document("mesh", path);
-  document["bytes"] = fs::file_size(path);
+  InfoDocument document = file_document("mesh", path);
   document["format"] = writer_of_ending(mesh_writers(), path.extension().string())->name;
   document["points"] = mesh.positions.size();
   document["vertices"] = distinct(mesh.positions);
@@ -102,8 +100,7 @@ InfoDocument describe_input_mesh(const InfoOptions& options) {
   const MeshFile file = read_mesh_file(path);
   const Bounds bounds = bounds_of(file.mesh);
   const MeshBoundary boundary = boundary_of(file.mesh);
-  InfoDocument document = new_document("input_mesh", path);
-  document["bytes"] = fs::file_size(path);
+  InfoDocument document = file_document("input_mesh", path);
   document["format"] = file.format;
   document["vertices"] = file.mesh.vertices.size();
   document["triangles"] = file.mesh.triangles.size();
@@ -120,10 +117,8 @@ InfoDocument describe_input_mesh(const InfoOptions& options) {
     document["hole_list"].push_back(
         {{"edges", hole.edges}, {"size", hole.size}, {"center", facts_of(hole.center)}});
   }
-  if (!options.check) return document;
-  CheckResult check;  // reading it was that: a foreign file has no checksum
-  check.read(document["bytes"].get<std::uint64_t>());
-  document["check"] = check.facts();
+  // Reading it was that: a foreign file has no checksum.
+  if (options.check) document["check"] = CheckResult().read(document["bytes"]).facts();
   return document;
 }
 
@@ -156,8 +151,7 @@ InfoDocument describe_output(const fs::path& manifest_path, const InfoOptions& o
 }
 
 InfoDocument describe_tile_list(const fs::path& path, const InfoOptions& options) {
-  InfoDocument document = new_document("tile_list", path);
-  document["bytes"] = fs::file_size(path);
+  InfoDocument document = file_document("tile_list", path);
   std::uint64_t tiles = 0, vertices = 0, triangles = 0, files = 0, bytes = 0;
   InfoDocument list = InfoDocument::array();
   TileListReader reader(path);

@@ -7,13 +7,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-InfoDocument piece_document(const std::string& kind, const fs::path& path, Hash128 key) {
-  InfoDocument document = new_document(kind, path);
-  document["bytes"] = fs::file_size(path);
-  document["key"] = to_hex(key);
-  return document;
-}
-
 InfoDocument side_facts(std::span<const MeshSide> sides) {
   std::array<std::uint64_t, 3> counts{};
   for (const MeshSide side : sides) ++counts[static_cast<std::size_t>(side)];
@@ -23,7 +16,7 @@ InfoDocument side_facts(std::span<const MeshSide> sides) {
 InfoDocument describe_record(const fs::path& path) {
   const ArtifactReader file(path, mesh_record_kind, mesh_record_version);
   const MeshRecord record = read_mesh_record(path);
-  InfoDocument document = piece_document("mesh_record", path, file.key());
+  InfoDocument document = keyed_document("mesh_record", path, file.key());
   document["content_hash"] = to_hex(record.content);
   document["vertices"] = record.vertices;
   document["triangles"] = record.triangles;
@@ -33,7 +26,7 @@ InfoDocument describe_record(const fs::path& path) {
 
 InfoDocument describe_bins(const fs::path& path) {
   const MeshBins bins(path);
-  InfoDocument document = piece_document("mesh_bins", path, bins.key());
+  InfoDocument document = keyed_document("mesh_bins", path, bins.key());
   std::uint64_t triangles = 0;
   for (std::uint64_t brick = 0; brick < bins.bricks().size(); ++brick)
     triangles += bins.triangles(brick);
@@ -45,7 +38,7 @@ InfoDocument describe_bins(const fs::path& path) {
 InfoDocument describe_table(const fs::path& path) {
   const ArtifactReader file(path, mesh_table_kind, mesh_bins_version);
   const MeshTable table = read_mesh_table(path);
-  InfoDocument document = piece_document("mesh_table", path, file.key());
+  InfoDocument document = keyed_document("mesh_table", path, file.key());
   document["shards"] = side_facts(table.shards);
   document["bricks"] = table.facts.bricks;
   document["triangles"] = table.facts.triangles;

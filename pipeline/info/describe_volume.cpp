@@ -206,9 +206,7 @@ InfoDocument describe_spool(const fs::path& samples, const InfoOptions& options)
   add_volume_facts(document, record.info, options.verbose);
   if (!options.check) return document;
   verify_spool(samples, record.key);
-  CheckResult check;
-  check.read(document["bytes"].get<std::uint64_t>());
-  document["check"] = check.facts();
+  document["check"] = CheckResult().read(document["bytes"]).facts();
   return document;
 }
 

@@ -143,8 +143,7 @@ InfoDocument describe_stage_directory(const fs::path& path, const InfoOptions& o
 
 InfoDocument describe_config(const fs::path& path) {
   const Config config = load_config(path);
-  InfoDocument document = new_document("config", path);
-  document["bytes"] = fs::file_size(path);
+  InfoDocument document = file_document("config", path);
   document["settings"] = InfoDocument::object();
   for (const Setting& setting : settings())
     if (const auto value = setting.get(config))

@@ -95,6 +95,19 @@ InfoDocument new_document(const std::string& kind, const std::filesystem::path& 
   return {{"kind", kind}, {"path", path.string()}};
 }
 
+InfoDocument file_document(const std::string& kind, const std::filesystem::path& path) {
+  InfoDocument document = new_document(kind, path);
+  document["bytes"] = std::filesystem::file_size(path);
+  return document;
+}
+
+InfoDocument keyed_document(const std::string& kind, const std::filesystem::path& path,
+                            Hash128 key) {
+  InfoDocument document = file_document(kind, path);
+  document["key"] = to_hex(key);
+  return document;
+}
+
 std::optional<ArtifactHead> artifact_head(const std::filesystem::path& path) {
   constexpr std::size_t head_bytes = 16;
   const ReadFile file(path);

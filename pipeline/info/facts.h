@@ -23,13 +23,19 @@ void add_volume_facts(InfoDocument& document, const VolumeInfo& info, bool verbo
 InfoDocument value_facts(const Histogram& histogram, const std::optional<ValueRange>& range);
 
 InfoDocument new_document(const std::string& kind, const std::filesystem::path& path);
+// Of one file: with its size.
+InfoDocument file_document(const std::string& kind, const std::filesystem::path& path);
+// Of a file of ours: with its key too.
+InfoDocument keyed_document(const std::string& kind, const std::filesystem::path& path,
+                            Hash128 key);
 
 // What was read to check it, and what was found.
 class CheckResult {
  public:
-  void read(std::uint64_t bytes) {
+  CheckResult& read(std::uint64_t bytes) {
     ++files_;
     bytes_ += bytes;
+    return *this;
   }
   void damaged(const std::string& path, const std::string& what) {
     damaged_.push_back({{"path", path}, {"what", what}});

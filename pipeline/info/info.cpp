@@ -63,12 +63,6 @@ bool named_as_artifact(const fs::path& path) {
   return false;
 }
 
-InfoDocument small_document(const std::string& kind, const fs::path& path) {
-  InfoDocument document = new_document(kind, path);
-  document["bytes"] = fs::file_size(path);
-  return document;
-}
-
 InfoDocument describe_array(const fs::path& array, const InfoOptions& options) {
   InfoOptions of_array = options;
   of_array.input.path = array.string();
@@ -110,7 +104,7 @@ std::optional<InfoDocument> describe_by_name(const fs::path& path, const InfoOpt
   if (name == "zarr.json") return describe_array(array_above(path), options);
   if (is_zarr_chunk(path)) {
     if (const fs::path array = array_above(path); !array.empty()) {
-      InfoDocument document = small_document("zarr_chunk", path);
+      InfoDocument document = file_document("zarr_chunk", path);
       document["array"] = array.string();
       return document;
     }
@@ -128,7 +122,7 @@ bool some_reader_knows(const InputSpec& input) {
 
 InfoDocument describe_file(const fs::path& path, const InfoOptions& options) {
   if (const std::string of = temporary_of(path); !of.empty()) {
-    InfoDocument document = small_document("temporary", path);
+    InfoDocument document = file_document("temporary", path);
     document["of"] = of;
     return document;
   }

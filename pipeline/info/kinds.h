@@ -22,7 +22,6 @@ InfoDocument describe_artifact(const std::filesystem::path& path, const Artifact
                                const InfoOptions& options);
 
 // Of labels.mode = "each"; what `add` adds is in place of what there is without labels.
-InfoDocument describe_label_octrees(const std::filesystem::path& path, const InfoOptions& options);
 void add_label_plan(InfoDocument& document, const TopArtifact& artifact, bool verbose);
 void add_label_tiles(InfoDocument& document, const TileArtifact& artifact);
 InfoDocument describe_label_list(const std::filesystem::path& path, const InfoOptions& options);

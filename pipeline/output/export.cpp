@@ -26,18 +26,21 @@ void check_extension(const std::filesystem::path& path) {
                                path.string(), path.extension().string()));
 }
 
+OpenMesh::VertexHandle add_vertex(ExportMesh& out, const DecodedMesh& mesh, std::size_t i) {
+  const auto& p = mesh.positions[i];
+  const auto v = out.add_vertex({p[0], p[1], p[2]});
+  if (!mesh.normals.empty())
+    out.set_normal(v, {mesh.normals[i][0], mesh.normals[i][1], mesh.normals[i][2]});
+  return v;
+}
+
 // Three vertices of its own for each triangle: OpenMesh's structure refuses triangles that meet in
 // a complex edge, and an export must not lose any.
 void add_apart(ExportMesh& out, const DecodedMesh& mesh, const std::array<std::uint32_t, 3>& t) {
-  std::array<OpenMesh::VertexHandle, 3> v;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto& p = mesh.positions[t[k]];
-    v[k] = out.add_vertex({p[0], p[1], p[2]});
-    if (mesh.normals.empty()) continue;
-    const auto& n = mesh.normals[t[k]];
-    out.set_normal(v[k], {n[0], n[1], n[2]});
-  }
-  out.add_face(v[0], v[1], v[2]);
+  const auto a = add_vertex(out, mesh, t[0]);
+  const auto b = add_vertex(out, mesh, t[1]);
+  const auto c = add_vertex(out, mesh, t[2]);
+  out.add_face(a, b, c);
 }
 
 ExportMesh build(const DecodedMesh& mesh) {
@@ -46,12 +49,7 @@ ExportMesh build(const DecodedMesh& mesh) {
   ExportMesh out;
   if (!mesh.normals.empty()) out.request_vertex_normals();
   out.reserve(mesh.positions.size(), 3 * mesh.triangles.size() / 2, mesh.triangles.size());
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    const auto& p = mesh.positions[i];
-    const auto v = out.add_vertex({p[0], p[1], p[2]});
-    if (!mesh.normals.empty())
-      out.set_normal(v, {mesh.normals[i][0], mesh.normals[i][1], mesh.normals[i][2]});
-  }
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) add_vertex(out, mesh, i);
   for (const auto& t : mesh.triangles) {
     const auto handle = [](std::uint32_t v) { return OpenMesh::VertexHandle(static_cast<int>(v)); };
     if (!out.add_face(handle(t[0]), handle(t[1]), handle(t[2])).is_valid()) add_apart(out, mesh, t);
@@ -73,18 +71,6 @@ void export_mesh(const DecodedMesh& mesh, const std::filesystem::path& path) {
   if (!OpenMesh::IO::write_mesh(built, text, extension, options, digits))
     throw StorageError(fmt::format("cannot write {}: OpenMesh refused the mesh", path.string()));
   write_whole_file(path, as_bytes(text.str()), Durability::fsync);
-}
-
-void export_mesh(const TileMesh& mesh, const std::filesystem::path& path) {
-  check_extension(path);
-  DecodedMesh out;
-  out.triangles = mesh.triangles;
-  out.positions.reserve(mesh.positions.size());
-  for (const auto& q : mesh.positions)
-    out.positions.push_back({static_cast<float>(mesh.lattice.coordinate(0, q[0])),
-                             static_cast<float>(mesh.lattice.coordinate(1, q[1])),
-                             static_cast<float>(mesh.lattice.coordinate(2, q[2]))});
-  export_mesh(out, path);
 }
 
 }  // namespace voxweld

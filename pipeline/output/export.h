@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include "stages/encode/draco_codec.h"
-#include "storage/types/tile_mesh.h"
 
 namespace voxweld {
 
@@ -13,6 +12,5 @@ namespace voxweld {
 // prints enough digits; normals are written for .ply, .obj and .off where the mesh has them.
 // InputError for another extension, StorageError when the file cannot be written.
 void export_mesh(const DecodedMesh& mesh, const std::filesystem::path& path);
-void export_mesh(const TileMesh& mesh, const std::filesystem::path& path);
 
 }  // namespace voxweld

@@ -17,15 +17,8 @@ DecodedMesh load_mesh(const std::filesystem::path& path, MeshWriters formats) {
 }
 
 void for_each_mesh(const std::filesystem::path& path,
-                   const std::function<void(const DecodedMesh&)>& f, MeshWriters formats) {
-  for_each_label_mesh(
-      path, [&](const DecodedMesh& mesh, std::optional<Material>) { f(mesh); }, formats);
-}
-
-void for_each_label_mesh(
-    const std::filesystem::path& path,
-    const std::function<void(const DecodedMesh&, std::optional<Material> label)>& f,
-    MeshWriters formats) {
+                   const std::function<void(const DecodedMesh&, std::optional<Material> label)>& f,
+                   MeshWriters formats) {
   if (!std::filesystem::is_directory(path)) {
     f(load_mesh(path, formats), std::nullopt);
     return;

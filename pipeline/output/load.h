@@ -15,15 +15,10 @@ namespace voxweld {
 DecodedMesh load_mesh(const std::filesystem::path& path, MeshWriters formats = mesh_writers());
 
 // Of an output directory each tile (or the merged mesh where there are no tiles), one after the
-// other; of a file its mesh.
+// other; of a file its mesh. label: of a tile that is one label's (labels.mode = "each").
 void for_each_mesh(const std::filesystem::path& path,
-                   const std::function<void(const DecodedMesh&)>& f,
+                   const std::function<void(const DecodedMesh&, std::optional<Material> label)>& f,
                    MeshWriters formats = mesh_writers());
-// label: of a tile that is one label's (labels.mode = "each").
-void for_each_label_mesh(
-    const std::filesystem::path& path,
-    const std::function<void(const DecodedMesh&, std::optional<Material> label)>& f,
-    MeshWriters formats = mesh_writers());
 
 // The colours that labels.jsonl of an output directory lists; none of other files.
 MaterialTable listed_colours(const std::filesystem::path& path);

@@ -2,13 +2,21 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/output/openmesh_types.h"
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+
 #include "stages/encode/adjacency.h"
 
 namespace voxweld {
 namespace {
 
 using OpenMesh::VertexHandle;
+
+struct OpenMeshTraits : OpenMesh::DefaultTraits {
+  using Point = OpenMesh::Vec3d;
+  using Normal = OpenMesh::Vec3f;
+  HalfedgeAttributes(0);  // no stored previous half-edges: saves 24 bytes a triangle
+};
+using OpenTriMesh = OpenMesh::TriMesh_ArrayKernelT<OpenMeshTraits>;
 
 // Returns the number of triangles OpenMesh refused.
 std::uint64_t build(const LatticeMesh& mesh, OpenTriMesh& out) {

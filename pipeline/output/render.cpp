@@ -117,10 +117,6 @@ Renderer::Renderer(const MeshBounds& bounds, const RenderOptions& options) : opt
   }
 }
 
-std::uint64_t Renderer::memory_bytes() const {
-  return depth_.size() * (sizeof(float) + 3);
-}
-
 Renderer::Projected Renderer::project(const std::array<float, 3>& p) const {
   const Vec3 d = to_vec(p) - centre_;
   const double x = dot(d, right_), y = dot(d, up_), z = dot(d, back_);
@@ -227,20 +223,6 @@ Image Renderer::finish() const {
     }
   }
   return image;
-}
-
-Image render_mesh(std::span<const DecodedMesh> meshes, const RenderOptions& options) {
-  Renderer renderer(bounds_of(meshes), options);
-  for (const DecodedMesh& mesh : meshes) renderer.draw(mesh);
-  return renderer.finish();
-}
-
-Image render_mesh(const MeshBounds& bounds,
-                  const std::function<void(const std::function<void(const DecodedMesh&)>&)>& tiles,
-                  const RenderOptions& options) {
-  Renderer renderer(bounds, options);
-  tiles([&](const DecodedMesh& mesh) { renderer.draw(mesh); });
-  return renderer.finish();
 }
 
 }  // namespace voxweld

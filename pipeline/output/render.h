@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 #include <utility>
@@ -38,7 +37,8 @@ struct MeshBounds {
 };
 MeshBounds bounds_of(std::span<const DecodedMesh> meshes);
 
-// A picture in the making. InputError for a size, sample count or zoom out of range.
+// A picture in the making: for each sample depth and colour, 7 bytes times width, height and
+// supersample squared. InputError for a size, sample count or zoom out of range.
 // Fronts are warm grey, lit from the eye and from the upper left; backs are red, so that an
 // inside-out piece, or the inside seen through a crack, shows. Between labels both sides have the
 // colour of the label the triangle encloses, and fronts of a label's own mesh have that label's:
@@ -50,9 +50,6 @@ class Renderer {
   void set_colours(MaterialTable given) { given_ = std::move(given); }
   void draw(const DecodedMesh& mesh, std::optional<Material> label = {});
   Image finish() const;
-
-  // Depth and colour of a sample: 7 bytes times width, height and supersample squared.
-  std::uint64_t memory_bytes() const;
 
  private:
   struct Projected;
@@ -79,11 +76,5 @@ class Renderer {
   std::vector<float> depth_;
   std::vector<std::array<std::uint8_t, 3>> colour_;
 };
-
-Image render_mesh(std::span<const DecodedMesh> meshes, const RenderOptions& options);
-// The same, tile by tile: `tiles` calls its argument once for each.
-Image render_mesh(const MeshBounds& bounds,
-                  const std::function<void(const std::function<void(const DecodedMesh&)>&)>& tiles,
-                  const RenderOptions& options);
 
 }  // namespace voxweld

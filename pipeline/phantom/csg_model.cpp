@@ -37,43 +37,36 @@ double triangle_distance(double y, double z, double w, double h) {
   return inside ? -distance : distance;
 }
 
-}  // namespace
-
-double signed_distance(const CsgPrimitive& p, Vec3 q) {
-  const Vec3 r = q - p.centre;
+// f(distance), where distance(r) is that of the primitive's shape to r from its centre.
+template <class F>
+auto with_distance(const CsgPrimitive& p, F&& f) {
+  const Vec3 half = p.half;
   switch (p.shape) {
     case CsgShape::box:
-      return box_distance(r, p.half);
+      return f([half](Vec3 r) { return box_distance(r, half); });
     case CsgShape::cylinder_x:
-      return cylinder_distance(r.y, r.z, r.x, p.half.y, p.half.x);
+      return f([half](Vec3 r) { return cylinder_distance(r.y, r.z, r.x, half.y, half.x); });
     case CsgShape::cylinder_z:
-      return cylinder_distance(r.x, r.y, r.z, p.half.x, p.half.z);
+      return f([half](Vec3 r) { return cylinder_distance(r.x, r.y, r.z, half.x, half.z); });
     case CsgShape::gable:
       break;
   }
-  return extrude(triangle_distance(r.y, r.z, p.half.y, p.half.z), std::abs(r.x) - p.half.x);
+  return f([half](Vec3 r) {
+    return extrude(triangle_distance(r.y, r.z, half.y, half.z), std::abs(r.x) - half.x);
+  });
+}
+
+}  // namespace
+
+double signed_distance(const CsgPrimitive& p, Vec3 q) {
+  return with_distance(p, [&](auto distance) { return distance(q - p.centre); });
 }
 
 void signed_distances(const CsgPrimitive& p, const double* x, const double* y, const double* z,
                       std::size_t count, double* out) {
-  const Vec3 c = p.centre, half = p.half;
-  switch (p.shape) {
-    case CsgShape::box:
-      for (std::size_t i = 0; i < count; ++i)
-        out[i] = box_distance({x[i] - c.x, y[i] - c.y, z[i] - c.z}, half);
-      return;
-    case CsgShape::cylinder_x:
-      for (std::size_t i = 0; i < count; ++i)
-        out[i] = cylinder_distance(y[i] - c.y, z[i] - c.z, x[i] - c.x, half.y, half.x);
-      return;
-    case CsgShape::cylinder_z:
-      for (std::size_t i = 0; i < count; ++i)
-        out[i] = cylinder_distance(x[i] - c.x, y[i] - c.y, z[i] - c.z, half.x, half.z);
-      return;
-    case CsgShape::gable:
-      for (std::size_t i = 0; i < count; ++i) out[i] = signed_distance(p, {x[i], y[i], z[i]});
-      return;
-  }
+  with_distance(p, [&, centre = p.centre](auto distance) {
+    for (std::size_t i = 0; i < count; ++i) out[i] = distance(Vec3{x[i], y[i], z[i]} - centre);
+  });
 }
 
 CsgModel part_model() {

@@ -20,10 +20,6 @@ Vec3 unit(int axis, double sign) {
   return v;
 }
 
-double length(Vec3 v) {
-  return std::sqrt(dot(v, v));
-}
-
 // Solves the symmetric n x n system m x = b, n <= 3, by Gaussian elimination with pivoting; false
 // when it is close to singular (sheets that are parallel here).
 bool solve(std::array<std::array<double, 3>, 3> m, std::array<double, 3> b, int count,

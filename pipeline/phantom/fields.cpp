@@ -27,25 +27,21 @@ std::unique_ptr<const AnalyticField> make_analytic_field(PhantomKind kind, std::
   check_size(kind, size);
   switch (kind) {
     case PhantomKind::sphere:
-      return std::make_unique<SphereField>(size);
+      return std::make_unique<SphereField>(Ball(size));
     case PhantomKind::torus:
-      return std::make_unique<TorusField>(size);
+      return std::make_unique<TorusField>(Ring(size));
     case PhantomKind::gyroid:
       return std::make_unique<GyroidField>(size);
     case PhantomKind::part:
       return std::make_unique<CsgField>(part_model(), size);
     case PhantomKind::temple:
       return std::make_unique<CsgField>(temple_model(), size);
-    case PhantomKind::labels:
-    case PhantomKind::junctions:
-    case PhantomKind::porous:
-    case PhantomKind::noise:
-      break;
+    default:
+      throw InputError(fmt::format(
+          "phantom {} has no surface known in closed form: expected sphere, torus, gyroid, "
+          "part or temple",
+          phantom_kind_name(kind)));
   }
-  throw InputError(
-      fmt::format("phantom {} has no surface known in closed form: expected sphere, torus, gyroid, "
-                  "part or temple",
-                  phantom_kind_name(kind)));
 }
 
 std::unique_ptr<const PhantomField> make_phantom_field(PhantomKind kind, std::int64_t size,

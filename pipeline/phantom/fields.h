@@ -27,6 +27,16 @@ class PhantomField {
   virtual std::uint64_t scratch_bytes() const { return 0; }
 };
 
+// Fills out with value(p) at the samples of box, as fill() has them.
+template <class F>
+void fill_by_point(const Box3& box, double* out, F&& value) {
+  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z)
+    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y)
+      for (std::int64_t x = box.lo.x; x < box.hi.x; ++x)
+        *out++ =
+            value(Vec3{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)});
+}
+
 // A field known at every point, with its surface.
 class AnalyticField : public PhantomField {
  public:

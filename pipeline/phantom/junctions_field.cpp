@@ -10,12 +10,8 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-double length_of(Vec3 v) {
-  return std::sqrt(dot(v, v));
-}
-
 Vec3 unit(Vec3 v) {
-  return v * (1 / length_of(v));
+  return v * (1 / length(v));
 }
 
 }  // namespace
@@ -72,15 +68,11 @@ std::uint64_t JunctionsField::cone_of(const Ball& ball, Vec3 q) const {
 std::uint64_t JunctionsField::label_at(Vec3 p) const {
   const Ball& ball = ball_of(p);
   const Vec3 q = p - ball.centre;
-  return length_of(q) > radius_ ? 0 : cone_of(ball, q);
+  return length(q) > radius_ ? 0 : cone_of(ball, q);
 }
 
 void JunctionsField::fill(const Box3& box, double /*limit*/, double* out) const {
-  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z)
-    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y)
-      for (std::int64_t x = box.lo.x; x < box.hi.x; ++x)
-        *out++ = static_cast<double>(
-            label_at({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)}));
+  fill_by_point(box, out, [this](Vec3 p) { return static_cast<double>(label_at(p)); });
 }
 
 double JunctionsField::volume(std::uint64_t label) const {
@@ -110,7 +102,7 @@ double JunctionsField::arc_distance(const Sector& sector, Vec3 q) const {
 
 // A convex piece of the sphere: its nearest point is straight above or below q, or on its border.
 double JunctionsField::sphere_distance(const Ball& ball, std::uint64_t label, Vec3 q) const {
-  if (cone_of(ball, q) == label) return std::abs(length_of(q) - radius_);
+  if (cone_of(ball, q) == label) return std::abs(length(q) - radius_);
   double nearest = infinity;
   for (const Sector& sector : ball.sectors)
     if (sector.a == label || sector.b == label)
@@ -133,7 +125,7 @@ double JunctionsField::surface_distance(Vec3 p) const {
   double nearest = infinity;
   for (const Ball& ball : balls_) {
     const Vec3 q = p - ball.centre;
-    nearest = std::min(nearest, std::abs(length_of(q) - radius_));
+    nearest = std::min(nearest, std::abs(length(q) - radius_));
     for (const Sector& sector : ball.sectors) nearest = std::min(nearest, disk_distance(sector, q));
   }
   return nearest;
@@ -145,7 +137,7 @@ double JunctionsField::curve_distance(Vec3 p) const {
     const Vec3 q = p - ball.centre;
     for (const Vec3& border : ball.borders) {
       const double on_radius = std::clamp(dot(q, border), 0.0, radius_);
-      nearest = std::min(nearest, length_of(q - border * on_radius));
+      nearest = std::min(nearest, length(q - border * on_radius));
     }
     for (const Sector& sector : ball.sectors) nearest = std::min(nearest, arc_distance(sector, q));
   }
@@ -156,9 +148,9 @@ double JunctionsField::corner_distance(Vec3 p) const {
   double nearest = infinity;
   for (const Ball& ball : balls_) {
     const Vec3 q = p - ball.centre;
-    if (ball.meet_in_centre) nearest = std::min(nearest, length_of(q));
+    if (ball.meet_in_centre) nearest = std::min(nearest, length(q));
     for (const Vec3& border : ball.borders)
-      nearest = std::min(nearest, length_of(q - border * radius_));
+      nearest = std::min(nearest, length(q - border * radius_));
   }
   return nearest;
 }

@@ -1,18 +1,15 @@
 #include "pipeline/phantom/lattice_fields.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
+
+#include "pipeline/phantom/rotation.h"
 
 namespace voxweld {
 namespace {
 
 Vec3 position(std::int64_t x, std::int64_t y, std::int64_t z) {
   return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-}
-
-double squared(Vec3 v) {
-  return dot(v, v);
 }
 
 }  // namespace
@@ -46,33 +43,31 @@ std::vector<std::size_t> LabelsField::candidates(const Box3& box) const {
   const Vec3 lo = position(box.lo.x, box.lo.y, box.lo.z);
   const Vec3 middle = (lo + position(box.hi.x - 1, box.hi.y - 1, box.hi.z - 1)) * 0.5;
   double nearest = std::numeric_limits<double>::infinity();
-  for (const Vec3& p : points_) nearest = std::min(nearest, std::sqrt(squared(p - middle)));
-  const double reach = nearest + 2 * std::sqrt(squared(middle - lo)) + 1e-6;
+  for (const Vec3& p : points_) nearest = std::min(nearest, length(p - middle));
+  const double reach = nearest + 2 * length(middle - lo) + 1e-6;
   std::vector<std::size_t> result;
   for (std::size_t i = 0; i < points_.size(); ++i)
-    if (std::sqrt(squared(points_[i] - middle)) <= reach) result.push_back(i);
+    if (length(points_[i] - middle) <= reach) result.push_back(i);
   return result;
 }
 
 void LabelsField::fill(const Box3& box, double /*limit*/, double* out) const {
   const std::vector<std::size_t> near = candidates(box);
   const Vec3 centre{centre_, centre_, centre_};
-  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z)
-    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y)
-      for (std::int64_t x = box.lo.x; x < box.hi.x; ++x) {
-        const Vec3 p = position(x, y, z);
-        double best = std::numeric_limits<double>::infinity();
-        std::size_t label = 0;
-        if (std::sqrt(squared(p - centre)) <= radius_)
-          for (const std::size_t i : near) {
-            const double d = squared(p - points_[i]);
-            if (d < best) {
-              best = d;
-              label = i + 1;
-            }
-          }
-        *out++ = static_cast<double>(label);
+  fill_by_point(box, out, [&](Vec3 p) {
+    double best = std::numeric_limits<double>::infinity();
+    std::size_t label = 0;
+    if (length(p - centre) <= radius_)
+      for (const std::size_t i : near) {
+        const Vec3 away = p - points_[i];
+        const double d = dot(away, away);
+        if (d < best) {
+          best = d;
+          label = i + 1;
+        }
       }
+    return static_cast<double>(label);
+  });
 }
 
 }  // namespace voxweld

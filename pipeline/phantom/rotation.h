@@ -1,4 +1,4 @@
-// Rotation matrices as three rows, so that M p is the rows dotted with p.
+// Lengths, and rotation matrices as three rows, so that M p is the rows dotted with p.
 #pragma once
 
 #include <array>
@@ -7,6 +7,10 @@
 #include "storage/types/box.h"
 
 namespace voxweld {
+
+inline double length(Vec3 v) {
+  return std::sqrt(dot(v, v));
+}
 
 using Rows = std::array<Vec3, 3>;
 

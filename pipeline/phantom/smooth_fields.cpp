@@ -3,34 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipeline/phantom/rotation.h"
-
 namespace voxweld {
 namespace {
-
-double centre_of(std::int64_t size) {
-  return (static_cast<double>(size) - 1) / 2;
-}
-
-// Calls value(p) for each sample of box in memory order.
-template <class F>
-void fill_by_point(const Box3& box, double* out, F&& value) {
-  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z)
-    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y)
-      for (std::int64_t x = box.lo.x; x < box.hi.x; ++x)
-        *out++ = value({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)});
-}
-
-double ball(Vec3 p, double centre, double radius) {
-  const Vec3 r = p - Vec3{centre, centre, centre};
-  return std::sqrt(dot(r, r)) - radius;
-}
-
-double torus(Vec3 p, double centre, const Rows& rows, double ring, double tube) {
-  const Vec3 q = apply(rows, p - Vec3{centre, centre, centre});
-  const double radial = std::sqrt(q.x * q.x + q.y * q.y) - ring;
-  return std::sqrt(radial * radial + q.z * q.z) - tube;
-}
 
 // The larger of the two, rounded off over the range r.
 double smooth_max(double u, double v, double r) {
@@ -40,40 +14,14 @@ double smooth_max(double u, double v, double r) {
 
 }  // namespace
 
-SphereField::SphereField(std::int64_t size)
-    : centre_(centre_of(size)), radius_(0.4 * static_cast<double>(size)) {}
-
-double SphereField::at(Vec3 p) const {
-  return ball(p, centre_, radius_);
-}
-double SphereField::surface_distance(Vec3 p) const {
-  return std::abs(at(p));
-}
-
-void SphereField::fill(const Box3& box, double /*limit*/, double* out) const {
-  fill_by_point(box, out, [c = centre_, r = radius_](Vec3 p) { return ball(p, c, r); });
-}
-
-TorusField::TorusField(std::int64_t size)
-    : centre_(centre_of(size)),
-      ring_(0.29 * static_cast<double>(size)),
-      tube_(0.12 * static_cast<double>(size)),
-      rows_(multiply(rotation_y(0.5), rotation_x(0.4))) {}
-
-double TorusField::at(Vec3 p) const {
-  return torus(p, centre_, rows_, ring_, tube_);
-}
-double TorusField::surface_distance(Vec3 p) const {
-  return std::abs(at(p));
-}
-
-void TorusField::fill(const Box3& box, double /*limit*/, double* out) const {
-  fill_by_point(box, out, [this](Vec3 p) { return torus(p, centre_, rows_, ring_, tube_); });
-}
+Ring::Ring(std::int64_t size)
+    : centre((static_cast<double>(size) - 1) / 2),
+      ring(0.29 * static_cast<double>(size)),
+      tube(0.12 * static_cast<double>(size)),
+      rows(multiply(rotation_y(0.5), rotation_x(0.4))) {}
 
 GyroidField::GyroidField(std::int64_t size)
-    : centre_(centre_of(size)),
-      radius_(0.45 * static_cast<double>(size)),
+    : ball_(size, 0.45),
       wavenumber_(2 * std::numbers::pi / (static_cast<double>(size) / 10)),
       amplitude_(1 / (1.4 * wavenumber_)),
       blend_(6 * static_cast<double>(size) / 512) {
@@ -89,21 +37,23 @@ GyroidField::GyroidField(std::int64_t size)
 
 GyroidField::Wave GyroidField::wave(int axis, double coordinate) const {
   constexpr std::array phase = {0.3, 0.7, 1.1};
-  const double angle = wavenumber_ * (coordinate - centre_) + phase[static_cast<std::size_t>(axis)];
+  const double angle =
+      wavenumber_ * (coordinate - ball_.centre) + phase[static_cast<std::size_t>(axis)];
   return {std::sin(angle), std::cos(angle)};
 }
 
 double GyroidField::at(Vec3 p) const {
   const Wave x = wave(0, p.x), y = wave(1, p.y), z = wave(2, p.z);
   const double g = amplitude_ * (x.sine * y.cosine + y.sine * z.cosine + z.sine * x.cosine);
-  return smooth_max(g, ball(p, centre_, radius_), blend_);
+  return smooth_max(g, ball_(p), blend_);
 }
 
 // The same expressions as at(), in the same order, so that the bits agree.
 void GyroidField::fill(const Box3& box, double /*limit*/, double* out) const {
   const double* const x_sine = tables_[0].sine.data();
   const double* const x_cosine = tables_[0].cosine.data();
-  const double centre = centre_, radius = radius_, amplitude = amplitude_, blend = blend_;
+  const Ball ball = ball_;
+  const double amplitude = amplitude_, blend = blend_;
   for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
     for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
       const auto yi = static_cast<std::size_t>(y), zi = static_cast<std::size_t>(z);
@@ -112,7 +62,7 @@ void GyroidField::fill(const Box3& box, double /*limit*/, double* out) const {
       const double v = static_cast<double>(y), w = static_cast<double>(z);
       for (std::int64_t x = box.lo.x; x < box.hi.x; ++x) {
         const double g = amplitude * (x_sine[x] * y_cosine + yz + z_sine * x_cosine[x]);
-        *out++ = smooth_max(g, ball({static_cast<double>(x), v, w}, centre, radius), blend);
+        *out++ = smooth_max(g, ball({static_cast<double>(x), v, w}), blend);
       }
     }
   }
@@ -125,15 +75,14 @@ double GyroidField::surface_distance(Vec3 p) const {
       Vec3{x.cosine * y.cosine - z.sine * x.sine, y.cosine * z.cosine - x.sine * y.sine,
            z.cosine * x.cosine - y.sine * z.sine} *
       (amplitude_ * wavenumber_);
-  const Vec3 r = p - Vec3{centre_, centre_, centre_};
-  const double length = std::sqrt(dot(r, r));
-  const double b = length - radius_;
-  const Vec3 b_gradient = length > 0 ? r * (1 / length) : Vec3{};
+  const Vec3 r = p - Vec3{ball_.centre, ball_.centre, ball_.centre};
+  const double b = ball_(p);
+  const Vec3 b_gradient = length(r) > 0 ? r * (1 / length(r)) : Vec3{};
   // d smax = (1 - w) d max + w d min, w = h / (2 r)
   const double w = std::max(blend_ - std::abs(g - b), 0.0) / (2 * blend_);
   const Vec3 gradient =
       g > b ? g_gradient * (1 - w) + b_gradient * w : b_gradient * (1 - w) + g_gradient * w;
-  const double slope = std::sqrt(dot(gradient, gradient));
+  const double slope = length(gradient);
   const double d = std::abs(smooth_max(g, b, blend_));
   return slope > 0 ? d / slope : d;
 }

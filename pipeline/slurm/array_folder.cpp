@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <map>
+#include <sstream>
 #include <string_view>
 
 #include "storage/support/error.h"
@@ -79,12 +80,8 @@ fs::path ArrayFolder::log_path(std::int64_t job, std::int64_t task) const {
 std::vector<std::string> ArrayFolder::tasks() const {
   std::vector<std::string> lines;
   if (!fs::exists(tasks_path())) return lines;
-  const std::string text = text_of(tasks_path());
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    lines.push_back(text.substr(at, end - at));
-    at = end + 1;
-  }
+  std::istringstream text(text_of(tasks_path()));
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
   return lines;
 }
 

@@ -140,8 +140,4 @@ std::uint64_t task_memory(const Config& config) {
   return memory + std::max(memory / 100 * 6, 64 * mebibyte);
 }
 
-std::int64_t task_cpus(const Config& config) {
-  return config.slurm.cpus_per_task;
-}
-
 }  // namespace voxweld

@@ -52,7 +52,5 @@ std::filesystem::path log_pattern(const std::filesystem::path& folder, bool arra
 // Bytes to ask for a task: slurm.mem, or run.memory and 6 % of it, 64 MiB at least, for what the
 // system counts to the task besides the process.
 std::uint64_t task_memory(const Config& config);
-// Processors to ask for a task, and the threads it runs. At least 1.
-std::int64_t task_cpus(const Config& config);
 
 }  // namespace voxweld

@@ -34,8 +34,7 @@ class Chain {
   // A job of these commands, each `voxweld WORDS...`, which is needed for all that follows.
   void job(const std::string& name, const std::vector<std::vector<std::string>>& commands) {
     const ArrayFolder folder = folder_of(name, {name});
-    BatchScript script = script_of(name, 1);
-    script.log = log_pattern(folder.logs(), true);
+    BatchScript script = array_script(setup_, name, folder, 1, dependency());
     for (const auto& words : commands) {
       std::string line = shell_quote(setup_.program.string());
       for (const std::string& word : words) line.append(" ").append(shell_quote(word));
@@ -48,7 +47,7 @@ class Chain {
 
   std::vector<std::string> command(const std::string& name) const {
     return {name, setup_.config_file.string(), "--set",
-            fmt::format("run.threads={}", task_cpus(setup_.config))};
+            fmt::format("run.threads={}", setup_.config.slurm.cpus_per_task)};
   }
   std::vector<SubmittedStep> take() { return std::move(steps_); }
   void withdraw() {
@@ -61,15 +60,6 @@ class Chain {
   ArrayFolder folder_of(const std::string& name, const std::vector<std::string>& lines) const {
     return ArrayFolder::create(setup_.folder / (chain_prefix + name), lines,
                                unique_job_name("voxweld-" + name));
-  }
-
-  BatchScript script_of(const std::string& name, std::size_t tasks) const {
-    BatchScript script = batch_script(setup_.config);
-    script.name = fmt::format("voxweld-{}", name);
-    script.array =
-        BatchScript::Array{static_cast<std::int64_t>(tasks), setup_.config.slurm.max_running};
-    script.dependency = dependency();
-    return script;
   }
 
   std::string dependency() const {

@@ -10,7 +10,6 @@
 #include <thread>
 
 #include "pipeline/executor/progress.h"
-#include "pipeline/slurm/batch_script.h"
 #include "pipeline/slurm/idle_watch.h"
 #include "pipeline/slurm/queued_tasks.h"
 #include "pipeline/slurm/slurm_text.h"

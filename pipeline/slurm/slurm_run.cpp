@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <sstream>
 
-#include "pipeline/slurm/batch_script.h"
 #include "pipeline/slurm/command.h"
 #include "storage/support/file_io.h"
 
@@ -23,12 +23,11 @@ std::int64_t cluster_cpus(const std::string& partition) {
   const CommandResult result = run_command(words, options);
   // Allocated/idle/other/total, a line where partitions differ.
   std::int64_t cpus = 0;
-  for (std::size_t at = 0; at < result.out.size();) {
-    const std::size_t end = std::min(result.out.find('\n', at), result.out.size());
+  std::istringstream lines(result.out);
+  for (std::string line; std::getline(lines, line);) {
     long long allocated = 0, idle = 0;
-    if (std::sscanf(result.out.substr(at, end - at).c_str(), "%lld/%lld/", &allocated, &idle) == 2)
+    if (std::sscanf(line.c_str(), "%lld/%lld/", &allocated, &idle) == 2)
       cpus = std::max<std::int64_t>(cpus, allocated + idle);
-    at = end + 1;
   }
   return std::max<std::int64_t>(cpus, 1);
 }
@@ -42,7 +41,8 @@ SlurmSetup set_up_slurm(const Config& config, SlurmClient& client) {
                                                  to_hex(config_fingerprint(config)).substr(0, 12));
   write_whole_file(setup.config_file, as_bytes(canonical_toml(config)), Durability::rename_only);
   setup.program = std::filesystem::read_symlink("/proc/self/exe");
-  setup.slots = std::max<std::int64_t>(1, cluster_cpus(config.slurm.partition) / task_cpus(config));
+  setup.slots =
+      std::max<std::int64_t>(1, cluster_cpus(config.slurm.partition) / config.slurm.cpus_per_task);
   return setup;
 }
 

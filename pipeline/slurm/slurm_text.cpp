@@ -4,40 +4,17 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstring>
 
 #include "storage/support/error.h"
+#include "storage/support/text_fields.h"
 
 namespace voxweld::slurm_text {
 namespace {
 
-std::vector<std::string_view> lines_of(std::string_view text) {
-  std::vector<std::string_view> lines;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    if (end > 0) lines.push_back(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return lines;
-}
-
 std::optional<std::int64_t> whole_number(std::string_view text) {
-  std::int64_t number = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, number);
-  if (error != std::errc{} || stop != end || number < 0) return std::nullopt;
-  return number;
-}
-
-bool equal_but_case(char a, char b) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
-  return lower(a) == lower(b);
-}
-
-bool holds(std::string_view text, std::string_view part) {
-  return std::search(text.begin(), text.end(), part.begin(), part.end(), equal_but_case) !=
-         text.end();
+  const auto number = parse_integer(text);
+  return number && *number >= 0 ? number : std::nullopt;
 }
 
 // Slurm has a dozen words for the same three: waiting, on a node, over.
@@ -120,6 +97,28 @@ constexpr std::array<Complaint, 24> complaints = {{
 
 }  // namespace
 
+std::vector<std::string_view> lines_of(std::string_view text) {
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    if (end > 0) lines.push_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return lines;
+}
+
+bool holds(std::string_view text, std::initializer_list<const char*> parts) {
+  const std::string lower_text = lower(text);
+  return std::ranges::any_of(
+      parts, [&](const char* part) { return lower_text.find(lower(part)) != std::string::npos; });
+}
+
+std::string one_line(std::string text, std::size_t longest) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  return text.size() > longest ? text.substr(0, longest) + "..." : text;
+}
+
 std::optional<std::int64_t> submitted_job(const std::string& out) {
   const auto lines = lines_of(out);
   if (lines.empty()) return std::nullopt;
@@ -134,65 +133,58 @@ std::vector<TaskState> parse_tasks(const std::string& out) {
 }
 
 std::string stuck_reason(const TaskState& task) {
-  // Limits of a single job's size are "...PerJob" or "...PerJobLimit"; those of what an account has
-  // running pass. Partitions and nodes that are down come back.
-  constexpr std::array known = {"JobHeld",           "held",       "JobHoldMaxRequeue",
-                                "NeverSatisfied",    "PerJob",     "BadConstraints",
-                                "InvalidAccount",    "InvalidQOS", "PartitionTimeLimit",
-                                "PartitionNodeLimit"};
   if (task.state != TaskState::pending) return {};
   if (task.slurm_state == "REQUEUE_HOLD" || task.slurm_state == "SPECIAL_EXIT")
     return task.reason.empty() ? task.slurm_state : task.reason;
-  const bool stuck = std::any_of(known.begin(), known.end(),
-                                 [&](const char* one) { return holds(task.reason, one); });
+  // Limits of a single job's size are "...PerJob" or "...PerJobLimit"; those of what an account has
+  // running pass. Partitions and nodes that are down come back.
+  const bool stuck = holds(task.reason, {"JobHeld", "held", "JobHoldMaxRequeue", "NeverSatisfied",
+                                         "PerJob", "BadConstraints", "InvalidAccount", "InvalidQOS",
+                                         "PartitionTimeLimit", "PartitionNodeLimit"});
   return stuck ? task.reason : std::string();
 }
 
 bool is_failed_launch(std::string_view reason) {
-  return holds(reason, "launch") || holds(reason, "JobHoldMaxRequeue");
+  return holds(reason, {"launch", "JobHoldMaxRequeue"});
 }
 
 std::string outage_advice(const TaskState& task) {
   if (task.state != TaskState::pending) return {};
-  const auto of = [&](const auto& known) {
-    return std::any_of(known.begin(), known.end(),
-                       [&](const char* one) { return holds(task.reason, one); });
-  };
   // "Nodes required for job are DOWN, DRAINED or reserved for jobs in higher priority partitions",
   // "ReqNodeNotAvail, UnavailableNodes:n1"
-  if (of(std::array{"DOWN, DRAINED", "ReqNodeNotAvail", "NodeDown"}))
+  if (holds(task.reason, {"DOWN, DRAINED", "ReqNodeNotAvail", "NodeDown"}))
     return "`sinfo -R` says which nodes are out of use and why; change slurm.partition, or wait";
-  if (of(std::array{"PartitionDown", "PartitionInactive"}))
+  if (holds(task.reason, {"PartitionDown", "PartitionInactive"}))
     return "its partition takes no jobs now; change slurm.partition, or wait";
-  if (of(std::array{"Reservation"}))
+  if (holds(task.reason, {"Reservation"}))
     return "it waits for a reservation (`scontrol show reservation`) that slurm.extra names";
   return {};
 }
 
 bool is_unanswered(std::string_view words) {
-  constexpr std::array known = {
-      "unable to contact slurm controller", "connect failure", "communication connection failure",
-      "socket timed out", "connection refused", "connection timed out", "connection reset",
-      "no route to host", "network is unreachable", "transport endpoint is not connected",
-      "zero bytes were transmitted", "message receive failure", "message send failure",
-      "unexpected message", "insane message length", "in standby mode", "temporarily unable",
-      "resource temporarily unavailable", "missing socket error", "slurm_msg_sendto", "broken pipe",
-      // Munge, which restarts when its key or the clock changes.
-      "munge encode failed", "munge decode failed", "protocol authentication error"};
-  return std::any_of(known.begin(), known.end(),
-                     [&](const char* one) { return holds(words, one); });
+  return holds(
+      words,
+      {"unable to contact slurm controller", "connect failure", "communication connection failure",
+       "socket timed out", "connection refused", "connection timed out", "connection reset",
+       "no route to host", "network is unreachable", "transport endpoint is not connected",
+       "zero bytes were transmitted", "message receive failure", "message send failure",
+       "unexpected message", "insane message length", "in standby mode", "temporarily unable",
+       "resource temporarily unavailable", "missing socket error", "slurm_msg_sendto",
+       "broken pipe",
+       // Munge, which restarts when its key or the clock changes.
+       "munge encode failed", "munge decode failed", "protocol authentication error"});
 }
 
 bool is_unknown_job(std::string_view words) {
   const auto lines = lines_of(words);
   return !lines.empty() && std::all_of(lines.begin(), lines.end(), [](std::string_view line) {
-    return holds(line, "invalid job id") || holds(line, "already completing or completed");
+    return holds(line, {"invalid job id", "already completing or completed"});
   });
 }
 
 std::string likely_setting(std::string_view words) {
   for (const Complaint& complaint : complaints)
-    if (holds(words, complaint.words)) return complaint.keys;
+    if (holds(words, {complaint.words})) return complaint.keys;
   return {};
 }
 
@@ -205,10 +197,7 @@ std::string said(const std::string& err) {
     if (!text.empty()) text += "; ";
     text += line;
   }
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  if (text.size() > longest) text = text.substr(0, longest) + "...";
-  return text.empty() ? "no message" : text;
+  return text.empty() ? "no message" : one_line(text, longest);
 }
 
 }  // namespace voxweld::slurm_text

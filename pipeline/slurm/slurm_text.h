@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +11,13 @@
 #include "pipeline/slurm/slurm_client.h"
 
 namespace voxweld::slurm_text {
+
+// Those that are not empty.
+std::vector<std::string_view> lines_of(std::string_view text);
+// Whether one of the parts stands in the text, in whatever letter case.
+bool holds(std::string_view text, std::initializer_list<const char*> parts);
+// Without control characters, cut where it is longer than that.
+std::string one_line(std::string text, std::size_t longest);
 
 // The job id that `sbatch --parsable` printed: "123" or "123;cluster", after whatever a plugin of
 // the site says. Empty when there is none.

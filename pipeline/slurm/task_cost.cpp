@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "pipeline/run/task_report.h"
-#include "pipeline/slurm/batch_script.h"
 
 namespace voxweld {
 namespace {
@@ -53,7 +52,7 @@ TaskPlanRequest task_plan_request(const Config& config, std::int64_t slots,
                                   double seconds_per_weight) {
   TaskPlanRequest request;
   request.seconds_per_weight = seconds_per_weight;
-  request.cpus_per_task = task_cpus(config);
+  request.cpus_per_task = config.slurm.cpus_per_task;
   request.slots = slots;
   request.units_per_task = config.slurm.shards_per_task;
   return request;
@@ -61,24 +60,32 @@ TaskPlanRequest task_plan_request(const Config& config, std::int64_t slots,
 
 std::vector<PlannedTask> plan_stage_tasks(const SlurmSetup& setup, StageName stage,
                                           std::span<const Unit> units) {
-  const double seconds =
-      units.empty() ? 0 : seconds_per_weight(setup.folder, stage, units, task_cpus(setup.config));
+  const double seconds = units.empty() ? 0
+                                       : seconds_per_weight(setup.folder, stage, units,
+                                                            setup.config.slurm.cpus_per_task);
   return plan_tasks(units, task_plan_request(setup.config, setup.slots, seconds));
 }
 
-std::string stage_script(const SlurmSetup& setup, StageName stage, const ArrayFolder& folder,
+BatchScript array_script(const SlurmSetup& setup, std::string_view name, const ArrayFolder& folder,
                          std::size_t tasks, const std::string& dependency) {
   BatchScript script = batch_script(setup.config);
-  script.name = fmt::format("voxweld-{}", stage);
+  script.name = fmt::format("voxweld-{}", name);
   script.log = log_pattern(folder.logs(), true);
   script.array =
       BatchScript::Array{static_cast<std::int64_t>(tasks), setup.config.slurm.max_running};
   script.dependency = dependency;
-  script.body = array_body(
-      folder.tasks_path(),
-      std::array{setup.program.string(), std::string(stage), setup.config_file.string(),
-                 std::string("--set"), fmt::format("run.threads={}", task_cpus(setup.config)),
-                 std::string("--report"), folder.reports().string()});
+  return script;
+}
+
+std::string stage_script(const SlurmSetup& setup, StageName stage, const ArrayFolder& folder,
+                         std::size_t tasks, const std::string& dependency) {
+  BatchScript script = array_script(setup, stage, folder, tasks, dependency);
+  script.body =
+      array_body(folder.tasks_path(),
+                 std::array{setup.program.string(), std::string(stage), setup.config_file.string(),
+                            std::string("--set"),
+                            fmt::format("run.threads={}", setup.config.slurm.cpus_per_task),
+                            std::string("--report"), folder.reports().string()});
   return render(script);
 }
 

@@ -7,6 +7,7 @@
 
 #include "pipeline/executor/executor.h"
 #include "pipeline/slurm/array_folder.h"
+#include "pipeline/slurm/batch_script.h"
 #include "pipeline/slurm/slurm_executor.h"
 #include "pipeline/slurm/task_plan.h"
 
@@ -27,7 +28,11 @@ TaskPlanRequest task_plan_request(const Config& config, std::int64_t slots,
 std::vector<PlannedTask> plan_stage_tasks(const SlurmSetup& setup, StageName stage,
                                           std::span<const Unit> units);
 
-// The script of an array of that many tasks of the stage; dependency as BatchScript has it.
+// An array of that many tasks, to which its commands are to be added; dependency as BatchScript has
+// it.
+BatchScript array_script(const SlurmSetup& setup, std::string_view name, const ArrayFolder& folder,
+                         std::size_t tasks, const std::string& dependency);
+// The text of one of tasks of the stage.
 std::string stage_script(const SlurmSetup& setup, StageName stage, const ArrayFolder& folder,
                          std::size_t tasks, const std::string& dependency = {});
 

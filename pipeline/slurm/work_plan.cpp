@@ -82,7 +82,7 @@ WorkPlan plan_work(const RunContext& context, const Jobs& jobs, std::int64_t slo
   plan.bricks = product(sampled_bricks(grid));
   plan.sample = sample_bricks(context, jobs, bricks_to_look_at);
   plan.task_bytes = task_memory(config);
-  plan.task_cpus = task_cpus(config);
+  plan.task_cpus = config.slurm.cpus_per_task;
   const BrickSample look = plan.sample.value_or(usual);
   const double side = static_cast<double>(config.work.brick);
   // Cells that the usual figures' bricks would be.

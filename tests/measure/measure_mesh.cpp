@@ -42,7 +42,8 @@ void measure(const std::filesystem::path& source, const std::filesystem::path& o
   const Manifest manifest = read_manifest(output / manifest_name);
   const double cell = manifest.frame.spacing.x;
   WeldedMesh result;
-  for_each_mesh(output, [&](const DecodedMesh& part) { result.add(part, manifest.frame.origin); });
+  for_each_mesh(output,
+                [&](const DecodedMesh& part, auto) { result.add(part, manifest.frame.origin); });
   const double volume = std::abs(volume_of(mesh));
   fmt::print("{} triangles to {}; volume {:+.5f} %\n", mesh.triangles.size(),
              result.mesh().triangles.size(), 100 * (volume_of(result.mesh()) / volume - 1));

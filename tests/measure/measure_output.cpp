@@ -8,10 +8,10 @@
 #include <cstdlib>
 
 #include "pipeline/output/load.h"
-#include "pipeline/phantom/measure.h"
 #include "storage/manifest/manifest.h"
 #include "storage/support/error.h"
 #include "tests/support/mesh_fidelity.h"
+#include "tests/support/phantom_distance.h"
 
 int main(int argc, char** argv) try {
   using namespace voxweld;
@@ -25,7 +25,7 @@ int main(int argc, char** argv) try {
   std::vector<std::array<float, 3>> points;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   testing::WeldedMesh welded;
-  for_each_mesh(argv[1], [&](const DecodedMesh& mesh) {
+  for_each_mesh(argv[1], [&](const DecodedMesh& mesh, auto) {
     const auto base = static_cast<std::uint32_t>(points.size());
     for (const auto& p : mesh.positions)
       points.push_back({static_cast<float>(static_cast<double>(p[0]) / spacing.x),

@@ -1,5 +1,6 @@
 // The files under configs/ and what is made for them from the table of settings.
 // VOXWELD_UPDATE_CONFIGS=1 in the environment writes the generated ones anew.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,8 +13,10 @@
 #include "pipeline/config/commented.h"
 #include "pipeline/config/edit_settings.h"
 #include "pipeline/config/help.h"
+#include "pipeline/config/overloaded.h"
 #include "pipeline/config/schema.h"
 #include "pipeline/config/settings.h"
+#include "pipeline/config/text_layout.h"
 #include "storage/support/file_io.h"
 #include "tests/pipeline/config/config_texts.h"
 
@@ -40,6 +43,76 @@ void expect_committed(const std::string& name, const std::string& generated) {
   EXPECT_EQ(read_text(path), generated)
       << name << " is not what the table of settings gives; run this test once with "
       << "VOXWELD_UPDATE_CONFIGS=1 and commit the file";
+}
+
+// "integer", "string", "number or string" ...
+std::string type_text(const Rule& rule) {
+  return std::visit(
+      Overloaded{
+          [](const PathRule&) { return "string"; }, [](const ChoiceRule&) { return "string"; },
+          [](const ChoiceListRule&) { return "list of strings"; },
+          [](const FlagRule&) { return "boolean"; },
+          [](const SwitchRule&) { return "boolean or string"; },
+          [](const IntegerRule& r) { return r.automatic ? "integer or string" : "integer"; },
+          [](const PowerOfTwoRule&) { return "integer"; },
+          [](const PositiveNumberRule&) { return "number"; },
+          [](const NumberOrWordRule&) { return "number or string"; },
+          [](const SpacingRule&) { return "number or list of numbers"; },
+          [](const IntegerListRule&) { return "list of integers"; },
+          [](const TripleRule&) { return "list of numbers"; },
+          [](const MemoryRule&) { return "string or integer"; },
+          [](const NameRule&) { return "string"; }, [](const TimeLimitRule&) { return "string"; },
+          [](const OptionListRule&) { return "list of strings"; },
+          [](const LineListRule&) { return "list of strings"; },
+          [](const LabelListRule& r) { return r.words.empty() ? "list" : "string or list"; }},
+      rule);
+}
+
+// A bar would end the cell, an angle bracket begin a tag.
+std::string cell(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '|' || c == '<') out += '\\';
+    out += c;
+  }
+  return out;
+}
+
+std::string edits_markdown() {
+  std::string text = fmt::format("\n## [[{}]]\n\n", edit_table);
+  text += wrapped(std::string(edit_description()) +
+                      " A change re-runs build where the edit reaches or reached.",
+                  "");
+  text += "\n| key | type | accepted | default | shapes | meaning |\n";
+  text += "| --- | --- | --- | --- | --- | --- |\n";
+  for (const EditSetting& setting : edit_settings())
+    text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", setting.key, type_text(setting.rule),
+                        cell(accepted_text(setting.rule)), cell(setting.default_text()),
+                        setting.shapes_text(), cell(setting.description));
+  return text;
+}
+
+// The settings as Markdown, a table of settings for each table of the config.
+std::string settings_markdown() {
+  std::string text = "# Settings\n\n";
+  text += wrapped(
+      "Every key of the config file, its accepted values and its default. \"Re-runs\" names the "
+      "stages whose work is done again when the key changes; later stages follow where their "
+      "inputs change. Relative paths are relative to the config file's folder.",
+      "");
+  for (const std::string& table : table_names()) {
+    text += fmt::format("\n## [{}]\n\n{}\n\n", table, table_description(table));
+    text += "| key | type | accepted | default | re-runs | meaning |\n";
+    text += "| --- | --- | --- | --- | --- | --- |\n";
+    for (const Setting& setting : settings()) {
+      if (setting.table != table) continue;
+      text +=
+          fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", setting.key, type_text(setting.rule),
+                      cell(accepted_text(setting.rule)), cell(setting.default_text()),
+                      setting.stages_text(), cell(setting.description));
+    }
+  }
+  return text + edits_markdown();
 }
 
 TEST(GeneratedFiles, Schema) {

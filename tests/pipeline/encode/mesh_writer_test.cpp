@@ -80,7 +80,8 @@ TEST_F(OwnFormat, IsEncodedListedVerifiedAndReadBack) {
 
   std::uint64_t triangles = 0;
   for_each_mesh(
-      output(), [&](const DecodedMesh& mesh) { triangles += mesh.triangles.size(); }, formats_);
+      output(), [&](const DecodedMesh& mesh, auto) { triangles += mesh.triangles.size(); },
+      formats_);
   EXPECT_EQ(triangles, report.triangles);
   EXPECT_EQ(load_mesh(output() / "mesh.tri", formats_).triangles.size(), report.triangles);
 }

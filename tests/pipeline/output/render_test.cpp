@@ -50,6 +50,12 @@ void keep(const Image& image, const std::string& name) {
                    Durability::rename_only);
 }
 
+Image render_mesh(std::span<const DecodedMesh> meshes, const RenderOptions& options) {
+  Renderer renderer(bounds_of(meshes), options);
+  for (const DecodedMesh& mesh : meshes) renderer.draw(mesh);
+  return renderer.finish();
+}
+
 constexpr RenderOptions small{.width = 320, .height = 240};
 
 TEST(Render, ShowsTheOutsideOfAClosedMeshOnly) {
@@ -89,13 +95,9 @@ TEST(Render, TilesOneByOneGiveTheSamePicture) {
   for (const TileMesh& tile : testing::cut_into_tiles(whole, 3))
     tiles.push_back(decoded(tile, false));
   const Image together = render_mesh(tiles, small);
-  const Image streamed = render_mesh(
-      bounds_of(tiles),
-      [&](const auto& draw) {
-        for (auto tile = tiles.rbegin(); tile != tiles.rend(); ++tile) draw(*tile);
-      },
-      small);
-  EXPECT_EQ(together.rgb, streamed.rgb);
+  Renderer renderer(bounds_of(tiles), small);
+  for (auto tile = tiles.rbegin(); tile != tiles.rend(); ++tile) renderer.draw(*tile);
+  EXPECT_EQ(together.rgb, renderer.finish().rgb);
 }
 
 TEST(Render, CubeFacesTakeTheirOwnLight) {

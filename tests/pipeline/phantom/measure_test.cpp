@@ -1,4 +1,4 @@
-#include "pipeline/phantom/measure.h"
+#include "tests/support/phantom_distance.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

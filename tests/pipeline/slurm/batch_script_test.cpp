@@ -152,8 +152,6 @@ TEST(BatchScript, TasksHaveRoomBesidesTheProcess) {
   EXPECT_EQ(task_memory(config), 106 * gibibyte);
   config.slurm.mem = 128 * gibibyte;
   EXPECT_EQ(task_memory(config), 128 * gibibyte);
-  config.slurm.cpus_per_task = 12;
-  EXPECT_EQ(task_cpus(config), 12);
 }
 
 }  // namespace

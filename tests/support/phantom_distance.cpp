@@ -1,4 +1,4 @@
-#include "pipeline/phantom/measure.h"
+#include "tests/support/phantom_distance.h"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
