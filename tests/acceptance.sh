@@ -14,13 +14,8 @@
 # bunny_ct/, label/ and meshes/), VOXWELD_SCRATCH (where about 10 GB may be written, default a new folder below TMPDIR
 # that is removed), VOXWELD_KILLS (default 20), VOXWELD_SEED (default 1).
 set -euo pipefail
-case ${1:-} in -h | --help)
-  sed -n '2,17s/^# //p' "$0"
-  exit 0
-  ;;
-esac
-
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+# shellcheck source=tests/common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 voxweld=${VOXWELD:-$root/build/voxweld}
 data=${VOXWELD_SHARED_DATA:-$root/../shared/data}
 kills=${VOXWELD_KILLS:-20}
@@ -28,19 +23,8 @@ RANDOM=${VOXWELD_SEED:-1}
 known=(partition kills tiles labels edits mesh phantoms memory figures)
 steps=("$@")
 [ $# -gt 0 ] || steps=("${known[@]}")
-for step in "${steps[@]}"; do
-  case " ${known[*]} " in
-    *" $step "*) ;;
-    *)
-      echo "unknown step: $step; known are: ${known[*]}" >&2
-      exit 2
-      ;;
-  esac
-done
-[ -x "$voxweld" ] || {
-  echo "no program at $voxweld: build it, or name it in VOXWELD" >&2
-  exit 2
-}
+require_known step "${known[*]}" "${steps[@]}"
+require_program "$voxweld" "build it, or name it in VOXWELD"
 
 scratch=${VOXWELD_SCRATCH:-}
 if [ -z "$scratch" ]; then
@@ -61,11 +45,6 @@ report() {
 now() { date +%s.%N; }
 since() { awk -v a="$1" -v b="$(now)" 'BEGIN { printf "%.1f", b - a }'; }
 
-# All bytes of an output directory but the manifest, which has times in it.
-tree_hash() {
-  (cd "$1" && find . -type f ! -name manifest.json -print0 | sort -z | xargs -0 sha256sum) |
-    sha256sum | cut -d' ' -f1
-}
 temporaries() { find "$@" -name '*.tmp-*' | wc -l; }
 
 # arguments NAME [SETTING...]: of a run of the step's config into directories of that name.
@@ -101,18 +80,7 @@ bunny() {
     xz -dc "$packed" >"$scratch/bunny.raw.part"
     mv "$scratch/bunny.raw.part" "$scratch/bunny.raw"
   }
-  cat >"$config" <<TOML
-[input]
-path = "$scratch/bunny.raw"
-format = "raw"
-size = [512, 512, 361]
-type = "int16"
-endian = "big"
-spacing = [0.337891, 0.337891, 0.5]
-unit = "mm"
-[surface]
-isovalue = 1150
-TOML
+  bunny_config "$scratch/bunny.raw" >"$config"
 }
 
 # A config of its own needs a reference of its own.

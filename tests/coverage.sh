@@ -3,13 +3,8 @@
 # of its lines that ran, lowest first, and the total.
 # Usage: tests/coverage.sh
 set -euo pipefail
-case ${1:-} in -h | --help)
-  sed -n '2,4s/^# //p' "$0"
-  exit 0
-  ;;
-esac
-
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+# shellcheck source=tests/common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 build=$root/build-coverage
 jobs=$(nproc)
 

@@ -8,13 +8,8 @@
 # VOXWELD_SHARED_DATA (folder with meshes/), VOXWELD_SCRATCH (default a new folder below TMPDIR that
 # is removed; some 100 MB).
 set -euo pipefail
-case ${1:-} in -h | --help)
-  sed -n '2,10s/^# \{0,1\}//p' "$0"
-  exit 0
-  ;;
-esac
-
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+# shellcheck source=tests/common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 build=${VOXWELD_BUILD:-$root/build}
 data=${VOXWELD_SHARED_DATA:-$root/../shared/data}
 resolution=${1:-1024}
@@ -22,10 +17,7 @@ shift || true
 settings=()
 for setting in "$@"; do settings+=(--set "$setting"); done
 for program in voxweld measure_mesh; do
-  [ -x "$build/$program" ] || {
-    echo "no program at $build/$program: build it, or name its folder in VOXWELD_BUILD" >&2
-    exit 2
-  }
+  require_program "$build/$program" "build it, or name its folder in VOXWELD_BUILD"
 done
 
 scratch=${VOXWELD_SCRATCH:-}

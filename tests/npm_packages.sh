@@ -5,13 +5,9 @@
 # Debian's, which needs root or sudo.
 # Usage: tests/npm_packages.sh
 set -euo pipefail
-case ${1:-} in -h | --help)
-  sed -n '2,6s/^# //p' "$0"
-  exit 0
-  ;;
-esac
-
-cd "$(dirname "${BASH_SOURCE[0]}")"
+# shellcheck source=tests/common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+cd "$root/tests"
 # shellcheck source=pipeline/apt_packages.sh
 source ../pipeline/apt_packages.sh
 

@@ -3,13 +3,8 @@
 # Closes on ctest's own summary, which is kept in BUILD_DIR/ctest.log.
 # Usage: tests/run.sh [BUILD_DIR]        (default: build, which pipeline/quickstart.sh shares)
 set -euo pipefail
-case ${1:-} in -h | --help)
-  sed -n '2,4s/^# //p' "$0"
-  exit 0
-  ;;
-esac
-
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+# shellcheck source=tests/common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 build=${1:-$root/build}
 jobs=$(nproc)
 

@@ -8,13 +8,8 @@
 #   changed lines.
 #   Without files: all of storage, stages, pipeline and tests that it knows.
 set -euo pipefail
-case ${1:-} in -h | --help)
-  sed -n '2,9s/^# //p' "$0"
-  exit 0
-  ;;
-esac
-
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+# shellcheck source=tests/common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 if [ -d "${1:-}" ]; then
   build=$1
   shift

@@ -19,17 +19,11 @@
 # most, default 3), VOXWELD_CLUSTER_DIR (default: a new folder, removed at the end), VOXWELD_KEEP
 # (a folder: the logs of drivers go there).
 set -euo pipefail
-case ${1:-} in -h | --help)
-  sed -n '2,21s/^# \{0,1\}//p' "$0"
-  exit 0
-  ;;
-esac
-
-here=$(realpath "$(dirname "${BASH_SOURCE[0]}")")
+# shellcheck source=tests/cluster/support.sh
+source "$(dirname "${BASH_SOURCE[0]}")/support.sh"
 # shellcheck source=tests/cluster/faults.sh
 source "$here/faults.sh"
-cluster=$here/cluster.sh
-voxweld=$(realpath "${VOXWELD:-$here/../../build/voxweld}")
+voxweld=$(realpath "${VOXWELD:-$root/build/voxweld}")
 faults=${VOXWELD_FAULTS:-14}
 faults_a_run=${VOXWELD_FAULTS_A_RUN:-3}
 seed=${VOXWELD_SEED:-$RANDOM}
@@ -39,22 +33,9 @@ reruns=5
 known=(kill crash partition controller driver disk memory hold mixed)
 kinds=("$@")
 [ $# -gt 0 ] || kinds=("${known[@]:0:7}")
-for kind in "${kinds[@]}"; do
-  case " ${known[*]} " in
-    *" $kind "*) ;;
-    *)
-      echo "unknown kind: $kind; known are: ${known[*]}" >&2
-      exit 2
-      ;;
-  esac
-done
-[ -x "$voxweld" ] || {
-  echo "no program at $voxweld: build it, or name it in VOXWELD" >&2
-  exit 2
-}
-# shellcheck source=tests/cluster/support.sh
-source "$(dirname "$cluster")/support.sh"
-require_cluster "$cluster"
+require_known kind "${known[*]}" "${kinds[@]}"
+require_program "$voxweld" "build it, or name it in VOXWELD"
+require_cluster
 
 own_folder=no
 if [ -z "${VOXWELD_CLUSTER_DIR:-}" ]; then
@@ -76,10 +57,6 @@ cleanup() {
 trap cleanup EXIT
 trap 'exit 130' INT TERM
 
-fail() {
-  echo "FAILED: $*" >&2
-  exit 1
-}
 say() { printf '%4d s  %s\n' "$SECONDS" "$*"; }
 
 # Temporary files are counted by themselves.

@@ -4,14 +4,10 @@
 # root or sudo only when something is missing.
 # Usage: tests/cluster/install_packages.sh
 set -euo pipefail
-case ${1:-} in -h | --help)
-  sed -n '2,5s/^# //p' "$0"
-  exit 0
-  ;;
-esac
-
+# shellcheck source=tests/common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
 # shellcheck source=pipeline/apt_packages.sh
-source "$(dirname "${BASH_SOURCE[0]}")/../../pipeline/apt_packages.sh"
+source "$root/pipeline/apt_packages.sh"
 
 policy=/usr/sbin/policy-rc.d # what Debian asks before it starts a service; 101 is "do not"
 own_policy=no

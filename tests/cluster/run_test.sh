@@ -6,20 +6,11 @@
 # cannot be made.
 # Usage: tests/cluster/run_test.sh [VOXWELD]        (default: build/voxweld)
 set -euo pipefail
-case ${1:-} in -h | --help)
-  sed -n '2,7s/^# //p' "$0"
-  exit 0
-  ;;
-esac
-
-here=$(realpath "$(dirname "${BASH_SOURCE[0]}")")
-cluster=$here/cluster.sh
-voxweld=$(realpath "${1:-$here/../../build/voxweld}")
 # shellcheck source=tests/cluster/support.sh
-source "$(dirname "$cluster")/support.sh"
-require_cluster "$cluster"
-
-make_shared_folder "$cluster" vxwrun
+source "$(dirname "${BASH_SOURCE[0]}")/support.sh"
+voxweld=$(realpath "${1:-$root/build/voxweld}")
+require_cluster
+make_shared_folder vxwrun
 
 # on NAME COMMAND [OPTION...]: of the config, into directories of that name.
 on() {

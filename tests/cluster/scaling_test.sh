@@ -21,15 +21,9 @@
 #   look    the last task ends -> the driver has seen it
 # and between stages, with the driver's begin and end, all slots wait.
 set -euo pipefail
-case ${1:-} in -h | --help)
-  sed -n '2,23s/^# \{0,1\}//p' "$0"
-  exit 0
-  ;;
-esac
-
-here=$(realpath "$(dirname "${BASH_SOURCE[0]}")")
-cluster=$here/cluster.sh
-voxweld=$(realpath "${VOXWELD:-$here/../../build/voxweld}")
+# shellcheck source=tests/cluster/support.sh
+source "$(dirname "${BASH_SOURCE[0]}")/support.sh"
+voxweld=$(realpath "${VOXWELD:-$root/build/voxweld}")
 phantom=${VOXWELD_PHANTOM:-gyroid}
 size=${VOXWELD_SIZE:-1024}
 limit=${VOXWELD_LIMIT:-7200}
@@ -51,13 +45,8 @@ quota=${VOXWELD_QUOTA:-$((fits < 40 ? fits : 40))}
   echo "$most nodes and a driver of $quota % do not fit on $(nproc) cores; $fits % do" >&2
   exit 2
 }
-[ -x "$voxweld" ] || {
-  echo "no program at $voxweld: build it, or name it in VOXWELD" >&2
-  exit 2
-}
-# shellcheck source=tests/cluster/support.sh
-source "$(dirname "$cluster")/support.sh"
-QUOTA=$quota require_cluster "$cluster"
+require_program "$voxweld" "build it, or name it in VOXWELD"
+QUOTA=$quota require_cluster
 
 own_folder=no
 if [ -z "${VOXWELD_CLUSTER_DIR:-}" ]; then

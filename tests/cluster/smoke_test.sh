@@ -5,16 +5,9 @@
 # seconds. Exits 77 (skipped) where a cluster cannot be made.
 # Usage: tests/cluster/smoke_test.sh
 set -euo pipefail
-case ${1:-} in -h | --help)
-  sed -n '2,6s/^# //p' "$0"
-  exit 0
-  ;;
-esac
-
-cluster=$(realpath "$(dirname "${BASH_SOURCE[0]}")/cluster.sh")
 # shellcheck source=tests/cluster/support.sh
-source "$(dirname "$cluster")/support.sh"
-require_cluster "$cluster"
+source "$(dirname "${BASH_SOURCE[0]}")/support.sh"
+require_cluster
 
 folder=$(mktemp -d "${TMPDIR:-/tmp}/vxwsmoke.XXXX")
 export VOXWELD_CLUSTER_DIR=$folder

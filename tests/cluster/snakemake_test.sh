@@ -4,13 +4,8 @@
 # (skipped) where Snakemake is not installed.
 # Usage: tests/cluster/snakemake_test.sh [VOXWELD]        (default: build/voxweld)
 set -euo pipefail
-case ${1:-} in -h | --help)
-  sed -n '2,5s/^# //p' "$0"
-  exit 0
-  ;;
-esac
-
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+# shellcheck source=tests/common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
 voxweld=$(realpath "${1:-$root/build/voxweld}")
 if ! command -v snakemake >/dev/null; then
   echo "skipped: snakemake is not installed"

@@ -1,10 +1,14 @@
 #!/usr/bin/env bash
-# What the tests on the cluster share; sourced.
+# What the tests on the cluster share; sourced by them before all else.
+# shellcheck source=tests/common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
+here=$root/tests/cluster
+cluster=$here/cluster.sh
 
-# require_cluster CLUSTER_SH: ends the test as skipped where a cluster cannot be made.
+# require_cluster: ends the test as skipped where a cluster cannot be made.
 require_cluster() {
   local missing program
-  if ! missing=$("$1" supported 2>&1); then
+  if ! missing=$("$cluster" supported 2>&1); then
     echo "skipped: $missing"
     exit 77
   fi
@@ -16,12 +20,11 @@ require_cluster() {
   done
 }
 
-# make_shared_folder CLUSTER_SH NAME: sets folder, of a cluster, and data below it, which every node
+# make_shared_folder NAME: sets folder, of a cluster, and data below it, which every node
 # sees; both go at the end, and before that, unless ok is set to another value than no, the logs in
 # data are shown.
 make_shared_folder() {
-  cluster_of_folder=$1
-  folder=$(mktemp -d "/var/tmp/$2.XXXX")
+  folder=$(mktemp -d "/var/tmp/$1.XXXX")
   export VOXWELD_CLUSTER_DIR=$folder
   data=$folder/data
   ok=no
@@ -29,11 +32,11 @@ make_shared_folder() {
 }
 remove_shared_folder() {
   if [ "$ok" = no ]; then
-    "$cluster_of_folder" nodes || true
+    "$cluster" nodes || true
     timeout 10 squeue || true
     tail -n 30 "$data"/*.log || true
   fi >&2
-  "$cluster_of_folder" stop
+  "$cluster" stop
   rm -rf "$folder"
 }
 
@@ -55,11 +58,4 @@ step() { # step WHAT: says that it is done, and how long it took
   local now=${EPOCHREALTIME/./}
   printf '%5s s  %s\n' "$(((now - began) / 1000000)).$(((now - began) / 100000 % 10))" "$1"
   began=$now
-}
-
-# tree_hash DIRECTORY [FIND_TEST...]: of all bytes of an output directory but the manifest, which has
-# times and hosts in it, and but what the tests of find leave out.
-tree_hash() {
-  (cd "$1" && shift && find . -type f ! -name manifest.json "$@" -print0 | sort -z |
-    xargs -0 sha256sum) | sha256sum | cut -d' ' -f1
 }

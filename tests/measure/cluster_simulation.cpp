@@ -23,8 +23,7 @@ struct Arguments {
   double empty = 0;
   std::size_t patch = 512;
   std::uint64_t seed = 1;
-  std::vector<std::string> presets = {"before", "after"};
-  double look_threads = 0;
+  double look_threads = voxweld::look_threads;
   std::string rates = "measured";
   RowReads rows;
   SimulatedCluster cluster;
@@ -39,11 +38,7 @@ void add_options(CLI::App& app, Arguments& a) {
       ->capture_default_str();
   app.add_option("--patch", a.patch, "Neighbouring shards that are alike")->capture_default_str();
   app.add_option("--seed", a.seed)->capture_default_str();
-  app.add_option("--looks", a.presets, "Presets of stage_looks.h")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"before", "after"}))
-      ->capture_default_str();
-  app.add_option("--look-threads", a.look_threads, "Threads that look; 0: as the preset has it");
+  app.add_option("--look-threads", a.look_threads, "Threads that look")->capture_default_str();
   app.add_option("--rates", a.rates, "Planning goes by rates measured, or voxweld's usual ones")
       ->check(CLI::IsMember({"measured", "usual"}))
       ->capture_default_str();
@@ -98,8 +93,8 @@ void print_row(const SimulatedStage& s) {
       s.files, s.read_bytes / 1e12, s.written_bytes / 1e12);
 }
 
-void print_run(const SimulatedRun& run, const std::string& preset) {
-  fmt::print("\n{:.0f} nodes, looks '{}':\n\n", run.nodes, preset);
+void print_run(const SimulatedRun& run) {
+  fmt::print("\n{:.0f} nodes:\n\n", run.nodes);
   fmt::print(
       "| stage | tasks | arrays | a task s | wall s | ideal s | busy | bound by | serial s | files "
       "| "
@@ -119,11 +114,10 @@ void print_run(const SimulatedRun& run, const std::string& preset) {
       (parallel_s + total.serial_s) / total.serial_s, total.longest_line);
 }
 
-void print_summary(const std::vector<SimulatedRun>& runs, const std::string& preset) {
+void print_summary(const std::vector<SimulatedRun>& runs) {
   fmt::print(
-      "\n| looks '{}': nodes | makespan s | serial s | share | core-hours | files | TB read | TB "
-      "written |\n| --: | --: | --: | --: | --: | --: | --: | --: |\n",
-      preset);
+      "\n| nodes | makespan s | serial s | share | core-hours | files | TB read | TB "
+      "written |\n| --: | --: | --: | --: | --: | --: | --: | --: |\n");
   for (const SimulatedRun& run : runs)
     fmt::print("| {:.0f} | {:.0f} | {:.0f} | {:.0f} % | {:.1f} | {:.0f} | {:.1f} | {:.1f} |\n",
                run.nodes, run.total.wall_s, run.total.serial_s,
@@ -161,22 +155,16 @@ void simulate(const Arguments& arguments) {
   const SimulatedWork work = draw_work(mix_of(arguments), arguments.samples);
   fmt::print("{}^3 samples: {:.0f} shards, {:.0f} tiles, {:.3g} vertices\n", arguments.samples,
              work.shards, work.tiles, work.vertices);
-  for (const std::string& preset : arguments.presets) {
-    SimulationChoice choice;
-    choice.measured_rates = arguments.rates == "measured";
-    for (const LookPreset& known : look_presets)
-      if (known.name == preset) choice.looks = known;
-    if (arguments.look_threads > 0) choice.looks.threads = arguments.look_threads;
-    std::vector<SimulatedRun> runs;
-    for (const double nodes : arguments.nodes) {
-      SimulatedCluster cluster = arguments.cluster;
-      cluster.nodes = nodes;
-      runs.push_back(simulate_run(work, cluster, choice));
-      print_run(runs.back(), preset);
-    }
-    print_summary(runs, preset);
-    print_break(runs);
+  const SimulationChoice choice{arguments.look_threads, arguments.rates == "measured"};
+  std::vector<SimulatedRun> runs;
+  for (const double nodes : arguments.nodes) {
+    SimulatedCluster cluster = arguments.cluster;
+    cluster.nodes = nodes;
+    runs.push_back(simulate_run(work, cluster, choice));
+    print_run(runs.back());
   }
+  print_summary(runs);
+  print_break(runs);
 }
 
 }  // namespace

@@ -33,11 +33,10 @@ class StageSimulation {
         stage_(stage),
         cluster_(cluster),
         choice_(choice),
-        looks_(choice.looks.stages[stage]),
+        looks_(stage_looks[stage]),
         machine_(machine_of(cluster)) {
     result_.name = simulated_stages[stage];
-    for (const MeasuredUnit& measured : work_.costs) {
-      const MeasuredUnit unit = as_preset(measured);
+    for (const MeasuredUnit& unit : work_.costs) {
       result_.cpu_s += unit.cpu_s;
       result_.files += unit.files;
       result_.read_bytes += unit.read_bytes;
@@ -86,45 +85,32 @@ class StageSimulation {
       task.start = {work_.task.trips, work_.task.read_bytes + work_.task.written_bytes,
                     work_.task.cpu_s + cluster_.task_start_s};
       for (const std::uint64_t key : planned.units) {
-        const MeasuredUnit cost = as_preset(work_.costs[key]);
+        const MeasuredUnit& cost = work_.costs[key];
         task.units.push_back({cost.trips, cost.read_bytes + cost.written_bytes, cost.cpu_s});
       }
-      if (simulated_stages[stage_] == "encode" && choice_.looks.every_task_notes)
-        task.start.bytes += 2 * note_bytes_a_tile * all_.tiles;
       if (stage_ == merging) task.start.cpu_s += seconds(looks_.inside, all_.shards, all_.tiles);
       tasks.push_back(std::move(task));
     }
     return tasks;
   }
 
-  MeasuredUnit as_preset(MeasuredUnit unit) const {
-    const double times = stage_ == merging ? all_.shards : 1;
-    unit.trips = std::max(0.0, unit.trips - times * looks_.saved.trips);
-    unit.read_bytes = std::max(0.0, unit.read_bytes - times * looks_.saved.bytes);
-    return unit;
-  }
-
   // Of one process that looks at so many shards and tiles.
   double seconds(const Looks& looks, double shards, double tiles) const {
-    return look_seconds({looks.a_shard * shards + looks.a_tile * tiles, 0, 0},
-                        choice_.looks.threads, machine_);
+    return look_seconds({looks.a_shard * shards + looks.a_tile * tiles, 0, 0}, choice_.look_threads,
+                        machine_);
   }
 
   DriverLoad driver_of(const std::vector<PlannedTask>& plan) const {
     DriverLoad load;
-    load.poll_s = std::min(cluster_.poll_s, choice_.looks.poll_s);
+    load.poll_s = std::min(cluster_.poll_s, seen_after_s);
     load.first_pause_s = std::min(load.first_pause_s, load.poll_s);
     load.look_s =
         cluster_.queue_look_s + std::min(looks_a_poll, static_cast<double>(machine_.slots)) *
-                                    cluster_.round_trip_s / choice_.looks.threads;
+                                    cluster_.round_trip_s / choice_.look_threads;
     const double units = static_cast<double>(work_.units.size());
     for (const PlannedTask& task : plan) {
       const double share = static_cast<double>(task.units.size()) / units;
-      double assets = 0;
-      for (const std::uint64_t key : task.units)
-        assets += looks_.after.assets_read * work_.costs[key].written_bytes;
       load.settle_s.push_back(seconds(looks_.after, share * all_.shards, share * all_.tiles) +
-                              look_seconds({0, assets, 0}, choice_.looks.threads, machine_) +
                               task_report_trips * cluster_.round_trip_s);
     }
     return load;

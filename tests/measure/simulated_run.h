@@ -28,7 +28,7 @@ struct SimulatedCluster {
 };
 
 struct SimulationChoice {
-  LookPreset looks = looks_before;
+  double look_threads = voxweld::look_threads;
   bool measured_rates = true;  // what tasks reported before; else what voxweld takes for usual
 };
 

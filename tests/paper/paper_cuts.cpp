@@ -138,12 +138,8 @@ class CutModel {
 std::vector<Edit> balls_on(const std::vector<TileMesh>& tiles, std::size_t count, double radius) {
   std::vector<Vec3> places;
   for (const TileMesh& tile : tiles)
-    for (const LatticePoint& p : tile.positions) {
-      Vec3 place;
-      for (int a = 0; a < 3; ++a)
-        place[a] = tile.lattice.coordinate(a, p[static_cast<std::size_t>(a)]);
-      places.push_back(place);
-    }
+    for (const LatticePoint& p : tile.positions)
+      places.push_back(testing::place_of(tile.lattice, p));
   std::vector<Edit> balls(count);
   for (std::size_t i = 0; i < count; ++i) {
     balls[i].op = EditOp::subtract;

@@ -20,29 +20,21 @@ using namespace voxweld::paper;
 constexpr std::int64_t side = 64;
 
 bool inside(const Solid& solid, Index3 s) {
-  return solid_holds(
-      solid, {static_cast<double>(s.x), static_cast<double>(s.y), static_cast<double>(s.z)});
+  return solid_holds(solid, testing::as_vec3(s));
 }
 
 TriangleMesh label_surface(const Solid& solid, bool simplify) {
-  std::vector<std::uint8_t> labels;
-  for (std::int64_t z = 0; z < side; ++z)
-    for (std::int64_t y = 0; y < side; ++y)
-      for (std::int64_t x = 0; x < side; ++x) labels.push_back(inside(solid, {x, y, z}) ? 1 : 0);
+  const auto labels = testing::MemoryVolume::made<std::uint8_t>(
+      splat(side), SampleType::u8, [&](Index3 s) { return inside(solid, s) ? 1 : 0; });
   ContourParameters parameters;
   parameters.surface.label = 1;
   parameters.surface.isovalue = 1;
   parameters.simplify.enabled = simplify;
-  const VolumeContour contour = contour_volume(
-      testing::MemoryVolume::of(splat(side), labels, SampleType::u8), parameters, {});
+  const VolumeContour contour = contour_volume(labels, parameters, {});
   const testing::LatticeWeld weld = testing::weld_tiles(contour.tiles);
   TriangleMesh mesh{{}, weld.triangles};
-  for (const auto& q : weld.vertices) {
-    Vec3 p;
-    for (int a = 0; a < 3; ++a)
-      p[a] = contour.tiles[0].lattice.coordinate(a, q[static_cast<std::size_t>(a)]);
-    mesh.vertices.push_back(p);
-  }
+  for (const auto& q : weld.vertices)
+    mesh.vertices.push_back(testing::place_of(contour.tiles[0].lattice, q));
   return mesh;
 }
 

@@ -12,11 +12,8 @@
 # Environment: VOXWELD_SHARED_DATA (folder with bunny_ct/ and meshes/), VOXWELD_FONT.
 set -euo pipefail
 
-usage() {
-  sed -n '2,13s/^# //p' "$0"
-  exit "$1"
-}
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+# shellcheck source=tests/common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
 build=$root/build out='' turns=7 small=no
 while [ $# -gt 0 ]; do
   case $1 in
@@ -24,8 +21,8 @@ while [ $# -gt 0 ]; do
     --build) build=$2 && shift ;;
     --turns) turns=$2 && shift ;;
     --small) small=yes turns=1 ;;
-    -h | --help) usage 0 ;;
-    *) usage 2 >&2 ;;
+    -h | --help) exec bash "$0" --help ;;
+    *) bash "$0" --help >&2 && exit 2 ;;
   esac
   shift
 done
@@ -33,10 +30,7 @@ out=${out:-$build/paper}
 data=${VOXWELD_SHARED_DATA:-$root/../shared/data}
 font=${VOXWELD_FONT:-/usr/share/fonts/truetype/wqy/wqy-microhei.ttc}
 for program in voxweld paper_models paper_table paper_figure paper_cuts paper_labels; do
-  [ -x "$build/$program" ] || {
-    echo "no program at $build/$program: build the tests, or name their folder with --build" >&2
-    exit 2
-  }
+  require_program "$build/$program" "build the tests, or name their folder with --build"
 done
 part=64 temple=256 cube=128 cuts=60 pixels=(--width 1200 --height 900) tolerances=(0.01 0.5 1 2 4)
 [ "$small" = no ] || part=32 temple=64 cube=64 cuts=3 pixels=(--width 160 --height 120) tolerances=(4)
@@ -70,61 +64,25 @@ row() {
 }
 skip() { printf '%s: left out: %s\n' "$1" "$2" | tee -a "$out/skipped"; }
 
+# settings CONFIG: the config of standard input, with what is the same for all models.
+settings() {
+  cat - >"$models/$1.toml" <(printf '%s\n' '[simplify]' 'tolerance = 0.01' 'metric = "sum"' \
+    '[output]' 'formats = ["drc"]' '[run]' 'threads = 1')
+}
+
 phantom() { # KIND CELLS: a sampled one, and its config
   "$build/voxweld" phantom "$1" --size $(($2 - 1)) -o "$models/phantom_$1.nrrd" >>"$log"
-  cat >"$models/phantom_$1.toml" <<END
-[input]
-path = "phantom_$1.nrrd"
-[surface]
-isovalue = 32767.5
-inside = "below"
-[simplify]
-tolerance = 0.01
-metric = "sum"
-[output]
-formats = ["drc"]
-[run]
-threads = 1
-END
+  printf '[input]\npath = "phantom_%s.nrrd"\n[surface]\nisovalue = 32767.5\ninside = "below"\n' "$1" |
+    settings "phantom_$1"
 }
 
 bunny() { # unpacks it and writes its config
   [ -f "$models/bunny.raw" ] || xz -dc "$data/bunny_ct/bunny_512x512x361_i16be.raw.xz" >"$models/bunny.raw"
-  cat >"$models/bunny.toml" <<END
-[input]
-path = "bunny.raw"
-format = "raw"
-size = [512, 512, 361]
-type = "int16"
-endian = "big"
-spacing = [0.337891, 0.337891, 0.5]
-unit = "mm"
-[surface]
-isovalue = 1150
-[simplify]
-tolerance = 0.01
-metric = "sum"
-[output]
-formats = ["drc"]
-[run]
-threads = 1
-END
+  bunny_config bunny.raw | settings bunny
 }
 
 labels_of_cube() { # writes their config
-  cat >"$models/cube_labels.toml" <<END
-[input]
-path = "cube.nrrd"
-[labels]
-mode = "shared"
-[simplify]
-tolerance = 0.01
-metric = "sum"
-[output]
-formats = ["drc"]
-[run]
-threads = 1
-END
+  printf '[input]\npath = "cube.nrrd"\n[labels]\nmode = "shared"\n' | settings cube_labels
 }
 
 make_models() {

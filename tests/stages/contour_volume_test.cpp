@@ -40,9 +40,8 @@ TEST(ContourVolume, TheExampleIsABall) {
 
 testing::MemoryVolume noise(Index3 size) {
   std::mt19937 random(5);
-  std::vector<std::uint8_t> v(static_cast<std::size_t>(size.x * size.y * size.z));
-  for (auto& s : v) s = static_cast<std::uint8_t>(random());
-  return testing::MemoryVolume::of<std::uint8_t>(size, v, SampleType::u8);
+  return testing::MemoryVolume::made<std::uint8_t>(size, SampleType::u8,
+                                                   [&](Index3) { return random(); });
 }
 
 ContourParameters above(double isovalue) {

@@ -17,14 +17,10 @@ using testing::no_labels;
 
 // Two labels side by side in a block, 0 around it.
 MemoryVolume halves(std::int64_t side) {
-  std::vector<std::uint16_t> v;
-  for (std::int64_t z = 0; z < side; ++z)
-    for (std::int64_t y = 0; y < side; ++y)
-      for (std::int64_t x = 0; x < side; ++x) {
-        const bool in = std::min({x, y, z}) >= 6 && std::max({x, y, z}) < side - 6;
-        v.push_back(static_cast<std::uint16_t>(!in ? 0 : 2 * x < side ? 1 : 2));
-      }
-  return MemoryVolume::of<std::uint16_t>(splat(side), v, SampleType::u16);
+  return MemoryVolume::made<std::uint16_t>(splat(side), SampleType::u16, [&](Index3 s) {
+    const bool in = std::min({s.x, s.y, s.z}) >= 6 && std::max({s.x, s.y, s.z}) < side - 6;
+    return !in ? 0 : 2 * s.x < side ? 1 : 2;
+  });
 }
 
 ContourParameters with_edits(const Edits& edits, double tolerance = 0.05) {
@@ -58,9 +54,7 @@ Volumes volumes(const MemoryVolume& volume, const ContourParameters& parameters,
       const MaterialPair pair = tile.pairs[number];
       Vec3 p[3];
       for (std::size_t k = 0; k < 3; ++k) {
-        const auto& q = mesh.vertices[mesh.triangles[i][k]];
-        for (int a = 0; a < 3; ++a)
-          p[k][a] = tile.lattice.coordinate(a, q[static_cast<std::size_t>(a)]);
+        p[k] = testing::place_of(tile.lattice, mesh.vertices[mesh.triangles[i][k]]);
         const std::uint32_t from = mesh.triangles[i][k], to = mesh.triangles[i][(k + 1) % 3];
         const int way = from < to ? 1 : -1;
         balance[{std::min(from, to), std::max(from, to), pair.inside}] += way;
@@ -131,16 +125,8 @@ TEST(LabelEdits, DoNotDependOnTheBricks) {
   const auto p = with_edits(edits);
   const MemoryVolume volume = halves(50);
   const auto first = contour_volume(volume, p, {4, 1024, 0.01});
-  for (const int level : {5, 6}) {
-    const auto other = contour_volume(volume, p, {level, 1024, 0.01});
-    ASSERT_EQ(other.tiles.size(), first.tiles.size());
-    for (std::size_t t = 0; t < first.tiles.size(); ++t) {
-      EXPECT_EQ(other.tiles[t].positions, first.tiles[t].positions);
-      EXPECT_EQ(other.tiles[t].triangles, first.tiles[t].triangles);
-      EXPECT_EQ(other.tiles[t].pairs, first.tiles[t].pairs);
-      EXPECT_EQ(other.tiles[t].triangle_pairs, first.tiles[t].triangle_pairs);
-    }
-  }
+  for (const int level : {5, 6})
+    testing::expect_same_tiles(contour_volume(volume, p, {level, 1024, 0.01}).tiles, first.tiles);
 }
 
 // One material, added and taken away: what the edits of signs give, to the bit.

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "stages/build/material_block.h"
+#include "tests/support/each_index.h"
 
 namespace voxweld {
 namespace {
@@ -35,19 +36,17 @@ Labels random_labels(Index3 size, std::uint32_t labels, double noise, unsigned s
                        static_cast<std::int64_t>(one(random) * static_cast<double>(size.y)),
                        static_cast<std::int64_t>(one(random) * static_cast<double>(size.z))});
   Labels out{size, {}};
-  for (std::int64_t z = 0; z < size.z; ++z)
-    for (std::int64_t y = 0; y < size.y; ++y)
-      for (std::int64_t x = 0; x < size.x; ++x) {
-        std::uint32_t nearest = 0;
-        std::int64_t best = INT64_MAX;
-        for (std::uint32_t i = 0; i < labels; ++i) {
-          const Index3 d = centres[i] - Index3{x, y, z};
-          const std::int64_t squared = d.x * d.x + d.y * d.y + d.z * d.z;
-          if (squared < best) best = squared, nearest = i;
-        }
-        if (one(random) < noise) nearest = static_cast<std::uint32_t>(random() % labels);
-        out.samples.push_back(nearest);
-      }
+  testing::each_index(size, [&](Index3 at) {
+    std::uint32_t nearest = 0;
+    std::int64_t best = INT64_MAX;
+    for (std::uint32_t i = 0; i < labels; ++i) {
+      const Index3 d = centres[i] - at;
+      const std::int64_t squared = d.x * d.x + d.y * d.y + d.z * d.z;
+      if (squared < best) best = squared, nearest = i;
+    }
+    if (one(random) < noise) nearest = static_cast<std::uint32_t>(random() % labels);
+    out.samples.push_back(nearest);
+  });
   return out;
 }
 
@@ -130,10 +129,10 @@ RC_GTEST_PROP(LabelExtents, GiveTheBytesOfTheWholeBrickOfAnyNoise, (const unsign
   Windows w;
   const int level = 4 + below(2);
   const std::int64_t side = std::int64_t{1} << level;
-  for (std::int64_t z = 0; z * side <= size.z; ++z)
-    for (std::int64_t y = 0; y * side <= size.y; ++y)
-      for (std::int64_t x = 0; x * side <= size.x; ++x)
-        expect_same(volume, {Index3{x, y, z} * side, level}, {}, w);
+  testing::each_index(Index3{size.x / side + 1, size.y / side + 1, size.z / side + 1},
+                      [&](Index3 at) {
+                        expect_same(volume, {at * side, level}, {}, w);
+                      });
   RC_ASSERT(!::testing::Test::HasFailure());
 }
 

@@ -8,6 +8,7 @@
 
 #include "stages/build/hermite.h"
 #include "stages/solids/solid.h"
+#include "tests/support/each_index.h"
 
 namespace voxweld {
 namespace {
@@ -18,13 +19,8 @@ struct Voxels {
   std::vector<std::uint16_t> labels;
 
   Voxels(const Solid& solid, std::int64_t side) : size(splat(side)) {
-    for (std::int64_t z = 0; z < side; ++z)
-      for (std::int64_t y = 0; y < side; ++y)
-        for (std::int64_t x = 0; x < side; ++x)
-          labels.push_back(solid_holds(solid, place({x, y, z})) ? 7 : 3);
-  }
-  static Vec3 place(Index3 s) {
-    return {static_cast<double>(s.x), static_cast<double>(s.y), static_cast<double>(s.z)};
+    testing::each_index(
+        size, [&](Index3 s) { labels.push_back(solid_holds(solid, testing::as_vec3(s)) ? 7 : 3); });
   }
   HaloBlock block() const {
     return {SampleType::u16, size,
@@ -77,22 +73,20 @@ class Measured {
   Errors sum(F&& edge_of) const {
     Errors errors;
     for (int axis = 0; axis < 3; ++axis)
-      for (Index3 at{1, 1, 1}; at.z < side_ - 1; ++at.z)
-        for (at.y = 1; at.y < side_ - 1; ++at.y)
-          for (at.x = 1; at.x < side_ - 1; ++at.x) {
-            Index3 next = at;
-            ++next[axis];
-            if (inside(at) == inside(next)) continue;
-            const HermiteEdge edge = edge_of(axis, at);
-            Vec3 p = Voxels::place(at - splat(1));
-            p[axis] += static_cast<double>(edge.t);
-            const Vec3 normal{edge.normal[0], edge.normal[1], edge.normal[2]};
-            const double value = solid_value(solid_, p);
-            errors.distance += value * value;
-            errors.degrees +=
-                std::acos(std::clamp(dot(normal, solid_normal(solid_, p)), -1.0, 1.0)) * 57.29578;
-            ++errors.edges;
-          }
+      testing::each_index({splat(1), splat(side_ - 1)}, [&](Index3 at) {
+        Index3 next = at;
+        ++next[axis];
+        if (inside(at) == inside(next)) return;
+        const HermiteEdge edge = edge_of(axis, at);
+        Vec3 p = testing::as_vec3(at - splat(1));
+        p[axis] += static_cast<double>(edge.t);
+        const Vec3 normal{edge.normal[0], edge.normal[1], edge.normal[2]};
+        const double value = solid_value(solid_, p);
+        errors.distance += value * value;
+        errors.degrees +=
+            std::acos(std::clamp(dot(normal, solid_normal(solid_, p)), -1.0, 1.0)) * 57.29578;
+        ++errors.edges;
+      });
     const auto n = static_cast<double>(errors.edges);
     errors.distance = std::sqrt(errors.distance / n);
     errors.degrees /= n;

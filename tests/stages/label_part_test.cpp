@@ -8,6 +8,7 @@
 
 #include "stages/build/label_bricks.h"
 #include "stages/build/label_edits.h"
+#include "tests/support/each_index.h"
 
 namespace voxweld {
 namespace {
@@ -61,11 +62,10 @@ struct Volume {
 Volume random_volume(Random& random) {
   Volume volume{{5 + random.below(40), 5 + random.below(40), 5 + random.below(40)}, {}};
   const int across = 3 + random.below(20);
-  for (std::int64_t z = 0; z < volume.size.z; ++z)
-    for (std::int64_t y = 0; y < volume.size.y; ++y)
-      for (std::int64_t x = 0; x < volume.size.x; ++x)
-        volume.samples.push_back(static_cast<std::uint8_t>(
-            random.below(30) == 0 ? random.below(5) : (x / across + y / 9 + 2 * (z / 13)) % 5));
+  testing::each_index(volume.size, [&](Index3 s) {
+    volume.samples.push_back(static_cast<std::uint8_t>(
+        random.below(30) == 0 ? random.below(5) : (s.x / across + s.y / 9 + 2 * (s.z / 13)) % 5));
+  });
   return volume;
 }
 
@@ -140,11 +140,10 @@ RC_GTEST_PROP(LabelPart, HasTheSidesOfAllLabelsAtOnce, (const unsigned seed)) {
   const Edits edits = random_edits(random, volume.size);
   ContourParameters parameters;
   parameters.spacing = {1, 0.9, 1.3};
-  const std::int64_t side = 16;
-  for (std::int64_t z = 0; z * side <= volume.size.z; ++z)
-    for (std::int64_t y = 0; y * side <= volume.size.y; ++y)
-      for (std::int64_t x = 0; x * side <= volume.size.x; ++x)
-        expect_same_sides(volume, {Index3{x, y, z} * side, 4}, edits, parameters);
+  const Index3 bricks{volume.size.x / 16 + 1, volume.size.y / 16 + 1, volume.size.z / 16 + 1};
+  testing::each_index(bricks, [&](Index3 at) {
+    expect_same_sides(volume, {at * 16, 4}, edits, parameters);
+  });
   RC_ASSERT(!::testing::Test::HasFailure());
 }
 

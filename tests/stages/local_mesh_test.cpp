@@ -5,24 +5,14 @@
 
 #include <cstring>
 
-#include "tests/support/triangle_meshes.h"
+#include "tests/stages/sampled_solid.h"
 
 namespace voxweld {
 namespace {
 
-using Sides = std::vector<char>;
-
-Sides sides_of(const LatticeSolid& mesh, const Box3& samples) {
-  const Index3 size = samples.size();
-  Sides inside(static_cast<std::size_t>(samples.count()));
-  mesh.each_flip(samples, [&](const LatticeSolid::Flip& flip) {
-    for (std::int64_t x = flip.x; x < samples.hi.x; ++x) {
-      const Index3 at = Index3{x, flip.y, flip.z} - samples.lo;
-      inside[static_cast<std::size_t>((at.z * size.y + at.y) * size.x + at.x)] ^= 1;
-    }
-  });
-  return inside;
-}
+using testing::each_index;
+using testing::Sides;
+using testing::sides_of;
 
 MeshBin bin_of(const TriangleMesh& mesh, const MeshSolid& whole, const VolumeFrame& frame,
                const Box3& samples) {
@@ -49,23 +39,16 @@ bool same_bits(const LatticeSolid::Crossing& a, const LatticeSolid::Crossing& b)
 }
 
 void expect_same_crossings(const MeshSolid& whole, const LocalMesh& local, const Box3& samples) {
-  const Index3 size = samples.size();
   const Sides inside = sides_of(whole, samples);
-  for (std::int64_t z = 0; z < size.z; ++z)
-    for (std::int64_t y = 0; y < size.y; ++y)
-      for (std::int64_t x = 0; x < size.x; ++x)
-        for (int axis = 0; axis < 3; ++axis) {
-          const Index3 low{x, y, z};
-          Index3 high = low;
-          if (++high[axis] == size[axis]) continue;
-          const auto at = [&](Index3 s) {
-            return inside[static_cast<std::size_t>((s.z * size.y + s.y) * size.x + s.x)] != 0;
-          };
-          if (at(low) == at(high)) continue;
-          const Index3 s = samples.lo + low;
-          EXPECT_TRUE(
-              same_bits(whole.crossing(axis, s, at(low)), local.crossing(axis, s, at(low))));
-        }
+  const auto at = [&](Index3 s) { return inside[testing::index_in(samples, s)] != 0; };
+  each_index(samples, [&](Index3 low) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Index3 high = low;
+      if (++high[axis] == samples.hi[axis] || at(low) == at(high)) continue;
+      EXPECT_TRUE(
+          same_bits(whole.crossing(axis, low, at(low)), local.crossing(axis, low, at(low))));
+    }
+  });
 }
 
 struct Counts {
@@ -76,39 +59,37 @@ struct Counts {
 Counts expect_same(const TriangleMesh& mesh, const VolumeFrame& frame) {
   const MeshSolid whole(mesh, frame, {});
   Counts counts;
-  for (std::int64_t z = 0; z * 8 < frame.size.z; ++z)
-    for (std::int64_t y = 0; y * 8 < frame.size.y; ++y)
-      for (std::int64_t x = 0; x * 8 < frame.size.x; ++x) {
-        const Index3 origin = Index3{x, y, z} * 8;
-        const Box3 samples =
-            intersect({origin - splat(2), origin + splat(9)}, Box3{{}, frame.size});
-        MeshBin bin = bin_of(mesh, whole, frame, samples);
-        const bool empty = bin.corners.empty();
-        const std::optional<bool> side = whole.side(samples);
-        EXPECT_EQ(side.has_value(), empty);
-        ++(!empty ? counts.reached : *side ? counts.inside : counts.outside);
-        const LocalMesh local(std::move(bin), {samples, frame.spacing, whole.bounds(), {}});
-        const Sides expected = sides_of(whole, samples);
-        EXPECT_EQ(sides_of(local, samples), expected);
-        if (side) {
-          EXPECT_EQ(expected, Sides(expected.size(), *side ? 1 : 0));
-        }
-        Box3 part = samples;
-        part.lo = part.lo + Index3{3, 2, 1};
-        part.hi = part.hi - Index3{1, 2, 3};
-        if (!part.empty()) {
-          EXPECT_EQ(sides_of(local, part), sides_of(whole, part));
-        }
-        expect_same_crossings(whole, local, samples);
-        // The sides further on.
-        const std::int64_t next = samples.hi.x - 1;
-        Box3 layer = samples;
-        layer.lo.x = next;
-        const auto rows = local.sides_at(next);
-        const Sides last = sides_of(whole, layer);
-        for (std::size_t row = 0; row < last.size(); ++row)
-          EXPECT_EQ(rows[row / 64] >> (row % 64) & 1, static_cast<std::uint64_t>(last[row]));
-      }
+  const Index3 last = frame.size - splat(1);
+  each_index(Index3{last.x / 8 + 1, last.y / 8 + 1, last.z / 8 + 1}, [&](Index3 brick) {
+    const Index3 origin = brick * 8;
+    const Box3 samples = intersect({origin - splat(2), origin + splat(9)}, Box3{{}, frame.size});
+    MeshBin bin = bin_of(mesh, whole, frame, samples);
+    const bool empty = bin.corners.empty();
+    const std::optional<bool> side = whole.side(samples);
+    EXPECT_EQ(side.has_value(), empty);
+    ++(!empty ? counts.reached : *side ? counts.inside : counts.outside);
+    const LocalMesh local(std::move(bin), {samples, frame.spacing, whole.bounds(), {}});
+    const Sides expected = sides_of(whole, samples);
+    EXPECT_EQ(sides_of(local, samples), expected);
+    if (side) {
+      EXPECT_EQ(expected, Sides(expected.size(), *side ? 1 : 0));
+    }
+    Box3 part = samples;
+    part.lo = part.lo + Index3{3, 2, 1};
+    part.hi = part.hi - Index3{1, 2, 3};
+    if (!part.empty()) {
+      EXPECT_EQ(sides_of(local, part), sides_of(whole, part));
+    }
+    expect_same_crossings(whole, local, samples);
+    // The sides further on.
+    const std::int64_t next = samples.hi.x - 1;
+    Box3 layer = samples;
+    layer.lo.x = next;
+    const auto rows = local.sides_at(next);
+    const Sides expected_rows = sides_of(whole, layer);
+    for (std::size_t row = 0; row < expected_rows.size(); ++row)
+      EXPECT_EQ(rows[row / 64] >> (row % 64) & 1, static_cast<std::uint64_t>(expected_rows[row]));
+  });
   return counts;
 }
 

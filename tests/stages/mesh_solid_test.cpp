@@ -5,61 +5,17 @@
 #include <gtest/gtest.h>
 
 #include "stages/build/hermite.h"
-#include "tests/support/triangle_meshes.h"
+#include "tests/stages/sampled_solid.h"
 
 namespace voxweld {
 namespace {
 
 using testing::box_mesh;
 using testing::dented_ball;
+using testing::nearest;
 using testing::tetrahedron;
 
-// The sides of all samples, by each_flip.
-std::vector<char> sides(const MeshSolid& mesh, Index3 size) {
-  std::vector<char> inside(static_cast<std::size_t>(size.x * size.y * size.z));
-  mesh.each_flip({{}, size}, [&](const MeshSolid::Flip& flip) {
-    for (std::int64_t x = flip.x; x < size.x; ++x)
-      inside[static_cast<std::size_t>((flip.z * size.y + flip.y) * size.x + x)] ^= 1;
-  });
-  return inside;
-}
-
-struct Sampled {
-  VolumeFrame frame;
-  MeshSolid mesh;
-  std::vector<char> inside;
-
-  Sampled(const TriangleMesh& triangles, const VolumeFrame& f)
-      : frame(f), mesh(triangles, f, {}), inside(sides(mesh, f.size)) {}
-  bool at(Index3 s) const {
-    return inside[static_cast<std::size_t>((s.z * frame.size.y + s.y) * frame.size.x + s.x)] != 0;
-  }
-  template <class F>
-  void each_sample(F&& f) const {
-    for (std::int64_t z = 0; z < frame.size.z; ++z)
-      for (std::int64_t y = 0; y < frame.size.y; ++y)
-        for (std::int64_t x = 0; x < frame.size.x; ++x) f(Index3{x, y, z});
-  }
-  // f(axis, low end, crossing) of each edge with a side change.
-  template <class F>
-  void each_crossing(F&& f) const {
-    each_sample([&](Index3 s) {
-      for (int axis = 0; axis < 3; ++axis) {
-        Index3 high = s;
-        if (++high[axis] < frame.size[axis] && at(s) != at(high))
-          f(axis, s, mesh.crossing(axis, s, at(s)));
-      }
-    });
-  }
-};
-
-double nearest(const TriangleMesh& mesh, Vec3 p) {
-  double least = 1e300;
-  for (const auto& t : mesh.triangles)
-    least = std::min(
-        least, testing::distance(p, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]));
-  return least;
-}
+using Sampled = testing::Sampled<MeshSolid>;
 
 // On the surface, to what snapping moves, and out of the inside end.
 void expect_crossings_on_surface(const Sampled& sampled, const TriangleMesh& mesh) {
@@ -185,33 +141,13 @@ TEST(MeshSolid, OrderWindingAndBoxOfTheQuestionChangeNothing) {
     EXPECT_EQ(c.t, other.t);
     EXPECT_EQ(c.normal, other.normal);
   });
-  for (int round = 0; round < 50; ++round) {
-    Box3 box;
-    for (int a = 0; a < 3; ++a) {
-      box.lo[a] = static_cast<std::int64_t>(random() % 16);
-      box.hi[a] = box.lo[a] + 1 + static_cast<std::int64_t>(random() % (17 - box.lo[a]));
-    }
-    std::vector<char> inside(first.inside.size());
-    const auto index = [](Index3 s) {
-      return static_cast<std::size_t>((s.z * 17 + s.y) * 17 + s.x);
-    };
-    first.mesh.each_flip(box, [&](const MeshSolid::Flip& flip) {
-      for (std::int64_t x = flip.x; x < box.hi.x; ++x) inside[index({x, flip.y, flip.z})] ^= 1;
-    });
-    first.each_sample([&](Index3 s) {
-      if (box.contains(s)) {
-        EXPECT_EQ(inside[index(s)] != 0, first.at(s));
-      }
-    });
-  }
+  first.expect_sides_of_boxes(random);
 }
 
 // Two walls within one edge: the one next to the outside end is taken.
 TEST(MeshSolid, OfSeveralCrossingsTheOutermost) {
-  TriangleMesh mesh = box_mesh({1.5, 0.5, 0.5}, {4.2, 3.5, 3.5});
-  const TriangleMesh plate = box_mesh({4.5, 0.5, 0.5}, {4.7, 3.5, 3.5});
-  for (auto t : plate.triangles) mesh.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
-  mesh.vertices.insert(mesh.vertices.end(), plate.vertices.begin(), plate.vertices.end());
+  const TriangleMesh mesh = testing::joined(box_mesh({1.5, 0.5, 0.5}, {4.2, 3.5, 3.5}),
+                                            box_mesh({4.5, 0.5, 0.5}, {4.7, 3.5, 3.5}));
   const Sampled sampled(mesh, {{7, 5, 5}, {1, 1, 1}});
   const auto crossing = sampled.mesh.crossing(0, {4, 2, 2}, true);
   EXPECT_NEAR(crossing.t, 0.7, 1e-6);

@@ -20,11 +20,7 @@ using testing::Triangle;
 
 template <class F>
 MemoryVolume labels(Index3 size, F&& label_at) {
-  std::vector<std::uint64_t> v;
-  for (std::int64_t z = 0; z < size.z; ++z)
-    for (std::int64_t y = 0; y < size.y; ++y)
-      for (std::int64_t x = 0; x < size.x; ++x) v.push_back(label_at(Index3{x, y, z}));
-  return MemoryVolume::of<std::uint64_t>(size, v, SampleType::u64);
+  return MemoryVolume::made<std::uint64_t>(size, SampleType::u64, label_at);
 }
 
 MemoryVolume noise(Index3 size, unsigned count, unsigned seed) {
@@ -33,8 +29,7 @@ MemoryVolume noise(Index3 size, unsigned count, unsigned seed) {
 }
 
 double distance2(Index3 p, const Vec3& c) {
-  const Vec3 d{static_cast<double>(p.x) - c.x, static_cast<double>(p.y) - c.y,
-               static_cast<double>(p.z) - c.z};
+  const Vec3 d = testing::as_vec3(p) - c;
   return dot(d, d);
 }
 
@@ -138,14 +133,9 @@ TEST(SharedLabels, DoNotDependOnTheBricks) {
     for (const int level : {4, 5, 6, 7}) {
       const VolumeContour contour = contour_volume(volume, shared_labels(0.3), {level, 2048, 0.01});
       if (first.empty()) first = contour.tiles;
-      ASSERT_EQ(contour.tiles.size(), first.size());
+      SCOPED_TRACE(level);
       EXPECT_GT(first.size(), 1u);
-      for (std::size_t t = 0; t < first.size(); ++t) {
-        EXPECT_EQ(contour.tiles[t].positions, first[t].positions) << level;
-        EXPECT_EQ(contour.tiles[t].triangles, first[t].triangles) << level;
-        EXPECT_EQ(contour.tiles[t].pairs, first[t].pairs) << level;
-        EXPECT_EQ(contour.tiles[t].triangle_pairs, first[t].triangle_pairs) << level;
-      }
+      testing::expect_same_tiles(contour.tiles, first);
     }
   }
 }
@@ -222,16 +212,12 @@ JunctionErrors junction_errors(double tolerance) {
       around[v].insert(complex.pairs[i].inside);
       around[v].insert(complex.pairs[i].outside);
     }
-  const OutputLattice& lattice = contour.tiles[0].lattice;
   JunctionErrors errors;
   for (std::size_t v = 0; v < around.size(); ++v) {
     if (around[v].contains(exterior)) continue;
     std::vector<Vec3> of;
     for (const Material label : around[v]) of.push_back(sites[label - 1]);
-    Vec3 p;
-    for (int a = 0; a < 3; ++a)
-      p[a] =
-          lattice.origin[a] + lattice.step * complex.mesh.vertices[v][static_cast<std::size_t>(a)];
+    const Vec3 p = testing::place_of(contour.tiles[0].lattice, complex.mesh.vertices[v]);
     errors.add(of.size(), distance_to_junction(p, of));
   }
   return errors;

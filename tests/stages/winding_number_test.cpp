@@ -3,13 +3,14 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/triangle_meshes.h"
+#include "tests/stages/sampled_solid.h"
 
 namespace voxweld {
 namespace {
 
 using testing::box_mesh;
 using testing::dented_ball;
+using testing::nearest;
 using testing::winding;
 
 class Random {
@@ -40,14 +41,6 @@ TriangleMesh soup(const TriangleMesh& mesh) {
     apart.triangles.push_back({first, first + 1, first + 2});
   }
   return apart;
-}
-
-double least_distance(const TriangleMesh& mesh, Vec3 p) {
-  double least = 1e300;
-  for (const auto& t : mesh.triangles)
-    least = std::min(
-        least, testing::distance(p, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]));
-  return least;
 }
 
 std::vector<TriangleMesh> meshes(Random& random) {
@@ -124,10 +117,10 @@ TEST(WindingNumber, TouchesWhereTrianglesAre) {
   const WindingNumber number(mesh);
   for (int i = 0; i < 300; ++i) {
     const Vec3 p = random.place(-8, 8), half = random.place(0.2, 1);
-    if (least_distance(mesh, p) < std::min({half.x, half.y, half.z})) {
+    if (nearest(mesh, p) < std::min({half.x, half.y, half.z})) {
       EXPECT_TRUE(number.touches({p - half, p + half}));
     }
-    if (least_distance(mesh, p) > 4) {
+    if (nearest(mesh, p) > 4) {
       EXPECT_FALSE(number.touches({p - half, p + half}));
     }
   }
@@ -141,7 +134,7 @@ TEST(WindingNumber, GradientIsThatOfTheNumber) {
     for (int i = 0; i < 60; ++i) {
       const Vec3 p = random.place(-8, 8);
       constexpr double step = 1e-4;
-      if (least_distance(mesh, p) < 0.2) continue;
+      if (nearest(mesh, p) < 0.2) continue;
       const Vec3 gradient = number.gradient(p);
       for (int a = 0; a < 3; ++a) {
         Vec3 lo = p, hi = p;
@@ -188,11 +181,8 @@ TEST(WindingNumber, OrderOfTrianglesChangesNothing) {
 
 // Once in either of two boxes, twice in both.
 TEST(WindingNumber, OverlapsCountTwice) {
-  TriangleMesh mesh = box_mesh({0, 0, 0}, {4, 4, 4});
-  const TriangleMesh other = box_mesh({2, 2, 2}, {6, 6, 6});
-  for (auto t : other.triangles) mesh.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
-  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
-  const WindingNumber number(mesh);
+  const WindingNumber number(
+      testing::joined(box_mesh({0, 0, 0}, {4, 4, 4}), box_mesh({2, 2, 2}, {6, 6, 6})));
   EXPECT_EQ(number.value({1, 1, 1}), 1);
   EXPECT_EQ(number.value({3, 3, 3}), 2);
   EXPECT_EQ(number.value({5, 5, 5}), 1);

@@ -3,8 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "stages/solids/mesh_solid.h"
-#include "tests/support/triangle_meshes.h"
+#include "tests/stages/sampled_solid.h"
 
 namespace voxweld {
 namespace {
@@ -12,43 +11,7 @@ namespace {
 using testing::box_mesh;
 using testing::dented_ball;
 
-std::vector<char> sides(const LatticeSolid& solid, Index3 size, const Box3& box) {
-  std::vector<char> inside(static_cast<std::size_t>(size.x * size.y * size.z));
-  solid.each_flip(box, [&](const LatticeSolid::Flip& flip) {
-    for (std::int64_t x = flip.x; x < box.hi.x; ++x)
-      inside[static_cast<std::size_t>((flip.z * size.y + flip.y) * size.x + x)] ^= 1;
-  });
-  return inside;
-}
-
-struct SampledWound {
-  VolumeFrame frame;
-  WoundMesh mesh;
-  std::vector<char> inside;
-
-  SampledWound(const TriangleMesh& triangles, const VolumeFrame& f)
-      : frame(f), mesh(triangles, f, {}), inside(sides(mesh, f.size, {{}, f.size})) {}
-  std::size_t index(Index3 s) const {
-    return static_cast<std::size_t>((s.z * frame.size.y + s.y) * frame.size.x + s.x);
-  }
-  bool at(Index3 s) const { return inside[index(s)] != 0; }
-  template <class F>
-  void each_sample(F&& f) const {
-    for (std::int64_t z = 0; z < frame.size.z; ++z)
-      for (std::int64_t y = 0; y < frame.size.y; ++y)
-        for (std::int64_t x = 0; x < frame.size.x; ++x) f(Index3{x, y, z});
-  }
-  template <class F>
-  void each_crossing(F&& f) const {
-    each_sample([&](Index3 s) {
-      for (int axis = 0; axis < 3; ++axis) {
-        Index3 high = s;
-        if (++high[axis] < frame.size[axis] && at(s) != at(high))
-          f(axis, s, mesh.crossing(axis, s, at(s)));
-      }
-    });
-  }
-};
+using SampledWound = testing::Sampled<WoundMesh>;
 
 // Faces and corners on lattice points or not: what parity tells of closed meshes.
 TEST(WoundMesh, ClosedMeshesAreAsByParity) {
@@ -64,7 +27,7 @@ TEST(WoundMesh, ClosedMeshesAreAsByParity) {
         for (Vec3& v : mesh.vertices) v = {std::round(v.x), std::round(v.y), std::round(v.z)};
       const SampledWound sampled(mesh, frame);
       const MeshSolid parity(mesh, frame, {});
-      EXPECT_EQ(sampled.inside, sides(parity, frame.size, {{}, frame.size}));
+      EXPECT_EQ(sampled.inside, testing::sides_of(parity, {{}, frame.size}));
       EXPECT_EQ(sampled.mesh.open_edges(), 0U);
       std::size_t edges = 0, far = 0, turned = 0;
       sampled.each_crossing([&](int axis, Index3 s, const LatticeSolid::Crossing& c) {
@@ -131,10 +94,8 @@ TEST(WoundMesh, FlatHolesCloseFlat) {
 }
 
 TEST(WoundMesh, OverlappingBoxesAreOneSolid) {
-  TriangleMesh mesh = box_mesh({2.5, 2.5, 2.5}, {10.5, 10.5, 10.5});
-  const TriangleMesh other = box_mesh({6.5, 6.5, 6.5}, {14.5, 14.5, 14.5});
-  for (auto t : other.triangles) mesh.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
-  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+  const TriangleMesh mesh = testing::joined(box_mesh({2.5, 2.5, 2.5}, {10.5, 10.5, 10.5}),
+                                            box_mesh({6.5, 6.5, 6.5}, {14.5, 14.5, 14.5}));
   const SampledWound sampled(mesh, {{18, 18, 18}, {1, 1, 1}});
   const auto in = [](Index3 s, std::int64_t lo, std::int64_t hi) {
     return std::min({s.x, s.y, s.z}) >= lo && std::max({s.x, s.y, s.z}) <= hi;
@@ -152,21 +113,7 @@ TEST(WoundMesh, BoxOfTheQuestionChangesNothing) {
   std::mt19937 random(9);
   TriangleMesh mesh = dented_ball({8, 8, 8}, 6, 4);
   std::erase_if(mesh.triangles, [&](const auto&) { return random() % 10 == 0; });
-  const Index3 size{17, 17, 17};
-  const SampledWound whole(mesh, {size, {1, 1, 1}});
-  for (int round = 0; round < 50; ++round) {
-    Box3 box;
-    for (int a = 0; a < 3; ++a) {
-      box.lo[a] = static_cast<std::int64_t>(random() % 16);
-      box.hi[a] = box.lo[a] + 1 + static_cast<std::int64_t>(random() % (17 - box.lo[a]));
-    }
-    const auto inside = sides(whole.mesh, size, box);
-    whole.each_sample([&](Index3 s) {
-      if (box.contains(s)) {
-        EXPECT_EQ(inside[whole.index(s)] != 0, whole.at(s));
-      }
-    });
-  }
+  SampledWound(mesh, {splat(17), {1, 1, 1}}).expect_sides_of_boxes(random);
 }
 
 TEST(WoundMesh, IsKeyedByHowItTellsSides) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "stages/whole/contour_volume.h"
+#include "tests/support/each_index.h"
 
 namespace voxweld::testing {
 
@@ -20,8 +21,19 @@ struct MemoryVolume {
     std::memcpy(v.samples.data(), values.data(), v.samples.size());
     return v;
   }
+  // From a function of the sample's index.
+  template <class T, class F>
+  static MemoryVolume made(Index3 size, SampleType type, F&& value) {
+    std::vector<T> values;
+    each_index(size, [&](Index3 at) { values.push_back(static_cast<T>(value(at))); });
+    return of<T>(size, values, type);
+  }
   operator VolumeSamples() const { return {type, size, samples}; }
 };
+
+inline Vec3 place_of(const OutputLattice& lattice, const LatticePoint& q) {
+  return {lattice.coordinate(0, q[0]), lattice.coordinate(1, q[1]), lattice.coordinate(2, q[2])};
+}
 
 // All tiles as one mesh, welded on lattice coordinates alone; triangle order kept.
 struct LatticeWeld {

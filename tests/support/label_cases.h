@@ -1,6 +1,8 @@
 // What tests of labels.mode = "shared" begin with.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <memory>
 
 #include "tests/support/contour_in_memory.h"
@@ -21,9 +23,18 @@ inline ContourParameters shared_labels(double tolerance) {
 
 // Nothing but label 0.
 inline MemoryVolume no_labels(std::int64_t side) {
-  return MemoryVolume::of<std::uint16_t>(
-      splat(side), std::vector<std::uint16_t>(static_cast<std::size_t>(side * side * side)),
-      SampleType::u16);
+  return MemoryVolume::made<std::uint16_t>(splat(side), SampleType::u16, [](Index3) { return 0; });
+}
+
+inline void expect_same_tiles(const std::vector<TileMesh>& found,
+                              const std::vector<TileMesh>& expected) {
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t t = 0; t < found.size(); ++t) {
+    EXPECT_EQ(found[t].positions, expected[t].positions);
+    EXPECT_EQ(found[t].triangles, expected[t].triangles);
+    EXPECT_EQ(found[t].pairs, expected[t].pairs);
+    EXPECT_EQ(found[t].triangle_pairs, expected[t].triangle_pairs);
+  }
 }
 
 inline Edit box_edit(EditOp op, Material material, Vec3 center, Vec3 size) {

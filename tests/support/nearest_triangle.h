@@ -4,6 +4,7 @@
 #include <limits>
 #include <unordered_map>
 
+#include "tests/support/each_index.h"
 #include "tests/support/triangle_meshes.h"
 
 namespace voxweld::testing {
@@ -19,8 +20,8 @@ class NearestTriangle {
           lo[a] = std::min(lo[a], mesh.vertices[corner][a]);
           hi[a] = std::max(hi[a], mesh.vertices[corner][a]);
         }
-      each_cube({cube_at(lo), cube_at(hi) + splat(1)},
-                [&](Index3 at) { cubes_[key(at)].push_back(i); });
+      each_index({cube_at(lo), cube_at(hi) + splat(1)},
+                 [&](Index3 at) { cubes_[key(at)].push_back(i); });
     }
   }
 
@@ -29,7 +30,7 @@ class NearestTriangle {
     double least = std::numeric_limits<double>::infinity();
     const Index3 home = cube_at(p);
     for (int r = 0; r <= reach && least > (r - 1) * cube_; ++r)
-      each_cube({home - splat(r), home + splat(r + 1)}, [&](Index3 at) {
+      each_index({home - splat(r), home + splat(r + 1)}, [&](Index3 at) {
         const Index3 d = at - home;
         if (std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) != r) return;
         const auto found = cubes_.find(key(at));
@@ -48,12 +49,6 @@ class NearestTriangle {
     Index3 at;
     for (int a = 0; a < 3; ++a) at[a] = static_cast<std::int64_t>(std::floor(p[a] / cube_));
     return at;
-  }
-  template <class F>
-  static void each_cube(const Box3& box, F&& f) {
-    for (std::int64_t z = box.lo.z; z < box.hi.z; ++z)
-      for (std::int64_t y = box.lo.y; y < box.hi.y; ++y)
-        for (std::int64_t x = box.lo.x; x < box.hi.x; ++x) f(Index3{x, y, z});
   }
   static std::int64_t key(Index3 at) { return (at.z * 1048583 + at.y) * 1048573 + at.x; }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tests/support/each_index.h"
+
 namespace voxweld::testing {
 namespace {
 
@@ -93,14 +95,6 @@ DualQuad quad_around(const ReferenceDual& dual, Index3 low, int axis, bool low_i
   return quad;
 }
 
-template <class F>
-void for_each_cell(const SignGrid& grid, F&& f) {
-  const Index3 end = grid.cells().hi;
-  for (std::int64_t z = 0; z < end.z; ++z)
-    for (std::int64_t y = 0; y < end.y; ++y)
-      for (std::int64_t x = 0; x < end.x; ++x) f(Index3{x, y, z});
-}
-
 }  // namespace
 
 CellEdge cell_edge(int edge) {
@@ -148,14 +142,14 @@ std::set<int> problem_faces(unsigned signs) {
 
 ReferenceDual reference_dual(const SignGrid& grid, AmbiguousFaces rule) {
   ReferenceDual dual;
-  for_each_cell(grid, [&](Index3 cell) {
+  each_index(grid.cells().hi, [&](Index3 cell) {
     const unsigned signs = signs_of_cell(grid, cell);
     if (signs == 0 || signs == 255) return;
     const std::set<int> joined =
         rule == AmbiguousFaces::wenger ? joined_faces(grid, cell) : std::set<int>{};
     dual.cells[index_of(cell)] = patches_of(signs, joined);
   });
-  for_each_cell(grid, [&](Index3 low) {
+  each_index(grid.cells().hi, [&](Index3 low) {
     for (int axis = 0; axis < 3; ++axis) {
       Index3 high = low;
       ++high[axis];

@@ -1,11 +1,10 @@
 #include "tests/support/sign_grid.h"
+#include "tests/support/each_index.h"
 
 namespace voxweld::testing {
 
 SignGrid::SignGrid(Index3 size, const std::function<bool(Index3)>& inside) : size_(size) {
-  for (std::int64_t z = 0; z < size.z; ++z)
-    for (std::int64_t y = 0; y < size.y; ++y)
-      for (std::int64_t x = 0; x < size.x; ++x) inside_.push_back(inside({x, y, z}));
+  each_index(size, [&](Index3 at) { inside_.push_back(inside(at)); });
 }
 
 bool SignGrid::inside(Index3 p) const {
@@ -17,14 +16,12 @@ bool SignGrid::inside(Index3 p) const {
 CrossingCounts count_crossings(const SignGrid& grid) {
   CrossingCounts counts;
   const Index3 end = grid.cells().hi;
-  for (std::int64_t z = 0; z < end.z; ++z)
-    for (std::int64_t y = 0; y < end.y; ++y)
-      for (std::int64_t x = 0; x < end.x; ++x) {
-        const bool here = grid.inside({x, y, z});
-        counts.x += here != grid.inside({x + 1, y, z});
-        counts.y += here != grid.inside({x, y + 1, z});
-        counts.z += here != grid.inside({x, y, z + 1});
-      }
+  each_index(end, [&](Index3 at) {
+    const bool here = grid.inside(at);
+    counts.x += here != grid.inside(at + Index3{1, 0, 0});
+    counts.y += here != grid.inside(at + Index3{0, 1, 0});
+    counts.z += here != grid.inside(at + Index3{0, 0, 1});
+  });
   return counts;
 }
 

@@ -24,6 +24,15 @@ inline TriangleMesh box_mesh(Vec3 lo, Vec3 hi) {
   return mesh;
 }
 
+// Both, with the vertices of the second behind those of the first.
+inline TriangleMesh joined(TriangleMesh mesh, const TriangleMesh& other) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+  for (const auto& t : other.triangles)
+    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  return mesh;
+}
+
 // Every triangle to four, through the middles of its edges.
 inline TriangleMesh subdivided(const TriangleMesh& coarse) {
   TriangleMesh mesh{coarse.vertices, {}};

@@ -1,12 +1,12 @@
-#include <zlib.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
+#include "storage/support/file_io.h"
 #include "tests/pipeline/cli/workplace.h"
+#include "tests/support/deflated.h"
 
 namespace voxweld::testing {
 namespace {
@@ -19,18 +19,8 @@ std::string gzip_nrrd(const std::string& samples, int side) {
   const std::string n = std::to_string(side);
   std::string text = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: " + n + " " + n + " " + n +
                      "\nencoding: gzip\n\n";
-  z_stream stream{};
-  EXPECT_EQ(deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
-  std::string packed(samples.size() + 1024, '\0');
-  std::string copy = samples;
-  stream.next_in = reinterpret_cast<Bytef*>(copy.data());
-  stream.avail_in = static_cast<uInt>(copy.size());
-  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-  stream.avail_out = static_cast<uInt>(packed.size());
-  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-  packed.resize(stream.total_out);
-  deflateEnd(&stream);
-  return text + packed;
+  const auto packed = deflated(as_bytes(samples), Wrapper::gzip);
+  return text + std::string(reinterpret_cast<const char*>(packed.data()), packed.size());
 }
 
 double isovalue_of(const Workplace& place, const std::string& config) {

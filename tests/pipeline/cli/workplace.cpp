@@ -19,12 +19,7 @@ ProgramResult Workplace::run(const std::vector<std::string>& arguments) const {
 
 void Workplace::run_scene(const std::vector<std::string>& settings) const {
   run({"init", phantom("scene.nrrd"), "-o", at("scene.toml")});
-  std::vector<std::string> arguments = {"run", at("scene.toml")};
-  for (const std::string& setting : settings) {
-    arguments.push_back("--set");
-    arguments.push_back(setting);
-  }
-  run(arguments);
+  run(Arguments{"run", at("scene.toml")} + set_options(settings));
 }
 
 nlohmann::json Workplace::info(const std::string& path, std::vector<std::string> more) const {

@@ -8,111 +8,66 @@
 
 #include "pipeline/config/edit_settings.h"
 #include "tests/pipeline/config/config_texts.h"
+#include "tests/pipeline/config/wrong_values.h"
 
 namespace voxweld {
 namespace {
 
 using testing::error_of;
 using testing::least_config;
+using testing::WrongKey;
+using testing::WrongValue;
 
-struct WrongEditValue {
-  std::string value;  // as TOML
-  std::string found;  // what follows "found " in the message
-};
-
-struct WrongEditKey {
-  SolidShape shape;
-  std::string key;
-  std::string expected;  // what follows "expected " in the message
-  std::vector<WrongEditValue> values;
-};
-
-const std::vector<WrongEditKey>& wrong_edit_keys() {
-  static const std::string positive = "a finite number above 0";
-  static const std::vector<WrongEditValue> not_positive = {
-      {"0", "0"},
-      {"-0.5", "-0.5"},
-      {"inf", "inf"},
-      {"nan", "nan"},
-      {"true", "true (a boolean)"},
-      {"[1]", "[1] (a list of 1)"},
-      {"9007199254740993", "9007199254740993"},
-      {"\"4\"", "\"4\" (a string); write numbers without quotes"}};
-  static const std::vector<WrongEditValue> not_triple = {
-      {"3", "3"},
-      {"[1, 2]", "[1, 2] (a list of 2)"},
-      {"[1, 2, 3, 4]", "[1, 2, 3, 4] (a list of 4)"},
-      {"[1, 2, inf]", "[1, 2, inf] (a list of 3)"},
-      {"[nan, 2, 3]", "[nan, 2, 3] (a list of 3)"},
-      {"[1, \"2\", 3]", "[1, \"2\", 3] (a list of 3)"},
-      {"{x = 1}", "a table"},
-      {"\"1 2 3\"", "\"1 2 3\" (a string)"}};
-  using enum SolidShape;
-  static const std::vector<WrongEditKey> all = {
-      {sphere,
-       "op",
-       "\"add\", \"subtract\", \"intersect\" or \"replace\" (default: \"add\")",
-       {{"\"substract\"", "\"substract\" (a string); did you mean \"subtract\"?"},
-        {"\"Add\"", "\"Add\" (a string); did you mean \"add\"?"},
-        {"\"xor\"", "\"xor\" (a string)"},
-        {"1", "1"}}},
-      {sphere,
-       "material",
-       "an integer of at least 0 (default: none; between labels add and replace need it)",
-       {{"-1", "-1"}, {"1.5", "1.5"}, {"\"7\"", "\"7\" (a string); write numbers without quotes"}}},
-      {sphere,
-       "shape",
-       "\"sphere\", \"box\", \"cylinder\", \"cone\", \"torus\", \"plane\" or \"mesh\"",
-       {{"\"ball\"", "\"ball\" (a string)"},
-        {"\"Spere\"", "\"Spere\" (a string); did you mean \"sphere\"?"},
-        {"[\"box\"]", "[\"box\"] (a list of 1)"}}},
-      {sphere, "center", "three finite numbers: [x, y, z]", not_triple},
-      {sphere, "radius", positive, not_positive},
-      {mesh,
-       "path",
-       "a path in quotes",
-       {{"\"\"", "\"\" (a string)"}, {"3", "3; write paths in quotes"}}},
-      {mesh, "scale", positive + " (default: 1.0)", not_positive},
-      {mesh,
-       "close",
-       "\"no\" or \"winding\" (default: \"no\")",
-       {{"false", "false (a boolean)"},
-        {"\"windng\"", "\"windng\" (a string); did you mean \"winding\"?"}}},
-      {cone, "height", positive, not_positive},
-      {torus, "tube", positive, not_positive},
-      {box, "size", "three finite numbers above 0: [x, y, z]", not_triple},
-      {box,
-       "size",
-       "three finite numbers above 0: [x, y, z]",
-       {{"[1, 2, 0]", "[1, 2, 0] (a list of 3)"}, {"[-1, 2, 3]", "[-1, 2, 3] (a list of 3)"}}},
-      {plane, "axis", "three finite numbers, not all 0: [x, y, z] (default: [0.0, 0.0, 1.0])",
-       not_triple},
-      {plane,
-       "axis",
-       "three finite numbers, not all 0: [x, y, z] (default: [0.0, 0.0, 1.0])",
-       {{"[0, 0.0, -0.0]", "[0, 0.0, -0.0] (a list of 3)"}, {"\"z\"", "\"z\" (a string)"}}},
-      {box, "rotate", "three finite numbers: [x, y, z] (default: [0.0, 0.0, 0.0])", not_triple},
-  };
-  return all;
-}
+// Of a key its shape comes first.
+const std::vector<WrongKey> wrong_edit_keys = testing::read_wrong_keys(R"table(
+sphere op: "add", "subtract", "intersect" or "replace" (default: "add")
+  "substract" (a string); did you mean "subtract"? | "Add" (a string); did you mean "add"?
+  "xor" (a string) | 1
+sphere material: an integer of at least 0 (default: none; between labels add and replace need it)
+  -1 | 1.5 | "7" (a string); write numbers without quotes
+sphere shape: "sphere", "box", "cylinder", "cone", "torus", "plane" or "mesh"
+  "ball" (a string) | "Spere" (a string); did you mean "sphere"? | ["box"] (a list of 1)
+sphere center: three finite numbers: [x, y, z]
+box size: three finite numbers above 0: [x, y, z]
+plane axis: three finite numbers, not all 0: [x, y, z] (default: [0.0, 0.0, 1.0])
+box rotate: three finite numbers: [x, y, z] (default: [0.0, 0.0, 0.0])
+  3 | [1, 2] (a list of 2) | [1, 2, 3, 4] (a list of 4) | [1, 2, inf] (a list of 3)
+  [nan, 2, 3] (a list of 3) | [1, "2", 3] (a list of 3) | {x = 1} => a table | "1 2 3" (a string)
+sphere radius: a finite number above 0
+mesh scale: a finite number above 0 (default: 1.0)
+cone height: a finite number above 0
+torus tube: a finite number above 0
+  0 | -0.5 | inf | nan | true (a boolean) | [1] (a list of 1) | 9007199254740993
+  "4" (a string); write numbers without quotes
+mesh path: a path in quotes
+  "" (a string) | 3; write paths in quotes
+mesh close: "no" or "winding" (default: "no")
+  false (a boolean) | "windng" (a string); did you mean "winding"?
+box size: three finite numbers above 0: [x, y, z]
+  [1, 2, 0] (a list of 3) | [-1, 2, 3] (a list of 3)
+plane axis: three finite numbers, not all 0: [x, y, z] (default: [0.0, 0.0, 1.0])
+  [0, 0.0, -0.0] (a list of 3) | "z" (a string)
+)table");
 
 const std::string sphere_text =
     "[[edit]]\nshape = \"sphere\"\ncenter = [1, 2, 3]\nradius = 4\n";  // lines 3 to 6
 
 TEST(EditError, CoversEveryKey) {
   std::set<std::string> covered;
-  for (const WrongEditKey& key : wrong_edit_keys()) covered.insert(key.key);
+  for (const WrongKey& key : wrong_edit_keys) covered.insert(testing::split(key.name, " ")[1]);
   EXPECT_EQ(covered.size(), edit_settings().size());
 }
 
 TEST(EditError, NamesPlaceEditKeyExpectedAndFound) {
-  for (const WrongEditKey& key : wrong_edit_keys()) {
-    for (const WrongEditValue& wrong : key.values) {
-      std::string text = sphere_text + "[[edit]]\n" + key.key + " = " + wrong.value + "\n";
-      if (key.key != "shape") text += "shape = " + toml_string(shape_name(key.shape)) + "\n";
+  for (const WrongKey& wrong_key : wrong_edit_keys) {
+    const std::string shape = testing::split(wrong_key.name, " ")[0];
+    const std::string key = testing::split(wrong_key.name, " ")[1];
+    for (const WrongValue& wrong : wrong_key.values) {
+      std::string text = sphere_text + "[[edit]]\n" + key + " = " + wrong.value + "\n";
+      if (key != "shape") text += "shape = " + toml_string(shape) + "\n";
       EXPECT_EQ(error_of(least_config(text)),
                 fmt::format("/data/scan.toml:8:{}: edit 2: {}: expected {}, found {}",
-                            key.key.size() + 4, key.key, key.expected, wrong.found));
+                            key.size() + 4, key, wrong_key.expected, wrong.found));
     }
   }
 }

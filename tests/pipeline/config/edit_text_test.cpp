@@ -5,6 +5,7 @@
 
 #include "pipeline/config/edit_text.h"
 #include "tests/pipeline/config/config_texts.h"
+#include "tests/support/error_text.h"
 
 namespace voxweld {
 namespace {
@@ -31,12 +32,7 @@ std::string removed(const std::string& text, std::size_t number) {
   return edits.text();
 }
 std::string refusal(const std::string& text, std::size_t removed_number = 1) {
-  try {
-    removed(text, removed_number);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return testing::error_text<InputError>([&] { removed(text, removed_number); });
 }
 
 TEST(EditText, AddsBehindAllElse) {

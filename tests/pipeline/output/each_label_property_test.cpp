@@ -26,8 +26,7 @@ LabelMesh mesh_of(const VolumeBricks& bricks) {
   LabelMesh label{{std::move(weld.vertices), std::move(weld.triangles)}, 0};
   std::vector<Vec3> places;
   for (const LatticePoint& q : label.mesh.positions)
-    places.push_back({tiles[0].lattice.coordinate(0, q[0]), tiles[0].lattice.coordinate(1, q[1]),
-                      tiles[0].lattice.coordinate(2, q[2])});
+    places.push_back(place_of(tiles[0].lattice, q));
   label.volume = signed_volume(places, label.mesh.triangles);
   return label;
 }
@@ -58,21 +57,17 @@ MemoryVolume random_labels(std::mt19937& random, double noise, int least) {
   for (Index3& centre : centres)
     centre = {below(static_cast<int>(size.x)), below(static_cast<int>(size.y)),
               below(static_cast<int>(size.z))};
-  std::vector<std::uint8_t> samples;
-  for (std::int64_t z = 0; z < size.z; ++z)
-    for (std::int64_t y = 0; y < size.y; ++y)
-      for (std::int64_t x = 0; x < size.x; ++x) {
-        std::size_t nearest = 0;
-        const auto distance = [&](std::size_t i) {
-          const Index3 d = centres[i] - Index3{x, y, z};
-          return d.x * d.x + d.y * d.y + d.z * d.z;
-        };
-        for (std::size_t i = 1; i < centres.size(); ++i)
-          if (distance(i) < distance(nearest)) nearest = i;
-        const bool any = static_cast<double>(below(1000)) < 1000 * noise;
-        samples.push_back(static_cast<std::uint8_t>(any ? below(5) : std::int64_t(nearest)));
-      }
-  return MemoryVolume::of<std::uint8_t>(size, samples, SampleType::u8);
+  return MemoryVolume::made<std::uint8_t>(size, SampleType::u8, [&](Index3 at) {
+    std::size_t nearest = 0;
+    const auto distance = [&](std::size_t i) {
+      const Index3 d = centres[i] - at;
+      return d.x * d.x + d.y * d.y + d.z * d.z;
+    };
+    for (std::size_t i = 1; i < centres.size(); ++i)
+      if (distance(i) < distance(nearest)) nearest = i;
+    const bool any = static_cast<double>(below(1000)) < 1000 * noise;
+    return any ? below(5) : std::int64_t(nearest);
+  });
 }
 
 Edits random_edits(std::mt19937& random, Index3 size) {

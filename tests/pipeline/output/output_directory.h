@@ -1,6 +1,9 @@
 // Writes a small output directory as a run does, and lets a test damage it first.
 #pragma once
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -9,6 +12,7 @@
 #include <vector>
 
 #include "pipeline/output/tile_check.h"
+#include "pipeline/output/verify.h"
 #include "stages/encode/glb.h"
 #include "stages/encode/mesh_accumulator.h"
 #include "stages/encode/mesh_measure.h"
@@ -16,6 +20,7 @@
 #include "storage/support/file_io.h"
 #include "storage/support/hash.h"
 #include "tests/support/shapes.h"
+#include "tests/support/temp_directory.h"
 
 namespace voxweld::testing {
 
@@ -125,5 +130,30 @@ struct OutputDirectory {
     manifest.files.push_back(file(directory, "mesh.glb", "glb", "merged", wrap_glb(encoded, {})));
   }
 };
+
+// A hook for one of the tiles.
+template <class F>
+auto of_tile(std::size_t tile, F f) {
+  return [=](std::size_t i, auto& what) {
+    if (i == tile) f(what);
+  };
+}
+
+inline void without_last_triangle(TileMesh& mesh) {
+  mesh.triangles.pop_back();
+  mesh.corner_normals.pop_back();
+}
+
+inline VerifyReport verified(const OutputDirectory& output, const VerifyOptions& options = {}) {
+  const TempDirectory directory;
+  output.write(directory.path());
+  return verify_output(directory.path(), options);
+}
+
+inline void expect_problem(const OutputDirectory& output, const std::string& what) {
+  const VerifyReport report = verified(output, {.listed_problems = 1000});
+  EXPECT_FALSE(report.good());
+  EXPECT_THAT(to_text(report), ::testing::HasSubstr(what));
+}
 
 }  // namespace voxweld::testing

@@ -10,8 +10,12 @@
 namespace voxweld {
 namespace {
 
+using testing::expect_problem;
 using ::testing::HasSubstr;
+using testing::of_tile;
 using testing::OutputDirectory;
+using testing::verified;
+using testing::without_last_triangle;
 
 // A torus in tiles of 8^3 cells and two cubes that share a face; each is closed by itself.
 OutputDirectory labels_output() {
@@ -29,21 +33,9 @@ OutputDirectory labels_output() {
   return out;
 }
 
-VerifyReport verified_labels(const OutputDirectory& output) {
-  const testing::TempDirectory directory;
-  output.write(directory.path());
-  return verify_output(directory.path(), {.listed_problems = 1000});
-}
-
-void expect_label_problem(const OutputDirectory& output, const std::string& what) {
-  const VerifyReport report = verified_labels(output);
-  EXPECT_FALSE(report.good());
-  EXPECT_THAT(to_text(report), HasSubstr(what));
-}
-
 TEST(VerifyLabels, EachIsClosedByItself) {
   const OutputDirectory output = labels_output();
-  const VerifyReport report = verified_labels(output);
+  const VerifyReport report = verified(output);
   EXPECT_TRUE(report.good()) << to_text(report);
   EXPECT_EQ(report.labels, 3u);
   EXPECT_EQ(report.tiles, output.tiles.size());
@@ -54,20 +46,16 @@ TEST(VerifyLabels, EachIsClosedByItself) {
   // As one surface the cubes' vertices would be welded.
   OutputDirectory one = output;
   one.labels.clear();
-  expect_label_problem(one, "counts.vertices is 1195, the tiles have 1204");
+  expect_problem(one, "counts.vertices is 1195, the tiles have 1204");
 }
 
 TEST(VerifyLabels, ACrackIsNamedWithItsLabel) {
   OutputDirectory output = labels_output();
-  output.damage = [&](std::size_t i, TileMesh& mesh) {
-    if (i == 5) mesh.triangles.pop_back(), mesh.corner_normals.pop_back();
-  };
-  expect_label_problem(output, "label 3 tile");
-  expect_label_problem(output, "a crack");
-  output.damage = [&](std::size_t i, TileMesh& mesh) {
-    if (i + 1 == output.tiles.size()) mesh.triangles.pop_back(), mesh.corner_normals.pop_back();
-  };
-  expect_label_problem(output, "label 1099511627776 tile 6/0,0,0");
+  output.damage = of_tile(5, without_last_triangle);
+  expect_problem(output, "label 3 tile");
+  expect_problem(output, "a crack");
+  output.damage = of_tile(output.tiles.size() - 1, without_last_triangle);
+  expect_problem(output, "label 1099511627776 tile 6/0,0,0");
 }
 
 // A tile that another label has, too, does not make up for one that is missing.
@@ -77,8 +65,8 @@ TEST(VerifyLabels, TilesOfOtherLabelsAreNotWelded) {
   std::rotate(output.tiles.begin() + 4, output.tiles.begin() + 5, output.tiles.end() - 2);
   output.labels.erase(output.labels.begin() + 4);
   output.labels.insert(output.labels.end() - 2, 5);
-  expect_label_problem(output, "label 3 tile");
-  expect_label_problem(output, "label 5 tile");
+  expect_problem(output, "label 3 tile");
+  expect_problem(output, "label 5 tile");
 }
 
 TEST(VerifyLabels, WhatIsListedOfALabelIsCompared) {
@@ -88,7 +76,7 @@ TEST(VerifyLabels, WhatIsListedOfALabelIsCompared) {
     output.relabel = [&](LabelRecord& record) {
       if (record.label == 5) relabel(record);
     };
-    expect_label_problem(output, "labels.jsonl label 5: " + what);
+    expect_problem(output, "labels.jsonl label 5: " + what);
   };
   expect_of([](LabelRecord& r) { ++r.vertices; }, "has 26 vertices, 27 are listed");
   expect_of([](LabelRecord& r) { ++r.triangles; }, "has 48 triangles, 49 are listed");
@@ -102,22 +90,20 @@ TEST(VerifyLabels, WhatIsListedOfALabelIsCompared) {
   output.relabel = [](LabelRecord& r) {
     if (r.label == 5) r.label = 4;
   };
-  expect_label_problem(output, "lists label 4 where the tiles have label 5");
+  expect_problem(output, "lists label 4 where the tiles have label 5");
   output.relabel = nullptr;
   output.restate = [](Manifest& m) { ++m.counts.labels; };
-  expect_label_problem(output, "counts.labels");
+  expect_problem(output, "counts.labels");
 }
 
 TEST(VerifyLabels, LabelsAscendAndAreAllListed) {
   OutputDirectory output = labels_output();
   std::swap(output.tiles[output.tiles.size() - 1], output.tiles[output.tiles.size() - 2]);
   std::swap(output.labels[output.labels.size() - 1], output.labels[output.labels.size() - 2]);
-  expect_label_problem(output, "labels must ascend");
+  expect_problem(output, "labels must ascend");
   output = labels_output();
-  output.relist = [](std::size_t i, TileRecord& record) {
-    if (i == 2) record.label.reset();
-  };
-  expect_label_problem(output, "is of no label");
+  output.relist = of_tile(2, [](TileRecord& record) { record.label.reset(); });
+  expect_problem(output, "is of no label");
   output = labels_output();
   const testing::TempDirectory directory;
   output.write(directory.path());
@@ -128,7 +114,7 @@ TEST(VerifyLabels, LabelsAscendAndAreAllListed) {
 TEST(VerifyLabels, WrongHashOfTheListIsNamed) {
   OutputDirectory output = labels_output();
   output.restate = [](Manifest& m) { m.files.at(0).xxh3_128[0] = 'x'; };
-  expect_label_problem(output, "labels.jsonl: damaged: its hash is");
+  expect_problem(output, "labels.jsonl: damaged: its hash is");
 }
 
 TEST(LabelList, ReadsBackWhatWasWritten) {

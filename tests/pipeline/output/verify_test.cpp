@@ -10,8 +10,12 @@
 namespace voxweld {
 namespace {
 
+using testing::expect_problem;
 using ::testing::HasSubstr;
+using testing::of_tile;
 using testing::OutputDirectory;
+using testing::verified;
+using testing::without_last_triangle;
 
 // A torus of 48 x 24 quads in tiles of 8^3 cells.
 OutputDirectory torus_output() {
@@ -19,18 +23,6 @@ OutputDirectory torus_output() {
   out.tiles = testing::cut_into_tiles(
       testing::make_torus({.around = 48, .across = 24}, testing::small_lattice()), 3);
   return out;
-}
-
-VerifyReport verified(const OutputDirectory& output, const VerifyOptions& options = {}) {
-  const testing::TempDirectory directory;
-  output.write(directory.path());
-  return verify_output(directory.path(), options);
-}
-
-void expect_problem(const OutputDirectory& output, const std::string& what) {
-  const VerifyReport report = verified(output, {.listed_problems = 1000});
-  EXPECT_FALSE(report.good());
-  EXPECT_THAT(to_text(report), HasSubstr(what));
 }
 
 // A vertex of tile 5 that is not on its seams (used by six triangles there).
@@ -72,9 +64,7 @@ TEST(Verify, TilesOfAnySizeAndNoMergedMesh) {
 
 TEST(Verify, MissingTriangleIsACrack) {
   OutputDirectory output = torus_output();
-  output.damage = [](std::size_t i, TileMesh& mesh) {
-    if (i == 5) mesh.triangles.pop_back(), mesh.corner_normals.pop_back();
-  };
+  output.damage = of_tile(5, without_last_triangle);
   expect_problem(output, "a crack");
   expect_problem(output, "triangles, ");
 }
@@ -88,22 +78,18 @@ TEST(Verify, MissingTileIsACrack) {
 
 TEST(Verify, FlippedTriangleIsNotOriented) {
   OutputDirectory output = torus_output();
-  output.damage = [](std::size_t i, TileMesh& mesh) {
-    if (i == 5) std::swap(mesh.triangles[3][0], mesh.triangles[3][1]);
-  };
+  output.damage =
+      of_tile(5, [](TileMesh& mesh) { std::swap(mesh.triangles[3][0], mesh.triangles[3][1]); });
   expect_problem(output, "expected once each");
 }
 
 TEST(Verify, MovedVertexOnASeamIsACrackAndInsideDiffersFromTheMergedMesh) {
   OutputDirectory output = torus_output();
-  output.damage = [](std::size_t i, TileMesh& mesh) {
-    if (i != 5) return;
+  output.damage = of_tile(5, [](TileMesh& mesh) {
     for (auto& q : mesh.positions) ++q[0];
-  };
+  });
   expect_problem(output, "a crack");
-  output.damage = [](std::size_t i, TileMesh& mesh) {
-    if (i == 5) ++mesh.positions[inner_vertex(mesh)][1];
-  };
+  output.damage = of_tile(5, [](TileMesh& mesh) { ++mesh.positions[inner_vertex(mesh)][1]; });
   expect_problem(output, "are not the");
   output.merged = false;  // then nothing can tell
   EXPECT_TRUE(verified(output).good());
@@ -147,23 +133,18 @@ TEST(Verify, VertexInsideOneTileUsedByAnotherIsNotManifold) {
 TEST(Verify, DegenerateTrianglesAreFound) {
   OutputDirectory output = torus_output();
   output.merged = false;
-  output.damage = [](std::size_t i, TileMesh& mesh) {
-    if (i != 5) return;
+  output.damage = of_tile(5, [](TileMesh& mesh) {
     // Two distinct vertices of one triangle at one position.
     mesh.positions[mesh.triangles[0][1]] = mesh.positions[mesh.triangles[0][0]];
-  };
+  });
   expect_problem(output, "two equal corners");
 }
 
 TEST(Verify, WrongCountsAreFound) {
   OutputDirectory output = torus_output();
-  output.relist = [](std::size_t i, TileRecord& record) {
-    if (i == 2) ++record.vertices;
-  };
+  output.relist = of_tile(2, [](TileRecord& record) { ++record.vertices; });
   expect_problem(output, "vertices, ");
-  output.relist = [](std::size_t i, TileRecord& record) {
-    if (i == 2) ++record.quads;
-  };
+  output.relist = of_tile(2, [](TileRecord& record) { ++record.quads; });
   expect_problem(output, "quads and polygon triangles");
   output.relist = nullptr;
   output.restate = [](Manifest& m) { ++m.counts.vertices; };
@@ -174,21 +155,13 @@ TEST(Verify, WrongCountsAreFound) {
 
 TEST(Verify, WrongSizeHashOrMissingFileIsNamed) {
   OutputDirectory output = torus_output();
-  output.relist = [](std::size_t i, TileRecord& record) {
-    if (i == 2) record.files[1].xxh3_128[0] = 'x';
-  };
+  output.relist = of_tile(2, [](TileRecord& record) { record.files[1].xxh3_128[0] = 'x'; });
   expect_problem(output, "tiles/2.glb: damaged: its hash");
-  output.relist = [](std::size_t i, TileRecord& record) {
-    if (i == 2) ++record.files[0].bytes;
-  };
+  output.relist = of_tile(2, [](TileRecord& record) { ++record.files[0].bytes; });
   expect_problem(output, "tiles/2.drc: has");
-  output.relist = [](std::size_t i, TileRecord& record) {
-    if (i == 2) record.files[0].path = "tiles/none.drc";
-  };
+  output.relist = of_tile(2, [](TileRecord& record) { record.files[0].path = "tiles/none.drc"; });
   expect_problem(output, "none.drc");
-  output.relist = [](std::size_t i, TileRecord& record) {
-    if (i == 2) record.files.clear();
-  };
+  output.relist = of_tile(2, [](TileRecord& record) { record.files.clear(); });
   expect_problem(output, "lists no .drc or .glb");
 }
 
@@ -209,9 +182,7 @@ TEST(Verify, MergedMeshMustBeTheTiles) {
   OutputDirectory output = torus_output();
   output.remerge = [](TileMesh& mesh) { mesh.positions[7][0] += 2; };
   expect_problem(output, "mesh.drc: its 2304 triangles are not");
-  output.remerge = [](TileMesh& mesh) {
-    mesh.triangles.pop_back(), mesh.corner_normals.pop_back();
-  };
+  output.remerge = without_last_triangle;
   expect_problem(output, "OpenMesh finds 3 boundary edges");
 }
 
@@ -280,9 +251,7 @@ TEST(Verify, FreeTopologyAsksForBalancedEdgesOnly) {
   output.free_topology = true;
   const VerifyReport report = verified(output);
   EXPECT_TRUE(report.good()) << to_text(report);
-  output.damage = [](std::size_t i, TileMesh& mesh) {
-    if (i == 0) mesh.triangles.pop_back(), mesh.corner_normals.pop_back();
-  };
+  output.damage = of_tile(0, without_last_triangle);
   expect_problem(output, "a crack");
 }
 

@@ -9,6 +9,7 @@
 
 #include "pipeline/phantom/kinds.h"
 #include "storage/support/error.h"
+#include "tests/support/error_text.h"
 
 namespace voxweld {
 namespace {
@@ -21,14 +22,9 @@ TEST(PhantomKinds, NamesGoBothWays) {
     EXPECT_EQ(phantom_kind_name(info.kind), info.name);
     EXPECT_FALSE(info.summary.empty());
   }
-  try {
-    parse_phantom_kind("cube");
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(),
-                 "unknown phantom \"cube\": expected one of sphere, torus, gyroid, part, temple, "
-                 "labels, junctions, porous, noise");
-  }
+  EXPECT_EQ(testing::error_text<InputError>([&] { parse_phantom_kind("cube"); }),
+            "unknown phantom \"cube\": expected one of sphere, torus, gyroid, part, temple, "
+            "labels, junctions, porous, noise");
 }
 
 TEST(PhantomKinds, QuantizesAsPublished) {

@@ -4,14 +4,9 @@
 
 #include <fstream>
 #include <numbers>
-#include <optional>
 
-#include "pipeline/output/verify.h"
-#include "storage/manifest/manifest.h"
-#include "storage/support/file_io.h"
-#include "storage/support/hash.h"
+#include "tests/pipeline/run/edit_scene.h"
 #include "tests/pipeline/run/label_volumes.h"
-#include "tests/pipeline/run/scene.h"
 
 namespace voxweld::testing {
 namespace {
@@ -61,38 +56,15 @@ std::string of_one(const std::vector<TestEdit>& edits, std::uint64_t label) {
 
 class EditedLabels {
  public:
-  explicit EditedLabels(const RawVolume& volume) : scene_(volume), base_(config_text()) {}
-  EditedLabels(const RawVolume& volume, const std::string& base) : scene_(volume), base_(base) {}
+  explicit EditedLabels(const RawVolume& volume) : scene_(volume), edits_(scene_) {}
+  explicit EditedLabels(Index3 empty) : scene_(noise_volume({2, 2, 2}, 1)), edits_(scene_, empty) {}
   const Scene& scene() const { return scene_; }
-  void set(const std::string& edits) const { std::ofstream(scene_.config()) << base_ << edits; }
+  void set(const std::string& edits) const { edits_.set(edits); }
 
  private:
-  std::string config_text() const {
-    std::ifstream in(scene_.config());
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
   const Scene scene_;
-  const std::string base_;
+  const EditScene edits_;
 };
-
-std::string empty_space(Index3 size) {
-  return fmt::format("[input]\nformat = \"empty\"\nsize = [{}, {}, {}]\n[run]\nthreads = 2\n",
-                     size.x, size.y, size.z);
-}
-
-// The files of one label, or of the only surface, by the place of their tile.
-Tree files_of(const fs::path& output, std::optional<std::uint64_t> label) {
-  Tree files;
-  TileListReader tiles(output / tiles_name);
-  while (const auto tile = tiles.next()) {
-    if (label && tile->label != *label) continue;
-    const Index3 at = tile->tile.at;
-    for (const FileRecord& file : tile->files)
-      files[fmt::format("{}-{}-{}-{}.{}", tile->tile.level, at.x, at.y, at.z, file.format)] =
-          to_hex(hash_bytes(read_whole_file(output / file.path)));
-  }
-  return files;
-}
 
 void expect_as_alone(const EditedLabels& labels, const std::vector<TestEdit>& edits,
                      const std::set<std::uint64_t>& of, const Settings& more = {}) {
@@ -103,20 +75,19 @@ void expect_as_alone(const EditedLabels& labels, const std::vector<TestEdit>& ed
   std::size_t surfaces = 0;
   for (const std::uint64_t label : of) {
     labels.set(of_one(edits, label));
-    fs::remove_all(scene.output("one"));
-    fs::remove_all(scene.work("one"));
+    scene.forget("one");
     const ProgramResult alone =
         scene.run_in("one", parts + more +
                                 Settings{fmt::format("surface.label={}", label),
                                          fmt::format("surface.isovalue={}", label)});
-    const Tree found = files_of(scene.output("all"), label);
+    const Tree found = label_files(scene.output("all"), label);
     if (alone.exit_code != 0) {
-      EXPECT_NE(alone.err.find("no surface"), std::string::npos) << alone.err;
+      expect_says(alone, "no surface");
       EXPECT_TRUE(found.empty()) << label;
       continue;
     }
     ++surfaces;
-    EXPECT_EQ(difference(files_of(scene.output("one"), std::nullopt), found), "") << label;
+    EXPECT_EQ(difference(label_files(scene.output("one"), label), found), "") << label;
   }
   EXPECT_EQ(manifest_of(scene.output("all")).at("counts").at("labels"), surfaces);
 }
@@ -147,7 +118,7 @@ TEST(EachLabelEdits, GiveTheMeshOfARunOfTheLabelAloneInLargeBricks) {
 }
 
 TEST(EachLabelEdits, OfEmptySpaceAreSolidsOfLabels) {
-  expect_as_alone(EditedLabels(noise_volume({2, 2, 2}, 1), empty_space({60, 57, 50})),
+  expect_as_alone(EditedLabels(Index3{60, 57, 50}),
                   {{"add", 5, block_of({30, 29, 25}, {46, 44, 38})},
                    {"add", 9, ball_of({30.2, 20.1, 25.7}, 9.3)},
                    {"subtract", 0, ball_of({33, 28, 22}, 12.5)},
@@ -174,8 +145,7 @@ TEST(EachLabelEdits, ReplaceTakesWhatIsOfAnyLabel) {
   VOXWELD_EXPECT_DONE(
       scene.run_in("one", parts + Settings{"surface.label=1", "surface.isovalue=1"}));
   EXPECT_EQ(
-      difference(files_of(scene.output("one"), std::nullopt), files_of(scene.output("all"), 999)),
-      "");
+      difference(label_files(scene.output("one"), 999), label_files(scene.output("all"), 999)), "");
 }
 
 // Replacing labels by one of them: as if its voxels had been of it, but for the crossings.
@@ -188,16 +158,14 @@ TEST(EachLabelEdits, ReplaceJoinsALabelWithWhatItTakes) {
                         {"replace", 2, block_of({25, 25, 20}, {200, 200, 200})}}));
   VOXWELD_EXPECT_DONE(scene.run_in("all", each_in_parts));
   EXPECT_EQ(manifest_of(scene.output("all")).at("counts").at("labels"), 1);
-  const VerifyReport report = verify_output(scene.output("all"));
-  EXPECT_TRUE(report.good()) << to_text(report);
+  expect_good(scene.output("all"));
   for (std::size_t i = 0; i < volume.samples.size(); i += 2) volume.samples[i] = std::byte{2};
   scene.write_volume(volume);
   labels.set(table("subtract", ball_of({20, 20, 20}, 9)));
   VOXWELD_EXPECT_DONE(
       scene.run_in("one", parts + Settings{"surface.label=2", "surface.isovalue=2"}));
-  EXPECT_EQ(
-      difference(files_of(scene.output("one"), std::nullopt), files_of(scene.output("all"), 2)),
-      "");
+  EXPECT_EQ(difference(label_files(scene.output("one"), 2), label_files(scene.output("all"), 2)),
+            "");
 }
 
 std::map<std::uint64_t, double> volumes(const fs::path& output) {
@@ -212,7 +180,7 @@ std::map<std::uint64_t, double> volumes(const fs::path& output) {
 
 // The same in both modes; flat faces and sharp edges, so exact but for the output's lattice.
 TEST(EachLabelEdits, VolumesAreThoseOfTheSolids) {
-  const EditedLabels labels(noise_volume({2, 2, 2}, 1), empty_space({64, 64, 64}));
+  const EditedLabels labels(splat(64));
   const Scene& scene = labels.scene();
   labels.set(of_labels({{"add", 1, block_of({24.3, 25.1, 24.7}, {22, 20, 18})},
                         {"add", 2, block_of({35.3, 35.1, 33.7}, {10, 12, 14})},
@@ -225,8 +193,7 @@ TEST(EachLabelEdits, VolumesAreThoseOfTheSolids) {
     VOXWELD_EXPECT_DONE(
         scene.run_in(mode, parts + Settings{std::string("labels.mode=") + mode,
                                             "output.precision=0.001", "simplify.tolerance=0.01"}));
-    const VerifyReport report = verify_output(scene.output(mode));
-    EXPECT_TRUE(report.good()) << to_text(report);
+    expect_good(scene.output(mode));
     const auto found = volumes(scene.output(mode));
     ASSERT_EQ(found.size(), 4u);
     // 2 took a corner of 5 x 6 x 7 from 1, the hole 4 x 5 x 18, and 3 what is left of 18 x 5 x 9
@@ -280,12 +247,10 @@ TEST(EachLabelEdits, EveryPartitionGivesTheSameBytes) {
   labels.set(of_labels(edits));
   const Settings common = {"labels.mode=each", "output.tile_vertices=1024",
                            "output.formats=[\"drc\"]"};
-  const Tree first = scene.clean_tree(common);
-  for (const Settings& variant :
-       {Settings{"work.brick=16", "work.shard=1", "work.chunk=16"},
-        Settings{"work.brick=16", "work.shard=4", "run.threads=1"},
-        Settings{"work.brick=32", "work.shard=2", "work.copy=true", "work.chunk=8"}})
-    EXPECT_EQ(difference(first, scene.clean_tree(common + variant)), "");
+  scene.expect_one_tree(
+      common, {Settings{"work.brick=16", "work.shard=1", "work.chunk=16"},
+               Settings{"work.brick=16", "work.shard=4", "run.threads=1"},
+               Settings{"work.brick=32", "work.shard=2", "work.copy=true", "work.chunk=8"}});
 }
 
 // Labels that were not chosen are nothing; what edits give is there all the same.
@@ -310,8 +275,7 @@ TEST(EachLabelEdits, ThatLeaveNothingAreRefused) {
   const EditedLabels labels(ball_labels(SampleType::u16, {20, 20, 20}));
   labels.set(table("subtract", ball_of({10, 10, 10}, 60)));
   const ProgramResult result = labels.scene().run(each_in_parts);
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_NE(result.err.find("no surface: after the one edit"), std::string::npos) << result.err;
+  expect_refused(result, "no surface: after the one edit");
 }
 
 }  // namespace

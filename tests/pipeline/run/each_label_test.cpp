@@ -1,37 +1,18 @@
 // labels.mode = "each", end to end: a closed mesh for each label of a volume.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <set>
 
 #include "storage/manifest/manifest.h"
-#include "storage/support/file_io.h"
-#include "storage/support/hash.h"
 #include "tests/pipeline/run/label_volumes.h"
 #include "tests/pipeline/run/scene.h"
 
 namespace voxweld::testing {
 namespace {
 
-namespace fs = std::filesystem;
-
 const Settings each_mode = {"labels.mode=each"};
 const Settings small_tiles =
     each_mode + Settings{"work.brick=16", "work.shard=2", "output.tile_vertices=1024"};
-
-// The files of one label, by the name of their tile.
-Tree label_files(const fs::path& output, std::uint64_t label) {
-  Tree files;
-  TileListReader tiles(output / tiles_name);
-  while (const auto tile = tiles.next()) {
-    if (tile->label && *tile->label != label) continue;
-    const Index3 at = tile->tile.at;
-    for (const FileRecord& file : tile->files)
-      files[fmt::format("{}-{}-{}-{}.{}", tile->tile.level, at.x, at.y, at.z, file.format)] =
-          to_hex(hash_bytes(read_whole_file(output / file.path)));
-  }
-  return files;
-}
 
 // The main promise: a label's mesh among all labels' is the mesh of a run of that label alone.
 void expect_as_alone(const RawVolume& volume, const Settings& settings, std::size_t several_tiles) {
@@ -43,8 +24,7 @@ void expect_as_alone(const RawVolume& volume, const Settings& settings, std::siz
     if (label == 0) continue;
     const Settings alone = {fmt::format("surface.label={}", label),
                             fmt::format("surface.isovalue={}", label)};
-    fs::remove_all(scene.output("one"));
-    fs::remove_all(scene.work("one"));
+    scene.forget("one");
     VOXWELD_EXPECT_DONE(scene.run_in("one", alone + settings));
     const Tree expected = label_files(scene.output("one"), label);
     EXPECT_EQ(difference(expected, label_files(scene.output("all"), label)), "") << label;
@@ -104,10 +84,8 @@ TEST(EachLabel, EveryPartitionGivesTheSameBytes) {
        {cell_labels({70, 60, 50}, 8, 0.02, 3), cell_labels({32, 31, 48}, 3, 1.0, 4), slabs}) {
     const Scene scene(volume);
     const Settings common = each_mode + Settings{"output.tile_vertices=1024"};
-    const Tree first = scene.clean_tree(common);
+    const Tree first = scene.expect_one_tree(common, label_partitions());
     EXPECT_TRUE(first.contains("labels.jsonl"));
-    for (const Settings& variant : label_partitions())
-      EXPECT_EQ(difference(first, scene.clean_tree(common + variant)), "");
   }
 }
 

@@ -92,8 +92,7 @@ TEST(EachLabelWork, NamesAndColoursAreListedAnew) {
       scene.run(settings + Settings{"labels.map=" + (scene.directory() / "map.csv").string()}));
   for (const char* stage : {"build", "merge", "stitch", "encode"})
     EXPECT_EQ(units_run(scene.output())[stage], 0u) << stage;
-  const auto bytes = read_whole_file(scene.output() / "labels.jsonl");
-  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string text = text_of_file(scene.output() / "labels.jsonl");
   EXPECT_NE(text.find("{\"label\":1,\"name\":\"first\",\"color\":[255,0,16],\"vertices\""),
             std::string::npos)
       << text;
@@ -181,10 +180,7 @@ TEST(EachLabelWork, DamageIsMended) {
       ASSERT_FALSE(files.empty());
       how(files[random() % files.size()], random);
       for (const bool from_build : {false, true}) {
-        if (from_build)
-          for (const auto& entry : fs::directory_iterator(scene.work()))
-            for (const char* stage : {"merge-", "stitch-", "encode-"})
-              if (entry.path().filename().string().starts_with(stage)) fs::remove_all(entry.path());
+        if (from_build) scene.forget_stages({"merge", "stitch", "encode"});
         const ProgramResult result = scene.run(small_batches);
         VOXWELD_EXPECT_DONE(result);
         EXPECT_EQ(difference(clean, output_tree(scene.output())), "") << result.err;
@@ -202,9 +198,7 @@ TEST(EachLabelWork, DamageOfAPieceIsNamed) {
   write_whole_file(octree, bytes, Durability::rename_only);
   const ProgramResult result = scene.run(small_batches + Settings{"output.precision=0.1"});
   VOXWELD_EXPECT_DONE(result);
-  EXPECT_NE(result.err.find(octree.string() + ": the checksum of a piece of label"),
-            std::string::npos)
-      << result.err;
+  expect_says(result, octree.string() + ": the checksum of a piece of label");
   EXPECT_EQ(difference(scene.clean_tree(small_batches + Settings{"output.precision=0.1"}),
                        output_tree(scene.output())),
             "");
@@ -212,13 +206,7 @@ TEST(EachLabelWork, DamageOfAPieceIsNamed) {
 
 ProgramResult share(const Scene& scene, const std::string& stage,
                     const std::vector<std::string>& options) {
-  std::vector<std::string> arguments = {stage, scene.config().string()};
-  for (const std::string& setting : small_batches + scene.in("shares")) {
-    arguments.push_back("--set");
-    arguments.push_back(setting);
-  }
-  arguments.insert(arguments.end(), options.begin(), options.end());
-  return run_voxweld(arguments);
+  return scene.command_with(stage, small_batches + scene.in("shares"), options);
 }
 
 TEST(EachLabelWork, AllSharesAreTheWhole) {
@@ -237,8 +225,7 @@ TEST(EachLabelWork, WhatCannotBeIsRefused) {
   const Scene scene(ball_labels(SampleType::u16, {20, 20, 20}));
   const auto refused = [&](const Settings& settings, const std::string& words) {
     const ProgramResult result = scene.run(Settings{"labels.mode=each"} + settings);
-    EXPECT_EQ(result.exit_code, 2);
-    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+    expect_refused(result, words);
   };
   refused({"output.merged=true"}, "output.merged = true: labels.mode = \"each\" writes a mesh for");
   refused({"output.tiles=false", "output.merged=true"}, "output.merged = true");

@@ -86,8 +86,7 @@ TEST_P(EditBricks, AShardIsTheSameAsOneBuiltAtOnce) {
     const ProgramResult run = scene->run(settings());
     VOXWELD_EXPECT_DONE(run);
     kept = kept || run.err.find(" kept: no edit") != std::string::npos;
-    fs::remove_all(scene->work("fresh"));
-    fs::remove_all(scene->output("fresh"));
+    scene->forget("fresh");
     VOXWELD_EXPECT_DONE(scene->run_in("fresh", settings()));
     EXPECT_EQ(difference(shards_of(scene->work("fresh")), shards_of(scene->work())), "") << text;
     EXPECT_EQ(difference(output_tree(scene->output("fresh")), output_tree(scene->output())), "");

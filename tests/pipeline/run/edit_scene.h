@@ -10,22 +10,18 @@
 
 namespace voxweld::testing {
 
-// A scene whose config ends with these edits; side: of empty space in place of its volume.
+// A scene whose config ends with these edits; size: of empty space in place of its volume.
 class EditScene {
  public:
-  explicit EditScene(const Scene& scene) : scene_(scene), base_(text_of(scene.config())) {}
-  EditScene(const Scene& scene, int side)
+  explicit EditScene(const Scene& scene) : scene_(scene), base_(text_of_file(scene.config())) {}
+  EditScene(const Scene& scene, Index3 size)
       : scene_(scene),
-        base_(fmt::format(
-            "[input]\nformat = \"empty\"\nsize = [{0}, {0}, {0}]\n[run]\nthreads = 2\n", side)) {}
+        base_(fmt::format("[input]\nformat = \"empty\"\nsize = [{}, {}, {}]\n[run]\nthreads = 2\n",
+                          size.x, size.y, size.z)) {}
 
   void set(const std::string& edits) const { std::ofstream(scene_.config()) << base_ << edits; }
 
  private:
-  static std::string text_of(const std::filesystem::path& path) {
-    std::ifstream in(path);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
   const Scene& scene_;
   const std::string base_;
 };

@@ -5,13 +5,10 @@
 #include <numbers>
 
 #include "pipeline/output/load.h"
-#include "pipeline/output/verify.h"
 #include "tests/pipeline/run/edit_scene.h"
 
 namespace voxweld::testing {
 namespace {
-
-namespace fs = std::filesystem;
 
 std::string block(const std::string& op, Vec3 center, Vec3 size, const std::string& more = "") {
   return fmt::format(
@@ -21,8 +18,7 @@ std::string block(const std::string& op, Vec3 center, Vec3 size, const std::stri
 
 double volume_after(const Scene& scene, const Settings& settings = {}) {
   VOXWELD_EXPECT_DONE(scene.run(settings));
-  const VerifyReport report = verify_output(scene.output());
-  EXPECT_TRUE(report.good()) << to_text(report);
+  expect_good(scene.output());
   return enclosed_volume(load_mesh(scene.output() / "mesh.drc"));
 }
 
@@ -31,7 +27,7 @@ const Settings small_parts = {"work.brick=16", "work.shard=2", "output.tile_vert
 // Against exact values; the mesh's own error is of second order in the cell.
 TEST(Edit, VolumesAreThoseOfTheSolids) {
   const Scene scene(noise_volume({2, 2, 2}, 1));
-  const EditScene space(scene, 100);
+  const EditScene space(scene, splat(100));
   const Settings fine = {"simplify.tolerance=0.02"};
   const double r = 30, pi = std::numbers::pi, whole = 4.0 / 3 * pi * r * r * r;
   // Two balls a distance d apart share two caps of height r - d / 2.
@@ -51,7 +47,7 @@ TEST(Edit, VolumesAreThoseOfTheSolids) {
 // Flat faces and sharp edges, wherever they lie in the cells: exact but for the output's lattice.
 TEST(Edit, BoxesAreExact) {
   const Scene scene(noise_volume({2, 2, 2}, 1));
-  const EditScene space(scene, 64);
+  const EditScene space(scene, splat(64));
   space.set(block("add", {31.3, 30.4, 32.7}, {40.5, 30.25, 20.125}));
   EXPECT_NEAR(volume_after(scene, {"output.precision=0.001"}), 40.5 * 30.25 * 20.125, 1);
   space.set(block("add", {31.3, 30.4, 32.7}, {40, 30, 20}, "rotate = [10, 20, 30]"));
@@ -82,13 +78,11 @@ TEST(Edit, EveryPartitionGivesTheSameBytes) {
   const Scene scene("part", 64);
   const EditScene edits(scene);
   edits.set(mixed);
-  const Tree first = scene.clean_tree({"output.tile_vertices=1024"});
-  for (const Settings& variant : {Settings{"work.brick=16", "work.shard=1", "work.chunk=16"},
-                                  Settings{"work.brick=16", "work.shard=4"},
-                                  Settings{"work.brick=32", "work.shard=2", "work.copy=true"},
-                                  Settings{"work.brick=128", "work.shard=1", "run.threads=1"}})
-    EXPECT_EQ(difference(first, scene.clean_tree(Settings{"output.tile_vertices=1024"} + variant)),
-              "");
+  scene.expect_one_tree({"output.tile_vertices=1024"},
+                        {Settings{"work.brick=16", "work.shard=1", "work.chunk=16"},
+                         Settings{"work.brick=16", "work.shard=4"},
+                         Settings{"work.brick=32", "work.shard=2", "work.copy=true"},
+                         Settings{"work.brick=128", "work.shard=1", "run.threads=1"}});
 }
 
 TEST(Edit, ComesChangesAndGoesAsIfItHadBeenThereFromTheStart) {
@@ -129,8 +123,7 @@ TEST(Edit, OfEverythingLeavesNoSurface) {
   const EditScene edits(scene);
   edits.set(ball("subtract", {16, 16, 16}, 60));
   const ProgramResult result = scene.run();
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_NE(result.err.find("edit"), std::string::npos) << result.err;
+  expect_refused(result, "edit");
 }
 
 TEST(Edit, EmptySpaceNeedsASizeAndEdits) {
@@ -138,8 +131,7 @@ TEST(Edit, EmptySpaceNeedsASizeAndEdits) {
   const auto refused = [&](const std::string& config, const std::string& word) {
     std::ofstream(scene.config()) << config;
     const ProgramResult result = scene.run();
-    EXPECT_EQ(result.exit_code, 2);
-    EXPECT_NE(result.err.find(word), std::string::npos) << result.err;
+    expect_refused(result, word);
   };
   const std::string edit = ball("add", {5, 5, 5}, 3);
   refused("[input]\nformat = \"empty\"\n" + edit, "input.size");

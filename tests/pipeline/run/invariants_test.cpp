@@ -1,13 +1,11 @@
 // What is promised of every run, of runs on labels, with edits and on meshes: one table of what may
 // go in, and for each the bytes of a clean run whatever the partition, the shares, kills and
 // damage.
-#include <fmt/format.h>
 
 #include <csignal>
 #include <fstream>
 #include <functional>
 
-#include "pipeline/output/verify.h"
 #include "storage/support/file_io.h"
 #include "tests/pipeline/run/label_volumes.h"
 #include "tests/pipeline/run/mesh_scene.h"
@@ -83,25 +81,18 @@ class Invariants : public ::testing::TestWithParam<Subject> {
 
 TEST_P(Invariants, EveryPartitionGivesTheSameBytes) {
   const Settings common = GetParam().settings + Settings{"output.tile_vertices=1024"};
-  const Tree first = scene_.clean_tree(common);
+  const Tree first = scene_.expect_one_tree(
+      common, {Settings{"work.brick=16", "work.shard=1", "work.chunk=16", "run.threads=1"},
+               Settings{"work.brick=16", "work.shard=4", "work.chunk=8", "work.copy=true"},
+               Settings{"work.brick=32", "work.shard=1"}});
   EXPECT_GT(first.size(), 8u);
-  for (const Settings& variant :
-       {Settings{"work.brick=16", "work.shard=1", "work.chunk=16", "run.threads=1"},
-        Settings{"work.brick=16", "work.shard=4", "work.chunk=8", "work.copy=true"},
-        Settings{"work.brick=32", "work.shard=1"}})
-    EXPECT_EQ(difference(first, scene_.clean_tree(common + variant)), "");
   VOXWELD_EXPECT_DONE(scene_.run(settings()));
-  const VerifyReport report = verify_output(scene_.output());
-  EXPECT_TRUE(report.good()) << to_text(report);
+  expect_good(scene_.output());
 }
 
 TEST_P(Invariants, AllSharesAreTheWhole) {
   const auto share = [&](const std::string& stage, const std::vector<std::string>& options) {
-    std::vector<std::string> arguments = {stage, scene_.config().string()};
-    for (const std::string& setting : settings() + scene_.in("shares"))
-      arguments.insert(arguments.end(), {"--set", setting});
-    arguments.insert(arguments.end(), options.begin(), options.end());
-    VOXWELD_EXPECT_DONE(run_voxweld(arguments));
+    VOXWELD_EXPECT_DONE(scene_.command_with(stage, settings() + scene_.in("shares"), options));
   };
   for (const char* stage : {"ingest", "build", "merge", "stitch", "encode"}) {
     if (std::string(stage) != "merge")
@@ -188,12 +179,10 @@ TEST_P(Invariants, DamageIsNamedAndRefusedByASingleStage) {
   write_whole_file(*largest, bytes, Durability::rename_only);
   const Settings changed = settings() + Settings{"output.precision=0.1"};
   const ProgramResult refused = scene_.command("stitch", changed);
-  EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_NE(refused.err.find(largest->string() + ": the checksum of"), std::string::npos)
-      << refused.err;
+  expect_refused(refused, largest->string() + ": the checksum of", 1);
   const ProgramResult mended = scene_.run(changed);
   VOXWELD_EXPECT_DONE(mended);
-  EXPECT_NE(mended.err.find("it is removed and made again"), std::string::npos) << mended.err;
+  expect_says(mended, "it is removed and made again");
   EXPECT_EQ(difference(scene_.clean_tree(changed), tree()), "");
 }
 

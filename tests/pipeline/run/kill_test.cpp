@@ -70,8 +70,7 @@ ProgramResult run_up_to(const Scene& scene, const Settings& settings, const std:
 }
 
 void start_again(const Scene& scene) {
-  fs::remove_all(scene.work());
-  fs::remove_all(scene.output());
+  scene.forget();
 }
 
 void expect_whole(const Scene& scene, const Tree& clean) {

@@ -22,30 +22,21 @@ std::int64_t label_at(Index3 at) {
 }
 
 RawVolume volume_of_labels(SampleType type, Index3 size, std::int64_t added = 0) {
-  RawVolume volume{size, type, {}, 0};
-  for (std::int64_t z = 0; z < size.z; ++z)
-    for (std::int64_t y = 0; y < size.y; ++y)
-      for (std::int64_t x = 0; x < size.x; ++x) {
-        const auto label = static_cast<std::uint64_t>(label_at({x, y, z}) + added);
-        for (std::size_t i = 0; i < sample_bytes(type); ++i)
-          volume.samples.push_back(static_cast<std::byte>(label >> 8 * i & 255));
-      }
-  return volume;
+  return integer_volume(type, size, [&](Index3 at) { return label_at(at) + added; });
 }
 
 std::vector<LabelCount> expected_counts(Index3 size) {
   std::map<std::uint64_t, LabelCount> counts;
-  for (std::int64_t z = 0; z < size.z; ++z)
-    for (std::int64_t y = 0; y < size.y; ++y)
-      for (std::int64_t x = 0; x < size.x; ++x) {
-        const auto at = [](std::int64_t v) { return static_cast<std::uint32_t>(v); };
-        const LabelCount one{static_cast<std::uint64_t>(label_at({x, y, z})),
-                             1,
-                             {at(x), at(y), at(z)},
-                             {at(x + 1), at(y + 1), at(z + 1)}};
-        const auto [entry, is_new] = counts.try_emplace(one.label, one);
-        if (!is_new) add(entry->second, one);
-      }
+  each_index(size, [&](Index3 at) {
+    const auto place = [](Index3 p) {
+      return std::array{static_cast<std::uint32_t>(p.x), static_cast<std::uint32_t>(p.y),
+                        static_cast<std::uint32_t>(p.z)};
+    };
+    const LabelCount one{static_cast<std::uint64_t>(label_at(at)), 1, place(at),
+                         place(at + splat(1))};
+    const auto [entry, is_new] = counts.try_emplace(one.label, one);
+    if (!is_new) add(entry->second, one);
+  });
   std::vector<LabelCount> all;
   for (const auto& [label, count] : counts) all.push_back(count);
   return all;
@@ -67,11 +58,6 @@ std::vector<LabelCount> all_of(const LabelCounts& counts) {
     return true;
   });
   return all;
-}
-
-void expect_refused(const ProgramResult& result, const std::string& words) {
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
 }
 
 TEST(LabelIngest, CountsTheSameHoweverItIsCut) {
@@ -99,11 +85,8 @@ TEST(LabelIngest, InShares) {
   for (const Settings& cut : {small_pieces, small_pieces + Settings{"work.copy=true"}}) {
     fs::remove_all(scene.work());
     const auto part = [&](const std::vector<std::string>& options) {
-      std::vector<std::string> arguments = {"ingest", scene.config().string()};
-      for (const std::string& setting : each_label + cut + scene.in("scene"))
-        arguments.insert(arguments.end(), {"--set", setting});
-      arguments.insert(arguments.end(), options.begin(), options.end());
-      VOXWELD_EXPECT_DONE(run_voxweld(arguments));
+      VOXWELD_EXPECT_DONE(
+          scene.command_with("ingest", each_label + cut + scene.in("scene"), options));
     };
     for (const char* share : {"2/3", "0/3", "1/3"}) part({"--part", share});
     EXPECT_TRUE(files_ending(scene.work(), "labels.all").empty());
@@ -121,12 +104,7 @@ TEST(LabelIngest, InShares) {
 TEST(LabelIngest, DoesWhatIsMissing) {
   const Scene scene(volume_of_labels(SampleType::u16, {50, 33, 40}));
   const Settings settings = each_label + small_pieces + scene.in("scene");
-  const auto plan = [&] {
-    std::vector<std::string> arguments = {"run", scene.config().string(), "--dry-run"};
-    for (const std::string& setting : settings)
-      arguments.insert(arguments.end(), {"--set", setting});
-    return run_voxweld(arguments).out;
-  };
+  const auto plan = [&] { return scene.command_with("run", settings, {"--dry-run"}).out; };
   EXPECT_TRUE(plan().starts_with(
       "ingest  would run: 36 of 36 shards whose labels are not counted (nothing was run here "
       "before)\n"))
@@ -150,8 +128,7 @@ TEST(LabelIngest, DoesWhatIsMissing) {
   bytes[70] ^= std::byte{1};
   write_whole_file(shards[7], bytes, Durability::rename_only);
   const ProgramResult damaged = scene.command("ingest", settings);
-  EXPECT_EQ(damaged.exit_code, 1);
-  EXPECT_NE(damaged.err.find(shards[7].string()), std::string::npos) << damaged.err;
+  expect_refused(damaged, shards[7].string(), 1);
 
   // Other samples are counted anew.
   scene.write_volume(volume_of_labels(SampleType::u16, {50, 33, 40}, 5));
@@ -219,13 +196,13 @@ TEST(LabelIngest, WarnsOfWhatIsNotLookedAt) {
   const Scene scene(volume_of_labels(SampleType::u16, {30, 30, 30}));
   const ProgramResult off = scene.command("ingest", Settings{"labels.min_voxels=5"});
   VOXWELD_EXPECT_DONE(off);
-  EXPECT_NE(off.err.find("[labels] is not looked at"), std::string::npos) << off.err;
+  expect_says(off, "[labels] is not looked at");
   const fs::path map = scene.directory() / "labels.csv";
   std::ofstream(map) << "label,material\n0,7\n";
   const ProgramResult on =
       scene.command("ingest", each_label + Settings{"labels.map=" + map.string()});
   VOXWELD_EXPECT_DONE(on);
-  EXPECT_NE(on.err.find("labels.background leaves out 0 although"), std::string::npos) << on.err;
+  expect_says(on, "labels.background leaves out 0 although");
 }
 
 // A build is keyed by what its labels stand for, and by nothing else that is said of them.

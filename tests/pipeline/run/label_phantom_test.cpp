@@ -1,10 +1,7 @@
 // Labels with exact interfaces, meshed: how far triangles lie from the interface of their pair.
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "pipeline/output/load.h"
-#include "pipeline/output/verify.h"
 #include "pipeline/phantom/junctions_field.h"
 #include "storage/types/label_range.h"
 #include "tests/pipeline/run/scene.h"
@@ -33,8 +30,7 @@ TEST(LabelPhantom, TrianglesLieOnTheInterfaceOfTheirPair) {
                    "--first-label", std::to_string(first_id), "-o", volume}));
   VOXWELD_EXPECT_DONE(
       scene.run({"input.path=" + volume, "labels.mode=shared", "surface.inside=above"}));
-  const VerifyReport report = verify_output(scene.output());
-  EXPECT_TRUE(report.good()) << to_text(report);
+  expect_good(scene.output());
   const DecodedMesh mesh = load_mesh(scene.output() / "mesh.drc");
   ASSERT_EQ(mesh.triangle_pairs.size(), mesh.triangles.size());
   const JunctionsField field(n);

@@ -1,8 +1,6 @@
 // surface.label, end to end: one label of a label volume.
-#include <cmath>
 
 #include "pipeline/output/load.h"
-#include "pipeline/output/verify.h"
 #include "tests/pipeline/run/label_volumes.h"
 #include "tests/pipeline/run/scene.h"
 
@@ -18,8 +16,7 @@ TEST(Label, IsAClosedMeshOfItsVolume) {
     const Scene scene(ball_labels(type, {40, 36, 33}));
     const std::uint64_t more = type == SampleType::u64 ? std::uint64_t{1} << 40 : 0;
     VOXWELD_EXPECT_DONE(scene.run(label(112 + more)));
-    const VerifyReport report = verify_output(scene.output());
-    EXPECT_TRUE(report.good()) << to_text(report);
+    expect_good(scene.output());
     const double ball = 4.0 / 3 * 3.14159265 * 9 * 9 * 9;  // cut by its cell's faces
     const double volume = enclosed_volume(load_mesh(scene.output() / "mesh.drc"));
     EXPECT_GT(volume, 0.75 * ball);
@@ -31,12 +28,10 @@ TEST(Label, EveryPartitionGivesTheSameBytes) {
   for (const Index3 size : {Index3{48, 40, 33}, Index3{32, 32, 32}}) {
     const Scene scene(ball_labels(SampleType::u16, size));
     const Settings common = label(12) + Settings{"output.tile_vertices=1024"};
-    const Tree first = scene.clean_tree(common);
-    for (const Settings& variant :
-         {Settings{"work.brick=16", "work.shard=1", "work.chunk=16"},
-          Settings{"work.brick=16", "work.shard=2", "work.copy=true", "work.chunk=8"},
-          Settings{"work.brick=32", "work.shard=1", "work.copy=true", "run.threads=1"}})
-      EXPECT_EQ(difference(first, scene.clean_tree(common + variant)), "");
+    scene.expect_one_tree(
+        common, {Settings{"work.brick=16", "work.shard=1", "work.chunk=16"},
+                 Settings{"work.brick=16", "work.shard=2", "work.copy=true", "work.chunk=8"},
+                 Settings{"work.brick=32", "work.shard=1", "work.copy=true", "run.threads=1"}});
   }
 }
 
@@ -45,16 +40,14 @@ TEST(Label, NoiseIsClosedToo) {
   for (std::byte& sample : volume.samples) sample &= std::byte{3};
   const Scene scene(volume);
   VOXWELD_EXPECT_DONE(scene.run(label(2) + Settings{"work.brick=16", "output.tile_vertices=4096"}));
-  const VerifyReport report = verify_output(scene.output());
-  EXPECT_TRUE(report.good()) << to_text(report);
+  expect_good(scene.output());
 }
 
 TEST(Label, WhatCannotBeIsRefused) {
   const Scene scene(ball_labels(SampleType::u16, {20, 20, 20}));
   const auto refused = [&](const Settings& settings, const std::string& words) {
     const ProgramResult result = scene.run(settings);
-    EXPECT_EQ(result.exit_code, 2);
-    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+    expect_refused(result, words);
   };
   refused(label(77), "surface.label = 77: no sample");
   refused({"surface.label=1", "surface.isovalue=2.5"}, "surface.isovalue = 2.5: a label has no");
@@ -63,8 +56,7 @@ TEST(Label, WhatCannotBeIsRefused) {
   RawVolume real{{8, 8, 8}, SampleType::f32, std::vector<std::byte>(8 * 8 * 8 * 4), 0};
   const Scene floats(real);
   const ProgramResult result = floats.run(label(0));
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_NE(result.err.find("labels are integers"), std::string::npos) << result.err;
+  expect_refused(result, "labels are integers");
 }
 
 }  // namespace

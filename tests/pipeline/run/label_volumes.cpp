@@ -1,31 +1,23 @@
 #include "tests/pipeline/run/label_volumes.h"
 
+#include <fmt/format.h>
+
 #include <cstring>
 
+#include "storage/manifest/manifest.h"
+#include "storage/support/file_io.h"
+#include "storage/support/hash.h"
+
 namespace voxweld::testing {
-namespace {
-
-void append(RawVolume& volume, std::uint64_t label) {
-  for (std::size_t i = 0; i < sample_bytes(volume.type); ++i)
-    volume.samples.push_back(static_cast<std::byte>(label >> 8 * i & 255));
-}
-
-}  // namespace
 
 RawVolume ball_labels(SampleType type, Index3 size) {
-  RawVolume volume{size, type, {}, 0};
-  for (std::int64_t z = 0; z < size.z; ++z)
-    for (std::int64_t y = 0; y < size.y; ++y)
-      for (std::int64_t x = 0; x < size.x; ++x) {
-        const Index3 at{x, y, z}, cell{x / 16, y / 16, z / 16};
-        const Index3 d = at - cell * 16 - splat(8);
-        const bool in = d.x * d.x + d.y * d.y + d.z * d.z < 81;
-        std::uint64_t label =
-            in ? static_cast<std::uint64_t>(1 + cell.x + 10 * cell.y + 100 * cell.z) : 0;
-        if (sample_bytes(type) == 8 && in) label += std::uint64_t{1} << 40;
-        append(volume, label);
-      }
-  return volume;
+  return integer_volume(type, size, [&](Index3 at) {
+    const Index3 cell{at.x / 16, at.y / 16, at.z / 16};
+    const Index3 d = at - cell * 16 - splat(8);
+    if (d.x * d.x + d.y * d.y + d.z * d.z >= 81) return std::int64_t{0};
+    const std::int64_t more = sample_bytes(type) == 8 ? std::int64_t{1} << 40 : 0;
+    return 1 + cell.x + 10 * cell.y + 100 * cell.z + more;
+  });
 }
 
 RawVolume cell_labels(Index3 size, std::uint32_t labels, double noise, unsigned seed) {
@@ -36,20 +28,16 @@ RawVolume cell_labels(Index3 size, std::uint32_t labels, double noise, unsigned 
     centres.push_back({one(random) * static_cast<double>(size.x),
                        one(random) * static_cast<double>(size.y),
                        one(random) * static_cast<double>(size.z)});
-  RawVolume volume{size, SampleType::u16, {}, 0};
-  for (std::int64_t z = 0; z < size.z; ++z)
-    for (std::int64_t y = 0; y < size.y; ++y)
-      for (std::int64_t x = 0; x < size.x; ++x) {
-        const Vec3 at{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-        std::uint32_t nearest = 0;
-        for (std::uint32_t i = 1; i < labels; ++i) {
-          const Vec3 d = centres[i] - at, best = centres[nearest] - at;
-          if (dot(d, d) < dot(best, best)) nearest = i;
-        }
-        const bool is_noise = one(random) < noise;
-        append(volume, is_noise ? random() % (labels + 1) : nearest + 1);
-      }
-  return volume;
+  return integer_volume(SampleType::u16, size, [&](Index3 s) {
+    const Vec3 at = as_vec3(s);
+    std::uint32_t nearest = 0;
+    for (std::uint32_t i = 1; i < labels; ++i) {
+      const Vec3 d = centres[i] - at, best = centres[nearest] - at;
+      if (dot(d, d) < dot(best, best)) nearest = i;
+    }
+    const bool is_noise = one(random) < noise;
+    return is_noise ? random() % (labels + 1) : nearest + 1;
+  });
 }
 
 std::set<std::uint64_t> labels_of(const RawVolume& volume) {
@@ -61,6 +49,19 @@ std::set<std::uint64_t> labels_of(const RawVolume& volume) {
     labels.insert(label);
   }
   return labels;
+}
+
+Tree label_files(const std::filesystem::path& output, std::uint64_t label) {
+  Tree files;
+  TileListReader tiles(output / tiles_name);
+  while (const auto tile = tiles.next()) {
+    if (tile->label && *tile->label != label) continue;
+    const Index3 at = tile->tile.at;
+    for (const FileRecord& file : tile->files)
+      files[fmt::format("{}-{}-{}-{}.{}", tile->tile.level, at.x, at.y, at.z, file.format)] =
+          to_hex(hash_bytes(read_whole_file(output / file.path)));
+  }
+  return files;
 }
 
 }  // namespace voxweld::testing

@@ -18,4 +18,7 @@ RawVolume cell_labels(Index3 size, std::uint32_t labels, double noise, unsigned 
 // The values a volume has.
 std::set<std::uint64_t> labels_of(const RawVolume& volume);
 
+// The files of one label, or of the only surface, by the place of their tile.
+Tree label_files(const std::filesystem::path& output, std::uint64_t label);
+
 }  // namespace voxweld::testing

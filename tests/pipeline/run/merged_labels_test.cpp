@@ -2,7 +2,6 @@
 // were one label from the start.
 #include <fstream>
 
-#include "pipeline/output/verify.h"
 #include "storage/manifest/manifest.h"
 #include "tests/pipeline/run/label_volumes.h"
 #include "tests/pipeline/run/scene.h"
@@ -40,8 +39,7 @@ TEST_P(MergedLabels, AreAsIfTheyHadBeenOneFromTheStart) {
   const Settings mapped = settings + Settings{"labels.map=" + map.string()};
   const Tree by_map = scene.clean_tree(mapped);
   VOXWELD_EXPECT_DONE(scene.run(mapped));
-  const VerifyReport report = verify_output(scene.output());
-  EXPECT_TRUE(report.good()) << to_text(report);
+  expect_good(scene.output());
   scene.write_volume(relabelled(volume));
   EXPECT_EQ(difference(scene.clean_tree(settings), by_map), "");
 

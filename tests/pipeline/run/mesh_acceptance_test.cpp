@@ -1,7 +1,6 @@
 // Meshes of the shared data as the input, at 256 cells and the defaults: closed, 2-manifold, near
 // the mesh that went in, and sharp where it is. At other resolutions: tests/mesh_acceptance.sh.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 
 #include "pipeline/output/verify.h"
 #include "storage/meshes/mesh_file.h"
@@ -38,8 +37,7 @@ TEST_P(MeshAcceptance, ComesOutAsItWentIn) {
   const MeshInputScene space;
   space.set(path, "resolution = 256");
   const TriangleMesh result = space.result();
-  const VerifyReport report = verify_output(space.scene().output());
-  EXPECT_TRUE(report.good()) << to_text(report);
+  const VerifyReport report = expect_good(space.scene().output());
   EXPECT_EQ(report.boundary_edges, 0U);
   const double cell =
       manifest_of(space.scene().output()).at("frame").at("spacing").at(0).get<double>();

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <random>
 
-#include "pipeline/output/verify.h"
+#include "stages/solids/mesh_boundary.h"
 #include "storage/meshes/mesh_file.h"
 #include "storage/support/file_io.h"
 #include "tests/pipeline/run/mesh_scene.h"
@@ -22,12 +22,7 @@ class MeshScene {
  public:
   MeshScene(const fs::path& path, const TriangleMesh& mesh, int resolution)
       : scene_(RawVolume{{1, 1, 1}, SampleType::u8, {std::byte{}}, 1}) {
-    Vec3 lo = mesh.vertices[0], hi = lo;
-    for (const Vec3& v : mesh.vertices)
-      for (int a = 0; a < 3; ++a) {
-        lo[a] = std::min(lo[a], v[a]);
-        hi[a] = std::max(hi[a], v[a]);
-      }
+    const auto [lo, hi] = bounds_of(mesh);
     cell = std::max({hi.x - lo.x, hi.y - lo.y, hi.z - lo.z}) / resolution;
     for (int a = 0; a < 3; ++a) {
       size[a] = static_cast<std::int64_t>(std::ceil((hi[a] - lo[a]) / cell)) + 5;
@@ -72,8 +67,7 @@ TEST_P(SharedMeshes, ComeOutAsTheyWentIn) {
   const TriangleMesh mesh = read_mesh_file(path).mesh;
   const MeshScene space(path, mesh, 256);
   VOXWELD_EXPECT_DONE(space.scene().run());
-  const VerifyReport report = verify_output(space.scene().output());
-  EXPECT_TRUE(report.good()) << to_text(report);
+  expect_good(space.scene().output());
   const TriangleMesh result = space.result();
   const double volume = std::abs(volume_of(mesh));
   EXPECT_NEAR(volume_of(result), volume, 1e-3 * volume);
@@ -152,12 +146,7 @@ TEST(MeshEdit, PlacedByScaleRotateAndCenter) {
   const MeshScene space(folder / "a.off", box_mesh({-6, -6, 0}, {6, 6, 12}), 24);
   space.set(folder / "a.off", "scale = 2.5\nrotate = [0, 0, 90]");
   VOXWELD_EXPECT_DONE(space.scene().run());
-  Vec3 lo{1e9, 1e9, 1e9}, hi = lo * -1.0;
-  for (const Vec3& v : space.result().vertices)
-    for (int a = 0; a < 3; ++a) {
-      lo[a] = std::min(lo[a], v[a]);
-      hi[a] = std::max(hi[a], v[a]);
-    }
+  const auto [lo, hi] = bounds_of(space.result());
   const Vec3 expected_lo{-5, 0, 0}, expected_hi{0, 2.5, 10};
   for (int a = 0; a < 3; ++a) {
     EXPECT_NEAR(lo[a], expected_lo[a], 0.02 * space.cell);
@@ -178,8 +167,7 @@ TEST(MeshEdit, SubtractsAndIntersects) {
                                             op, (folder / "b.off").string(), space.center.x,
                                             space.center.y, space.center.z));
     VOXWELD_EXPECT_DONE(space.scene().run());
-    const VerifyReport report = verify_output(space.scene().output());
-    EXPECT_TRUE(report.good()) << to_text(report);
+    expect_good(space.scene().output());
     return volume_of(space.result());
   };
   const double common = 10.1 * 10.3 * 9.9, all = volume_of(whole);

@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "stages/solids/mesh_boundary.h"
 #include "storage/meshes/mesh_file.h"
 #include "tests/pipeline/run/mesh_scene.h"
 #include "tests/support/triangle_meshes.h"
@@ -14,22 +15,8 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-struct Extent {
-  Vec3 lo, hi;
-};
-
-Extent extent_of(const TriangleMesh& mesh) {
-  Extent extent{mesh.vertices.at(0), mesh.vertices.at(0)};
-  for (const Vec3& v : mesh.vertices)
-    for (int a = 0; a < 3; ++a) {
-      extent.lo[a] = std::min(extent.lo[a], v[a]);
-      extent.hi[a] = std::max(extent.hi[a], v[a]);
-    }
-  return extent;
-}
-
 void expect_extent(const TriangleMesh& mesh, Vec3 lo, Vec3 hi, double within) {
-  const Extent extent = extent_of(mesh);
+  const Bounds extent = bounds_of(mesh);
   for (int a = 0; a < 3; ++a) {
     EXPECT_NEAR(extent.lo[a], lo[a], within);
     EXPECT_NEAR(extent.hi[a], hi[a], within);
@@ -116,19 +103,15 @@ TEST(MeshInput, NeitherPartitionNorStagesMatter) {
   for (Vec3& v : mesh.vertices) v.x = std::round(2 * v.x) / 2;
   write_off(space.at("a.off"), mesh);
   space.set(space.at("a.off"), "resolution = 90", "[output]\ntile_vertices = 1024\n");
-  const Tree expected = space.scene().clean_tree();
-  for (const Settings& settings :
-       {Settings{"work.brick=32", "run.threads=1"},
-        {"work.brick=16", "work.shard=2"},
-        {"work.copy=true", "work.brick=16", "work.shard=1", "work.chunk=16"}})
-    EXPECT_EQ(difference(expected, space.scene().clean_tree(settings)), "");
+  const Tree expected = space.scene().expect_one_tree(
+      {}, {Settings{"work.brick=32", "run.threads=1"},
+           {"work.brick=16", "work.shard=2"},
+           {"work.copy=true", "work.brick=16", "work.shard=1", "work.chunk=16"}});
   // One command a stage, in parts and not.
   const Settings parts = space.scene().in("parts") + Settings{"work.brick=16", "work.shard=2"};
   const auto stage = [&](const std::string& name, const std::string& part) {
-    std::vector<std::string> arguments = {name, space.scene().config().string()};
-    for (const std::string& setting : parts) arguments.insert(arguments.end(), {"--set", setting});
-    if (!part.empty()) arguments.insert(arguments.end(), {"--part", part});
-    VOXWELD_EXPECT_DONE(run_voxweld(arguments));
+    VOXWELD_EXPECT_DONE(space.scene().command_with(
+        name, parts, part.empty() ? Arguments{} : Arguments{"--part", part}));
   };
   stage("ingest", "");
   for (const char* part : {"1/3", "0/3", "2/3"}) stage("build", part);

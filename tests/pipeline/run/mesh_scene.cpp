@@ -5,7 +5,6 @@
 #include <fstream>
 
 #include "pipeline/output/load.h"
-#include "pipeline/output/verify.h"
 #include "storage/support/file_io.h"
 #include "storage/support/hash.h"
 #include "tests/support/temp_directory.h"
@@ -30,11 +29,6 @@ TriangleMesh welded_mesh(const fs::path& path, Vec3 by) {
   WeldedMesh mesh;
   mesh.add(load_mesh(path), by);
   return mesh.mesh();
-}
-
-void expect_good(const fs::path& output) {
-  const VerifyReport report = verify_output(output);
-  EXPECT_TRUE(report.good()) << to_text(report);
 }
 
 MeshInputScene::MeshInputScene() : scene_(RawVolume{{1, 1, 1}, SampleType::u8, {std::byte{}}, 1}) {}

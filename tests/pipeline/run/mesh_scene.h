@@ -18,9 +18,6 @@ std::filesystem::path shared_mesh(const std::string& name);
 // Of a mesh file, with vertices of several normals put together again, moved.
 TriangleMesh welded_mesh(const std::filesystem::path& path, Vec3 by = {});
 
-// No problem of the output directory's meshes is left.
-void expect_good(const std::filesystem::path& output);
-
 // A config whose input is a mesh: `input` are further lines of [input], `more` lines behind it.
 class MeshInputScene {
  public:

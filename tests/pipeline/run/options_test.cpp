@@ -14,8 +14,7 @@ namespace {
 const Settings tiled = {"work.brick=16", "work.shard=2", "output.tile_vertices=1024"};
 
 void expect_verified(const Scene& scene) {
-  const VerifyReport report = verify_output(scene.output());
-  EXPECT_TRUE(report.good()) << to_text(report);
+  const VerifyReport report = expect_good(scene.output());
   EXPECT_GT(report.triangles, 0u);
   EXPECT_TRUE(report.merged_checked);
 }
@@ -61,16 +60,15 @@ Crossings count_crossings(const RawVolume& volume) {
                volume.isovalue;
   };
   Crossings count;
-  for (std::int64_t z = -1; z <= volume.size.z; ++z)
-    for (std::int64_t y = -1; y <= volume.size.y; ++y)
-      for (std::int64_t x = -1; x <= volume.size.x; ++x)
-        for (const Index3 step : {Index3{1, 0, 0}, Index3{0, 1, 0}, Index3{0, 0, 1}}) {
-          const Index3 a{x, y, z}, b = a + step;
-          if (inside(a) == inside(b)) continue;
-          ++count.closed;
-          const Box3 real{{}, volume.size};
-          if (real.contains(a) && real.contains(b)) ++count.open;
-        }
+  each_index({splat(-1), volume.size + splat(1)}, [&](Index3 a) {
+    for (const Index3 step : {Index3{1, 0, 0}, Index3{0, 1, 0}, Index3{0, 0, 1}}) {
+      const Index3 b = a + step;
+      if (inside(a) == inside(b)) continue;
+      ++count.closed;
+      const Box3 real{{}, volume.size};
+      if (real.contains(a) && real.contains(b)) ++count.open;
+    }
+  });
   return count;
 }
 

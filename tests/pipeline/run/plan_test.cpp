@@ -5,12 +5,8 @@ namespace voxweld::testing {
 namespace {
 
 nlohmann::json plan_of(const Scene& scene, const Settings& settings) {
-  std::vector<std::string> arguments = {"plan", scene.config().string(), "--json"};
-  for (const std::string& setting : settings + scene.in("planned")) {
-    arguments.push_back("--set");
-    arguments.push_back(setting);
-  }
-  const ProgramResult result = run_voxweld(arguments);
+  const ProgramResult result =
+      scene.command_with("plan", settings + scene.in("planned"), {"--json"});
   VOXWELD_EXPECT_DONE(result);
   return nlohmann::json::parse(result.out);
 }

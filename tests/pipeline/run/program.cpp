@@ -37,7 +37,7 @@ std::string text_of(const Capture& file) {
   return text;
 }
 
-pid_t start(const std::vector<std::string>& arguments, const Capture& out, const Capture& err) {
+pid_t start(const Arguments& arguments, const Capture& out, const Capture& err) {
   std::vector<char*> argv;
   std::string name = program_path().string();
   std::vector<std::string> owned = arguments;
@@ -61,6 +61,17 @@ double since(Clock::time_point begin) {
 
 }  // namespace
 
+Arguments operator+(Arguments a, const Arguments& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+Arguments set_options(const std::vector<std::string>& settings) {
+  Arguments options;
+  for (const std::string& setting : settings) options.insert(options.end(), {"--set", setting});
+  return options;
+}
+
 Environment::Environment(std::vector<std::pair<std::string, std::string>> variables) {
   for (const auto& [name, value] : variables) {
     const char* earlier = std::getenv(name.c_str());
@@ -77,7 +88,7 @@ Environment::~Environment() {
       unsetenv(name.c_str());
 }
 
-ProgramResult run_voxweld(const std::vector<std::string>& arguments, std::optional<Stop> stop) {
+ProgramResult run_voxweld(const Arguments& arguments, std::optional<Stop> stop) {
   const Capture out = open_capture(), err = open_capture();
   const auto begin = Clock::now();
   const pid_t child = start(arguments, out, err);

@@ -8,6 +8,11 @@
 
 namespace voxweld::testing {
 
+using Arguments = std::vector<std::string>;
+Arguments operator+(Arguments a, const Arguments& b);
+// "--set" before each of "table.key=value".
+Arguments set_options(const std::vector<std::string>& settings);
+
 struct ProgramResult {
   int exit_code = -1;  // 128 + the signal that ended it
   std::string out, err;
@@ -33,6 +38,6 @@ class Environment {
 };
 
 // `arguments` without the program's own name. Ended by force after two minutes.
-ProgramResult run_voxweld(const std::vector<std::string>& arguments, std::optional<Stop> stop = {});
+ProgramResult run_voxweld(const Arguments& arguments, std::optional<Stop> stop = {});
 
 }  // namespace voxweld::testing

@@ -1,5 +1,4 @@
 // Resume is precise: a run does what is missing or follows from a change, and nothing else.
-#include <fmt/format.h>
 
 #include <fstream>
 
@@ -15,12 +14,7 @@ const std::vector<std::string> stages = {"ingest", "build", "merge", "stitch", "
 
 // What a dry run says of each stage.
 std::map<std::string, std::string> dry_run(const Scene& scene, const Settings& settings) {
-  std::vector<std::string> arguments = {"run", scene.config().string(), "--dry-run"};
-  for (const std::string& setting : settings) {
-    arguments.push_back("--set");
-    arguments.push_back(setting);
-  }
-  const ProgramResult result = run_voxweld(arguments);
+  const ProgramResult result = scene.command_with("run", settings, {"--dry-run"});
   VOXWELD_EXPECT_DONE(result);
   std::map<std::string, std::string> said;
   std::istringstream lines(result.out);
@@ -220,8 +214,7 @@ TEST(Resume, ADeletedFileComesBack) {
 TEST(Resume, StagesOneByOneGiveTheSameBytes) {
   const Scene scene("porous", 40);
   for (const Settings& settings : {copied_store, copied_store + Settings{"work.copy=false"}}) {
-    fs::remove_all(scene.work());
-    fs::remove_all(scene.output());
+    scene.forget();
     for (const std::string& stage : stages) VOXWELD_EXPECT_DONE(scene.command(stage, settings));
     EXPECT_EQ(difference(scene.clean_tree(settings), output_tree(scene.output())), "");
     VOXWELD_EXPECT_DONE(scene.run(settings));
@@ -236,7 +229,7 @@ TEST(Resume, AStageRunTooEarlyNamesTheOneToRun) {
     for (std::size_t early = done + 1; early < stages.size(); ++early) {
       const ProgramResult result = scene.command(stages[early], settings);
       EXPECT_EQ(result.exit_code, 2) << stages[early];
-      EXPECT_NE(result.err.find("voxweld " + stages[done] + " "), std::string::npos) << result.err;
+      expect_says(result, "voxweld " + stages[done] + " ");
       EXPECT_FALSE(fs::exists(scene.output()));
     }
     VOXWELD_EXPECT_DONE(scene.command(stages[done], settings));

@@ -1,6 +1,7 @@
 #include "tests/pipeline/run/scene.h"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <fstream>
@@ -13,11 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string text_of_file(const fs::path& path) {
-  const auto bytes = read_whole_file(path);
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 // Bricks are the partition's, and so are their counts; the config has the directories in it, the
 // stages what was done when.
 std::string essence(nlohmann::json manifest) {
@@ -29,9 +25,9 @@ std::string essence(nlohmann::json manifest) {
 
 }  // namespace
 
-Settings operator+(Settings a, const Settings& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
+std::string text_of_file(const fs::path& path) {
+  const auto bytes = read_whole_file(path);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 Tree output_tree(const fs::path& output) {
@@ -114,24 +110,52 @@ Settings Scene::in(const std::string& name) const {
 
 ProgramResult Scene::command(const std::string& command, const Settings& settings,
                              std::optional<Stop> stop) const {
-  std::vector<std::string> arguments = {command, config().string(), "--log-level", "info"};
-  for (const std::string& setting : settings) {
-    arguments.push_back("--set");
-    arguments.push_back(setting);
-  }
-  return run_voxweld(arguments, stop);
+  return run_voxweld(
+      Arguments{command, config().string(), "--log-level", "info"} + set_options(settings), stop);
 }
 
 Tree Scene::clean_tree(const Settings& settings) const {
-  fs::remove_all(work("clean"));
-  fs::remove_all(output("clean"));
+  forget("clean");
   const ProgramResult result = run_in("clean", settings);
   VOXWELD_EXPECT_DONE(result);
   Tree tree = output_tree(output("clean"));
   EXPECT_TRUE(tree.contains("manifest"));
-  fs::remove_all(work("clean"));
-  fs::remove_all(output("clean"));
+  forget("clean");
   return tree;
+}
+
+Tree Scene::expect_one_tree(const Settings& common, const std::vector<Settings>& variants) const {
+  const Tree first = clean_tree(common);
+  for (const Settings& variant : variants)
+    EXPECT_EQ(difference(first, clean_tree(common + variant)), "")
+        << ::testing::PrintToString(variant);
+  return first;
+}
+
+void Scene::forget(const std::string& name) const {
+  fs::remove_all(work(name));
+  fs::remove_all(output(name));
+}
+
+void Scene::forget_stages(const std::vector<std::string>& stages) const {
+  for (const auto& entry : fs::directory_iterator(work()))
+    for (const std::string& stage : stages)
+      if (entry.path().filename().string().starts_with(stage + "-")) fs::remove_all(entry.path());
+}
+
+VerifyReport expect_good(const fs::path& output) {
+  VerifyReport report = verify_output(output);
+  EXPECT_TRUE(report.good()) << to_text(report);
+  return report;
+}
+
+void expect_says(const ProgramResult& result, const std::string& words) {
+  EXPECT_THAT(result.err, ::testing::HasSubstr(words));
+}
+
+void expect_refused(const ProgramResult& result, const std::string& words, int exit_code) {
+  EXPECT_EQ(result.exit_code, exit_code);
+  expect_says(result, words);
 }
 
 double enclosed_volume(const DecodedMesh& mesh) {

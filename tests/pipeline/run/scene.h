@@ -11,15 +11,16 @@
 #include <vector>
 
 #include "pipeline/output/load.h"
+#include "pipeline/output/verify.h"
 #include "storage/types/box.h"
 #include "storage/types/sample_type.h"
 #include "tests/pipeline/run/program.h"
+#include "tests/support/each_index.h"
 #include "tests/support/temp_directory.h"
 
 namespace voxweld::testing {
 
 using Settings = std::vector<std::string>;  // "table.key=value"
-Settings operator+(Settings a, const Settings& b);
 
 // What a run leaves for the user, as name -> hash: every file of the output directory but the
 // manifest, whose times differ; of that, as "manifest", what depends on the volume and the
@@ -40,14 +41,22 @@ struct RawVolume {
   std::int64_t index(Index3 at) const { return (at.z * size.y + at.y) * size.x + at.x; }
 };
 RawVolume noise_volume(Index3 size, unsigned seed);
-// u8, from a function of the sample's index; the isovalue is 128.
+// From a function of the sample's index.
+template <class F>
+RawVolume integer_volume(SampleType type, Index3 size, F&& label_at) {
+  RawVolume volume{size, type, {}, 0};
+  each_index(size, [&](Index3 at) {
+    const auto label = static_cast<std::uint64_t>(label_at(at));
+    for (std::size_t i = 0; i < sample_bytes(type); ++i)
+      volume.samples.push_back(static_cast<std::byte>(label >> 8 * i & 255));
+  });
+  return volume;
+}
+// u8, the same; the isovalue is 128.
 template <class F>
 RawVolume volume_of(Index3 size, F&& value) {
-  RawVolume volume{size, SampleType::u8, {}, 128};
-  for (std::int64_t z = 0; z < size.z; ++z)
-    for (std::int64_t y = 0; y < size.y; ++y)
-      for (std::int64_t x = 0; x < size.x; ++x)
-        volume.samples.push_back(static_cast<std::byte>(value(Index3{x, y, z})));
+  RawVolume volume = integer_volume(SampleType::u8, size, value);
+  volume.isovalue = 128;
   return volume;
 }
 
@@ -69,6 +78,11 @@ class Scene {
   ProgramResult run(const Settings& settings = {}, std::optional<Stop> stop = {}) const {
     return command("run", settings, stop);
   }
+  // Of one command, with options behind the settings.
+  ProgramResult command_with(const std::string& command, const Settings& settings,
+                             const Arguments& options) const {
+    return run_voxweld(Arguments{command, config().string()} + set_options(settings) + options);
+  }
   // The same into directories of that name.
   ProgramResult run_in(const std::string& name, const Settings& settings = {},
                        std::optional<Stop> stop = {}) const {
@@ -77,6 +91,13 @@ class Scene {
   Settings in(const std::string& name) const;
   // Runs into fresh directories, checks that it worked, and returns what came out.
   Tree clean_tree(const Settings& settings = {}) const;
+  // Every variant beside the common settings leaves the same, which is returned.
+  Tree expect_one_tree(const Settings& common, const std::vector<Settings>& variants) const;
+
+  // What runs into directories of that name have left is gone.
+  void forget(const std::string& name = "scene") const;
+  // Of the work, what these stages have left.
+  void forget_stages(const std::vector<std::string>& stages) const;
 
  private:
   void write_config(const std::string& input, const std::string& surface) const;
@@ -85,6 +106,13 @@ class Scene {
   std::filesystem::path volume_;
 };
 
+// No problem of the output directory's meshes is left.
+VerifyReport expect_good(const std::filesystem::path& output);
+// These words are in the messages.
+void expect_says(const ProgramResult& result, const std::string& words);
+void expect_refused(const ProgramResult& result, const std::string& words, int exit_code = 2);
+
+std::string text_of_file(const std::filesystem::path& path);
 nlohmann::json manifest_of(const std::filesystem::path& output);
 // "build" -> how many units of it the last run did, those that it ran alone.
 std::map<std::string, std::uint64_t> units_run(const std::filesystem::path& output);

@@ -1,5 +1,4 @@
 // Tasks: the stages done in shares, as a batch system would run them, leave what one run leaves.
-#include <algorithm>
 #include <fstream>
 #include <thread>
 
@@ -16,13 +15,7 @@ const Settings copied_pieces = pieces + Settings{"work.copy=true"};
 
 ProgramResult share(const Scene& scene, const std::string& stage, const Settings& settings,
                     const std::vector<std::string>& options) {
-  std::vector<std::string> arguments = {stage, scene.config().string()};
-  for (const std::string& setting : settings + scene.in("shares")) {
-    arguments.push_back("--set");
-    arguments.push_back(setting);
-  }
-  arguments.insert(arguments.end(), options.begin(), options.end());
-  return run_voxweld(arguments);
+  return scene.command_with(stage, settings + scene.in("shares"), options);
 }
 
 void run_in_shares(const Scene& scene, const Settings& settings, int parts, bool reverse) {
@@ -107,9 +100,8 @@ TEST(Share, SaysWhatIsWrongWithTheNumbers) {
   const Scene scene("porous", 40);
   const auto expect_refused = [&](const std::string& stage, const std::string& option,
                                   const std::string& value, const std::string& why) {
-    const ProgramResult result = share(scene, stage, pieces, {option, value});
-    EXPECT_EQ(result.exit_code, 2) << value;
-    EXPECT_NE(result.err.find(why), std::string::npos) << result.err;
+    SCOPED_TRACE(value);
+    testing::expect_refused(share(scene, stage, pieces, {option, value}), why);
   };
   expect_refused("build", "--shards", "0-99", "stage build has 8 of them");
   for (const char* list : {"a", "3-1", "1,1", "1,,2", "-", "1-", " 1", "99999999999999999999"})
@@ -148,8 +140,7 @@ TEST(Share, AStaleTopTreeIsNotStitchedFrom) {
   scene.write_volume(other);
   VOXWELD_EXPECT_DONE(share(scene, "build", pieces, {"--part", "0/1"}));
   const ProgramResult result = share(scene, "stitch", pieces, {"--tiles", "0"});
-  EXPECT_EQ(result.exit_code, 1);
-  EXPECT_NE(result.err.find("was merged from another"), std::string::npos) << result.err;
+  expect_refused(result, "was merged from another", 1);
 }
 
 TEST(Share, ArtifactsSayWhoMadeThem) {

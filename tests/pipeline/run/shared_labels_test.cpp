@@ -16,20 +16,13 @@ namespace fs = std::filesystem;
 
 // Columns of labels that lean, some up to the border, 0 around a ball.
 RawVolume foam(SampleType type, Index3 size) {
-  RawVolume volume{size, type, {}, 0};
-  const std::size_t width = sample_bytes(type);
-  for (std::int64_t z = 0; z < size.z; ++z)
-    for (std::int64_t y = 0; y < size.y; ++y)
-      for (std::int64_t x = 0; x < size.x; ++x) {
-        const Index3 d{2 * x - size.x, 2 * y - size.y, 2 * z - size.z};
-        const bool in = d.x * d.x + d.y * d.y + d.z * d.z < size.x * size.x * 5 / 4;
-        std::uint64_t label =
-            in ? static_cast<std::uint64_t>(1 + (x + z / 3) / 13 + 10 * ((y + x / 5) / 11)) : 0;
-        if (width == 8 && in) label += std::uint64_t{1} << 62;
-        for (std::size_t i = 0; i < width; ++i)
-          volume.samples.push_back(static_cast<std::byte>(label >> 8 * i & 255));
-      }
-  return volume;
+  const std::uint64_t more = sample_bytes(type) == 8 ? std::uint64_t{1} << 62 : 0;
+  return integer_volume(type, size, [&](Index3 s) {
+    const Index3 d = s * 2 - size;
+    if (d.x * d.x + d.y * d.y + d.z * d.z >= size.x * size.x * 5 / 4) return std::uint64_t{0};
+    return static_cast<std::uint64_t>(1 + (s.x + s.z / 3) / 13 + 10 * ((s.y + s.x / 5) / 11)) +
+           more;
+  });
 }
 
 const Settings shared = {"labels.mode=shared"};
@@ -44,8 +37,7 @@ TEST(SharedLabelsRun, EachLabelsEdgesBalance) {
     const Scene scene(foam(type, {47, 40, 41}));
     VOXWELD_EXPECT_DONE(
         scene.run(shared + Settings{"work.brick=16", "work.shard=2", "output.tile_vertices=1024"}));
-    const VerifyReport report = verify_output(scene.output());
-    EXPECT_TRUE(report.good()) << to_text(report);
+    const VerifyReport report = expect_good(scene.output());
     EXPECT_GT(report.tiles, 1u);
     EXPECT_GT(report.seam_vertices, 0u);
     EXPECT_TRUE(report.merged_checked);
@@ -59,12 +51,10 @@ TEST(SharedLabelsRun, EveryPartitionGivesTheSameBytes) {
   for (const Index3 size : {Index3{48, 40, 33}, Index3{32, 32, 32}}) {
     const Scene scene(foam(SampleType::u16, size));
     const Settings common = shared + Settings{"output.tile_vertices=1024"};
-    const Tree first = scene.clean_tree(common);
-    for (const Settings& variant :
-         {Settings{"work.brick=16", "work.shard=1", "work.chunk=16"},
-          Settings{"work.brick=16", "work.shard=2", "work.copy=true", "work.chunk=8"},
-          Settings{"work.brick=32", "work.shard=1", "work.copy=true", "run.threads=1"}})
-      EXPECT_EQ(difference(first, scene.clean_tree(common + variant)), "");
+    scene.expect_one_tree(
+        common, {Settings{"work.brick=16", "work.shard=1", "work.chunk=16"},
+                 Settings{"work.brick=16", "work.shard=2", "work.copy=true", "work.chunk=8"},
+                 Settings{"work.brick=32", "work.shard=1", "work.copy=true", "run.threads=1"}});
   }
 }
 
@@ -91,8 +81,7 @@ TEST(SharedLabelsRun, NoiseBalancesToo) {
   for (const char* border : {"surface.border=closed", "surface.border=open"}) {
     VOXWELD_EXPECT_DONE(
         scene.run(shared + Settings{"work.brick=16", "output.tile_vertices=4096", border}));
-    const VerifyReport report = verify_output(scene.output());
-    EXPECT_TRUE(report.good()) << to_text(report);
+    const VerifyReport report = expect_good(scene.output());
     EXPECT_EQ(report.boundary_edges > 0, std::string(border).ends_with("open"));
   }
 }
@@ -176,8 +165,7 @@ TEST(SharedLabelsRun, EditsOfEmptySpaceAndOfLabels) {
     write_whole_file(config, as_bytes(all), Durability::rename_only);
     const ProgramResult result = run_voxweld({"run", config.string()});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    const VerifyReport report = verify_output(folder / (name + ".mesh"));
-    EXPECT_TRUE(report.good()) << to_text(report);
+    expect_good(folder / (name + ".mesh"));
     return output_tree(folder / (name + ".mesh"));
   };
   const RawVolume volume = foam(SampleType::u8, {62, 62, 62});
@@ -203,8 +191,7 @@ TEST(SharedLabelsRun, WhatCannotBeIsRefused) {
                           const std::string& words) {
     const Scene scene(volume);
     const ProgramResult result = scene.run(settings);
-    EXPECT_EQ(result.exit_code, 2);
-    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+    expect_refused(result, words);
   };
   const RawVolume volume = foam(SampleType::u8, {20, 20, 20});
   refused(volume, shared + Settings{"surface.label=3", "surface.isovalue=3"},

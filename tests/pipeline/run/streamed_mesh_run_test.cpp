@@ -49,11 +49,7 @@ class StreamedMeshRun : public ::testing::Test {
   const Scene& scene() const { return space_.scene(); }
   ProgramResult command(const std::string& name, const Settings& settings,
                         const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments = {name, scene().config().string()};
-    for (const std::string& setting : settings)
-      arguments.insert(arguments.end(), {"--set", setting});
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_voxweld(arguments);
+    return scene().command_with(name, settings, more);
   }
   fs::path a_bin() const {
     const auto bins = files_ending(scene().work(), ".bins");
@@ -126,8 +122,7 @@ TEST_F(StreamedMeshRun, SingleStagesReadItOnce) {
   // Touched, it is read again.
   fs::last_write_time(space_.at("a.off"), time + std::chrono::seconds(5));
   const ProgramResult changed = command("build", little_memory);
-  EXPECT_EQ(changed.exit_code, 2);
-  EXPECT_THAT(changed.err, HasSubstr("a.off: "));
+  expect_refused(changed, "a.off: ");
 }
 
 TEST_F(StreamedMeshRun, AsATaskOfOneUnit) {
@@ -194,8 +189,7 @@ TEST_F(StreamedMeshRun, Refusals) {
       HasSubstr("open.off: the mesh is not closed, so it has no inside: 3 of its edges have "
                 "an odd number of triangles, in 1 hole ("));
   const ProgramResult wound = scene().run(little_memory + Settings{"input.close=winding"});
-  EXPECT_EQ(wound.exit_code, 2);
-  EXPECT_THAT(wound.err, HasSubstr("run.memory = 64MiB is not enough for this mesh of"));
+  expect_refused(wound, "run.memory = 64MiB is not enough for this mesh of");
   EXPECT_THAT(wound.err, HasSubstr("winding numbers (close = \"winding\") are of all its"));
 }
 

@@ -9,6 +9,7 @@
 
 #include "storage/support/error.h"
 #include "tests/pipeline/slurm/fake_slurm.h"
+#include "tests/support/error_text.h"
 
 namespace voxweld {
 namespace {
@@ -115,14 +116,9 @@ TEST(SlurmClient, Cancels) {
   slurm.program("scancel",
                 "echo 'scancel: error: Kill job error on job id 5: Access/permission denied' >&2\n"
                 "exit 1");
-  try {
-    client.cancel(Jobs{5});
-    FAIL();
-  } catch (const StorageError& error) {
-    EXPECT_STREQ(error.what(),
-                 "scancel failed: Kill job error on job id 5: Access/permission denied; cancel by "
-                 "hand: scancel 5");
-  }
+  EXPECT_EQ(testing::error_text<StorageError>([&] { client.cancel(Jobs{5}); }),
+            "scancel failed: Kill job error on job id 5: Access/permission denied; cancel by "
+            "hand: scancel 5");
 }
 
 // Filters and formats that a user has set for squeue would hide tasks.
@@ -180,23 +176,12 @@ TEST(SlurmClient, TellsWaitingFromStandingStill) {
   EXPECT_EQ(standstill(task), "");
 }
 
-std::string input_error(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    EXPECT_EQ(error.exit_code(), 2);
-    return error.what();
-  }
-  ADD_FAILURE() << "no InputError";
-  return {};
-}
-
 TEST(SlurmClient, MissingProgramsAreTheUsersToMend) {
   const testing::TempDirectory nothing;
   const std::string path = std::getenv("PATH");
   setenv("PATH", nothing.path().c_str(), 1);
-  const std::string message = input_error([] { SlurmClient().version(); });
-  const std::string later = input_error([] { SlurmClient().tasks(Jobs{1}); });
+  const std::string message = testing::error_text<InputError>([] { SlurmClient().version(); });
+  const std::string later = testing::error_text<InputError>([] { SlurmClient().tasks(Jobs{1}); });
   setenv("PATH", path.c_str(), 1);
   EXPECT_THAT(message, HasSubstr("cannot run sbatch: "));
   EXPECT_THAT(message, HasSubstr("run.executor = \"local\""));
@@ -208,7 +193,7 @@ TEST(SlurmClient, SoIsAMachineThatKnowsNoCluster) {
   slurm.program("sbatch",
                 "echo 'sbatch: error: fetch_config: DNS SRV lookup failed' >&2\n"
                 "echo 'sbatch: fatal: Could not establish a configuration source' >&2; exit 1");
-  const std::string message = input_error([] { SlurmClient().version(); });
+  const std::string message = testing::error_text<InputError>([] { SlurmClient().version(); });
   EXPECT_THAT(message, HasSubstr("DNS SRV lookup failed; Could not establish a configuration"));
   EXPECT_THAT(message, HasSubstr("where the cluster's jobs are submitted"));
 }
@@ -220,7 +205,8 @@ TEST(SlurmClient, RefusedRequestsNameTheirKeys) {
                 "echo 'sbatch: error: invalid partition specified: nowhere' >&2\n"
                 "echo 'sbatch: error: Batch job submission failed: Invalid partition name "
                 "specified' >&2; exit 1");
-  EXPECT_EQ(input_error([&] { SlurmClient(now.options()).submit("/x.sbatch", "x-1"); }),
+  EXPECT_EQ(testing::error_text<InputError>(
+                [&] { SlurmClient(now.options()).submit("/x.sbatch", "x-1"); }),
             "sbatch: the cluster refuses the job: invalid partition specified: nowhere; Batch job "
             "submission failed: Invalid partition name specified; this is likely about "
             "slurm.partition");

@@ -9,6 +9,7 @@
 #include "pipeline/slurm/array_folder.h"
 #include "storage/support/error.h"
 #include "tests/pipeline/slurm/fake_slurm.h"
+#include "tests/support/error_text.h"
 
 namespace voxweld {
 namespace {
@@ -47,12 +48,7 @@ class SlurmExecutorTest : public ::testing::Test {
     SlurmExecutor(setup, client).run_units("build", units, {}, options);
   }
   std::string failure() {
-    try {
-      run(1000000);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "no error";
+    return testing::error_text<Error>([&] { run(1000000); });
   }
   // As a driver leaves it that died before sbatch returned.
   ArrayFolder left_behind(const std::string& name) const {

@@ -8,6 +8,7 @@
 
 #include "storage/support/error.h"
 #include "tests/pipeline/slurm/fake_slurm.h"
+#include "tests/support/error_text.h"
 
 namespace voxweld {
 namespace {
@@ -62,12 +63,8 @@ TEST(SlurmTrouble, GivesUpAtTheLimit) {
   NoWaiting now;
   Warnings warnings;
   slurm.program("squeue", failing(unreachable));
-  try {
-    SlurmClient(now.options()).tasks(Jobs{5});
-    FAIL();
-  } catch (const StorageError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("has not answered for 10 minutes: " + unreachable));
-  }
+  EXPECT_THAT(testing::error_text<StorageError>([&] { SlurmClient(now.options()).tasks(Jobs{5}); }),
+              HasSubstr("has not answered for 10 minutes: " + unreachable));
   EXPECT_EQ(slurm.calls_of("squeue"), 61U);
 }
 

@@ -16,6 +16,8 @@
 #include "stages/solids/mesh_solid.h"
 #include "storage/support/error.h"
 #include "tests/pipeline/solids/mesh_formats.h"
+#include "tests/support/each_index.h"
+#include "tests/support/error_text.h"
 #include "tests/support/temp_directory.h"
 #include "tests/support/triangle_meshes.h"
 
@@ -159,19 +161,12 @@ TEST_F(StreamedMeshTest, OpenMeshesAreRefusedAsInMemory) {
   });
   const auto path = directory_ / "a.off";
   write_mesh(path, mesh);
-  const auto text = [](const auto& f) {
-    try {
-      f();
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string("accepted");
-  };
-  const std::string in_memory =
-      text([&] { read_closed_mesh(path, std::uint64_t{1} << 40, MeshClosing::no); });
+  const std::string in_memory = error_text<InputError>(
+      [&] { read_closed_mesh(path, std::uint64_t{1} << 40, MeshClosing::no); });
   EXPECT_THAT(in_memory, HasSubstr("in 2 holes (in the file's own coordinates"));
   const auto streamed = [&] {
-    return text([&] { check_spooled_mesh(path, SpooledMesh(path, work()), work()); });
+    return error_text<InputError>(
+        [&] { check_spooled_mesh(path, SpooledMesh(path, work()), work()); });
   };
   EXPECT_THAT(streamed(), HasSubstr(in_memory.substr(0, in_memory.find("; close it"))));
   TriangleMesh soup = untidy_ball(6);
@@ -213,9 +208,7 @@ class MeshBinningTest : public StreamedMeshTest {
 
 template <class F>
 void each_brick(const BrickGrid& grid, F&& f) {
-  for (std::int64_t z = 0; z < grid.bricks().z; ++z)
-    for (std::int64_t y = 0; y < grid.bricks().y; ++y)
-      for (std::int64_t x = 0; x < grid.bricks().x; ++x) f(Index3{x, y, z});
+  each_index(grid.bricks(), f);
 }
 
 std::vector<std::array<std::int64_t, 4>> row_ends(const LatticeSolid& solid, const Box3& samples) {
@@ -276,14 +269,10 @@ TEST_F(MeshBinningTest, WhatIsThereStaysAndWhatIsNotIsMade) {
 
 TEST_F(MeshBinningTest, ABrickWithTooManyTrianglesIsRefused) {
   limits_.while_building = 30000;
-  try {
-    bin(untidy_ball(6), 0.6, 2);
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("run.memory = 1GiB is too small: stage build needs at "
-                                        "least 1025MiB for one brick (work.brick = 8) with the "));
-    EXPECT_THAT(error.what(), HasSubstr("triangles of the mesh that reach brick "));
-  }
+  const std::string said = error_text<InputError>([&] { bin(untidy_ball(6), 0.6, 2); });
+  EXPECT_THAT(said, HasSubstr("run.memory = 1GiB is too small: stage build needs at "
+                              "least 1025MiB for one brick (work.brick = 8) with the "));
+  EXPECT_THAT(said, HasSubstr("triangles of the mesh that reach brick "));
   EXPECT_FALSE(std::filesystem::exists(directory_ / "bins" / "table"));
 }
 

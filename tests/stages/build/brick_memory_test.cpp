@@ -9,6 +9,7 @@
 #include "stages/build/label_bricks.h"
 #include "storage/types/material.h"
 #include "tests/support/allocation_count.h"
+#include "tests/support/each_index.h"
 
 namespace voxweld {
 namespace {
@@ -30,12 +31,10 @@ struct Samples {
 
 Samples sampled(const Field& field) {
   Samples samples;
-  for (std::int64_t z = 0; z < side; ++z)
-    for (std::int64_t y = 0; y < side; ++y)
-      for (std::int64_t x = 0; x < side; ++x)
-        samples.values.push_back(static_cast<std::uint16_t>(
-            30000 +
-            20000 * field(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z))));
+  testing::each_index(splat(side), [&](Index3 s) {
+    const Vec3 at = testing::as_vec3(s);
+    samples.values.push_back(static_cast<std::uint16_t>(30000 + 20000 * field(at.x, at.y, at.z)));
+  });
   return samples;
 }
 

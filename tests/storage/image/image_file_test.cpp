@@ -9,6 +9,7 @@
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "tests/storage/image/tiff_writer.h"
+#include "tests/support/error_text.h"
 #include "tests/support/temp_directory.h"
 
 // OpenImageIO's PNG reader jumps over the destructor of its message when a file ends early; asked
@@ -120,12 +121,7 @@ TEST(ImageFile, ReadsPagesOfBigTiffInAnyOrder) {
 }
 
 std::string failure_to_open(const std::filesystem::path& path) {
-  try {
-    ImageFile file(path);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "opened";
+  return testing::error_text<Error>([&] { ImageFile file(path); });
 }
 
 TEST(ImageFile, NamesFilesThatAreNoImages) {

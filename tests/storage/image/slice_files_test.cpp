@@ -7,6 +7,7 @@
 
 #include "storage/image/slice_numbers.h"
 #include "storage/support/error.h"
+#include "tests/support/error_text.h"
 #include "tests/support/temp_directory.h"
 
 namespace voxweld {
@@ -24,12 +25,7 @@ std::vector<std::string> names(const SliceFiles& files) {
 }
 
 std::string order_refusal(std::vector<std::filesystem::path> paths) {
-  try {
-    order_slices(std::move(paths));
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return testing::error_text<InputError>([&] { order_slices(std::move(paths)); });
 }
 
 TEST(SliceOrder, CountsInNumbersNotInCharacters) {
@@ -101,12 +97,7 @@ class SliceListing : public ::testing::Test {
  protected:
   void touch(const std::string& name) { std::ofstream(directory_ / name) << name; }
   std::string refusal_of(const std::string& path) {
-    try {
-      find_slices(path);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return testing::error_text<InputError>([&] { find_slices(path); });
   }
   const testing::TempDirectory directory_;
 };

@@ -11,6 +11,8 @@
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "tests/storage/image/tiff_writer.h"
+#include "tests/support/each_index.h"
+#include "tests/support/error_text.h"
 #include "tests/support/temp_directory.h"
 
 namespace voxweld {
@@ -44,9 +46,7 @@ class CountingSource final : public SampleSource {
     rows_read += box.size().y * box.size().z;
     largest_read = std::max(largest_read, box.count() * 2);
     auto* samples = reinterpret_cast<std::uint16_t*>(out);
-    for (std::int64_t z = box.lo.z; z < box.hi.z; ++z)
-      for (std::int64_t y = box.lo.y; y < box.hi.y; ++y)
-        for (std::int64_t x = box.lo.x; x < box.hi.x; ++x) *samples++ = value({x, y, z});
+    testing::each_index(box, [&](Index3 at) { *samples++ = value(at); });
   }
   std::uint16_t value(Index3 at) const {
     const Index3 size = info_.geometry.size;
@@ -61,11 +61,9 @@ class CountingSource final : public SampleSource {
 void expect_box(const SampleSource& spool, const CountingSource& source, const Box3& box) {
   std::vector<std::uint16_t> samples(static_cast<std::size_t>(box.count()));
   spool.read(box, reinterpret_cast<std::byte*>(samples.data()));
-  auto sample = samples.begin();
-  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z)
-    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y)
-      for (std::int64_t x = box.lo.x; x < box.hi.x; ++x)
-        ASSERT_EQ(*sample++, source.value({x, y, z})) << x << ' ' << y << ' ' << z;
+  std::vector<std::uint16_t> expected;
+  testing::each_index(box, [&](Index3 at) { expected.push_back(source.value(at)); });
+  ASSERT_EQ(samples, expected);
 }
 
 TEST(Spool, KeepsTheFactsAndDecodesEachRowOnce) {
@@ -157,12 +155,9 @@ TEST(Spool, SaysHowMuchMemoryItNeeds) {
   options.memory = 160;
   spool_volume(slices, directory / "s.raw", key, options);
   verify_spool(directory / "s.raw", key);
-  try {
-    spool_volume(stream, directory / "t.raw", key, options);
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("needs 1300 bytes"), HasSubstr("160 are given")));
-  }
+  EXPECT_THAT(testing::error_text<InputError>(
+                  [&] { spool_volume(stream, directory / "t.raw", key, options); }),
+              AllOf(HasSubstr("needs 1300 bytes"), HasSubstr("160 are given")));
 }
 
 TEST(Spool, IsKnownByItsKey) {
@@ -207,12 +202,9 @@ TEST(Spool, LeavesNothingWhenStopped) {
 TEST(Spool, RefusesWhatTheDiskCannotHold) {
   const testing::TempDirectory directory;
   const CountingSource source({1 << 16, 1 << 16, 1 << 16}, Access::slice);
-  try {
-    spool_volume(source, directory / "s.raw", key, {});
-    FAIL();
-  } catch (const StorageError& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("s.raw"), HasSubstr("562949953421312 bytes")));
-  }
+  EXPECT_THAT(testing::error_text<StorageError>(
+                  [&] { spool_volume(source, directory / "s.raw", key, {}); }),
+              AllOf(HasSubstr("s.raw"), HasSubstr("562949953421312 bytes")));
   EXPECT_EQ(source.rows_read, 0);
   EXPECT_THROW(spool_bytes(CountingSource({1LL << 30, 1LL << 30, 8}, Access::slice).info()),
                InputError);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "storage/support/error.h"
+#include "tests/support/error_text.h"
 
 namespace voxweld {
 namespace {
@@ -21,12 +22,9 @@ ImagePage described(const std::string& description, double resolution, const std
 }
 
 std::string calibration_refusal(const std::string& description, std::size_t pages) {
-  try {
+  return testing::error_text<FormatError>([&] {
     read_calibration(described(description, 0, ""), {"a.tif", pages});
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "accepted";
+  });
 }
 
 TEST(Calibration, ReadsImageJ) {

@@ -6,6 +6,7 @@
 
 #include "storage/image/stack_source.h"
 #include "storage/support/error.h"
+#include "tests/support/error_text.h"
 #include "tests/support/temp_directory.h"
 
 namespace voxweld {
@@ -26,12 +27,7 @@ std::vector<T> read_all(const SampleSource& source) {
 }
 
 std::string data_refusal(const std::string& name) {
-  try {
-    open_stack({tiff(name), {}, {}});
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return testing::error_text<FormatError>([&] { open_stack({tiff(name), {}, {}}); });
 }
 
 TEST(RealStacks, MicroCt) {

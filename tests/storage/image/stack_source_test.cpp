@@ -11,6 +11,7 @@
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "tests/storage/image/tiff_writer.h"
+#include "tests/support/each_index.h"
 #include "tests/support/temp_directory.h"
 
 namespace voxweld {
@@ -36,11 +37,9 @@ TiffPage slice(std::uint32_t width, std::uint32_t height, std::int64_t z) {
 void expect_samples(const SampleSource& source, const Box3& box) {
   std::vector<std::uint16_t> samples(static_cast<std::size_t>(box.count()));
   source.read(box, reinterpret_cast<std::byte*>(samples.data()));
-  auto sample = samples.begin();
-  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z)
-    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y)
-      for (std::int64_t x = box.lo.x; x < box.hi.x; ++x)
-        ASSERT_EQ(*sample++, sample_at(x, y, z)) << x << ' ' << y << ' ' << z;
+  std::vector<std::uint16_t> expected;
+  testing::each_index(box, [&](Index3 at) { expected.push_back(sample_at(at.x, at.y, at.z)); });
+  ASSERT_EQ(samples, expected);
 }
 
 std::string stack_refusal(const std::filesystem::path& path) {

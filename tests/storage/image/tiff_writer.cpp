@@ -1,12 +1,10 @@
 #include "tests/storage/image/tiff_writer.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <cstring>
-#include <stdexcept>
 
 #include "storage/support/file_io.h"
+#include "tests/support/deflated.h"
 
 namespace voxweld::testing {
 namespace {
@@ -80,16 +78,6 @@ class Writer {
       out_.insert(out_.end(), strip.begin(), strip.end());
     }
     return {offsets(273, starts), offsets(279, sizes), offsets(278, {rows})};
-  }
-
-  static std::vector<std::byte> deflated(const std::vector<std::byte>& raw) {
-    uLongf size = compressBound(raw.size());
-    std::vector<std::byte> packed(size);
-    if (compress(reinterpret_cast<Bytef*>(packed.data()), &size,
-                 reinterpret_cast<const Bytef*>(raw.data()), raw.size()) != Z_OK)
-      throw std::runtime_error("deflate failed");
-    packed.resize(size);
-    return packed;
   }
 
   static std::uint16_t sample_format(SampleType type) {

@@ -7,6 +7,7 @@
 
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
+#include "tests/support/error_text.h"
 #include "tests/support/temp_directory.h"
 
 namespace voxweld {
@@ -38,12 +39,7 @@ LabelMap parse(const std::string& text, const std::string& name = "labels.csv") 
 }
 
 std::string error_of(const std::string& text, const std::string& name = "labels.csv") {
-  try {
-    parse(text, name);
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return testing::error_text<FormatError>([&] { parse(text, name); });
 }
 
 TEST(LabelMap, ColumnsInAnyOrder) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "storage/support/error.h"
+#include "tests/support/error_text.h"
 #include "tests/support/temp_directory.h"
 
 namespace voxweld {
@@ -72,12 +73,7 @@ std::string error_after(const std::function<void(json&)>& change) {
   change(document);
   const std::string text = document.dump();
   write_whole_file(path, as_bytes(text), Durability::rename_only);
-  try {
-    read_manifest(path);
-  } catch (const FormatError& error) {
-    return error.what();
-  }
-  return "no error";
+  return testing::error_text<FormatError>([&] { read_manifest(path); });
 }
 
 TEST(Manifest, NamesPathKeyAndValueOfWhatIsWrong) {
@@ -126,12 +122,8 @@ TEST(TileList, ReadsBackLinesAndNamesBadOnes) {
   TileListReader reader(path);
   EXPECT_EQ(reader.next(), a);
   EXPECT_EQ(reader.next(), b);
-  try {
-    reader.next();
-    FAIL();
-  } catch (const FormatError& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("tiles.jsonl line 3"), HasSubstr("\"tile\"")));
-  }
+  EXPECT_THAT(testing::error_text<FormatError>([&] { reader.next(); }),
+              AllOf(HasSubstr("tiles.jsonl line 3"), HasSubstr("\"tile\"")));
   EXPECT_EQ(reader.next(), std::nullopt);
   EXPECT_THROW(TileListReader(directory / "none"), StorageError);
 }

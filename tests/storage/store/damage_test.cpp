@@ -20,10 +20,9 @@ using testing::write_store;
 // Smooth enough to compress, and with an empty chunk.
 MemorySource small_source() {
   MemorySource source(SampleType::u16, {14, 8, 8});
-  for (std::int64_t z = 0; z < 8; ++z)
-    for (std::int64_t y = 0; y < 8; ++y)
-      for (std::int64_t x = 0; x < 8; ++x)
-        source.set({x, y, z}, static_cast<std::uint16_t>(x * 5 + y * 3 + z));
+  testing::each_index(splat(8), [&](Index3 at) {
+    source.set(at, static_cast<std::uint16_t>(at.x * 5 + at.y * 3 + at.z));
+  });
   return source;
 }
 

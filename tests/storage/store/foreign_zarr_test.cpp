@@ -1,7 +1,6 @@
 // Zarr v3 arrays as others write them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <zlib.h>
 #include <zstd.h>
 
 #include <cmath>
@@ -14,6 +13,7 @@
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "tests/storage/store/memory_source.h"
+#include "tests/support/deflated.h"
 #include "tests/support/temp_directory.h"
 
 namespace voxweld {
@@ -127,7 +127,7 @@ class MadeZarr : public ::testing::Test {
   void write_metadata(const Json& metadata) {
     write_whole_file(array() / "zarr.json", as_bytes(metadata.dump()), Durability::rename_only);
   }
-  void write_chunk(const char* key, const Bytes& bytes) {
+  void write_chunk(const char* key, std::span<const std::byte> bytes) {
     write_whole_file(array() / key, bytes, Durability::rename_only);
   }
   // Refused, naming zarr.json and `part`.
@@ -163,18 +163,7 @@ std::vector<std::int16_t> array_values() {
 }
 
 Bytes gzipped(const Bytes& data) {
-  Bytes out(1000);
-  z_stream stream{};
-  EXPECT_EQ(deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
-  Bytes in = data;
-  stream.next_in = reinterpret_cast<Bytef*>(in.data());
-  stream.avail_in = static_cast<uInt>(in.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
+  return testing::deflated(data, testing::Wrapper::gzip);
 }
 
 Bytes zstd_compressed(const Bytes& data) {
@@ -219,8 +208,7 @@ TEST_F(MadeZarr, EveryChainOfCodecs) {
     write_chunk("c/0/0/0", chunk);
     EXPECT_EQ(read_all<std::int16_t>(*open_zarr(array())), array_values()) << codecs;
     for (std::size_t size = 0; size < chunk.size(); ++size) {
-      write_chunk("c/0/0/0",
-                  Bytes(chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(size)));
+      write_chunk("c/0/0/0", std::span(chunk).first(size));
       ASSERT_THAT(refusal(array()), HasSubstr("c/0/0/0")) << codecs << " cut at " << size;
     }
     Bytes longer = chunk;
@@ -273,8 +261,7 @@ TEST_F(MadeZarr, EveryFormOfShardIndex) {
         write_chunk("c/0/0/0", file);
         EXPECT_EQ(read_all<std::int16_t>(*open_zarr(array())), array_values());
         for (std::size_t size = 0; size < file.size(); ++size) {
-          write_chunk("c/0/0/0",
-                      Bytes(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(size)));
+          write_chunk("c/0/0/0", std::span(file).first(size));
           ASSERT_THAT(refusal(array()), HasSubstr("c/0/0/0"));
         }
       }

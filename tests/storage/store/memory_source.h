@@ -8,6 +8,7 @@
 #include "stages/ingest/statistics.h"
 #include "storage/store/shard_writer.h"
 #include "storage/types/volume.h"
+#include "tests/support/each_index.h"
 
 namespace voxweld::testing {
 
@@ -92,10 +93,9 @@ inline void write_store(const StoreLayout& layout, const SampleSource& source,
   ShardScratch scratch;
   scratch.band_bytes = band_bytes;
   const Index3 grid = layout.shard_grid();
-  for (std::int64_t z = 0; z < grid.z; ++z)
-    for (std::int64_t y = 0; y < grid.y; ++y)
-      for (std::int64_t x = 0; x < grid.x; ++x)
-        write_shard(layout, {x, y, z}, some_key, source, statistics, scratch);
+  each_index(grid, [&](Index3 shard) {
+    write_shard(layout, shard, some_key, source, statistics, scratch);
+  });
 }
 
 }  // namespace voxweld::testing

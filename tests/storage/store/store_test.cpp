@@ -13,6 +13,7 @@
 #include "storage/support/error.h"
 #include "storage/types/value_range.h"
 #include "tests/storage/store/memory_source.h"
+#include "tests/support/error_text.h"
 #include "tests/support/temp_directory.h"
 
 namespace voxweld {
@@ -229,12 +230,10 @@ TEST(Store, RefusesWhatMakesNoStore) {
   const TempDirectory directory;
   const MemorySource source(SampleType::u8, {8, 8, 8});
   const auto refuse = [&](StoreParameters parameters, const char* message) {
-    try {
-      write_store_metadata(layout_for(source, directory / "a.zarr", parameters));
-      FAIL() << message;
-    } catch (const InputError& error) {
-      EXPECT_THAT(error.what(), ::testing::HasSubstr(message));
-    }
+    EXPECT_THAT(testing::error_text<InputError>([&] {
+                  write_store_metadata(layout_for(source, directory / "a.zarr", parameters));
+                }),
+                ::testing::HasSubstr(message));
   };
   refuse({0, 8}, "chunk");
   refuse({8, 12}, "12 samples given");

@@ -32,7 +32,7 @@ std::string lines_of(const KnownVolume& volume, const std::string& cpu) {
 }
 
 TEST(Inrimage, EveryTypeOrderAndCompression) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   for (const SampleType type : all_types)
     for (const std::string cpu : {"decm", "pc", "alpha", "sun", "sgi"})
       for (const bool compressed : {false, true}) {
@@ -41,8 +41,7 @@ TEST(Inrimage, EveryTypeOrderAndCompression) {
         Bytes data = to_bytes(inrimage_header(lines_of(volume, cpu))) +
                      volume.stored(big ? std::endian::big : std::endian::little);
         if (compressed) data = deflated(data, Wrapper::gzip);
-        const auto source =
-            open_path(write_file(directory / (compressed ? "a.inr.gz" : "a.inr"), data));
+        const auto source = directory.open(compressed ? "a.inr.gz" : "a.inr", data);
         expect_volume(*source, volume);
         const VolumeInfo& info = source->info();
         EXPECT_EQ(info.format, "inrimage");
@@ -56,24 +55,21 @@ TEST(Inrimage, EveryTypeOrderAndCompression) {
 
 // The header is known whatever the file is called, and may be of several blocks.
 TEST(Inrimage, HeadersOfAnyLength) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u8, {6, 5, 7});
   for (const std::size_t remark : {1, 100, 139, 140, 300, 5000}) {
     const std::string lines =
         fmt::format("{}# {}\n", lines_of(volume, "pc"), std::string(remark, 'x'));
-    const auto source = open_path(
-        write_file(directory / "a.dat", to_bytes(inrimage_header(lines)) + volume.stored()));
+    const auto source = directory.open("a.dat", to_bytes(inrimage_header(lines)) + volume.stored());
     expect_volume(*source, volume);
   }
 }
 
 TEST(Inrimage, Geometry) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u16, {3, 4, 5});
   const auto info = [&](const std::string& lines) {
-    return open_path(
-               write_file(directory / "a.inr", to_bytes(inrimage_header(lines)) + volume.stored()))
-        ->info();
+    return directory.open("a.inr", to_bytes(inrimage_header(lines)) + volume.stored())->info();
   };
   const std::string lines = lines_of(volume, "pc");
   EXPECT_EQ(info(lines + "TX=1.5\nTY=-2\nTZ=1e3\n").geometry.origin, (Vec3{1.5, -2, 1000}));
@@ -89,45 +85,47 @@ TEST(Inrimage, Geometry) {
 }
 
 TEST(Inrimage, WhatCannotBeReadIsNamed) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u16, {3, 4, 5});
   const auto say = [&](const std::string& line_start, const std::string& line) {
     const std::string lines =
         with_line(fmt::format("\n{}", lines_of(volume, "pc")), line_start, line);
-    return complaint(
-        write_file(directory / "a.inr", to_bytes(inrimage_header(lines)) + volume.stored()));
+    return directory.complaint("a.inr", to_bytes(inrimage_header(lines)) + volume.stored());
   };
-  EXPECT_THAT(say("XDIM", ""), HasSubstr("the header has no field 'XDIM'"));
-  EXPECT_THAT(say("YDIM", "YDIM=0"), HasSubstr("a.inr:4: field 'YDIM': expected a positive size"));
-  EXPECT_THAT(say("ZDIM", "ZDIM=5.0"), HasSubstr("expected a whole number, found '5.0'"));
-  EXPECT_THAT(say("ZDIM", "ZDIM=9000000000000000000"), HasSubstr("more than any file holds"));
-  EXPECT_THAT(say("VDIM", "VDIM=3"), HasSubstr("field 'VDIM': 3 values a sample: vectors"));
-  EXPECT_THAT(say("TYPE", "TYPE=packed"), HasSubstr("expected unsigned fixed, signed fixed or"));
-  EXPECT_THAT(say("TYPE", "TYPE=float"), HasSubstr("'PIXSIZE': expected 32 or 64 bits, found '16"));
-  EXPECT_THAT(say("PIXSIZE", "PIXSIZE=12 bits"), HasSubstr("expected 8, 16, 32 or 64 bits"));
-  EXPECT_THAT(say("PIXSIZE", "PIXSIZE=16 bytes"), HasSubstr("found '16 bytes'"));
+  const auto refused = [&](const std::string& start, const std::string& line,
+                           std::initializer_list<std::string> parts) {
+    expect_says(say(start, line), parts);
+  };
+  refused("XDIM", "", {"the header has no field 'XDIM'"});
+  refused("YDIM", "YDIM=0", {"a.inr:4: field 'YDIM': expected a positive size"});
+  refused("ZDIM", "ZDIM=5.0", {"expected a whole number, found '5.0'"});
+  refused("ZDIM", "ZDIM=9000000000000000000", {"more than any file holds"});
+  refused("VDIM", "VDIM=3", {"field 'VDIM': 3 values a sample: vectors"});
+  refused("TYPE", "TYPE=packed", {"expected unsigned fixed, signed fixed or"});
+  refused("TYPE", "TYPE=float", {"'PIXSIZE': expected 32 or 64 bits, found '16"});
+  refused("PIXSIZE", "PIXSIZE=12 bits", {"expected 8, 16, 32 or 64 bits"});
+  refused("PIXSIZE", "PIXSIZE=16 bytes", {"found '16 bytes'"});
   EXPECT_EQ(say("PIXSIZE", "PIXSIZE=16"), "");
-  EXPECT_THAT(say("CPU", "CPU=vax"), HasSubstr("decm, pc or alpha (little-endian) or sun or sgi"));
-  EXPECT_THAT(say("VX", "VX=0"), HasSubstr("field 'VX': expected a positive number"));
-  EXPECT_THAT(say("VY", "VY=nan"), HasSubstr("expected a number, found 'nan'"));
-  EXPECT_THAT(say("VZ", "VZ 1"), HasSubstr("a.inr:12: expected KEY=value"));
-  EXPECT_THAT(say("VZ", "VX=1"), HasSubstr("given twice, first in line 10"));
-  EXPECT_THAT(say("XDIM", "XDIM=4"), HasSubstr("truncated"));
+  refused("CPU", "CPU=vax", {"decm, pc or alpha (little-endian) or sun or sgi"});
+  refused("VX", "VX=0", {"field 'VX': expected a positive number"});
+  refused("VY", "VY=nan", {"expected a number, found 'nan'"});
+  refused("VZ", "VZ 1", {"a.inr:12: expected KEY=value"});
+  refused("VZ", "VX=1", {"given twice, first in line 10"});
+  refused("XDIM", "XDIM=4", {"truncated"});
 }
 
 TEST(Inrimage, DamagedFiles) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u16, {3, 4, 5});
   const Bytes whole = to_bytes(inrimage_header(lines_of(volume, "pc"))) + volume.stored();
-  const auto say = [&](const Bytes& bytes, const std::string& name = "a.inr") {
-    return complaint(write_file(directory / name, bytes));
+  const auto say = [&](std::span<const std::byte> bytes, const std::string& name = "a.inr") {
+    return directory.complaint(name, bytes);
   };
   EXPECT_EQ(say(whole), "");
   for (const std::size_t length : {0, 3, 9})
-    EXPECT_THAT(say(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length))),
-                HasSubstr("a.inr: not an Inrimage"));
+    EXPECT_THAT(say(std::span(whole).first(length)), HasSubstr("a.inr: not an Inrimage"));
   for (const std::size_t length : {20, 255, 256, 300, 375})
-    EXPECT_THAT(say(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length))),
+    EXPECT_THAT(say(std::span(whole).first(length)),
                 AllOf(HasSubstr("a.inr"), HasSubstr("truncated")))
         << length;
   Bytes other = whole;
@@ -141,9 +139,7 @@ TEST(Inrimage, DamagedFiles) {
   EXPECT_THAT(say(other), HasSubstr("the header has no end within 65536 bytes"));
   const Bytes packed = deflated(whole, Wrapper::gzip);
   for (const std::size_t length : {std::size_t{12}, std::size_t{100}, packed.size() - 20})
-    EXPECT_THAT(say(Bytes(packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(length)),
-                    "a.inr.gz"),
-                HasSubstr("a.inr.gz"));
+    EXPECT_THAT(say(std::span(packed).first(length), "a.inr.gz"), HasSubstr("a.inr.gz"));
 }
 
 }  // namespace

@@ -4,18 +4,19 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
 #include <cstring>
 #include <random>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "storage/readers/open_volume.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
+#include "tests/support/deflated.h"
 #include "tests/support/temp_directory.h"
 
 namespace voxweld::testing {
@@ -96,32 +97,14 @@ inline Bytes operator+(Bytes a, const Bytes& b) {
   return a;
 }
 
-enum class Wrapper { zlib, gzip };
-inline Bytes deflated(const Bytes& data, Wrapper wrapper) {
-  z_stream z{};
-  if (deflateInit2(&z, 6, Z_DEFLATED, wrapper == Wrapper::gzip ? 31 : 15, 8, Z_DEFAULT_STRATEGY) !=
-      Z_OK)
-    throw std::runtime_error("deflateInit2 failed");
-  Bytes out(deflateBound(&z, static_cast<uLong>(data.size())) + 64);
-  Bytes input = data;
-  z.next_in = reinterpret_cast<Bytef*>(input.data());
-  z.avail_in = static_cast<uInt>(input.size());
-  z.next_out = reinterpret_cast<Bytef*>(out.data());
-  z.avail_out = static_cast<uInt>(out.size());
-  const int status = deflate(&z, Z_FINISH);
-  out.resize(z.total_out);
-  deflateEnd(&z);
-  if (status != Z_STREAM_END) throw std::runtime_error("deflate failed");
-  return out;
-}
-
-inline std::filesystem::path write_file(const std::filesystem::path& path, const Bytes& data) {
+inline std::filesystem::path write_file(const std::filesystem::path& path,
+                                        std::span<const std::byte> data) {
   write_whole_file(path, data, Durability::rename_only);
   return path;
 }
 inline std::filesystem::path write_file(const std::filesystem::path& path,
                                         const std::string& text) {
-  return write_file(path, to_bytes(text));
+  return write_file(path, as_bytes(text));
 }
 
 inline Bytes read_box(const SampleSource& source, const Box3& box) {
@@ -197,6 +180,31 @@ inline std::string complaint(const std::filesystem::path& path) {
 inline std::unique_ptr<SampleSource> open_path(const std::filesystem::path& path) {
   return open_volume({.path = path.string()});
 }
+
+// Every one of the parts stands in what was said.
+inline void expect_says(const std::string& said, std::initializer_list<std::string> parts) {
+  for (const std::string& part : parts) EXPECT_THAT(said, ::testing::HasSubstr(part));
+}
+
+// Where tests write volumes. Content: text or bytes.
+class VolumeFolder : public TempDirectory {
+ public:
+  template <class Content>
+  std::unique_ptr<SampleSource> open(const std::string& name, const Content& content) const {
+    return open_path(write_file(*this / name, content));
+  }
+  template <class Content>
+  std::string complaint(const std::string& name, const Content& content) const {
+    return testing::complaint(write_file(*this / name, content));
+  }
+  // Cut short after `begin` bytes, and after each `step` more, it is refused by its name.
+  void expect_cuts_refused(const std::string& name, const Bytes& whole, std::size_t step,
+                           std::size_t begin = 0) const {
+    for (std::size_t size = begin; size < whole.size(); size += step)
+      EXPECT_THAT(complaint(name, std::span(whole).first(size)), ::testing::HasSubstr(name))
+          << size;
+  }
+};
 
 // `text` with the line that starts with `line_start` replaced by `line` (dropped when empty).
 inline std::string with_line(const std::string& text, const std::string& line_start,

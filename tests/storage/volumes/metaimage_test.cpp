@@ -29,7 +29,7 @@ std::string metaimage_header(const KnownVolume& volume, const std::string& more,
 }
 
 TEST(MetaImage, EveryTypeOrderAndCompression) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   for (const SampleType type : all_types)
     for (const bool big : {false, true})
       for (const bool compressed : {false, true}) {
@@ -40,14 +40,14 @@ TEST(MetaImage, EveryTypeOrderAndCompression) {
           data = deflated(data, Wrapper::zlib);
           more += fmt::format("CompressedData = True\nCompressedDataSize = {}\n", data.size());
         }
-        const auto local = open_path(write_file(
-            directory / "a.mha", to_bytes(metaimage_header(volume, more, "LOCAL")) + data));
+        const auto local =
+            directory.open("a.mha", to_bytes(metaimage_header(volume, more, "LOCAL")) + data);
         expect_volume(*local, volume);
         EXPECT_EQ(local->info().access, compressed ? Access::stream : Access::box);
         EXPECT_TRUE(local->info().warnings.empty());
         write_file(directory / "the samples.raw", data);
-        const auto beside = open_path(
-            write_file(directory / "a.mhd", metaimage_header(volume, more, "the samples.raw")));
+        const auto beside =
+            directory.open("a.mhd", metaimage_header(volume, more, "the samples.raw"));
         expect_volume(*beside, volume);
         EXPECT_EQ(beside->info().files.size(), 2U);
         EXPECT_EQ(beside->info().geometry.spacing, (Vec3{1, 2, 0.5}));
@@ -55,15 +55,15 @@ TEST(MetaImage, EveryTypeOrderAndCompression) {
 }
 
 TEST(MetaImage, TextSamples) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::i16, {6, 5, 7});
   const std::string text =
       metaimage_header(volume, "BinaryData = False\n", "LOCAL") + as_text(volume);
-  expect_volume(*open_path(write_file(directory / "a.mha", text)), volume);
+  expect_volume(*directory.open("a.mha", text), volume);
 }
 
 TEST(MetaImage, FilesByListAndPattern) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u16, {4, 3, 5});
   std::string list;
   for (std::size_t z = 0; z < 5; ++z) {
@@ -74,13 +74,12 @@ TEST(MetaImage, FilesByListAndPattern) {
   const std::string order = "BinaryDataByteOrderMSB = True\n";
   for (const std::string& files :
        {"LIST\n" + list, "LIST 2\n" + list, "LIST 2D\n" + list, std::string("s%02d.raw 1 9 2")}) {
-    const auto source =
-        open_path(write_file(directory / "a.mhd", metaimage_header(volume, order, files)));
+    const auto source = directory.open("a.mhd", metaimage_header(volume, order, files));
     expect_volume(*source, volume);
     EXPECT_EQ(source->info().files.size(), 6U);
   }
   const auto say = [&](const std::string& files) {
-    return complaint(write_file(directory / "a.mhd", metaimage_header(volume, order, files)));
+    return directory.complaint("a.mhd", metaimage_header(volume, order, files));
   };
   EXPECT_THAT(say("LIST\ns01.raw\n"), AllOf(HasSubstr("1 files are listed"), HasSubstr("5")));
   EXPECT_THAT(say("LIST x\ns01.raw\n"), HasSubstr("expected LIST"));
@@ -91,36 +90,34 @@ TEST(MetaImage, FilesByListAndPattern) {
 }
 
 TEST(MetaImage, HeaderSize) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u8, {4, 3, 5});
   write_file(directory / "d.raw", Bytes(13, std::byte{1}) + volume.stored());
   for (const char* size : {"13", "-1"})
-    expect_volume(*open_path(write_file(
-                      directory / "a.mhd",
-                      metaimage_header(volume, fmt::format("HeaderSize = {}\n", size), "d.raw"))),
-                  volume);
+    expect_volume(
+        *directory.open("a.mhd",
+                        metaimage_header(volume, fmt::format("HeaderSize = {}\n", size), "d.raw")),
+        volume);
   write_file(directory / "d.raw",
              Bytes(13, std::byte{1}) + deflated(volume.stored(), Wrapper::zlib));
-  expect_volume(*open_path(write_file(
-                    directory / "a.mhd",
-                    metaimage_header(volume, "CompressedData = True\nHeaderSize = 13\n", "d.raw"))),
-                volume);
-  EXPECT_THAT(complaint(write_file(
-                  directory / "a.mhd",
-                  metaimage_header(volume, "CompressedData = True\nHeaderSize = -1\n", "d.raw"))),
-              HasSubstr("-1 has no meaning"));
-  EXPECT_THAT(complaint(write_file(directory / "a.mhd",
-                                   metaimage_header(volume, "HeaderSize = -2\n", "d.raw"))),
+  expect_volume(
+      *directory.open(
+          "a.mhd", metaimage_header(volume, "CompressedData = True\nHeaderSize = 13\n", "d.raw")),
+      volume);
+  EXPECT_THAT(
+      directory.complaint(
+          "a.mhd", metaimage_header(volume, "CompressedData = True\nHeaderSize = -1\n", "d.raw")),
+      HasSubstr("-1 has no meaning"));
+  EXPECT_THAT(directory.complaint("a.mhd", metaimage_header(volume, "HeaderSize = -2\n", "d.raw")),
               HasSubstr("'-2'"));
 }
 
 TEST(MetaImage, Geometry) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u8, {3, 4, 5});
   const auto info = [&](const std::string& more) {
-    return open_path(
-               write_file(directory / "a.mha",
-                          to_bytes(metaimage_header(volume, more, "LOCAL")) + volume.stored()))
+    return directory
+        .open("a.mha", to_bytes(metaimage_header(volume, more, "LOCAL")) + volume.stored())
         ->info();
   };
   // The first three numbers are where x goes.
@@ -137,38 +134,34 @@ TEST(MetaImage, Geometry) {
   EXPECT_EQ(made.geometry.unit, "");
   const std::string plain =
       with_line(metaimage_header(volume, "", "LOCAL"), "ElementSpacing", "ElementSize = 3 4 5");
-  EXPECT_EQ(open_path(write_file(directory / "a.mha", to_bytes(plain) + volume.stored()))
-                ->info()
-                .geometry.spacing,
+  EXPECT_EQ(directory.open("a.mha", to_bytes(plain) + volume.stored())->info().geometry.spacing,
             (Vec3{3, 4, 5}));
 }
 
 TEST(MetaImage, FourthDimensionOfOne) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u8, {3, 4, 5});
   const std::string text =
       "NDims = 4\nDimSize = 3 4 5 1\nElementType = MET_UCHAR\nElementSpacing = 1 2 3 1\n"
       "TransformMatrix = 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\nOffset = 1 2 3 0\nElementDataFile = "
       "LOCAL\n";
-  const auto source = open_path(write_file(directory / "a.mha", to_bytes(text) + volume.stored()));
+  const auto source = directory.open("a.mha", to_bytes(text) + volume.stored());
   expect_volume(*source, volume);
   EXPECT_EQ(source->info().geometry.spacing, (Vec3{1, 2, 3}));
-  EXPECT_THAT(
-      complaint(write_file(directory / "a.mha", with_line(text, "DimSize", "DimSize = 3 4 5 2"))),
-      AllOf(HasSubstr("a.mha:2"), HasSubstr("series are not supported")));
+  EXPECT_THAT(directory.complaint("a.mha", with_line(text, "DimSize", "DimSize = 3 4 5 2")),
+              AllOf(HasSubstr("a.mha:2"), HasSubstr("series are not supported")));
 }
 
 TEST(MetaImage, WarnsOfWhatItOverlooks) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u16, {3, 4, 5});
-  const auto source = open_path(
-      write_file(directory / "a.mha",
-                 to_bytes(metaimage_header(volume,
-                                           "CompressedData = True\nCompressedDataSize = 77\n"
-                                           "ElementToIntensityFunctionSlope = 1\n"
-                                           "ElementToIntensityFunctionOffset = -1024\n",
-                                           "LOCAL")) +
-                     deflated(volume.stored(), Wrapper::zlib)));
+  const auto source = directory.open(
+      "a.mha", to_bytes(metaimage_header(volume,
+                                         "CompressedData = True\nCompressedDataSize = 77\n"
+                                         "ElementToIntensityFunctionSlope = 1\n"
+                                         "ElementToIntensityFunctionOffset = -1024\n",
+                                         "LOCAL")) +
+                   deflated(volume.stored(), Wrapper::zlib));
   expect_volume(*source, volume);
   EXPECT_THAT(source->info().warnings,
               ::testing::ElementsAre(HasSubstr("-1024"), HasSubstr("little-endian assumed"),
@@ -176,7 +169,7 @@ TEST(MetaImage, WarnsOfWhatItOverlooks) {
 }
 
 TEST(MetaImage, TruncatedDataAreRefused) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u16, {6, 5, 7});
   for (const bool compressed : {false, true}) {
     const Bytes head = to_bytes(
@@ -184,50 +177,42 @@ TEST(MetaImage, TruncatedDataAreRefused) {
                          compressed ? "ElementByteOrderMSB = False\nCompressedData = True\n"
                                     : "ElementByteOrderMSB = False\n",
                          "LOCAL"));
-    const Bytes whole =
-        head + (compressed ? deflated(volume.stored(), Wrapper::zlib) : volume.stored());
-    for (std::size_t size = 0; size < whole.size(); size += 5)
-      EXPECT_THAT(complaint(write_file(
-                      directory / "a.mha",
-                      Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)))),
-                  HasSubstr("a.mha"))
-          << size;
+    directory.expect_cuts_refused(
+        "a.mha", head + (compressed ? deflated(volume.stored(), Wrapper::zlib) : volume.stored()),
+        5);
   }
 }
 
 TEST(MetaImage, BadHeadersAreNamedWithTheirLine) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u8, {3, 4, 5});
   const std::string good =
       metaimage_header(volume, "ElementNumberOfChannels = 1\nOffset = 0 0 0\n", "LOCAL");
   const auto say = [&](const std::string& text) {
-    return complaint(write_file(directory / "a.mha", to_bytes(text) + volume.stored()));
+    return directory.complaint("a.mha", to_bytes(text) + volume.stored());
   };
-  const auto changed = [&](const std::string& start, const std::string& line) {
-    return say(with_line(good, start, line));
+  const auto refused = [&](const std::string& start, const std::string& line,
+                           std::initializer_list<std::string> parts) {
+    expect_says(say(with_line(good, start, line)), parts);
   };
   EXPECT_EQ(say(good), "");
   EXPECT_THAT(say(with_line("\n" + good, "ObjectType", "ObjectType = Mesh")), HasSubstr("'Mesh'"));
-  EXPECT_THAT(changed("NDims", "NDims = 2"), HasSubstr("a.mha:2: field 'NDims'"));
-  EXPECT_THAT(changed("DimSize", "DimSize = 3 4"), HasSubstr("3 whole numbers"));
-  EXPECT_THAT(changed("DimSize", "DimSize = 3 0 5"), HasSubstr("positive"));
-  EXPECT_THAT(changed("DimSize", "DimSize = 9000000000 9000000000 9000000000"),
-              HasSubstr("more than any file holds"));
-  EXPECT_THAT(changed("DimSize", "no equals sign"), HasSubstr("a.mha:3: expected 'Key = Value'"));
-  EXPECT_THAT(changed("ElementType", ""), HasSubstr("no field 'ElementType'"));
-  EXPECT_THAT(changed("ElementType", "ElementType = MET_UCHAR_ARRAY"),
-              HasSubstr("one number a sample"));
-  EXPECT_THAT(changed("ElementSpacing", "ElementSpacing = 1 -1 1"), HasSubstr("positive numbers"));
-  EXPECT_THAT(changed("ElementNumberOfChannels", "ElementNumberOfChannels = 3"),
-              HasSubstr("3 channels a sample"));
-  EXPECT_THAT(changed("Offset", "TransformMatrix = 1 0 0 1 0 0 0 0 1"), HasSubstr("one plane"));
-  EXPECT_THAT(changed("Offset", "TransformMatrix = 0 0 0 1 0 0 0 0 1"), HasSubstr("not zero"));
-  EXPECT_THAT(changed("Offset", "Offset = 1 nan 2"), HasSubstr("finite"));
-  EXPECT_THAT(changed("Offset", "CompressedData = maybe"), HasSubstr("True or False"));
-  EXPECT_THAT(changed("Offset", "CompressedData = True"), HasSubstr("no gzip or zlib stream"));
-  EXPECT_THAT(changed("ElementDataFile", "ElementDataFile = gone.raw"),
-              HasSubstr("gone.raw is not there"));
-  EXPECT_THAT(changed("ElementDataFile", "ElementDataFile ="), HasSubstr("a file name"));
+  refused("NDims", "NDims = 2", {"a.mha:2: field 'NDims'"});
+  refused("DimSize", "DimSize = 3 4", {"3 whole numbers"});
+  refused("DimSize", "DimSize = 3 0 5", {"positive"});
+  refused("DimSize", "DimSize = 9000000000 9000000000 9000000000", {"more than any file holds"});
+  refused("DimSize", "no equals sign", {"a.mha:3: expected 'Key = Value'"});
+  refused("ElementType", "", {"no field 'ElementType'"});
+  refused("ElementType", "ElementType = MET_UCHAR_ARRAY", {"one number a sample"});
+  refused("ElementSpacing", "ElementSpacing = 1 -1 1", {"positive numbers"});
+  refused("ElementNumberOfChannels", "ElementNumberOfChannels = 3", {"3 channels a sample"});
+  refused("Offset", "TransformMatrix = 1 0 0 1 0 0 0 0 1", {"one plane"});
+  refused("Offset", "TransformMatrix = 0 0 0 1 0 0 0 0 1", {"not zero"});
+  refused("Offset", "Offset = 1 nan 2", {"finite"});
+  refused("Offset", "CompressedData = maybe", {"True or False"});
+  refused("Offset", "CompressedData = True", {"no gzip or zlib stream"});
+  refused("ElementDataFile", "ElementDataFile = gone.raw", {"gone.raw is not there"});
+  refused("ElementDataFile", "ElementDataFile =", {"a file name"});
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ std::string nrrd_header(const KnownVolume& volume, const std::string& encoding,
 }
 
 TEST(Nrrd, EveryTypeOrderAndEncodingAttached) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   for (const SampleType type : all_types)
     for (const std::endian order : {std::endian::little, std::endian::big})
       for (const char* encoding : {"raw", "gzip", "gz"}) {
@@ -26,7 +26,7 @@ TEST(Nrrd, EveryTypeOrderAndEncodingAttached) {
         if (encoding[0] == 'g') data = deflated(data, Wrapper::gzip);
         const std::string text = nrrd_header(
             volume, encoding, order == std::endian::big ? "endian: big\n\n" : "endian: little\n\n");
-        const auto source = open_path(write_file(directory / "a.nrrd", to_bytes(text) + data));
+        const auto source = directory.open("a.nrrd", to_bytes(text) + data);
         expect_volume(*source, volume);
         EXPECT_EQ(source->info().access, encoding[0] == 'g' ? Access::stream : Access::box);
         EXPECT_EQ(source->info().files.size(), 1U);
@@ -35,22 +35,21 @@ TEST(Nrrd, EveryTypeOrderAndEncodingAttached) {
 }
 
 TEST(Nrrd, TextOfEveryType) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   for (const SampleType type : all_types) {
     const KnownVolume volume = make_volume(type, {6, 5, 7});
     for (const char* separator : {" ", ", ", "\t"}) {
       const std::string text = nrrd_header(volume, "ascii") + "\n" + as_text(volume, separator);
-      expect_volume(*open_path(write_file(directory / "a.nrrd", text)), volume);
+      expect_volume(*directory.open("a.nrrd", text), volume);
     }
   }
 }
 
 TEST(Nrrd, TextThatDoesNotFitTheTypeIsNamed) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u8, {2, 2, 1});
   const auto say = [&](const std::string& samples) {
-    return complaint(
-        write_file(directory / "a.nrrd", nrrd_header(volume, "text") + "\n" + samples));
+    return directory.complaint("a.nrrd", nrrd_header(volume, "text") + "\n" + samples);
   };
   EXPECT_EQ(say("1 2 3 4"), "");
   EXPECT_THAT(say("1 2 256 4"),
@@ -61,7 +60,7 @@ TEST(Nrrd, TextThatDoesNotFitTheTypeIsNamed) {
 }
 
 TEST(Nrrd, DetachedWithSkips) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::i16, {6, 5, 7});
   const auto text = [&](const std::string& encoding, const std::string& skips) {
     return nrrd_header(volume, encoding, "endian: little\ndata file: my data.bin\n" + skips);
@@ -69,28 +68,22 @@ TEST(Nrrd, DetachedWithSkips) {
   const Bytes junk = to_bytes("first line\r\nsecond line\nabc");
   // Lines are skipped before decompression and bytes after.
   write_file(directory / "my data.bin", junk + volume.stored());
-  expect_volume(
-      *open_path(write_file(directory / "a.nhdr", text("raw", "line skip: 2\nbyte skip: 3\n"))),
-      volume);
-  expect_volume(*open_path(write_file(directory / "a.nhdr", text("raw", "byteskip: -1\n"))),
-                volume);
+  expect_volume(*directory.open("a.nhdr", text("raw", "line skip: 2\nbyte skip: 3\n")), volume);
+  expect_volume(*directory.open("a.nhdr", text("raw", "byteskip: -1\n")), volume);
   write_file(directory / "my data.bin",
              to_bytes("a line\n") + deflated(junk + volume.stored(), Wrapper::gzip));
-  expect_volume(*open_path(write_file(
-                    directory / "a.nhdr",
-                    text("gzip", fmt::format("line skip: 1\nbyte skip: {}\n", junk.size())))),
+  expect_volume(*directory.open("a.nhdr", text("gzip", fmt::format("line skip: 1\nbyte skip: {}\n",
+                                                                   junk.size()))),
                 volume);
-  expect_volume(
-      *open_path(write_file(directory / "a.nhdr", text("gzip", "line skip: 1\nbyte skip: -1\n"))),
-      volume);
-  EXPECT_THAT(complaint(write_file(directory / "a.nhdr", text("raw", "byte skip: -5\n"))),
+  expect_volume(*directory.open("a.nhdr", text("gzip", "line skip: 1\nbyte skip: -1\n")), volume);
+  EXPECT_THAT(directory.complaint("a.nhdr", text("raw", "byte skip: -5\n")),
               AllOf(HasSubstr("a.nhdr:9"), HasSubstr("'byte skip'"), HasSubstr("'-5'")));
-  EXPECT_THAT(complaint(write_file(directory / "a.nhdr", text("raw", "line skip: 1000\n"))),
+  EXPECT_THAT(directory.complaint("a.nhdr", text("raw", "line skip: 1000\n")),
               HasSubstr("1000 lines to skip"));
 }
 
 TEST(Nrrd, FilesByListAndPattern) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u16, {9, 8, 70});
   for (const bool compressed : {false, true}) {
     std::string list;
@@ -106,50 +99,46 @@ TEST(Nrrd, FilesByListAndPattern) {
     for (const std::string& files : {"data file: LIST\n" + list, "data file: LIST 2\n" + list,
                                      std::string("data file: slice_%03d.bin 100 31 -1\n"),
                                      std::string("datafile: slice_%03d.bin 100 31 -1 2\n")}) {
-      const auto source = open_path(
-          write_file(directory / "a.nhdr", nrrd_header(volume, encoding, fields + files)));
+      const auto source = directory.open("a.nhdr", nrrd_header(volume, encoding, fields + files));
       expect_volume(*source, volume);
       EXPECT_EQ(source->info().files.size(), 71U);
     }
-    EXPECT_THAT(
-        complaint(write_file(directory / "a.nhdr",
-                             nrrd_header(volume, encoding, fields + "data file: LIST\na\nb\n"))),
-        AllOf(HasSubstr("2 files are listed"), HasSubstr("70")));
-    EXPECT_THAT(
-        complaint(write_file(directory / "a.nhdr",
-                             nrrd_header(volume, encoding, fields + "data file: s%d 1 9 1\n"))),
-        AllOf(HasSubstr("names 9 files"), HasSubstr("70")));
-    EXPECT_THAT(
-        complaint(write_file(directory / "a.nhdr",
-                             nrrd_header(volume, encoding, fields + "data file: s%d 1 70 1\n"))),
-        AllOf(HasSubstr("a.nhdr:9"), HasSubstr("s1 is not there")));
+    EXPECT_THAT(directory.complaint(
+                    "a.nhdr", nrrd_header(volume, encoding, fields + "data file: LIST\na\nb\n")),
+                AllOf(HasSubstr("2 files are listed"), HasSubstr("70")));
+    EXPECT_THAT(directory.complaint(
+                    "a.nhdr", nrrd_header(volume, encoding, fields + "data file: s%d 1 9 1\n")),
+                AllOf(HasSubstr("names 9 files"), HasSubstr("70")));
+    EXPECT_THAT(directory.complaint(
+                    "a.nhdr", nrrd_header(volume, encoding, fields + "data file: s%d 1 70 1\n")),
+                AllOf(HasSubstr("a.nhdr:9"), HasSubstr("s1 is not there")));
   }
 }
 
 TEST(Nrrd, ManyFilesWarnOnce) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u8, {9, 8, 7});
   for (std::size_t z = 0; z < 7; ++z)
     write_file(directory / fmt::format("s{}", z),
                volume.share(z, 7, std::endian::little) + Bytes(3));
-  const auto source = open_path(write_file(
-      directory / "a.nhdr", nrrd_header(volume, "raw", "old min: -5\ndata file: s%d 0 6 1\n")));
+  const auto source =
+      directory.open("a.nhdr", nrrd_header(volume, "raw", "old min: -5\ndata file: s%d 0 6 1\n"));
   EXPECT_THAT(source->info().warnings,
               ::testing::ElementsAre(HasSubstr("stored units"),
                                      AllOf(HasSubstr("s0: 3 bytes after"), HasSubstr("6 more"))));
 }
 
 TEST(Nrrd, GeometryFromDirections) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u8, {3, 4, 5});
-  const auto source = open_path(write_file(
-      directory / "a.nrrd",
+  const auto source = directory.open(
+      "a.nrrd",
       to_bytes(nrrd_header(
           volume, "raw",
           "space: left-posterior-superior\nspace directions: (0,2,0) (-3, 0, 0) (0,0,0.5)\n"
           "space origin: (10,20,-30.5)\nspace units: \"mm\" \"mm\" \"mm\"\n"
           "kinds: domain domain domain\nkey:=value: x\n\n")) +
-          volume.stored()));
+          volume.stored());
   expect_volume(*source, volume);
   const VolumeGeometry& geometry = source->info().geometry;
   EXPECT_EQ(geometry.spacing, (Vec3{2, 3, 0.5}));
@@ -162,12 +151,11 @@ TEST(Nrrd, GeometryFromDirections) {
 }
 
 TEST(Nrrd, GeometryFromSpacings) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u8, {3, 4, 5});
   const auto info = [&](const std::string& fields) {
-    return open_path(
-               write_file(directory / "a.nrrd",
-                          to_bytes(nrrd_header(volume, "raw", fields + "\n")) + volume.stored()))
+    return directory
+        .open("a.nrrd", to_bytes(nrrd_header(volume, "raw", fields + "\n")) + volume.stored())
         ->info();
   };
   VolumeInfo made = info("spacings: 0.5 2 3\nunits: \"um\" \"microns\" \"um\"\n");
@@ -183,12 +171,12 @@ TEST(Nrrd, GeometryFromSpacings) {
 }
 
 TEST(Nrrd, AxesOfSizeOneFallAway) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u8, {3, 4, 5});
   const auto open = [&](const std::string& fields) {
-    return open_path(write_file(
-        directory / "a.nrrd",
-        to_bytes("NRRD0005\ntype: uchar\nencoding: raw\n" + fields + "\n") + volume.stored()));
+    return directory.open(
+        "a.nrrd",
+        to_bytes("NRRD0005\ntype: uchar\nencoding: raw\n" + fields + "\n") + volume.stored());
   };
   expect_volume(*open("dimension: 4\nsizes: 3 4 5 1\n"), volume);
   expect_volume(*open("dimension: 4\nsizes: 1 3 4 5\nkinds: vector space space space\n"), volume);
@@ -203,45 +191,32 @@ TEST(Nrrd, AxesOfSizeOneFallAway) {
 }
 
 TEST(Nrrd, TruncatedAndCorruptDataAreRefused) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u16, {6, 5, 7});
   const Bytes text = to_bytes(nrrd_header(volume, "raw", "endian: little\n\n"));
-  const Bytes whole = text + volume.stored();
-  for (std::size_t size = 0; size < whole.size(); size += 7) {
-    const auto path =
-        write_file(directory / "a.nrrd",
-                   Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)));
-    EXPECT_THAT(complaint(path), HasSubstr("a.nrrd")) << size;
-  }
+  directory.expect_cuts_refused("a.nrrd", text + volume.stored(), 7);
   const Bytes head = to_bytes(nrrd_header(volume, "gzip", "endian: little\n\n"));
   const Bytes packed = head + deflated(volume.stored(), Wrapper::gzip);
-  for (std::size_t size = head.size(); size < packed.size(); size += 3) {
-    const auto path =
-        write_file(directory / "a.nrrd",
-                   Bytes(packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(size)));
-    EXPECT_THAT(complaint(path), HasSubstr("a.nrrd")) << size;
-  }
+  directory.expect_cuts_refused("a.nrrd", packed, 3, head.size());
   // The gzip checksum finds every flip in the samples, once the last slice has been read.
   for (std::size_t at = head.size() + 10; at < packed.size(); at += 5) {
     Bytes flipped = packed;
     flipped[at] ^= std::byte{4};
-    EXPECT_THAT(complaint(write_file(directory / "a.nrrd", flipped)), HasSubstr("a.nrrd")) << at;
+    EXPECT_THAT(directory.complaint("a.nrrd", flipped), HasSubstr("a.nrrd")) << at;
   }
 }
 
 // A bad read leaves the stream nowhere; the next one starts again instead of going on from there.
 TEST(Nrrd, StreamsRestart) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u16, {60, 50, 7});
   const Bytes text = to_bytes(nrrd_header(volume, "gzip", "endian: little\n\n"));
   const Bytes packed = text + deflated(volume.stored(), Wrapper::gzip);
-  const auto source = open_path(write_file(directory / "a.nrrd", packed));
+  const auto source = directory.open("a.nrrd", packed);
   std::vector<std::byte> out(volume.samples.size());
   EXPECT_THROW(source->read({{0, 0, 0}, {60, 49, 1}}, out.data()), std::logic_error);
   expect_volume(*source, volume);
-  const auto cut = open_path(write_file(
-      directory / "b.nrrd",
-      Bytes(packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(packed.size() / 2))));
+  const auto cut = directory.open("b.nrrd", std::span(packed).first(packed.size() / 2));
   EXPECT_THAT(cut->info().warnings, ::testing::ElementsAre(HasSubstr("truncated")));
   EXPECT_THROW(cut->read({{}, volume.size}, out.data()), FormatError);
   const Box3 first{{0, 0, 0}, {60, 50, 1}};
@@ -249,63 +224,55 @@ TEST(Nrrd, StreamsRestart) {
 }
 
 TEST(Nrrd, JoinedGzipMembersAreOneStream) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u16, {6, 5, 8});
   const Bytes text = to_bytes(nrrd_header(volume, "gzip", "endian: little\n\n"));
   const Bytes packed = text + deflated(volume.share(0, 2, std::endian::little), Wrapper::gzip) +
                        deflated(volume.share(1, 2, std::endian::little), Wrapper::gzip) +
                        to_bytes("trailing");
-  expect_volume(*open_path(write_file(directory / "a.nrrd", packed)), volume);
+  expect_volume(*directory.open("a.nrrd", packed), volume);
 }
 
 TEST(Nrrd, BadHeadersAreNamedWithTheirLine) {
-  const TempDirectory directory;
+  const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::i16, {3, 4, 5});
   const std::string good = nrrd_header(volume, "raw", "endian: little\nspacings: 1 1 1\n\n");
   const auto say = [&](const std::string& text) {
-    return complaint(write_file(directory / "a.nrrd", to_bytes(text) + volume.stored()));
+    return directory.complaint("a.nrrd", to_bytes(text) + volume.stored());
   };
-  const auto changed = [&](const std::string& start, const std::string& line) {
-    return say(with_line(good, start, line));
+  const auto refused = [&](const std::string& start, const std::string& line,
+                           std::initializer_list<std::string> parts) {
+    expect_says(say(with_line(good, start, line)), parts);
   };
   EXPECT_EQ(say(good), "");
   EXPECT_THAT(say("NRRD0009\n" + good.substr(9)), HasSubstr("a.nrrd:1: NRRD version '0009'"));
-  EXPECT_THAT(changed("type", ""), HasSubstr("no field 'type'"));
-  EXPECT_THAT(changed("type", "type: block"), HasSubstr("opaque"));
-  EXPECT_THAT(changed("type", "type: quad"), AllOf(HasSubstr("a.nrrd:3"), HasSubstr("'quad'")));
-  EXPECT_THAT(changed("dimension", "dimension: 2"), HasSubstr("2-D data are not a volume"));
-  EXPECT_THAT(changed("dimension", "dimension: 4"), HasSubstr("4 whole numbers"));
-  EXPECT_THAT(changed("dimension", "dimension: x"), HasSubstr("found 'x'"));
-  EXPECT_THAT(changed("sizes", "sizes: 3 4 -5"), HasSubstr("a.nrrd:5: field 'sizes'"));
-  EXPECT_THAT(changed("sizes", "sizes: 3 4 five"), HasSubstr("'3 4 five'"));
-  EXPECT_THAT(changed("sizes", "sizes: 3 4 5\nsizes: 3 4 5"),
-              AllOf(HasSubstr("a.nrrd:6"), HasSubstr("given twice, first in line 5")));
-  EXPECT_THAT(changed("sizes", "sizes: 9000000000 9000000000 9000000000"),
-              HasSubstr("more than any file holds"));
-  EXPECT_THAT(changed("sizes", "sizes: 3 4 6"), AllOf(HasSubstr("truncated"), HasSubstr("144")));
-  EXPECT_THAT(changed("encoding", "encoding: bzip2"), HasSubstr("'bzip2' is not supported"));
-  EXPECT_THAT(changed("encoding", "encoding: hex"), HasSubstr("'hex' is not supported"));
-  EXPECT_THAT(changed("encoding", "encoding: gzip"), HasSubstr("no gzip or zlib stream"));
-  EXPECT_THAT(changed("endian", ""), HasSubstr("no field 'endian'"));
-  EXPECT_THAT(changed("endian", "endian: middle"), HasSubstr("expected little or big"));
-  EXPECT_THAT(changed("spacings", "spacings: 1 0 1"), HasSubstr("step along axis 1"));
-  EXPECT_THAT(changed("spacings", "spacings: 1 1"), HasSubstr("3 numbers"));
-  EXPECT_THAT(changed("spacings", "spacings 1 1 1"),
-              HasSubstr("a.nrrd:8: expected 'field: value'"));
-  EXPECT_THAT(changed("spacings", "space directions: (1,0,0) (0,1,0) (1,1,0)"),
-              HasSubstr("one plane"));
-  EXPECT_THAT(changed("spacings", "space directions: (1,0,0) (0,1,0) (0,0,1"),
-              HasSubstr("closed parentheses"));
-  EXPECT_THAT(changed("spacings", "space directions: (1,0,0) (0,1,0)"), HasSubstr("3 entries"));
-  EXPECT_THAT(changed("spacings", "space directions: (1,0) (0,1) (0,0)"),
-              HasSubstr("world of 2 dimensions"));
-  EXPECT_THAT(changed("spacings", "space directions: none (0,1,0) (0,0,1)"),
-              AllOf(HasSubstr("axis 0"), HasSubstr("not supported")));
-  EXPECT_THAT(changed("spacings", "kinds: RGB-color domain domain"),
-              AllOf(HasSubstr("'rgb-color'"), HasSubstr("3 entries a sample")));
-  EXPECT_THAT(changed("spacings", "spacings: 1 1 1\nunits: \"mm\" \"mm\" \"um\""),
-              HasSubstr("different units"));
-  EXPECT_THAT(changed("spacings", "data file: gone.raw"), HasSubstr("gone.raw is not there"));
+  refused("type", "", {"no field 'type'"});
+  refused("type", "type: block", {"opaque"});
+  refused("type", "type: quad", {"a.nrrd:3", "'quad'"});
+  refused("dimension", "dimension: 2", {"2-D data are not a volume"});
+  refused("dimension", "dimension: 4", {"4 whole numbers"});
+  refused("dimension", "dimension: x", {"found 'x'"});
+  refused("sizes", "sizes: 3 4 -5", {"a.nrrd:5: field 'sizes'"});
+  refused("sizes", "sizes: 3 4 five", {"'3 4 five'"});
+  refused("sizes", "sizes: 3 4 5\nsizes: 3 4 5", {"a.nrrd:6", "given twice, first in line 5"});
+  refused("sizes", "sizes: 9000000000 9000000000 9000000000", {"more than any file holds"});
+  refused("sizes", "sizes: 3 4 6", {"truncated", "144"});
+  refused("encoding", "encoding: bzip2", {"'bzip2' is not supported"});
+  refused("encoding", "encoding: hex", {"'hex' is not supported"});
+  refused("encoding", "encoding: gzip", {"no gzip or zlib stream"});
+  refused("endian", "", {"no field 'endian'"});
+  refused("endian", "endian: middle", {"expected little or big"});
+  refused("spacings", "spacings: 1 0 1", {"step along axis 1"});
+  refused("spacings", "spacings: 1 1", {"3 numbers"});
+  refused("spacings", "spacings 1 1 1", {"a.nrrd:8: expected 'field: value'"});
+  refused("spacings", "space directions: (1,0,0) (0,1,0) (1,1,0)", {"one plane"});
+  refused("spacings", "space directions: (1,0,0) (0,1,0) (0,0,1", {"closed parentheses"});
+  refused("spacings", "space directions: (1,0,0) (0,1,0)", {"3 entries"});
+  refused("spacings", "space directions: (1,0) (0,1) (0,0)", {"world of 2 dimensions"});
+  refused("spacings", "space directions: none (0,1,0) (0,0,1)", {"axis 0", "not supported"});
+  refused("spacings", "kinds: RGB-color domain domain", {"'rgb-color'", "3 entries a sample"});
+  refused("spacings", "spacings: 1 1 1\nunits: \"mm\" \"mm\" \"um\"", {"different units"});
+  refused("spacings", "data file: gone.raw", {"gone.raw is not there"});
   EXPECT_THAT(
       say(with_line(with_line(good, "dimension", "dimension: 4"), "sizes", "sizes: 3 2 2 5")),
       HasSubstr("4 axes of space"));

@@ -106,9 +106,7 @@ TEST(Raw, RefusesEveryTruncation) {
   const KnownVolume volume = make_volume(SampleType::u16, {4, 3, 2});
   const Bytes whole = volume.stored();
   for (std::size_t size = 0; size < whole.size(); ++size) {
-    const auto path =
-        write_file(directory / "a.raw",
-                   Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)));
+    const auto path = write_file(directory / "a.raw", std::span(whole).first(size));
     EXPECT_THAT(complaint(raw_spec(path, volume)),
                 AllOf(HasSubstr("a.raw: truncated"), HasSubstr("48 in all"),
                       HasSubstr("the file has " + std::to_string(size))));

@@ -1,5 +1,7 @@
 // Files that other programs wrote. The figures were worked out from the files without this code:
 // headers by eye and od, samples by decompressing and summing them with other tools.
+#include <sstream>
+
 #include "tests/storage/volumes/known_volume.h"
 #include "tests/support/test_names.h"
 
@@ -10,12 +12,12 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 struct Expected {
-  const char* file;
+  std::string file;
   Index3 size;
-  SampleType type;
+  SampleType type = SampleType::u8;
   Vec3 spacing;
-  Access access;
-  std::int64_t lowest, highest, sum;
+  Access access = Access::box;
+  std::int64_t lowest = 0, highest = 0, sum = 0;
 };
 
 // Reads slab by slab, as a stream has to be read.
@@ -59,92 +61,52 @@ TEST_P(RealScan, SizeTypeSpacingAndValues) {
   if (expected.type == SampleType::u16) expect_values<std::uint16_t>(*source, expected);
 }
 
-constexpr auto u8 = SampleType::u8;
-constexpr auto i16 = SampleType::i16;
-constexpr auto u16 = SampleType::u16;
-const Index3 ball{30, 30, 30};
-const Vec3 ones{1, 1, 1};
-const Vec3 brain{1, 0.898437, 0.898437};
+// File, size, type, spacing, access; the least sample, the greatest and the sum of all.
+const char* const expectations = R"(
+nifti/CT_pitch.nii.gz 175 248 58 uint8 0.8125 0.8125 2.39704943 stream 0 255 95678796
+nifti/Iguana.nii.gz 210 256 179 uint8 0.1018 0.1018 0.1018 stream 0 229 317230873
+nifti/bonsai.nii.gz 256 256 256 uint8 1 1 1 stream 0 255 225901147
+nifti/chris_PD.nii.gz 191 256 54 uint8 0.85787511 0.85937494 2.39999723 stream 0 252 125243884
+nifti/engine.nii.gz 256 256 128 uint8 1 1 1 stream 0 255 173590544
+nifti/fuel.nii.gz 64 33 32 uint8 1 1 1 stream 0 255 509815
+nrrd/tooth.nhdr 103 94 161 uint16 1 1 1 box 0 1300 821287590
+nrrd/headsq/quarter.nhdr 64 64 93 int16 3.2 3.2 1.5 box 0 3926 193392317
+nrrd/Brain.nrrd 160 232 160 uint8 1 0.898437 0.898437 stream 0 1 1822964
+nrrd/Skull.nrrd 160 232 160 uint8 1 0.898437 0.898437 stream 0 1 532633
+nrrd/BrainSkull.nrrd 160 232 160 uint8 1 0.898437 0.898437 stream 0 1 2429197
+nrrd/pynrrd/BallBinary30x30x30.nrrd 30 30 30 int16 1 1 1 box 0 257 3682296
+nrrd/pynrrd/BallBinary30x30x30.nhdr 30 30 30 int16 1 1 1 box 0 257 3682296
+nrrd/pynrrd/BallBinary30x30x30_gz.nrrd 30 30 30 int16 1 1 1 stream 0 257 3682296
+nrrd/pynrrd/BallBinary30x30x30_gz_lineskip.nrrd 30 30 30 int16 1 1 1 stream 0 257 3682296
+nrrd/pynrrd/BallBinary30x30x30_gz_byteskip_minus_one.nrrd 30 30 30 int16 1 1 1 stream 0 257 3682296
+nrrd/pynrrd/BallBinary30x30x30_byteskip_minus_one.nhdr 30 30 30 int16 1 1 1 box 0 257 3682296
+nrrd/pynrrd/BallBinary30x30x30_byteskip_minus_one_nifti.nhdr 30 30 30 int16 1 1 1 stream 0 257 3682296
+nrrd/pynrrd/BallBinary30x30x30.nii.gz 30 30 30 int16 1 1 1 stream 0 257 3682296
+label/frogtissue.mhd 500 470 136 uint8 1 1 1.5 stream 0 29 12279472
+label/liver.inr.gz 438 353 165 uint8 0.617188 0.617188 1.33333 stream 0 255 847320240
+vtk/HeadMRVolume.mhd 48 62 42 uint8 4 4 4 box 0 255 3058332
+)";
 
-INSTANTIATE_TEST_SUITE_P(
-    All, RealScan,
-    ::testing::Values(
-        Expected{"nifti/CT_pitch.nii.gz",
-                 {175, 248, 58},
-                 u8,
-                 {0.8125, 0.8125, 2.39704943},
-                 Access::stream,
-                 0,
-                 255,
-                 95678796},
-        Expected{"nifti/Iguana.nii.gz",
-                 {210, 256, 179},
-                 u8,
-                 {0.1018, 0.1018, 0.1018},
-                 Access::stream,
-                 0,
-                 229,
-                 317230873},
-        Expected{
-            "nifti/bonsai.nii.gz", {256, 256, 256}, u8, ones, Access::stream, 0, 255, 225901147},
-        Expected{"nifti/chris_PD.nii.gz",
-                 {191, 256, 54},
-                 u8,
-                 {0.85787511, 0.85937494, 2.39999723},
-                 Access::stream,
-                 0,
-                 252,
-                 125243884},
-        Expected{
-            "nifti/engine.nii.gz", {256, 256, 128}, u8, ones, Access::stream, 0, 255, 173590544},
-        Expected{"nifti/fuel.nii.gz", {64, 33, 32}, u8, ones, Access::stream, 0, 255, 509815},
-        Expected{"nrrd/tooth.nhdr", {103, 94, 161}, u16, ones, Access::box, 0, 1300, 821287590},
-        Expected{"nrrd/headsq/quarter.nhdr",
-                 {64, 64, 93},
-                 i16,
-                 {3.2, 3.2, 1.5},
-                 Access::box,
-                 0,
-                 3926,
-                 193392317},
-        Expected{"nrrd/Brain.nrrd", {160, 232, 160}, u8, brain, Access::stream, 0, 1, 1822964},
-        Expected{"nrrd/Skull.nrrd", {160, 232, 160}, u8, brain, Access::stream, 0, 1, 532633},
-        Expected{"nrrd/BrainSkull.nrrd", {160, 232, 160}, u8, brain, Access::stream, 0, 1, 2429197},
-        Expected{"nrrd/pynrrd/BallBinary30x30x30.nrrd", ball, i16, ones, Access::box, 0, 257,
-                 3682296},
-        Expected{"nrrd/pynrrd/BallBinary30x30x30.nhdr", ball, i16, ones, Access::box, 0, 257,
-                 3682296},
-        Expected{"nrrd/pynrrd/BallBinary30x30x30_gz.nrrd", ball, i16, ones, Access::stream, 0, 257,
-                 3682296},
-        Expected{"nrrd/pynrrd/BallBinary30x30x30_gz_lineskip.nrrd", ball, i16, ones, Access::stream,
-                 0, 257, 3682296},
-        Expected{"nrrd/pynrrd/BallBinary30x30x30_gz_byteskip_minus_one.nrrd", ball, i16, ones,
-                 Access::stream, 0, 257, 3682296},
-        Expected{"nrrd/pynrrd/BallBinary30x30x30_byteskip_minus_one.nhdr", ball, i16, ones,
-                 Access::box, 0, 257, 3682296},
-        Expected{"nrrd/pynrrd/BallBinary30x30x30_byteskip_minus_one_nifti.nhdr", ball, i16, ones,
-                 Access::stream, 0, 257, 3682296},
-        Expected{"nrrd/pynrrd/BallBinary30x30x30.nii.gz", ball, i16, ones, Access::stream, 0, 257,
-                 3682296},
-        Expected{"label/frogtissue.mhd",
-                 {500, 470, 136},
-                 u8,
-                 {1, 1, 1.5},
-                 Access::stream,
-                 0,
-                 29,
-                 12279472},
-        Expected{"label/liver.inr.gz",
-                 {438, 353, 165},
-                 u8,
-                 {0.617188, 0.617188, 1.33333},
-                 Access::stream,
-                 0,
-                 255,
-                 847320240},
-        Expected{
-            "vtk/HeadMRVolume.mhd", {48, 62, 42}, u8, {4, 4, 4}, Access::box, 0, 255, 3058332}),
-    [](const auto& scan) { return test_name(scan.param.file); });
+std::vector<Expected> read_expectations() {
+  std::vector<Expected> all;
+  std::istringstream in(expectations);
+  std::string type, access;
+  for (Expected e; in >> e.file >> e.size.x >> e.size.y >> e.size.z >> type >> e.spacing.x >>
+                   e.spacing.y >> e.spacing.z >> access >> e.lowest >> e.highest >> e.sum;) {
+    e.type = *std::ranges::find(all_types, type, sample_type_name);
+    e.access = access == "stream" ? Access::stream : Access::box;
+    all.push_back(e);
+  }
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RealScan, ::testing::ValuesIn(read_expectations()),
+                         [](const auto& scan) { return test_name(scan.param.file); });
+
+// Every line of the table is a case.
+TEST(RealScans, AreAllRead) {
+  EXPECT_EQ(read_expectations().size(), 22U);
+}
 
 TEST(RealScans, GeometryOfTiltedAndPlacedVolumes) {
   VOXWELD_NEEDS_SHARED_DATA("nifti/CT_pitch.nii.gz");
