@@ -12,7 +12,7 @@
 #include "storage/store/store_source.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
-#include "storage/types/value_range.h"
+#include "storage/types/volume.h"
 
 namespace voxweld {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "stages/ingest/statistics.h"
-#include "storage/types/value_range.h"
+#include "storage/types/volume.h"
 
 namespace voxweld {
 namespace {

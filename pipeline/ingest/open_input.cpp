@@ -1,7 +1,7 @@
 #include "pipeline/ingest/open_input.h"
 
 #include "storage/readers/open_volume.h"
-#include "storage/volumes/empty_source.h"
+#include "storage/volumes/filters.h"
 
 namespace voxweld {
 namespace {

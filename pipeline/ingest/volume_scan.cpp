@@ -4,7 +4,7 @@
 
 #include "pipeline/ingest/ingest_layout.h"
 #include "stages/ingest/statistics.h"
-#include "storage/types/value_range.h"
+#include "storage/types/volume.h"
 
 namespace voxweld {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "pipeline/solids/closed_mesh.h"
 #include "storage/support/error.h"
-#include "storage/volumes/empty_source.h"
+#include "storage/volumes/filters.h"
 
 namespace voxweld {
 namespace {

@@ -158,6 +158,13 @@ class PolygonEmitter {
   BrickOctree& out_;
 };
 
+std::uint32_t pack_sheets(const CellSheets& sheets) {
+  std::uint32_t packed = 0;
+  for (std::size_t e = 0; e < 12; ++e)
+    packed |= (sheets.sheet_of_edge[e] & std::uint32_t{3}) << (2 * e);
+  return packed;
+}
+
 }  // namespace
 
 void emit_polygons(const BrickFrame& frame, Index3 volume_size, const SignGrid& signs,
@@ -171,17 +178,6 @@ void emit_polygons(const BrickFrame& frame, Index3 volume_size, const LabelGrid&
                    const ContourParameters& parameters, BrickOctree& out) {
   PolygonEmitter(frame, volume_size, cells, leaves, parameters, out).emit_all(labels);
 }
-
-namespace {
-
-std::uint32_t pack_sheets(const CellSheets& sheets) {
-  std::uint32_t packed = 0;
-  for (std::size_t e = 0; e < 12; ++e)
-    packed |= (sheets.sheet_of_edge[e] & std::uint32_t{3}) << (2 * e);
-  return packed;
-}
-
-}  // namespace
 
 void make_ghost_layer(const ActiveCells& cells, const BrickLeaves& leaves, bool labels,
                       std::vector<std::uint32_t>& scratch, BrickOctree& out) {

@@ -13,6 +13,22 @@ std::uint64_t from_zero(const std::uint64_t* row, std::size_t w) {
   return row[w] >> 1 | row[w + 1] << 63;
 }
 
+// Outward of what the edit leaves.
+HermiteEdge edge_of_edit(const Edit& edit, const VolumeFrame& frame, int axis, Index3 s,
+                         bool low_in_solid) {
+  const HermiteEdge edge = edge_of_solid(edit.solid, frame, axis, s, low_in_solid);
+  return edit.op == EditOp::subtract ? reversed(edge) : edge;
+}
+
+// Both surfaces cross the edge, both in the same direction: of a union the one further out is the
+// surface, of an intersection the one further in.
+const HermiteEdge& surface_of(EditOp op, bool low_inside, const HermiteEdge& before,
+                              const HermiteEdge& solid) {
+  const bool takes_higher = (op == EditOp::add) == low_inside;
+  const bool solid_wins = takes_higher ? solid.t > before.t : solid.t < before.t;
+  return solid_wins ? solid : before;
+}
+
 }  // namespace
 
 template <class F>
@@ -113,26 +129,6 @@ void HermiteEdges::compute_label(const HaloBlock& field, Index3 brick, int side,
     return estimator.edge(axis, brick + Index3{x, y, z} - splat(1), signs.inside(x, y, z));
   });
 }
-
-namespace {
-
-// Outward of what the edit leaves.
-HermiteEdge edge_of_edit(const Edit& edit, const VolumeFrame& frame, int axis, Index3 s,
-                         bool low_in_solid) {
-  const HermiteEdge edge = edge_of_solid(edit.solid, frame, axis, s, low_in_solid);
-  return edit.op == EditOp::subtract ? reversed(edge) : edge;
-}
-
-// Both surfaces cross the edge, both in the same direction: of a union the one further out is the
-// surface, of an intersection the one further in.
-const HermiteEdge& surface_of(EditOp op, bool low_inside, const HermiteEdge& before,
-                              const HermiteEdge& solid) {
-  const bool takes_higher = (op == EditOp::add) == low_inside;
-  const bool solid_wins = takes_higher ? solid.t > before.t : solid.t < before.t;
-  return solid_wins ? solid : before;
-}
-
-}  // namespace
 
 void HermiteEdges::compute(const Edit& edit, const VolumeFrame& frame, Index3 brick, int side,
                            const SignGrid& signs, const SignGrid& solid,

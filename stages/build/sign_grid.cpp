@@ -62,42 +62,6 @@ void pack_row(const T* p, int count, int at, const Inside& inside, std::uint64_t
   if (done < count) or_bits(row, at + done, pack_some(p + done, count - done, inside));
 }
 
-}  // namespace
-
-void SignGrid::fill(const HaloBlock& block, Index3 brick, int side,
-                    const SurfaceParameters& surface, const Box3& extent) {
-  points_ = static_cast<std::size_t>(side) + 3;
-  stride_ = (points_ + 63) / 64 + 1;
-  bits_.assign(points_ * points_ * stride_, 0);
-  // Lattice point u is sample u - 1; the grid's first point is brick - 1, so sample brick - 2.
-  const Index3 first = brick - splat(2);
-  const Box3 held =
-      intersect(intersect(block.samples, extent), Box3{first, first + splat(side + 3)});
-  if (held.empty()) return;
-  dispatch_sample_type(block.type, [&](auto tag) {
-    using T = typename decltype(tag)::type;
-    const T* data = reinterpret_cast<const T*>(block.data);
-    const int count = static_cast<int>(held.size().x), at = static_cast<int>(held.lo.x - first.x);
-    const auto fill_rows = [&](const auto& inside) {
-      if (inside.never) return;
-      for (std::int64_t z = held.lo.z; z < held.hi.z; ++z)
-        for (std::int64_t y = held.lo.y; y < held.hi.y; ++y) {
-          const T* p = data + (z - block.samples.lo.z) * block.slice +
-                       (y - block.samples.lo.y) * block.row + (held.lo.x - block.samples.lo.x);
-          const std::size_t index = static_cast<std::size_t>(z - first.z) * points_ +
-                                    static_cast<std::size_t>(y - first.y);
-          pack_row(p, count, at, inside, bits_.data() + index * stride_);
-        }
-    };
-    if constexpr (std::is_integral_v<T>) {
-      if (surface.label) return fill_rows(LabelTest<T>(*surface.label));
-    }
-    fill_rows(make_inside_test<T>(surface.isovalue, surface.inside));
-  });
-}
-
-namespace {
-
 // The samples whose places may lie in the solid, within `held`.
 Box3 samples_near(const Solid& solid, const VolumeFrame& frame, const Box3& held) {
   const Bounds bounds = solid_bounds(solid);
@@ -125,6 +89,36 @@ void flip_bits(std::uint64_t* row, std::int64_t from, std::int64_t end) {
 }
 
 }  // namespace
+
+void SignGrid::fill(const HaloBlock& block, Index3 brick, int side,
+                    const SurfaceParameters& surface, const Box3& extent) {
+  points_ = static_cast<std::size_t>(side) + 3;
+  stride_ = (points_ + 63) / 64 + 1;
+  bits_.assign(points_ * points_ * stride_, 0);
+  // Lattice point u is sample u - 1; the grid's first point is brick - 1, so sample brick - 2.
+  const Index3 first = brick - splat(2);
+  const Box3 held =
+      intersect(intersect(block.samples, extent), Box3{first, first + splat(side + 3)});
+  if (held.empty()) return;
+  dispatch_sample_type(block.type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    const T* data = reinterpret_cast<const T*>(block.data);
+    const int count = static_cast<int>(held.size().x), at = static_cast<int>(held.lo.x - first.x);
+    const auto fill_rows = [&](const auto& inside) {
+      if (inside.never) return;
+      for (std::int64_t z = held.lo.z; z < held.hi.z; ++z)
+        for (std::int64_t y = held.lo.y; y < held.hi.y; ++y) {
+          const T* p = data + (z - block.samples.lo.z) * block.slice +
+                       (y - block.samples.lo.y) * block.row + (held.lo.x - block.samples.lo.x);
+          pack_row(p, count, at, inside, row_at(y - first.y, z - first.z));
+        }
+    };
+    if constexpr (std::is_integral_v<T>) {
+      if (surface.label) return fill_rows(LabelTest<T>(*surface.label));
+    }
+    fill_rows(make_inside_test<T>(surface.isovalue, surface.inside));
+  });
+}
 
 void SignGrid::fill(const Solid& solid, const VolumeFrame& frame, Index3 brick, int side) {
   points_ = static_cast<std::size_t>(side) + 3;

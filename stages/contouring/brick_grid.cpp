@@ -33,9 +33,7 @@ Index3 BrickGrid::shard_of(Index3 brick) const {
 
 std::vector<Index3> BrickGrid::all_shards() const {
   std::vector<Index3> shards;
-  for (std::int64_t z = 0; z < shards_.z; ++z)
-    for (std::int64_t y = 0; y < shards_.y; ++y)
-      for (std::int64_t x = 0; x < shards_.x; ++x) shards.push_back({x, y, z});
+  each_index({{}, shards_}, [&](Index3 shard) { shards.push_back(shard); });
   std::sort(shards.begin(), shards.end(),
             [](Index3 a, Index3 b) { return morton_encode(a) < morton_encode(b); });
   return shards;
@@ -43,10 +41,9 @@ std::vector<Index3> BrickGrid::all_shards() const {
 
 std::vector<BrickGrid::Cube> BrickGrid::cubes_within(const Box3& bricks) const {
   std::vector<Cube> cubes;
-  for (std::int64_t z = bricks.lo.z / shard_; z * shard_ < bricks.hi.z; ++z)
-    for (std::int64_t y = bricks.lo.y / shard_; y * shard_ < bricks.hi.y; ++y)
-      for (std::int64_t x = bricks.lo.x / shard_; x * shard_ < bricks.hi.x; ++x)
-        cubes.push_back({{shard_level_, {x, y, z}}, shard_of(Index3{x, y, z} * shard_)});
+  each_index(pieces_of(bricks, splat(shard_)), [&](Index3 cube) {
+    cubes.push_back({{shard_level_, cube}, shard_of(cube * shard_)});
+  });
   std::sort(cubes.begin(), cubes.end(),
             [](const Cube& a, const Cube& b) { return a.key.code() < b.key.code(); });
   return cubes;

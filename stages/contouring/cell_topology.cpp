@@ -1,5 +1,7 @@
 #include "stages/contouring/cell_topology.h"
 
+#include "stages/contouring/crossing_sets.h"
+
 namespace voxweld {
 namespace {
 
@@ -18,30 +20,13 @@ constexpr bool ambiguous(CellSigns signs, int face) {
          bit_at(signs, c[0]) != bit_at(signs, c[1]);
 }
 
-struct UnionFind {
-  std::array<std::uint8_t, 12> parent{};
-  constexpr UnionFind() {
-    for (int i = 0; i < 12; ++i) parent[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(i);
-  }
-  constexpr int root(int i) const {
-    while (parent[static_cast<std::size_t>(i)] != i) i = parent[static_cast<std::size_t>(i)];
-    return i;
-  }
-  constexpr void join(int a, int b) {
-    const int ra = root(a), rb = root(b);
-    parent[static_cast<std::size_t>(ra < rb ? rb : ra)] =
-        static_cast<std::uint8_t>(ra < rb ? ra : rb);
-  }
-};
-
 // Joins the crossings of one face by its arcs. On an ambiguous face an arc goes around each inside
 // corner (so that they are separated), or around each outside corner when `joined`.
-constexpr void join_arcs(CellSigns signs, int face, bool joined, UnionFind& loops) {
+constexpr void join_arcs(CellSigns signs, int face, bool joined, CrossingSets& loops) {
   const auto c = face_corners(face);
   if (ambiguous(signs, face)) {
     for (std::size_t i = 0; i < 4; ++i)
-      if (bit_at(signs, c[i]) != static_cast<int>(joined))
-        loops.join(edge_between(c[i], c[(i + 1) % 4]), edge_between(c[i], c[(i + 3) % 4]));
+      if (bit_at(signs, c[i]) != static_cast<int>(joined)) loops.join_around(c, i);
     return;
   }
   int first = -1;
@@ -54,18 +39,9 @@ constexpr void join_arcs(CellSigns signs, int face, bool joined, UnionFind& loop
 }
 
 constexpr CellSheets make_sheets(CellSigns signs, int joined_face) {
-  UnionFind loops;
+  CrossingSets loops;
   for (int face = 0; face < 6; ++face) join_arcs(signs, face, face == joined_face, loops);
-  CellSheets cell;
-  cell.sheet_of_edge.fill(255);
-  for (int e = 0; e < 12; ++e) {
-    if (!crosses(signs, e)) continue;
-    cell.edges[cell.crossings++] = static_cast<std::uint8_t>(e);
-    const auto root = static_cast<std::size_t>(loops.root(e));
-    if (cell.sheet_of_edge[root] == 255) cell.sheet_of_edge[root] = cell.sheets++;
-    cell.sheet_of_edge[static_cast<std::size_t>(e)] = cell.sheet_of_edge[root];
-  }
-  return cell;
+  return loops.sheets([&](int edge) { return crosses(signs, edge); });
 }
 
 constexpr int find_problem_face(CellSigns signs, const CellSheets& cell) {
@@ -83,19 +59,6 @@ constexpr int find_problem_face(CellSigns signs, const CellSheets& cell) {
   return -1;
 }
 
-// Whether the corners with this sign form one component along cube edges.
-constexpr bool connected(unsigned corners) {
-  if (corners == 0) return false;
-  unsigned reached = corners & (~corners + 1);
-  for (int step = 0; step < 8; ++step)
-    for (int e = 0; e < 12; ++e) {
-      const EdgeCorners ends = edge_corners(e);
-      const unsigned both = 1u << ends.low | 1u << ends.high;
-      if ((both & corners) == both && (both & reached) != 0) reached |= both;
-    }
-  return reached == corners;
-}
-
 topology_detail::Tables make_tables() {
   topology_detail::Tables tables;
   for (unsigned s = 0; s < 256; ++s) {
@@ -104,7 +67,7 @@ topology_detail::Tables make_tables() {
     const int face = find_problem_face(signs, tables.sheets[0][s]);
     tables.problem_face[s] = static_cast<std::int8_t>(face);
     tables.sheets[1][s] = face < 0 ? tables.sheets[0][s] : make_sheets(signs, face);
-    tables.collapsible[s] = connected(s) && connected(~s & 255u);
+    tables.collapsible[s] = s != 0 && s != 255 && one_component(s) && one_component(~s & 255u);
   }
   return tables;
 }

@@ -1,6 +1,6 @@
 #include "stages/contouring/label_topology.h"
 
-#include <algorithm>
+#include "stages/contouring/crossing_sets.h"
 
 namespace voxweld {
 namespace {
@@ -9,38 +9,12 @@ std::uint32_t at(const CellLabels& labels, int corner) {
   return labels[static_cast<std::size_t>(corner)];
 }
 
-// Sets of crossings, each named by its lowest edge.
-struct EdgeSets {
-  std::array<std::uint8_t, 12> parent{};
-  EdgeSets() {
-    for (std::size_t i = 0; i < 12; ++i) parent[i] = static_cast<std::uint8_t>(i);
-  }
-  std::size_t root(int edge) const {
-    auto i = static_cast<std::size_t>(edge);
-    while (parent[i] != i) i = parent[i];
-    return i;
-  }
-  void join(int a, int b) {
-    const std::size_t ra = root(a), rb = root(b);
-    parent[std::max(ra, rb)] = static_cast<std::uint8_t>(std::min(ra, rb));
-  }
-};
-
-// Where all four edges of a face cross, opposite corners may be of one label.
-struct CrossedFace {
-  bool first, second;  // corners 0 and 2 are; corners 1 and 3 are
-};
-CrossedFace crossed(const CellLabels& labels, const std::array<int, 4>& c) {
-  return {at(labels, c[0]) == at(labels, c[2]), at(labels, c[1]) == at(labels, c[3])};
-}
-
 // Arcs around corners `from` and `from` + 2 of the face.
-void join_around(const std::array<int, 4>& c, std::size_t from, EdgeSets& sets) {
-  for (const std::size_t i : {from, from + 2})
-    sets.join(edge_between(c[i], c[(i + 1) % 4]), edge_between(c[i], c[(i + 3) % 4]));
+void join_around(const std::array<int, 4>& c, std::size_t from, CrossingSets& sets) {
+  for (const std::size_t i : {from, from + 2}) sets.join_around(c, i);
 }
 
-void join_face(const CellLabels& labels, int face, EdgeSets& sets) {
+void join_face(const CellLabels& labels, int face, CrossingSets& sets) {
   const auto c = face_corners(face);
   std::array<int, 4> crossing{};
   std::size_t count = 0;
@@ -48,11 +22,12 @@ void join_face(const CellLabels& labels, int face, EdgeSets& sets) {
     if (at(labels, c[i]) != at(labels, c[(i + 1) % 4]))
       crossing[count++] = edge_between(c[i], c[(i + 1) % 4]);
   if (count == 4) {
-    const CrossedFace equal = crossed(labels, c);
-    if (equal.first && equal.second)
-      return join_around(c, at(labels, c[0]) < at(labels, c[1]) ? 0 : 1, sets);
-    if (equal.first) return join_around(c, 1, sets);
-    if (equal.second) return join_around(c, 0, sets);
+    // Opposite corners may be of one label.
+    const bool even = at(labels, c[0]) == at(labels, c[2]);
+    const bool odd = at(labels, c[1]) == at(labels, c[3]);
+    if (even && odd) return join_around(c, at(labels, c[0]) < at(labels, c[1]) ? 0 : 1, sets);
+    if (even) return join_around(c, 1, sets);
+    if (odd) return join_around(c, 0, sets);
   }
   for (std::size_t i = 1; i < count; ++i) sets.join(crossing[0], crossing[i]);
 }
@@ -83,39 +58,15 @@ struct LabelSets {
   }
 };
 
-// The corners one edge away from these.
-constexpr unsigned neighbours(unsigned corners) {
-  unsigned next = 0;
-  for (unsigned i = 0; i < 8; ++i)
-    if ((corners >> i & 1u) != 0) next |= 1u << (i ^ 1) | 1u << (i ^ 2) | 1u << (i ^ 4);
-  return next;
-}
-
-bool one_component(unsigned corners) {
-  unsigned reached = corners & (~corners + 1);
-  for (unsigned before = 0; before != reached;) {
-    before = reached;
-    reached |= neighbours(reached) & corners;
-  }
-  return reached == corners;
-}
-
 }  // namespace
 
 CellSheets label_sheets(const CellLabels& labels) {
-  EdgeSets sets;
+  CrossingSets sets;
   for (int face = 0; face < 6; ++face) join_face(labels, face, sets);
-  CellSheets cell;
-  cell.sheet_of_edge.fill(255);
-  for (int e = 0; e < 12; ++e) {
-    const EdgeCorners ends = edge_corners(e);
-    if (labels[ends.low] == labels[ends.high]) continue;
-    cell.edges[cell.crossings++] = static_cast<std::uint8_t>(e);
-    const std::size_t root = sets.root(e);
-    if (cell.sheet_of_edge[root] == 255) cell.sheet_of_edge[root] = cell.sheets++;
-    cell.sheet_of_edge[static_cast<std::size_t>(e)] = cell.sheet_of_edge[root];
-  }
-  return cell;
+  return sets.sheets([&](int edge) {
+    const EdgeCorners ends = edge_corners(edge);
+    return labels[ends.low] != labels[ends.high];
+  });
 }
 
 bool labels_collapsible(const CellLabels& labels) {

@@ -97,10 +97,6 @@ struct Best {
   }
 };
 
-}  // namespace
-
-namespace {
-
 std::array<const QefKernels*, 3> widest_first() {
   return {qef_kernels_avx512(), qef_kernels_avx2(), &qef_kernels_base()};
 }

@@ -69,10 +69,4 @@ struct DecodedMesh {
 // three float coordinates a point. A flipped bit may well decode: files carry hashes for that.
 DecodedMesh decode_draco(std::span<const std::byte> bytes, const std::string& where = "Draco mesh");
 
-// Upper bound of the memory decode_draco takes, its result included.
-std::uint64_t decode_memory_bytes(std::uint64_t vertices, std::uint64_t triangles, bool normals);
-
-// EncodedMesh of a buffer encoded before (found by decoding it).
-EncodedMesh describe_draco(std::vector<std::byte> bytes, const std::string& where = "Draco mesh");
-
 }  // namespace voxweld

@@ -1,12 +1,11 @@
 // Based on: the Draco bitstream specification, version 2.2, sections "Draco Decoder", "Edgebreaker
 // Decoder" and "Sequential Connectivity Decoder".
-#include "stages/encode/draco_header.h"
-
 #include <fmt/format.h>
 
 #include <cstdint>
 #include <string_view>
 
+#include "stages/encode/draco_mesh.h"
 #include "storage/support/error.h"
 
 namespace voxweld {

@@ -1,4 +1,4 @@
-// Between tile meshes and Draco's own: used by draco_codec alone.
+// What encoding to Draco buffers and decoding them are made of: used by draco_codec alone.
 #pragma once
 
 #include <draco/mesh/mesh.h>
@@ -9,6 +9,11 @@
 #include "storage/types/tile_mesh.h"
 
 namespace voxweld {
+
+// FormatError, starting with `where`, unless the buffer starts as a Draco mesh of bitstream 2.2
+// without metadata (what Draco 1.4 and later write) whose stated counts are plausible for its size:
+// before Draco allocates by what they state.
+void check_draco_header(std::span<const std::byte> bytes, const std::string& where);
 
 struct DracoAttributes {
   int position = 0;

@@ -162,42 +162,6 @@ void put_u32(std::vector<std::byte>& out, std::uint64_t value) {
     out.push_back(static_cast<std::byte>(value >> shift & 0xff));
 }
 
-}  // namespace
-
-std::optional<double> metres_per(const std::string& unit) {
-  struct Unit {
-    std::string_view name;
-    double metres;
-  };
-  static constexpr std::array<Unit, 20> units{{
-      {"m", 1},
-      {"meter", 1},
-      {"metre", 1},
-      {"cm", 1e-2},
-      {"centimeter", 1e-2},
-      {"centimetre", 1e-2},
-      {"mm", 1e-3},
-      {"millimeter", 1e-3},
-      {"millimetre", 1e-3},
-      {"um", 1e-6},
-      {"\u00b5m", 1e-6},
-      {"\u03bcm", 1e-6},
-      {"micron", 1e-6},
-      {"micrometer", 1e-6},
-      {"micrometre", 1e-6},
-      {"nm", 1e-9},
-      {"nanometer", 1e-9},
-      {"nanometre", 1e-9},
-      {"angstrom", 1e-10},
-      {"inch", 0.0254},
-  }};
-  for (const Unit& u : units)
-    if (u.name == unit) return u.metres;
-  return std::nullopt;
-}
-
-namespace {
-
 std::vector<std::byte> wrap(const std::vector<Part>& parts, const GlbParameters& parameters) {
   std::string text = document(parts, parameters).dump();
   text.resize(padded(text.size()), ' ');
@@ -225,6 +189,25 @@ std::vector<std::byte> wrap(const std::vector<Part>& parts, const GlbParameters&
 }
 
 }  // namespace
+
+std::optional<double> metres_per(const std::string& unit) {
+  struct Unit {
+    double metres;
+    std::array<std::string_view, 6> names;
+  };
+  static constexpr Unit units[] = {
+      {1, {"m", "meter", "metre"}},
+      {1e-2, {"cm", "centimeter", "centimetre"}},
+      {1e-3, {"mm", "millimeter", "millimetre"}},
+      {1e-6, {"um", "\u00b5m", "\u03bcm", "micron", "micrometer", "micrometre"}},
+      {1e-9, {"nm", "nanometer", "nanometre"}},
+      {1e-10, {"angstrom"}},
+      {0.0254, {"inch"}},
+  };
+  for (const auto& [metres, names] : units)
+    if (!unit.empty() && std::ranges::find(names, unit) != names.end()) return metres;
+  return std::nullopt;
+}
 
 std::vector<std::byte> wrap_glb(const EncodedMesh& mesh, const GlbParameters& parameters) {
   return wrap({Part{&mesh}}, parameters);

@@ -44,13 +44,9 @@ std::vector<std::byte> wrap_glb(const EncodedMesh& mesh, const GlbParameters& pa
 // Precondition: at least one part.
 std::vector<std::byte> wrap_glb(std::span<const GlbPart> parts, const GlbParameters& parameters);
 
-// The Draco buffer of the first primitive inside a .glb of the kind wrap_glb writes: a view into
-// `glb`. FormatError, starting with `where`, for anything else.
-std::span<const std::byte> glb_draco_buffer(std::span<const std::byte> glb,
-                                            const std::string& where = "glTF binary");
-
-// decode_draco of glb_draco_buffer, and the accessors' counts, minima and maxima compared with what
-// was decoded. Primitives with labels in their extras are put together, one after another.
+// The mesh of a .glb of the kind wrap_glb writes: its Draco buffers decoded, and the accessors'
+// counts, minima and maxima compared with that. Primitives with labels in their extras are put
+// together, one after another. FormatError, starting with `where`, for anything else.
 DecodedMesh decode_glb(std::span<const std::byte> glb, const std::string& where = "glTF binary");
 
 // Metres in one `unit` ("mm", "micrometer" ...), nothing where it is not known.

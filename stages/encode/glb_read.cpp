@@ -5,6 +5,7 @@
 
 #include "stages/encode/glb.h"
 #include "stages/encode/glb_format.h"
+#include "storage/support/byte_order.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -13,10 +14,7 @@ namespace {
 using namespace glb;
 
 std::uint32_t get_u32(std::span<const std::byte> bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i)
-    value |= std::to_integer<std::uint32_t>(bytes[at + i]) << (8 * i);
-  return value;
+  return load_as<std::uint32_t>(bytes.data(), at, std::endian::little);
 }
 
 struct GlbChunks {
@@ -109,15 +107,6 @@ void check_bounds(const Json& accessor, const DecodedMesh& mesh, const std::stri
       accessor.at("max").get<std::array<float, 3>>() != hi)
     throw FormatError(where + ": the glTF accessor's min and max differ from the decoded ones");
 }
-
-}  // namespace
-
-std::span<const std::byte> glb_draco_buffer(std::span<const std::byte> glb,
-                                            const std::string& where) {
-  return draco_view(parse_glb(glb, where), 0, where);
-}
-
-namespace {
 
 DecodedMesh decode_primitive(const GlbChunks& chunks, std::size_t number,
                              const std::string& where) {

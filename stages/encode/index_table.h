@@ -48,7 +48,6 @@ class IndexTable {
     slots_.clear();
     count_ = 0;
   }
-  std::uint64_t memory_bytes() const { return slots_.capacity() * sizeof(std::uint32_t); }
 
  private:
   std::size_t mask() const { return slots_.size() - 1; }

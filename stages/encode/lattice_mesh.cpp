@@ -74,13 +74,6 @@ LatticeMesh weld(const DecodedMesh& mesh, const OutputLattice& lattice, const st
   return out;
 }
 
-TriangleDigest& TriangleDigest::operator+=(const TriangleDigest& other) {
-  count += other.count;
-  a += other.a;
-  b += other.b;
-  return *this;
-}
-
 TriangleDigest digest(const LatticeMesh& mesh) {
   TriangleDigest sum;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {

@@ -66,7 +66,12 @@ LatticeMesh weld(const DecodedMesh& mesh, const OutputLattice& lattice,
 // 2^128: comparing two meshes takes no memory, and the sum of tiles is the sum of their digests.
 struct TriangleDigest {
   std::uint64_t count = 0, a = 0, b = 0;
-  TriangleDigest& operator+=(const TriangleDigest& other);
+  TriangleDigest& operator+=(const TriangleDigest& other) {
+    count += other.count;
+    a += other.a;
+    b += other.b;
+    return *this;
+  }
   friend bool operator==(const TriangleDigest&, const TriangleDigest&) = default;
 };
 TriangleDigest digest(const LatticeMesh& mesh);

@@ -14,11 +14,6 @@ using Normals = std::array<PackedNormal, max_clusters>;
 using Triangle = std::array<std::uint32_t, 3>;
 using Clusters = std::array<std::uint8_t, 3>;
 
-template <class T>
-std::uint64_t capacity_bytes(const std::vector<T>& v) {
-  return v.capacity() * sizeof(T);
-}
-
 }  // namespace
 
 void MeshAccumulator::check(const TileMesh& tile) const {
@@ -108,12 +103,6 @@ TileMesh MeshAccumulator::take() {
   TileMesh out = std::move(mesh_);
   mesh_ = {};
   return out;
-}
-
-std::uint64_t MeshAccumulator::memory_bytes() const {
-  return capacity_bytes(mesh_.positions) + capacity_bytes(mesh_.ids) +
-         capacity_bytes(mesh_.normals) + capacity_bytes(mesh_.triangles) +
-         capacity_bytes(mesh_.corner_normals) + capacity_bytes(merged_) + table_.memory_bytes();
 }
 
 std::uint64_t accumulator_memory_bytes(std::uint64_t vertices, std::uint64_t triangles,

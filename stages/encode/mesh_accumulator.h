@@ -26,8 +26,6 @@ class MeshAccumulator {
   // The mesh so far; its `tile` is the first one's. The accumulator is empty afterwards.
   TileMesh take();
 
-  std::uint64_t memory_bytes() const;
-
  private:
   struct Hash {
     const std::vector<VertexId>* ids;

@@ -6,17 +6,12 @@
 namespace voxweld {
 namespace {
 
-using Wide3 = std::array<std::int64_t, 3>;
-
-Wide3 wide(const LatticePoint& q) {
+Index3 wide(const LatticePoint& q) {
   return {q[0], q[1], q[2]};
 }
-Wide3 difference(const Wide3& a, const Wide3& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
 // Coordinates have 22 bits, products 44: exact.
-Wide3 cross_product(const Wide3& a, const Wide3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+Index3 cross_product(Index3 a, Index3 b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
 }  // namespace
@@ -28,11 +23,13 @@ MeshMeasure measure(std::span<const LatticePoint> positions,
   m.empty = false;
   m.lo = m.hi = positions[triangles[0][0]];
   for (const auto& t : triangles) {
-    const Wide3 p = wide(positions[t[0]]), q = wide(positions[t[1]]), r = wide(positions[t[2]]);
-    const Wide3 normal = cross_product(difference(q, p), difference(r, p));
-    for (std::size_t a = 0; a < 3; ++a) m.volume6 += static_cast<Wide>(p[a]) * normal[a];
+    const Index3 p = wide(positions[t[0]]), q = wide(positions[t[1]]), r = wide(positions[t[2]]);
+    const Index3 normal = cross_product(q - p, r - p);
     double squared = 0;
-    for (const std::int64_t n : normal) squared += static_cast<double>(n) * static_cast<double>(n);
+    for (int a = 0; a < 3; ++a) {
+      m.volume6 += static_cast<Wide>(p[a]) * normal[a];
+      squared += static_cast<double>(normal[a]) * static_cast<double>(normal[a]);
+    }
     m.area2 += std::sqrt(squared);
     for (const std::uint32_t corner : t)
       for (std::size_t a = 0; a < 3; ++a) {

@@ -9,10 +9,6 @@ namespace {
 
 constexpr std::uint32_t unset = std::numeric_limits<std::uint32_t>::max();
 
-}  // namespace
-
-namespace {
-
 // The triangles of each pair.
 std::vector<std::vector<std::uint32_t>> by_pair(const TileMesh& mesh) {
   std::vector<std::vector<std::uint32_t>> triangles(mesh.pairs.size());

@@ -75,8 +75,7 @@ void OctreeReduction::push(const NodeSummary& node) {
     return;
   }
   close_until_holding(node.key);
-  CellKey parent = node.key.parent();
-  open_down_to(parent);
+  open_down_to(node.key.parent());
   add_child(node);
 }
 
@@ -115,12 +114,8 @@ void OctreeReduction::mark_split() {
   for (OpenNode& node : open_) {
     if (node.split) continue;
     node.split = true;
-    pass_on(node);
+    for (const NodeSummary& child : node.children) settle(child, sink_);
   }
-}
-
-void OctreeReduction::pass_on(const OpenNode& node) {
-  for (const NodeSummary& child : node.children) settle(child, sink_);
 }
 
 void OctreeReduction::settle(const NodeSummary& node, ReductionSink& sink) {

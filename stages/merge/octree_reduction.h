@@ -65,7 +65,6 @@ class OctreeReduction {
   NodeSummary close(OpenNode& node);
   bool corners_allow(const OpenNode& node, RootRecord& result) const;
   bool collapse(const OpenNode& node, NodeSummary& result);
-  void pass_on(const OpenNode& node);
   void mark_split();
 
   CellKey root_;

@@ -48,10 +48,8 @@ struct Extent {
   Vec3 lo, hi;
 
   void add(Vec3 p, bool first) {
-    for (int a = 0; a < 3; ++a) {
-      lo[a] = first ? p[a] : std::min(lo[a], p[a]);
-      hi[a] = first ? p[a] : std::max(hi[a], p[a]);
-    }
+    lo = first ? p : min(lo, p);
+    hi = first ? p : max(hi, p);
   }
 };
 
@@ -86,11 +84,10 @@ Bounds bounds_of(const TriangleMesh& mesh) {
   const Vec3 first = mesh.vertices[mesh.triangles.at(0)[0]];
   Bounds bounds{first, first};
   for (const auto& t : mesh.triangles)
-    for (const std::uint32_t corner : t)
-      for (int a = 0; a < 3; ++a) {
-        bounds.lo[a] = std::min(bounds.lo[a], mesh.vertices[corner][a]);
-        bounds.hi[a] = std::max(bounds.hi[a], mesh.vertices[corner][a]);
-      }
+    for (const std::uint32_t corner : t) {
+      bounds.lo = min(bounds.lo, mesh.vertices[corner]);
+      bounds.hi = max(bounds.hi, mesh.vertices[corner]);
+    }
   return bounds;
 }
 

@@ -117,6 +117,14 @@ double rounding_margin(const Bounds& box, const Solid& solid) {
   return 1e-9 * (largest + solid.radius + solid.height + solid.tube);
 }
 
+Relation relation_to(const Solid& solid, const Bounds& box, const Box3& samples) {
+  const Relation relation = relation_to(solid, box);
+  if (relation != Relation::mixed || solid.shape != SolidShape::mesh || samples.empty())
+    return relation;
+  const std::optional<bool> side = solid.mesh->side(samples);
+  return !side ? Relation::mixed : *side ? Relation::inside : Relation::outside;
+}
+
 }  // namespace
 
 double solid_value(const Solid& solid, Vec3 p) {
@@ -178,18 +186,6 @@ bool edit_reaches(const Edit& edit, const Bounds& box) {
   const Relation relation = relation_to(edit.solid, box);
   return relation != (edit.op == EditOp::intersect ? Relation::inside : Relation::outside);
 }
-
-namespace {
-
-Relation relation_to(const Solid& solid, const Bounds& box, const Box3& samples) {
-  const Relation relation = relation_to(solid, box);
-  if (relation != Relation::mixed || solid.shape != SolidShape::mesh || samples.empty())
-    return relation;
-  const std::optional<bool> side = solid.mesh->side(samples);
-  return !side ? Relation::mixed : *side ? Relation::inside : Relation::outside;
-}
-
-}  // namespace
 
 Relation side_after(std::span<const Edit> edits, const Bounds& box, Relation side,
                     const Box3& samples) {

@@ -72,13 +72,7 @@ double distance_to_edge(Vec3 p, Vec3 from, Vec3 to) {
 }
 
 Bounds bounds_of_corners(const std::array<Vec3, 3>& c) {
-  Bounds b{c[0], c[0]};
-  for (const Vec3& v : c)
-    for (int a = 0; a < 3; ++a) {
-      b.lo[a] = std::min(b.lo[a], v[a]);
-      b.hi[a] = std::max(b.hi[a], v[a]);
-    }
-  return b;
+  return {min(min(c[0], c[1]), c[2]), max(max(c[0], c[1]), c[2])};
 }
 
 bool overlap(const Bounds& a, const Bounds& b) {
@@ -196,10 +190,7 @@ WindingNumber::Cluster WindingNumber::summary(std::uint32_t begin, std::uint32_t
     cluster.area += area;
     sum = sum + (c[0] + c[1] + c[2]) * (area / 3);
     const Bounds b = bounds_of_corners(c);
-    for (int a = 0; a < 3; ++a) {
-      cluster.bounds.lo[a] = std::min(cluster.bounds.lo[a], b.lo[a]);
-      cluster.bounds.hi[a] = std::max(cluster.bounds.hi[a], b.hi[a]);
-    }
+    cluster.bounds = {min(cluster.bounds.lo, b.lo), max(cluster.bounds.hi, b.hi)};
   }
   cluster.center =
       cluster.area > 0 ? sum * (1 / cluster.area) : (cluster.bounds.lo + cluster.bounds.hi) * 0.5;

@@ -18,14 +18,6 @@ HaloBlock block_of(const VolumeSamples& samples) {
   return {samples.type, size, {{}, size}, samples.bytes.data(), size.x, size.x * size.y};
 }
 
-template <class F>
-void each_brick(const BrickGrid& grid, F&& f) {
-  const Index3 count = grid.bricks();
-  for (Index3 at; at.z < count.z; ++at.z)
-    for (at.y = 0; at.y < count.y; ++at.y)
-      for (at.x = 0; at.x < count.x; ++at.x) f(at);
-}
-
 class Planner : public TopSink {
  public:
   explicit Planner(VolumeContour& out) : out_(out) {}
@@ -74,7 +66,7 @@ VolumeBricks build_bricks(const VolumeSamples& samples, const ContourParameters&
   VolumeBricks bricks{samples.size, parameters, options};
   const BrickGrid grid = bricks.grid();
   BrickScratch scratch;
-  each_brick(grid, [&](Index3 at) {
+  each_index({{}, grid.bricks()}, [&](Index3 at) {
     build_brick(block_of(samples), place_of_brick(grid, at), parameters, scratch,
                 bricks.octrees[morton_encode(at)]);
   });
@@ -89,7 +81,7 @@ std::map<Material, VolumeBricks> build_label_bricks(const VolumeSamples& samples
   const BrickGrid grid = none.grid();
   LabelBricks bricks;
   bricks.fill(block_of(samples), parameters);
-  each_brick(grid, [&](Index3 at) {
+  each_index({{}, grid.bricks()}, [&](Index3 at) {
     bricks.each(place_of_brick(grid, at), parameters,
                 [&](Material material, const BrickOctree& octree) {
                   if (octree.root.state == NodeState::outside) return;

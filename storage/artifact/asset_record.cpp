@@ -61,8 +61,7 @@ LabelAssetRecord packed(const LabelAsset& asset) {
 LabelAsset unpacked(const LabelAssetRecord& record) {
   LabelAsset asset;
   asset.label = record.label;
-  asset.tile.level = static_cast<int>(record.level);
-  asset.tile.at = morton_decode(record.code >> (3 * record.level));
+  asset.tile = CellKey::of(record.code, record.level);
   asset.octree_vertices = record.octree_vertices;
   asset.vertices = record.vertices;
   asset.triangles = record.triangles;
@@ -112,7 +111,7 @@ void write_asset_record(const std::filesystem::path& path, const AssetRecord& re
     std::vector<LabelAssetRecord> labels;
     labels.reserve(record.labels.size());
     for (const LabelAsset& asset : record.labels) labels.push_back(packed(asset));
-    writer.section(labels_section, std::as_bytes(std::span(labels)));
+    writer.section(labels_section, as_section(labels));
   }
   writer.set_input_stamp(files_stamp(record.files, output).value_or(Hash128{}));
   writer.commit();

@@ -51,6 +51,12 @@ template <class T>
 std::span<const std::byte> as_section(const std::vector<T>& values) {
   return std::as_bytes(std::span(values));
 }
+// And of one record.
+template <class T>
+std::span<const std::byte> as_record(const T& record) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return std::as_bytes(std::span(&record, 1));
+}
 
 class ArtifactWriter {
  public:
@@ -97,6 +103,19 @@ class ArtifactReader {
   void read(std::uint64_t name, std::vector<std::byte>& out) const;
   template <class T>
   void read_array(std::uint64_t name, std::vector<T>& out) const;
+  template <class T>
+  std::vector<T> read_array(std::uint64_t name) const {
+    std::vector<T> values;
+    read_array(name, values);
+    return values;
+  }
+  // A section of one record. otherwise: what is wrong where it is none.
+  template <class T>
+  T read_record(std::uint64_t name, const char* otherwise) const {
+    const std::vector<T> records = read_array<T>(name);
+    if (records.size() != 1) damaged(otherwise);
+    return records[0];
+  }
 
   // Reads part of a section, unchecked: for sections whose parts have checksums of their own.
   void read_part(std::uint64_t name, std::uint64_t offset, std::span<std::byte> out) const;
@@ -112,6 +131,21 @@ class ArtifactReader {
   Hash128 key_, content_hash_, input_stamp_;
   std::string provenance_;
   std::vector<SectionRecord> index_;
+};
+
+// What the readers of all kinds can say of their file.
+class OpenArtifact {
+ public:
+  const std::string& path() const { return file_.path(); }
+  const Hash128& key() const { return file_.key(); }
+  const Hash128& content_hash() const { return file_.content_hash(); }
+  const Hash128& input_stamp() const { return file_.input_stamp(); }
+  const std::string& provenance() const { return file_.provenance(); }  // JSON
+
+ protected:
+  OpenArtifact(const std::filesystem::path& path, std::array<char, 4> kind, std::uint32_t version)
+      : file_(path, kind, version) {}
+  ArtifactReader file_;
 };
 
 // Writes the artifact again, the same but for its input stamp: what it was compared with since.

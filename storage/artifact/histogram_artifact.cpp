@@ -35,20 +35,19 @@ void write_histogram_artifact(const std::filesystem::path& path,
   }
   const auto type = static_cast<std::uint64_t>(artifact.histogram.type);
   ArtifactWriter out(path, {histogram_kind, histogram_version, artifact.key});
-  out.section(bins_section, std::as_bytes(std::span(bins)));
-  out.section(counts_section, std::as_bytes(std::span(counts)));
-  out.section(nans_section, std::as_bytes(std::span(&artifact.histogram.nans, 1)));
-  out.section(type_section, std::as_bytes(std::span(&type, 1)));
+  out.section(bins_section, as_section(bins));
+  out.section(counts_section, as_section(counts));
+  out.section(nans_section, as_record(artifact.histogram.nans));
+  out.section(type_section, as_record(type));
   out.commit();
 }
 
 HistogramArtifact read_histogram_artifact(const std::filesystem::path& path) {
   const ArtifactReader in(path, histogram_kind, histogram_version);
-  std::vector<std::uint64_t> bins, counts, nans, type;
-  in.read_array(bins_section, bins);
-  in.read_array(counts_section, counts);
-  in.read_array(nans_section, nans);
-  in.read_array(type_section, type);
+  const auto bins = in.read_array<std::uint64_t>(bins_section);
+  const auto counts = in.read_array<std::uint64_t>(counts_section);
+  const auto nans = in.read_array<std::uint64_t>(nans_section);
+  const auto type = in.read_array<std::uint64_t>(type_section);
   if (nans.size() != 1 || type.size() != 1 ||
       type[0] > static_cast<std::uint64_t>(SampleType::f64) ||
       !sound(bins, counts, static_cast<SampleType>(type[0])))

@@ -4,42 +4,31 @@ namespace voxweld {
 namespace {
 
 constexpr std::uint64_t labels_summary_section = 1, first_counts_section = 2;
-constexpr std::size_t counts_a_section = 16384;
 
 }  // namespace
 
 LabelCountsWriter::LabelCountsWriter(const std::filesystem::path& path, Hash128 key)
     : file_(path, {label_counts_kind, label_counts_version, key}),
-      next_section_(first_counts_section) {}
+      counts_(file_, first_counts_section) {}
 
 void LabelCountsWriter::add(const LabelCount& count) {
-  counts_.push_back(count);
+  counts_.push(count);
   ++summary_.labels;
   summary_.samples += count.voxels;
   summary_.highest = count.label;
-  if (counts_.size() == counts_a_section) flush();
-}
-
-void LabelCountsWriter::flush() {
-  if (counts_.empty()) return;
-  file_.section(next_section_++, std::as_bytes(std::span(counts_)));
-  counts_.clear();
 }
 
 void LabelCountsWriter::commit(std::uint64_t negatives) {
-  flush();
+  counts_.finish();
   summary_.negatives = negatives;
-  file_.section(labels_summary_section, std::as_bytes(std::span(&summary_, 1)));
+  file_.section(labels_summary_section, as_record(summary_));
   file_.commit();
 }
 
 LabelCounts::LabelCounts(const std::filesystem::path& path)
-    : file_(path, label_counts_kind, label_counts_version) {
-  std::vector<LabelSummary> summary;
-  file_.read_array(labels_summary_section, summary);
-  if (summary.size() != 1) file_.damaged("its summary has an odd size");
-  summary_ = summary[0];
-}
+    : OpenArtifact(path, label_counts_kind, label_counts_version),
+      summary_(
+          file_.read_record<LabelSummary>(labels_summary_section, "its summary has an odd size")) {}
 
 void LabelCounts::each(const std::function<bool(const LabelCount&)>& f) const {
   std::vector<LabelCount> counts;

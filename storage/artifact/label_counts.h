@@ -10,7 +10,7 @@
 #include <functional>
 #include <vector>
 
-#include "storage/artifact/container.h"
+#include "storage/artifact/paged_table.h"
 #include "storage/types/label_count.h"
 
 namespace voxweld {
@@ -34,28 +34,22 @@ class LabelCountsWriter {
   void commit(std::uint64_t negatives);
 
  private:
-  void flush();
-
   ArtifactWriter file_;
-  std::vector<LabelCount> counts_;
+  PagedTableWriter<LabelCount, 16384> counts_;
   LabelSummary summary_;
-  std::uint64_t next_section_;
 };
 
-class LabelCounts {
+class LabelCounts : public OpenArtifact {
  public:
   // DamagedArtifact when it fails its checks, StorageError when it cannot be read.
   explicit LabelCounts(const std::filesystem::path& path);
 
-  const Hash128& key() const { return file_.key(); }
-  const Hash128& content_hash() const { return file_.content_hash(); }
   const LabelSummary& summary() const { return summary_; }
 
   // Calls f with each label, ascending, until it returns false. Memory: one section.
   void each(const std::function<bool(const LabelCount&)>& f) const;
 
  private:
-  ArtifactReader file_;
   LabelSummary summary_;
 };
 

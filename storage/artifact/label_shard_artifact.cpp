@@ -40,7 +40,7 @@ struct PieceHeadRecord {
 static_assert(sizeof(PieceHeadRecord) == sizeof(PieceRecord) + sizeof(RootRecord) + 16);
 
 Hash128 check_of(const PieceHead& head) {
-  return hash_bytes(std::as_bytes(std::span(&head, 1)));
+  return hash_bytes(as_record(head));
 }
 
 static_assert(sizeof(LabelNodeRecord) == 56 + 16 + sizeof(RootRecord) &&
@@ -56,6 +56,25 @@ void take(std::span<const std::byte>& bytes, std::size_t count, std::vector<T>& 
 void put(std::span<std::byte>& out, std::span<const std::byte> bytes) {
   if (!bytes.empty()) std::memcpy(out.data(), bytes.data(), bytes.size());
   out = out.subspan(bytes.size());
+}
+
+// A part of a piece, checked.
+std::vector<std::byte> read_part(const ArtifactReader& file, const PieceRecord& piece,
+                                 std::uint64_t offset, std::uint64_t size, const Hash128& hash) {
+  std::vector<std::byte> bytes(size);
+  file.read_part(pieces_of(piece.key.brick), offset, bytes);
+  if (hash_bytes(bytes) != hash)
+    file.damaged("the checksum of a piece of label " + std::to_string(piece.key.material) +
+                 " is wrong");
+  return bytes;
+}
+
+// The blocks at the end of a body.
+std::vector<FilledBlock> blocks_of(const PieceRecord& piece, std::span<const std::byte> body) {
+  std::vector<FilledBlock> blocks;
+  body = body.last(piece.blocks * sizeof(FilledBlock));
+  take(body, piece.blocks, blocks);
+  return blocks;
 }
 
 }  // namespace
@@ -84,7 +103,7 @@ std::vector<std::byte> to_bytes(const LabelNode& n) {
   record.record = n.node.record;
   std::vector<std::byte> bytes(record.bytes());
   std::span<std::byte> rest = bytes;
-  put(rest, std::as_bytes(std::span(&record, 1)));
+  put(rest, as_record(record));
   put(rest, as_section(n.node.cubes));
   put(rest, as_section(n.node.leaves));
   return bytes;
@@ -96,7 +115,7 @@ LabelNode label_node_of(std::span<const std::byte> bytes) {
   bytes = bytes.subspan(sizeof record);
   LabelNode n;
   n.material = record.material;
-  n.node.key = {static_cast<int>(record.level), morton_decode(record.code >> (3 * record.level))};
+  n.node.key = CellKey::of(record.code, record.level);
   n.node.record = record.record;
   n.node.polygons = record.polygons;
   n.largest_piece = record.largest_piece;
@@ -130,7 +149,7 @@ void LabelShardWriter::append(std::span<const std::byte> bytes) {
 
 void LabelShardWriter::append(const PieceHead& head) {
   const PieceHeadRecord record{head, check_of(head)};
-  append(std::as_bytes(std::span(&record, 1)));
+  append(as_record(record));
 }
 
 PieceHead LabelShardWriter::piece(Material material, const BrickOctree& octree,
@@ -160,29 +179,6 @@ PieceHead LabelShardWriter::piece(Material material, const BrickOctree& octree,
   for (const auto& part : {vertices, polygons, counts, cells, ghost}) append(part);
   return head;
 }
-
-namespace {
-
-// A part of a piece, checked.
-std::vector<std::byte> read_part(const ArtifactReader& file, const PieceRecord& piece,
-                                 std::uint64_t offset, std::uint64_t size, const Hash128& hash) {
-  std::vector<std::byte> bytes(size);
-  file.read_part(pieces_of(piece.key.brick), offset, bytes);
-  if (hash_bytes(bytes) != hash)
-    file.damaged("the checksum of a piece of label " + std::to_string(piece.key.material) +
-                 " is wrong");
-  return bytes;
-}
-
-// The blocks at the end of a body.
-std::vector<FilledBlock> blocks_of(const PieceRecord& piece, std::span<const std::byte> body) {
-  std::vector<FilledBlock> blocks;
-  body = body.last(piece.blocks * sizeof(FilledBlock));
-  take(body, piece.blocks, blocks);
-  return blocks;
-}
-
-}  // namespace
 
 void LabelShardWriter::brick(std::uint64_t code, const ArtifactReader& from, const EachPiece& f) {
   const SectionRecord* section = from.find(pieces_of(code));
@@ -230,7 +226,7 @@ Hash128 LabelShardWriter::finish(const ShardSummary& summary, const ShardHistory
   const LabelShardTables tables{directory_.size(), node_count_};
   directory_.finish();
   if (!nodes_.empty()) flush_nodes();
-  file_.section(tables_section, std::as_bytes(std::span(&tables, 1)));
+  file_.section(tables_section, as_record(tables));
   file_.section(first_pieces_section, as_section(first_pieces_));
   file_.section(first_nodes_section, as_section(first_nodes_));
   write_summary(file_, summary);
@@ -239,14 +235,12 @@ Hash128 LabelShardWriter::finish(const ShardSummary& summary, const ShardHistory
 }
 
 LabelShardArtifact::LabelShardArtifact(const std::filesystem::path& path)
-    : file_(path, label_shard_kind, label_shard_version) {
-  std::vector<LabelShardTables> tables;
-  file_.read_array(tables_section, tables);
+    : OpenArtifact(path, label_shard_kind, label_shard_version) {
+  const auto tables = file_.read_record<LabelShardTables>(tables_section, "has no tables");
   file_.read_array(first_pieces_section, first_pieces_);
   file_.read_array(first_nodes_section, first_nodes_);
-  if (tables.size() != 1) file_.damaged("has no tables");
-  pieces_ = tables[0].pieces;
-  nodes_ = tables[0].nodes;
+  pieces_ = tables.pieces;
+  nodes_ = tables.nodes;
   if (first_pieces_.size() != (pieces_ + page_records - 1) / page_records)
     file_.damaged("its directory contradicts itself");
 }

@@ -104,13 +104,9 @@ class LabelShardWriter {
 };
 
 // Reads are thread-safe.
-class LabelShardArtifact {
+class LabelShardArtifact : public OpenArtifact {
  public:
   explicit LabelShardArtifact(const std::filesystem::path& path);
-  const Hash128& key() const { return file_.key(); }
-  const Hash128& content_hash() const { return file_.content_hash(); }
-  const std::string& provenance() const { return file_.provenance(); }
-  const std::string& path() const { return file_.path(); }
 
   ShardSummary summary() const { return read_summary(file_); }
   std::uint64_t piece_count() const { return pieces_; }
@@ -130,7 +126,6 @@ class LabelShardArtifact {
                  const std::function<void(const LabelNode&, std::span<const std::byte>)>& f) const;
 
  private:
-  ArtifactReader file_;
   std::uint64_t pieces_ = 0, nodes_ = 0;
   std::vector<PieceKey> first_pieces_;
   std::vector<std::uint64_t> first_nodes_;

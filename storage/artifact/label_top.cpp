@@ -19,10 +19,7 @@ static_assert(std::has_unique_object_representations_v<PlannedTile> &&
               std::has_unique_object_representations_v<BatchRecord> && sizeof(TopLeaf) == 48);
 
 LabelTopTables read_tables(const ArtifactReader& file) {
-  std::vector<LabelTopTables> tables;
-  file.read_array(top_tables_section, tables);
-  if (tables.size() != 1) file.damaged("has no tables");
-  return tables[0];
+  return file.read_record<LabelTopTables>(top_tables_section, "has no tables");
 }
 
 }  // namespace
@@ -70,10 +67,10 @@ Hash128 LabelTopWriter::finish(const MergeCounts& counts, std::span<const Hash12
   surfaces_.finish();
   nodes_.finish();
   leaves_.finish();
-  file_.section(top_counts_section, std::as_bytes(std::span(&counts, 1)));
+  file_.section(top_counts_section, as_record(counts));
   file_.section(top_shards_section, std::as_bytes(shards));
-  file_.section(top_tables_section, std::as_bytes(std::span(&tables, 1)));
-  file_.section(batches_section, std::as_bytes(std::span(batches_)));
+  file_.section(top_tables_section, as_record(tables));
+  file_.section(batches_section, as_section(batches_));
   return file_.commit();
 }
 
@@ -85,9 +82,7 @@ LabelTop::LabelTop(const TopArtifact& top)
       leaves_(file_, page_of(leaves_table), read_tables(file_).leaves) {}
 
 std::vector<BatchRecord> LabelTop::batches() const {
-  std::vector<BatchRecord> batches;
-  file_.read_array(batches_section, batches);
-  return batches;
+  return file_.read_array<BatchRecord>(batches_section);
 }
 
 std::vector<SurfaceNode> LabelTop::nodes(const SurfaceRecord& surface, int cube_level,

@@ -48,9 +48,7 @@ struct BatchRecord {
   std::uint64_t largest_piece = 0;                     // bytes, of what its tiles read
   Hash128 inputs;                                      // of all that stitching it reads
 
-  CellKey tile() const {
-    return {static_cast<int>(tile_level), morton_decode(tile_code >> (3 * tile_level))};
-  }
+  CellKey tile() const { return CellKey::of(tile_code, tile_level); }
 };
 
 class LabelTopWriter {

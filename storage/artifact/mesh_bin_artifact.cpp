@@ -7,6 +7,7 @@ namespace {
 
 constexpr std::uint64_t facts_section = 1, sides_section = 2;
 constexpr std::uint64_t bricks_section = 1;
+constexpr const char* no_facts = "has no facts";
 
 static_assert(sizeof(MeshRecord) == 16 + 4 * 8 + 4 * 24);
 static_assert(sizeof(MeshTableFacts) == 3 * 8 + 24 && sizeof(MeshSide) == 1);
@@ -18,22 +19,8 @@ std::uint64_t first_section(std::uint64_t brick) {
   return 3 + 2 * brick;
 }
 
-template <class T>
-std::span<const std::byte> record_bytes(const T& record) {
-  return std::as_bytes(std::span(&record, 1));
-}
-
-template <class T>
-T only_record(const ArtifactReader& file, std::uint64_t section) {
-  std::vector<T> records;
-  file.read_array(section, records);
-  if (records.size() != 1) file.damaged("has no facts");
-  return records[0];
-}
-
 std::vector<MeshSide> read_sides(const ArtifactReader& file, std::uint64_t section) {
-  std::vector<MeshSide> sides;
-  file.read_array(section, sides);
+  std::vector<MeshSide> sides = file.read_array<MeshSide>(section);
   if (std::ranges::any_of(sides, [](MeshSide side) { return side > MeshSide::reached; }))
     file.damaged("has a side that is none");
   return sides;
@@ -47,22 +34,22 @@ void expect_key(const ArtifactReader& file, const std::optional<Hash128>& key) {
 
 void write_mesh_record(const std::filesystem::path& path, Hash128 key, const MeshRecord& record) {
   ArtifactWriter file(path, {mesh_record_kind, mesh_record_version, key});
-  file.section(facts_section, record_bytes(record));
+  file.section(facts_section, as_record(record));
   file.commit();
 }
 
 MeshRecord read_mesh_record(const std::filesystem::path& path, std::optional<Hash128> key) {
   const ArtifactReader file(path, mesh_record_kind, mesh_record_version);
   expect_key(file, key);
-  return only_record<MeshRecord>(file, facts_section);
+  return file.read_record<MeshRecord>(facts_section, no_facts);
 }
 
 MeshBinsWriter::MeshBinsWriter(const std::filesystem::path& path, Hash128 key)
     : file_(path, {mesh_bins_kind, mesh_bins_version, key}) {}
 
 void MeshBinsWriter::bin(std::uint64_t brick, const MeshBin& bin) {
-  file_.section(corners_section(brick), std::as_bytes(std::span(bin.corners)));
-  file_.section(first_section(brick), std::as_bytes(std::span(bin.first)));
+  file_.section(corners_section(brick), as_section(bin.corners));
+  file_.section(first_section(brick), as_section(bin.first));
 }
 
 void MeshBinsWriter::commit(std::span<const MeshSide> bricks) {
@@ -71,7 +58,8 @@ void MeshBinsWriter::commit(std::span<const MeshSide> bricks) {
 }
 
 MeshBins::MeshBins(const std::filesystem::path& path)
-    : file_(path, mesh_bins_kind, mesh_bins_version), bricks_(read_sides(file_, bricks_section)) {}
+    : OpenArtifact(path, mesh_bins_kind, mesh_bins_version),
+      bricks_(read_sides(file_, bricks_section)) {}
 
 std::uint64_t MeshBins::triangles(std::uint64_t brick) const {
   const SectionRecord* corners = file_.find(corners_section(brick));
@@ -89,15 +77,16 @@ MeshBin MeshBins::read(std::uint64_t brick, const Box3& samples) const {
 
 void write_mesh_table(const std::filesystem::path& path, Hash128 key, const MeshTable& table) {
   ArtifactWriter file(path, {mesh_table_kind, mesh_bins_version, key});
-  file.section(facts_section, record_bytes(table.facts));
-  file.section(sides_section, std::as_bytes(std::span(table.shards)));
+  file.section(facts_section, as_record(table.facts));
+  file.section(sides_section, as_section(table.shards));
   file.commit();
 }
 
 MeshTable read_mesh_table(const std::filesystem::path& path, std::optional<Hash128> key) {
   const ArtifactReader file(path, mesh_table_kind, mesh_bins_version);
   expect_key(file, key);
-  return {only_record<MeshTableFacts>(file, facts_section), read_sides(file, sides_section)};
+  return {file.read_record<MeshTableFacts>(facts_section, no_facts),
+          read_sides(file, sides_section)};
 }
 
 }  // namespace voxweld

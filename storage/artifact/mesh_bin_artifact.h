@@ -59,19 +59,16 @@ class MeshBinsWriter {
 
 // Thread-safe. DamagedArtifact when something fails its checks, StorageError when it cannot be
 // read.
-class MeshBins {
+class MeshBins : public OpenArtifact {
  public:
   explicit MeshBins(const std::filesystem::path& path);
 
-  const Hash128& key() const { return file_.key(); }
-  const std::string& path() const { return file_.path(); }
   std::span<const MeshSide> bricks() const { return bricks_; }
   std::uint64_t triangles(std::uint64_t brick) const;
   // Precondition: bricks()[brick] is `reached`. samples: how many, for the size of its parts.
   MeshBin read(std::uint64_t brick, const Box3& samples) const;
 
  private:
-  ArtifactReader file_;
   std::vector<MeshSide> bricks_;
 };
 

@@ -12,7 +12,7 @@ namespace voxweld {
 
 inline constexpr std::uint64_t page_records = 1024;
 
-template <class T>
+template <class T, std::uint64_t most = page_records>
 class PagedTableWriter {
   static_assert(std::is_trivially_copyable_v<T>);  // written as it lies in memory: no padding
 
@@ -20,10 +20,10 @@ class PagedTableWriter {
   PagedTableWriter(ArtifactWriter& file, std::uint64_t first_page)
       : file_(file), first_page_(first_page) {}
 
-  std::uint64_t size() const { return pages_ * page_records + pending_.size(); }
+  std::uint64_t size() const { return pages_ * most + pending_.size(); }
   void push(const T& record) {
     pending_.push_back(record);
-    if (pending_.size() == page_records) flush();
+    if (pending_.size() == most) flush();
   }
   // After the last. The number of records is for another section to keep.
   void finish() {

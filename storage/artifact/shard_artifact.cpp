@@ -98,15 +98,12 @@ Hash128 ShardArtifactWriter::finish(const ShardSummary& summary, std::span<const
 }
 
 ShardArtifact::ShardArtifact(const std::filesystem::path& path)
-    : file_(path, shard_kind, shard_version) {}
+    : OpenArtifact(path, shard_kind, shard_version) {}
 
 std::vector<ShardNode> ShardArtifact::nodes() const {
-  std::vector<ShardNodeRecord> records;
-  std::vector<CubeCount> cubes;
-  std::vector<TopLeaf> leaves;
-  file_.read_array(nodes_section, records);
-  file_.read_array(cubes_section, cubes);
-  file_.read_array(leaves_section, leaves);
+  const auto records = file_.read_array<ShardNodeRecord>(nodes_section);
+  const auto cubes = file_.read_array<CubeCount>(cubes_section);
+  const auto leaves = file_.read_array<TopLeaf>(leaves_section);
   std::vector<ShardNode> nodes;
   auto cube = cubes.begin();
   auto leaf = leaves.begin();
@@ -115,7 +112,7 @@ std::vector<ShardNode> ShardArtifact::nodes() const {
         r.leaves > static_cast<std::uint64_t>(leaves.end() - leaf))
       file_.damaged("its summary contradicts itself");
     ShardNode node;
-    node.key = {static_cast<int>(r.level), morton_decode(r.code >> (3 * r.level))};
+    node.key = CellKey::of(r.code, r.level);
     node.record = r.record;
     node.polygons = r.polygons;
     node.cubes.assign(cube, cube + static_cast<std::ptrdiff_t>(r.cubes));
@@ -128,9 +125,7 @@ std::vector<ShardNode> ShardArtifact::nodes() const {
 }
 
 std::vector<BlockCount> read_block_counts(const ArtifactReader& file, std::uint64_t code) {
-  std::vector<BlockCount> counts;
-  file.read_array(section_name(code, blocks), counts);
-  return counts;
+  return file.read_array<BlockCount>(section_name(code, blocks));
 }
 
 bool ShardArtifact::has_brick(std::uint64_t code) const {

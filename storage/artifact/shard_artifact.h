@@ -50,14 +50,9 @@ class ShardArtifactWriter {
 std::vector<BlockCount> read_block_counts(const ArtifactReader& file, std::uint64_t code);
 
 // Reads are thread-safe: a reader holds the index only.
-class ShardArtifact {
+class ShardArtifact : public OpenArtifact {
  public:
   explicit ShardArtifact(const std::filesystem::path& path);
-  const Hash128& key() const { return file_.key(); }
-  const Hash128& content_hash() const { return file_.content_hash(); }
-  const Hash128& input_stamp() const { return file_.input_stamp(); }
-  const std::string& provenance() const { return file_.provenance(); }
-  const std::string& path() const { return file_.path(); }
 
   ShardSummary summary() const { return read_summary(file_); }
   std::vector<ShardNode> nodes() const;
@@ -75,8 +70,6 @@ class ShardArtifact {
  private:
   template <class T>
   void read_where_any(std::uint64_t code, std::uint64_t part, std::vector<T>& out) const;
-
-  ArtifactReader file_;
 };
 
 }  // namespace voxweld

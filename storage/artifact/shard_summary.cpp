@@ -20,51 +20,44 @@ static_assert(std::has_unique_object_representations_v<BuiltRun> &&
               sizeof(BrickCounts) == 8 * (3 + max_levels + 1) + 16 &&
               sizeof(BuiltBrick) == 24 + sizeof(RootRecord) + sizeof(BrickCounts));
 
+// f(figure of the record, figure of the summary) of all.
+template <class Record, class Summary, class F>
+void each_figure(Record& record, Summary& summary, const F& f) {
+  f(record.active_cells, summary.counts.active_cells);
+  f(record.crossing_edges, summary.counts.crossing_edges);
+  f(record.vertices, summary.counts.vertices);
+  f(record.bricks, summary.bricks);
+  f(record.active_bricks, summary.active_bricks);
+  f(record.collapsed_above, summary.collapsed_above);
+  f(record.worst_residual, summary.counts.worst_residual);
+  f(record.worst_finest, summary.counts.worst_finest);
+  f(record.input, summary.input);
+  f(record.leaves, summary.counts.leaves);
+}
+
 }  // namespace
 
-void write_summary(ArtifactWriter& file, const ShardSummary& s) {
-  const ShardSummaryRecord record{s.counts.active_cells,
-                                  s.counts.crossing_edges,
-                                  s.counts.vertices,
-                                  s.bricks,
-                                  s.active_bricks,
-                                  s.collapsed_above,
-                                  s.counts.worst_residual,
-                                  s.counts.worst_finest,
-                                  s.input,
-                                  s.counts.leaves};
-  file.section(summary_section, std::as_bytes(std::span(&record, 1)));
+void write_summary(ArtifactWriter& file, const ShardSummary& summary) {
+  ShardSummaryRecord record;
+  each_figure(record, summary, [](auto& to, const auto& from) { to = from; });
+  file.section(summary_section, as_record(record));
 }
 
 ShardSummary read_summary(const ArtifactReader& file) {
-  std::vector<ShardSummaryRecord> records;
-  file.read_array(summary_section, records);
-  if (records.size() != 1) file.damaged("has no summary");
-  const ShardSummaryRecord& r = records[0];
-  ShardSummary s;
-  s.counts.active_cells = r.active_cells;
-  s.counts.crossing_edges = r.crossing_edges;
-  s.counts.vertices = r.vertices;
-  s.counts.worst_residual = r.worst_residual;
-  s.counts.worst_finest = r.worst_finest;
-  s.counts.leaves = r.leaves;
-  s.bricks = r.bricks;
-  s.active_bricks = r.active_bricks;
-  s.collapsed_above = r.collapsed_above;
-  s.input = r.input;
-  return s;
+  const auto record = file.read_record<ShardSummaryRecord>(summary_section, "has no summary");
+  ShardSummary summary;
+  each_figure(record, summary, [](const auto& from, auto& to) { to = from; });
+  return summary;
 }
 
 void write_history(ArtifactWriter& file, const ShardHistory& history) {
-  file.section(built_bricks_section, std::as_bytes(std::span(history.bricks)));
-  file.section(runs_section, std::as_bytes(std::span(history.runs)));
+  file.section(built_bricks_section, as_section(history.bricks));
+  file.section(runs_section, as_section(history.runs));
 }
 
 ShardHistory read_history(const ArtifactReader& file) {
-  ShardHistory history;
-  file.read_array(built_bricks_section, history.bricks);
-  file.read_array(runs_section, history.runs);
-  return history;
+  return {file.read_array<BuiltBrick>(built_bricks_section),
+          file.read_array<BuiltRun>(runs_section)};
 }
 
 }  // namespace voxweld

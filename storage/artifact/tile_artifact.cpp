@@ -28,15 +28,15 @@ void write_mesh(ArtifactWriter& file, std::uint64_t number, const TileMesh& mesh
                           static_cast<std::uint64_t>(mesh.lattice.bits),
                           mesh.lattice.origin};
   const std::uint64_t first = number << 8;
-  file.section(first | header_section, std::as_bytes(std::span(&header, 1)));
-  file.section(first | positions_section, std::as_bytes(std::span(mesh.positions)));
-  file.section(first | ids_section, std::as_bytes(std::span(mesh.ids)));
-  file.section(first | normals_section, std::as_bytes(std::span(mesh.normals)));
-  file.section(first | triangles_section, std::as_bytes(std::span(mesh.triangles)));
-  file.section(first | corner_normals_section, std::as_bytes(std::span(mesh.corner_normals)));
+  file.section(first | header_section, as_record(header));
+  file.section(first | positions_section, as_section(mesh.positions));
+  file.section(first | ids_section, as_section(mesh.ids));
+  file.section(first | normals_section, as_section(mesh.normals));
+  file.section(first | triangles_section, as_section(mesh.triangles));
+  file.section(first | corner_normals_section, as_section(mesh.corner_normals));
   if (!mesh.pairs.empty()) {
-    file.section(first | pairs_section, std::as_bytes(std::span(mesh.pairs)));
-    file.section(first | triangle_pairs_section, std::as_bytes(std::span(mesh.triangle_pairs)));
+    file.section(first | pairs_section, as_section(mesh.pairs));
+    file.section(first | triangle_pairs_section, as_section(mesh.triangle_pairs));
   }
 }
 
@@ -57,21 +57,21 @@ void LabelTilesWriter::add(Material label, const TileMesh& mesh) {
 }
 
 Hash128 LabelTilesWriter::finish() {
-  file_.section(tile_labels_section, std::as_bytes(std::span(labels_)));
+  file_.section(tile_labels_section, as_section(labels_));
   return file_.commit();
 }
 
 TileArtifact::TileArtifact(const std::filesystem::path& path)
-    : file_(path, tile_kind, tile_version) {
+    : OpenArtifact(path, tile_kind, tile_version) {
   if (file_.find(tile_labels_section) != nullptr) file_.read_array(tile_labels_section, labels_);
 }
 
 TileHeader TileArtifact::header(std::size_t mesh) const {
-  std::vector<TileHeader> headers;
-  file_.read_array(std::uint64_t{mesh} << 8 | header_section, headers);
-  if (headers.size() != 1 || headers[0].level > max_levels || headers[0].bits > max_lattice_bits)
-    file_.damaged("has no valid header");
-  return headers[0];
+  constexpr const char* wrong = "has no valid header";
+  const auto header =
+      file_.read_record<TileHeader>(std::uint64_t{mesh} << 8 | header_section, wrong);
+  if (header.level > max_levels || header.bits > max_lattice_bits) file_.damaged(wrong);
+  return header;
 }
 
 std::uint64_t TileArtifact::label_pairs() const {
@@ -80,9 +80,8 @@ std::uint64_t TileArtifact::label_pairs() const {
 }
 
 std::vector<MaterialPair> TileArtifact::read_label_pairs() const {
-  std::vector<MaterialPair> list;
-  if (file_.find(pairs_section) != nullptr) file_.read_array(pairs_section, list);
-  return list;
+  if (file_.find(pairs_section) == nullptr) return {};
+  return file_.read_array<MaterialPair>(pairs_section);
 }
 
 TileMesh TileArtifact::read(std::size_t number) const {

@@ -31,7 +31,7 @@ struct TileHeader {
   std::uint64_t bits = 0;
   std::array<double, 3> origin{};
 
-  CellKey key() const { return {static_cast<int>(level), morton_decode(code >> (3 * level))}; }
+  CellKey key() const { return CellKey::of(code, level); }
 };
 
 Hash128 write_tile(const std::filesystem::path& path, Hash128 key, const TileMesh& mesh);
@@ -48,13 +48,9 @@ class LabelTilesWriter {
   std::vector<Material> labels_;
 };
 
-class TileArtifact {
+class TileArtifact : public OpenArtifact {
  public:
   explicit TileArtifact(const std::filesystem::path& path);
-  const Hash128& key() const { return file_.key(); }
-  const Hash128& content_hash() const { return file_.content_hash(); }
-  const std::string& provenance() const { return file_.provenance(); }
-  const std::string& path() const { return file_.path(); }
 
   // The labels of the meshes; empty where there is one mesh, of no label.
   const std::vector<Material>& labels() const { return labels_; }
@@ -65,7 +61,6 @@ class TileArtifact {
   TileMesh read(std::size_t mesh = 0) const;
 
  private:
-  ArtifactReader file_;
   std::vector<Material> labels_;
 };
 

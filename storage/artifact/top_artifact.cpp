@@ -23,7 +23,7 @@ void TopArtifactWriter::leaf(const TopLeaf& leaf) {
 
 void TopArtifactWriter::flush_leaves() {
   if (pending_.empty()) return;
-  file_.section(first_leaf_section + first_codes_.size(), std::as_bytes(std::span(pending_)));
+  file_.section(first_leaf_section + first_codes_.size(), as_section(pending_));
   first_codes_.push_back(pending_.front().code);
   pending_.clear();
 }
@@ -34,34 +34,28 @@ void TopArtifactWriter::tile(const PlannedTile& tile) {
 
 Hash128 TopArtifactWriter::finish(const MergeCounts& counts, std::span<const Hash128> shards) {
   flush_leaves();
-  file_.section(top_counts_section, std::as_bytes(std::span(&counts, 1)));
-  file_.section(tiles_section, std::as_bytes(std::span(tiles_)));
-  file_.section(top_codes_section, std::as_bytes(std::span(first_codes_)));
+  file_.section(top_counts_section, as_record(counts));
+  file_.section(tiles_section, as_section(tiles_));
+  file_.section(top_codes_section, as_section(first_codes_));
   file_.section(top_shards_section, std::as_bytes(shards));
   return file_.commit();
 }
 
-TopArtifact::TopArtifact(const std::filesystem::path& path) : file_(path, top_kind, top_version) {
+TopArtifact::TopArtifact(const std::filesystem::path& path)
+    : OpenArtifact(path, top_kind, top_version) {
   if (!of_labels()) file_.read_array(top_codes_section, first_codes_);
 }
 
 MergeCounts TopArtifact::counts() const {
-  std::vector<MergeCounts> counts;
-  file_.read_array(top_counts_section, counts);
-  if (counts.size() != 1) file_.damaged("has no counts");
-  return counts[0];
+  return file_.read_record<MergeCounts>(top_counts_section, "has no counts");
 }
 
 std::vector<PlannedTile> TopArtifact::tiles() const {
-  std::vector<PlannedTile> tiles;
-  file_.read_array(tiles_section, tiles);
-  return tiles;
+  return file_.read_array<PlannedTile>(tiles_section);
 }
 
 std::vector<Hash128> TopArtifact::shards() const {
-  std::vector<Hash128> shards;
-  file_.read_array(top_shards_section, shards);
-  return shards;
+  return file_.read_array<Hash128>(top_shards_section);
 }
 
 std::vector<TopLeaf> TopArtifact::leaves(std::uint64_t begin, std::uint64_t end) const {

@@ -50,13 +50,9 @@ class TopArtifactWriter {
   std::vector<PlannedTile> tiles_;
 };
 
-class TopArtifact {
+class TopArtifact : public OpenArtifact {
  public:
   explicit TopArtifact(const std::filesystem::path& path);
-  const Hash128& key() const { return file_.key(); }
-  const Hash128& content_hash() const { return file_.content_hash(); }
-  const std::string& provenance() const { return file_.provenance(); }
-  const std::string& path() const { return file_.path(); }
 
   bool of_labels() const { return file_.find(top_codes_section) == nullptr; }
   MergeCounts counts() const;
@@ -67,7 +63,6 @@ class TopArtifact {
   const ArtifactReader& file() const { return file_; }
 
  private:
-  ArtifactReader file_;
   std::vector<std::uint64_t> first_codes_;
 };
 

@@ -18,40 +18,21 @@ constexpr int white_is_zero = 0;
 constexpr int palette = 3;
 }  // namespace tiff
 
-std::optional<SampleType> sample_type(const OIIO::TypeDesc& format) {
-  switch (format.basetype) {
-    case OIIO::TypeDesc::UINT8:
-      return SampleType::u8;
-    case OIIO::TypeDesc::INT8:
-      return SampleType::i8;
-    case OIIO::TypeDesc::UINT16:
-      return SampleType::u16;
-    case OIIO::TypeDesc::INT16:
-      return SampleType::i16;
-    case OIIO::TypeDesc::UINT32:
-      return SampleType::u32;
-    case OIIO::TypeDesc::INT32:
-      return SampleType::i32;
-    case OIIO::TypeDesc::UINT64:
-      return SampleType::u64;
-    case OIIO::TypeDesc::INT64:
-      return SampleType::i64;
-    case OIIO::TypeDesc::HALF:
-    case OIIO::TypeDesc::FLOAT:
-      return SampleType::f32;
-    case OIIO::TypeDesc::DOUBLE:
-      return SampleType::f64;
-    default:
-      return std::nullopt;
-  }
-}
+// By position in enum SampleType.
+constexpr OIIO::TypeDesc::BASETYPE oiio_types[] = {
+    OIIO::TypeDesc::UINT8,  OIIO::TypeDesc::INT8,  OIIO::TypeDesc::UINT16, OIIO::TypeDesc::INT16,
+    OIIO::TypeDesc::UINT32, OIIO::TypeDesc::INT32, OIIO::TypeDesc::UINT64, OIIO::TypeDesc::INT64,
+    OIIO::TypeDesc::FLOAT,  OIIO::TypeDesc::DOUBLE};
 
 OIIO::TypeDesc oiio_type(SampleType type) {
-  constexpr OIIO::TypeDesc::BASETYPE types[] = {
-      OIIO::TypeDesc::UINT8,  OIIO::TypeDesc::INT8,  OIIO::TypeDesc::UINT16, OIIO::TypeDesc::INT16,
-      OIIO::TypeDesc::UINT32, OIIO::TypeDesc::INT32, OIIO::TypeDesc::UINT64, OIIO::TypeDesc::INT64,
-      OIIO::TypeDesc::FLOAT,  OIIO::TypeDesc::DOUBLE};
-  return types[static_cast<std::size_t>(type)];
+  return oiio_types[static_cast<std::size_t>(type)];
+}
+
+std::optional<SampleType> sample_type(const OIIO::TypeDesc& format) {
+  if (format.basetype == OIIO::TypeDesc::HALF) return SampleType::f32;
+  const auto found = std::ranges::find(oiio_types, format.basetype);
+  if (found == std::end(oiio_types)) return std::nullopt;
+  return static_cast<SampleType>(found - oiio_types);
 }
 
 std::uint64_t row_bytes(const ImagePage& page) {

@@ -5,48 +5,40 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <map>
 #include <system_error>
 
 #include "storage/support/error.h"
+#include "storage/support/text_fields.h"
 
 namespace voxweld {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Extensions taken for images in a directory, each with the name its kind goes by.
-struct ImageExtension {
-  std::string_view extension, kind;
+// Files taken for images in a directory: the name each kind goes by, and its extensions.
+struct ImageKind {
+  std::string_view name;
+  std::array<std::string_view, 4> extensions;
 };
-constexpr std::array<ImageExtension, 18> image_extensions = {{
-    {".tif", "tif"},
-    {".tiff", "tif"},
-    {".btf", "tif"},
-    {".tf8", "tif"},
-    {".png", "png"},
-    {".bmp", "bmp"},
-    {".jpg", "jpg"},
-    {".jpeg", "jpg"},
-    {".jp2", "jp2"},
-    {".j2k", "jp2"},
-    {".exr", "exr"},
-    {".pgm", "pnm"},
-    {".pnm", "pnm"},
-    {".pbm", "pnm"},
-    {".ppm", "pnm"},
-    {".dpx", "dpx"},
-    {".tga", "tga"},
-    {".webp", "webp"},
-}};
+constexpr ImageKind image_kinds[] = {
+    {"tif", {".tif", ".tiff", ".btf", ".tf8"}},
+    {"png", {".png"}},
+    {"bmp", {".bmp"}},
+    {"jpg", {".jpg", ".jpeg"}},
+    {"jp2", {".jp2", ".j2k"}},
+    {"exr", {".exr"}},
+    {"pnm", {".pgm", ".pnm", ".pbm", ".ppm"}},
+    {"dpx", {".dpx"}},
+    {"tga", {".tga"}},
+    {"webp", {".webp"}},
+};
 
 std::string_view image_kind(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  for (const ImageExtension& known : image_extensions)
-    if (known.extension == extension) return known.kind;
+  const std::string extension = lower(path.extension().string());
+  for (const auto& [kind, extensions] : image_kinds)
+    if (!extension.empty() && std::ranges::find(extensions, extension) != extensions.end())
+      return kind;
   return {};
 }
 

@@ -87,7 +87,7 @@ std::vector<std::string> page_warnings(const std::string& path, const ImagePage&
 
 class StackSource final : public SampleSource {
  public:
-  explicit StackSource(const StackSpec& spec);
+  explicit StackSource(const InputSpec& spec);
 
   const VolumeInfo& info() const override { return info_; }
   void read(const Box3& box, std::byte* out) const override;
@@ -95,7 +95,7 @@ class StackSource final : public SampleSource {
  private:
   void add_pages(ImageFile& file);
   void add_slices(const std::vector<std::filesystem::path>& paths, ImageFile& first);
-  void set_geometry(const StackSpec& spec, std::int64_t slices);
+  void set_geometry(const InputSpec& spec, std::int64_t slices);
   ImageFile& opened(std::size_t file) const;
 
   VolumeInfo info_;
@@ -111,7 +111,7 @@ class StackSource final : public SampleSource {
   mutable std::mutex reading_;
 };
 
-StackSource::StackSource(const StackSpec& spec) {
+StackSource::StackSource(const InputSpec& spec) {
   info_.format = "stack";
   info_.access = Access::slice;
   SliceFiles found = find_slices(spec.path);
@@ -163,7 +163,7 @@ void StackSource::add_slices(const std::vector<std::filesystem::path>& paths, Im
   }
 }
 
-void StackSource::set_geometry(const StackSpec& spec, std::int64_t slices) {
+void StackSource::set_geometry(const InputSpec& spec, std::int64_t slices) {
   info_.geometry.size = {first_.width, first_.height, slices};
   StackCalibration calibration = read_calibration(
       first_,
@@ -216,15 +216,12 @@ Match test_stack(const InputProbe& probe) {
 
 }  // namespace
 
-std::unique_ptr<SampleSource> open_stack(const StackSpec& spec) {
+std::unique_ptr<SampleSource> open_stack(const InputSpec& spec) {
   return std::make_unique<StackSource>(spec);
 }
 
 VolumeReader stack_reader() {
-  return {"stack", "a folder or pattern of images, a multi-page .tif", test_stack,
-          [](const InputSpec& spec) {
-            return open_stack({spec.path, spec.spacing, spec.unit});
-          }};
+  return {"stack", "a folder or pattern of images, a multi-page .tif", test_stack, open_stack};
 }
 
 }  // namespace voxweld

@@ -6,26 +6,20 @@
 #pragma once
 
 #include <memory>
-#include <optional>
-#include <string>
 
 #include "storage/types/volume_reader.h"
 
 namespace voxweld {
 
-struct StackSpec {
-  std::string path;             // directory, file, or glob pattern ("scan/slice_*.tif")
-  std::optional<Vec3> spacing;  // overrides what the files say
-  std::string unit;             // overrides the unit; empty: the files', unless spacing is given
-};
-
+// spec.path: directory, file, or glob pattern ("scan/slice_*.tif"). spec.spacing and spec.unit go
+// before what the files say; the files' unit is not that of a spacing that is given.
 // Reads the headers of all slices (one file open at a time) and checks that they fit together.
 // The source has format "stack" and Access::slice; `read` takes boxes of whole rows, from one
 // thread at a time, and decodes each row once when rows are asked for in rising order.
 // Throws InputError when the path names no usable stack (missing slices, mixed names, nothing
 // there), FormatError when a file is damaged or differs from the others, StorageError when the
 // system fails.
-std::unique_ptr<SampleSource> open_stack(const StackSpec& spec);
+std::unique_ptr<SampleSource> open_stack(const InputSpec& spec);
 
 // Takes images, patterns and, since a folder of images is known by nothing else, every directory.
 VolumeReader stack_reader();

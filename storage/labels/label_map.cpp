@@ -280,8 +280,7 @@ LabelMap read_label_map(const std::filesystem::path& path) {
     throw InputError(path.string() + ": no such file of labels; check the path");
   if (!std::filesystem::is_regular_file(status))
     throw InputError(path.string() + ": expected a file of labels, found a directory or device");
-  const std::vector<std::byte> bytes = read_whole_file(path);
-  return parse_label_map({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path);
+  return parse_label_map(read_text_file(path), path);
 }
 
 }  // namespace voxweld

@@ -26,23 +26,26 @@ ordered_json to_json(const VolumeGeometry& frame) {
           {"space", frame.space}};
 }
 
-ordered_json to_json(const ManifestCounts& c) {
-  return {{"bricks", c.bricks},
-          {"active_bricks", c.active_bricks},
-          {"collapsed_above_bricks", c.collapsed_above},
-          {"leaves", c.leaves},
-          {"vertices", c.vertices},
-          {"quads", c.quads},
-          {"triangles", c.triangles},
-          {"output_triangles", c.output_triangles},
-          {"tiles", c.tiles},
-          {"collinear", c.collinear},
-          {"files", c.files},
-          {"bytes", c.bytes}};
+// f(key, figure) of each, in the order of the file.
+template <class Counts, class F>
+void each_count(Counts& c, const F& f) {
+  f("bricks", c.bricks);
+  f("active_bricks", c.active_bricks);
+  f("collapsed_above_bricks", c.collapsed_above);
+  f("leaves", c.leaves);
+  f("vertices", c.vertices);
+  f("quads", c.quads);
+  f("triangles", c.triangles);
+  f("output_triangles", c.output_triangles);
+  f("tiles", c.tiles);
+  f("collinear", c.collinear);
+  f("files", c.files);
+  f("bytes", c.bytes);
 }
 
 ordered_json to_json(const ManifestCounts& c, bool labels) {
-  ordered_json out = to_json(c);
+  ordered_json out;
+  each_count(c, [&](const char* key, const auto& figure) { out[key] = figure; });
   if (labels) out["labels"] = c.labels;
   return out;
 }
@@ -73,20 +76,16 @@ VolumeGeometry frame_of(const Value& value) {
   return frame;
 }
 
+void read_count(const Value& value, std::uint64_t& figure) {
+  figure = value.count();
+}
+void read_count(const Value& value, std::vector<std::uint64_t>& levels) {
+  for (const Value& level : value.items()) levels.push_back(level.count());
+}
+
 ManifestCounts counts_of(const Value& value) {
   ManifestCounts c;
-  c.bricks = value.at("bricks").count();
-  c.active_bricks = value.at("active_bricks").count();
-  c.collapsed_above = value.at("collapsed_above_bricks").count();
-  for (const Value& level : value.at("leaves").items()) c.leaves.push_back(level.count());
-  c.vertices = value.at("vertices").count();
-  c.quads = value.at("quads").count();
-  c.triangles = value.at("triangles").count();
-  c.output_triangles = value.at("output_triangles").count();
-  c.tiles = value.at("tiles").count();
-  c.collinear = value.at("collinear").count();
-  c.files = value.at("files").count();
-  c.bytes = value.at("bytes").count();
+  each_count(c, [&](const char* key, auto& figure) { read_count(value.at(key), figure); });
   if (value.has("labels")) c.labels = value.at("labels").count();
   return c;
 }
@@ -99,9 +98,13 @@ std::optional<MergedFiles> merged_of(const Value& value) {
   return merged;
 }
 
-std::unique_ptr<json> section(const Value& document, const char* key) {
-  return document.has(key) ? std::make_unique<json>(document.at(key).raw()) : nullptr;
-}
+// Free-form.
+constexpr std::pair<const char*, std::unique_ptr<json> Manifest::*> sections[] = {
+    {"input", &Manifest::input},
+    {"config", &Manifest::config},
+    {"stages", &Manifest::stages},
+    {"error", &Manifest::error},
+    {"made_by", &Manifest::made_by}};
 
 }  // namespace
 
@@ -127,22 +130,15 @@ void write_manifest(const Manifest& manifest, const std::filesystem::path& path,
     out["merged"] = ordered_json::object();
     for (const auto& [format, file] : *manifest.merged) out["merged"][format] = file;
   }
-  const std::pair<const char*, const json*> sections[] = {{"input", manifest.input.get()},
-                                                          {"config", manifest.config.get()},
-                                                          {"stages", manifest.stages.get()},
-                                                          {"error", manifest.error.get()},
-                                                          {"made_by", manifest.made_by.get()}};
-  for (const auto& [key, value] : sections)
-    if (value != nullptr) out[key] = *value;
+  for (const auto& [key, section] : sections)
+    if (manifest.*section != nullptr) out[key] = *(manifest.*section);
   out["files"] = ordered_json::array();
   for (const FileRecord& file : manifest.files) out["files"].push_back(to_json(file));
   write_whole_file(path, as_bytes(out.dump(2) + "\n"), durability);
 }
 
 Manifest read_manifest(const std::filesystem::path& path) {
-  const std::vector<std::byte> bytes = read_whole_file(path);
-  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const json parsed = parse_text(text, path.string());
+  const json parsed = parse_text(read_text_file(path), path.string());
   const Value document(parsed, path.string(), "");
   if (document.at("format").text() != format_name)
     document.at("format").wrong(fmt::format("\"{}\"", format_name));
@@ -161,11 +157,8 @@ Manifest read_manifest(const std::filesystem::path& path) {
   manifest.merged = merged_of(document.at("merged"));
   for (const Value& file : document.at("files").items())
     manifest.files.push_back(file_record(file, true));
-  manifest.input = section(document, "input");
-  manifest.config = section(document, "config");
-  manifest.stages = section(document, "stages");
-  manifest.error = section(document, "error");
-  manifest.made_by = section(document, "made_by");
+  for (const auto& [key, section] : sections)
+    if (document.has(key)) manifest.*section = std::make_unique<json>(document.at(key).raw());
   return manifest;
 }
 

@@ -30,25 +30,11 @@ struct Header {
 };
 
 SampleType type_named(const MeshLines& lines, std::string_view name) {
-  constexpr std::array<std::pair<std::string_view, SampleType>, 16> types = {
-      {{"char", SampleType::i8},
-       {"int8", SampleType::i8},
-       {"uchar", SampleType::u8},
-       {"uint8", SampleType::u8},
-       {"short", SampleType::i16},
-       {"int16", SampleType::i16},
-       {"ushort", SampleType::u16},
-       {"uint16", SampleType::u16},
-       {"int", SampleType::i32},
-       {"int32", SampleType::i32},
-       {"uint", SampleType::u32},
-       {"uint32", SampleType::u32},
-       {"float", SampleType::f32},
-       {"float32", SampleType::f32},
-       {"double", SampleType::f64},
-       {"float64", SampleType::f64}}};
-  for (const auto& [known, type] : types)
-    if (known == name) return type;
+  // Those of the names that there are for sample types which PLY has too.
+  constexpr std::string_view types[] = {"char",   "int8",    "uchar",  "uint8",  "short", "int16",
+                                        "ushort", "uint16",  "int",    "int32",  "uint",  "uint32",
+                                        "float",  "float32", "double", "float64"};
+  if (std::ranges::find(types, name) != std::end(types)) return *parse_sample_type(name);
   lines.fail(fmt::format("unknown type \"{}\"", name));
 }
 

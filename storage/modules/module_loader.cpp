@@ -69,14 +69,8 @@ Module* load(const fs::path& path, const std::string& purpose) {
 }
 
 [[noreturn]] void raise(const ModuleError& error) {
-  switch (error.kind) {
-    case ModuleError::Kind::input:
-      throw InputError(error.text);
-    case ModuleError::Kind::storage:
-      throw StorageError(error.text, error.error_number);
-    case ModuleError::Kind::format:
-      break;
-  }
+  if (error.kind == ModuleError::Kind::input) throw InputError(error.text);
+  if (error.kind == ModuleError::Kind::storage) throw StorageError(error.text, error.error_number);
   throw FormatError(error.text);
 }
 

@@ -14,22 +14,12 @@
 #include "storage/volumes/data_layout.h"
 #include "storage/volumes/filters.h"
 #include "storage/volumes/inflate_stream.h"
-#include "storage/volumes/inrimage_reader.h"
-#include "storage/volumes/metaimage_reader.h"
-#include "storage/volumes/nifti_reader.h"
-#include "storage/volumes/nrrd_reader.h"
-#include "storage/volumes/raw_reader.h"
+#include "storage/volumes/readers.h"
 
 namespace voxweld {
 namespace {
 
 constexpr std::size_t head_bytes = 4096;
-
-std::string probe_extension(const std::filesystem::path& path) {
-  std::string last = lower(path.extension().string());
-  if (last != ".gz") return last;
-  return lower(path.stem().extension().string()) + last;
-}
 
 const VolumeReader& reader_by_name(const InputSpec& spec, std::span<const VolumeReader> readers) {
   const auto found = std::ranges::find(readers, spec.format, &VolumeReader::name);
@@ -60,7 +50,7 @@ const VolumeReader& reader_by_probe(const InputSpec& spec, std::span<const Volum
 }  // namespace
 
 InputProbe probe_input(const std::string& path) {
-  InputProbe probe{.path = path, .extension = probe_extension(path)};
+  InputProbe probe{.path = path, .extension = name_extension(path)};
   std::error_code error;
   probe.is_directory = std::filesystem::is_directory(path, error);
   probe.is_file = std::filesystem::is_regular_file(path, error);

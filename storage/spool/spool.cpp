@@ -10,8 +10,9 @@
 
 #include "storage/spool/spool_record.h"
 #include "storage/support/error.h"
-#include "storage/support/file_io.h"
+#include "storage/support/hash_file.h"
 #include "storage/volumes/data_layout.h"
+#include "storage/volumes/filters.h"
 
 namespace voxweld {
 namespace {
@@ -56,12 +57,6 @@ void require_space(const fs::path& path, std::uint64_t bytes) {
       path.string(), bytes, space.available));
 }
 
-void remove_file(const fs::path& path) {
-  std::error_code error;
-  fs::remove(path, error);
-  if (error) throw_errno("remove", path.string(), error.value());
-}
-
 Hash128 write_samples(const SampleSource& source, AtomicFile& file, const SpoolOptions& options) {
   const VolumeInfo& info = source.info();
   const Index3 size = info.geometry.size;
@@ -84,23 +79,6 @@ Hash128 write_samples(const SampleSource& source, AtomicFile& file, const SpoolO
   }
   return hasher.finish();
 }
-
-// What the spooled source said of itself, with the spool's samples.
-class SpoolSource final : public SampleSource {
- public:
-  SpoolSource(std::unique_ptr<SampleSource> samples, VolumeInfo info)
-      : samples_(std::move(samples)), info_(std::move(info)) {
-    info_.access = samples_->info().access;
-    info_.largest_decode = samples_->info().largest_decode;
-  }
-
-  const VolumeInfo& info() const override { return info_; }
-  void read(const Box3& box, std::byte* out) const override { samples_->read(box, out); }
-
- private:
-  std::unique_ptr<SampleSource> samples_;
-  VolumeInfo info_;
-};
 
 std::unique_ptr<SampleSource> open_samples(const fs::path& path, const VolumeInfo& info) {
   VolumeInfo raw;
@@ -173,21 +151,16 @@ void spool_volume(const SampleSource& source, const fs::path& path, Hash128 key,
 
 std::unique_ptr<SampleSource> open_spool(const fs::path& path, Hash128 key) {
   OpenedSpool opened = open_checked(path, key);
-  auto samples = open_samples(path, opened.record.info);
-  return std::make_unique<SpoolSource>(std::move(samples), std::move(opened.record.info));
+  VolumeInfo& info = opened.record.info;
+  auto samples = open_samples(path, info);
+  info.access = samples->info().access;
+  info.largest_decode = samples->info().largest_decode;
+  return source_with_info(std::move(samples), std::move(info));
 }
 
 void verify_spool(const fs::path& path, Hash128 key) {
   const OpenedSpool opened = open_checked(path, key);
-  StreamHasher hasher;
-  std::vector<std::byte> piece(std::size_t{1} << 20);
-  for (std::uint64_t at = 0; at < opened.file.size(); at += piece.size()) {
-    const auto part = std::span(piece).first(
-        static_cast<std::size_t>(std::min<std::uint64_t>(piece.size(), opened.file.size() - at)));
-    opened.file.read(at, part);
-    hasher.update(part);
-  }
-  if (hasher.finish() != opened.record.data_hash)
+  if (hash_file(opened.file) != opened.record.data_hash)
     throw DamagedArtifact(path.string(),
                           "its samples do not match their hash; spool the input again");
 }

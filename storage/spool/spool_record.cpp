@@ -13,8 +13,9 @@ constexpr std::uint32_t version = 2;
 enum Section : std::uint64_t { facts_section = 1, texts_section = 2, files_section = 3 };
 
 struct SpoolFacts {
-  std::int64_t size[3];
-  double spacing[3], origin[3], direction[3][3];
+  Index3 size;
+  Vec3 spacing, origin;
+  std::array<Vec3, 3> direction;
   Hash128 data_hash;
   std::uint64_t type, access, largest_decode;
   std::uint64_t files, warnings;  // how many of each follow in the texts
@@ -29,7 +30,7 @@ struct FileFacts {
 
 void put_text(std::vector<std::byte>& out, const std::string& text) {
   const std::uint64_t length = text.size();
-  const auto prefix = std::as_bytes(std::span(&length, 1));
+  const auto prefix = as_record(length);
   out.insert(out.end(), prefix.begin(), prefix.end());
   const auto characters = as_bytes(text);
   out.insert(out.end(), characters.begin(), characters.end());
@@ -58,34 +59,24 @@ class TextReader {
 
 SpoolFacts facts_of(const SpoolRecord& record) {
   const VolumeGeometry& geometry = record.info.geometry;
-  SpoolFacts facts{};
-  for (int axis = 0; axis < 3; ++axis) {
-    facts.size[axis] = geometry.size[axis];
-    facts.spacing[axis] = geometry.spacing[axis];
-    facts.origin[axis] = geometry.origin[axis];
-    for (int component = 0; component < 3; ++component)
-      facts.direction[axis][component] =
-          geometry.direction[static_cast<std::size_t>(axis)][component];
-  }
-  facts.data_hash = record.data_hash;
-  facts.type = static_cast<std::uint64_t>(record.info.type);
-  facts.access = static_cast<std::uint64_t>(record.info.access);
-  facts.largest_decode = record.info.largest_decode;
-  facts.files = record.info.files.size();
-  facts.warnings = record.info.warnings.size();
-  return facts;
+  return {geometry.size,
+          geometry.spacing,
+          geometry.origin,
+          geometry.direction,
+          record.data_hash,
+          static_cast<std::uint64_t>(record.info.type),
+          static_cast<std::uint64_t>(record.info.access),
+          record.info.largest_decode,
+          record.info.files.size(),
+          record.info.warnings.size()};
 }
 
 void apply_facts(const SpoolFacts& facts, SpoolRecord& record) {
   VolumeGeometry& geometry = record.info.geometry;
-  for (int axis = 0; axis < 3; ++axis) {
-    geometry.size[axis] = facts.size[axis];
-    geometry.spacing[axis] = facts.spacing[axis];
-    geometry.origin[axis] = facts.origin[axis];
-    for (int component = 0; component < 3; ++component)
-      geometry.direction[static_cast<std::size_t>(axis)][component] =
-          facts.direction[axis][component];
-  }
+  geometry.size = facts.size;
+  geometry.spacing = facts.spacing;
+  geometry.origin = facts.origin;
+  geometry.direction = facts.direction;
   record.data_hash = facts.data_hash;
   record.info.type = static_cast<SampleType>(facts.type);
   record.info.access = static_cast<Access>(facts.access);
@@ -111,20 +102,17 @@ void write_spool_record(const std::filesystem::path& path, const SpoolRecord& re
   }
   for (const std::string& warning : record.info.warnings) put_text(texts, warning);
   ArtifactWriter writer(spool_record_path(path), {kind, version, record.key});
-  writer.section(facts_section, std::as_bytes(std::span(&facts, 1)));
+  writer.section(facts_section, as_record(facts));
   writer.section(texts_section, texts);
-  writer.section(files_section, std::as_bytes(std::span(files)));
+  writer.section(files_section, as_section(files));
   writer.commit(Durability::fsync);
 }
 
 SpoolRecord read_spool_record(const std::filesystem::path& path) {
   const ArtifactReader artifact(spool_record_path(path), kind, version);
-  std::vector<SpoolFacts> facts;
-  std::vector<FileFacts> files;
-  std::vector<std::byte> texts;
-  artifact.read_array(facts_section, facts);
-  artifact.read_array(files_section, files);
-  artifact.read(texts_section, texts);
+  const auto facts = artifact.read_array<SpoolFacts>(facts_section);
+  const auto files = artifact.read_array<FileFacts>(files_section);
+  const auto texts = artifact.read_array<std::byte>(texts_section);
   if (facts.size() != 1 || facts.front().files != files.size() ||
       facts.front().type > static_cast<std::uint64_t>(SampleType::f64) ||
       facts.front().access > static_cast<std::uint64_t>(Access::stream))

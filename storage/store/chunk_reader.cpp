@@ -7,6 +7,7 @@
 #include <cstring>
 #include <system_error>
 
+#include "storage/support/byte_order.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -22,20 +23,8 @@ std::size_t cached_files(const ZarrArray& array) {
                        : 1;
 }
 
-Index3 divide(Index3 a, Index3 b) {
-  return {a.x / b.x, a.y / b.y, a.z / b.z};
-}
 Index3 multiply(Index3 a, Index3 b) {
   return {a.x * b.x, a.y * b.y, a.z * b.z};
-}
-
-// Calls visit(index) for each cell of a grid of `cell`-sized pieces that `box` touches, C order.
-template <class Visit>
-void for_each_piece(const Box3& box, Index3 cell, Visit&& visit) {
-  const Index3 lo = divide(box.lo, cell), hi = divide(box.hi - splat(1), cell);
-  for (std::int64_t z = lo.z; z <= hi.z; ++z)
-    for (std::int64_t y = lo.y; y <= hi.y; ++y)
-      for (std::int64_t x = lo.x; x <= hi.x; ++x) visit(Index3{x, y, z});
 }
 
 }  // namespace
@@ -115,7 +104,7 @@ void ChunkReader::load_index(Shard& shard) const {
   for (int i = 0; i < array_.index.checksums; ++i)
     if (const std::string wrong = strip_checksum(entries); !wrong.empty())
       damaged(file.path(), "its index is damaged: " + wrong);
-  if (array_.index.big_endian) swap_sample_bytes(std::span(buffer).first(entries.size()), 8);
+  if (array_.index.big_endian) to_native(buffer.data(), entries.size() / 8, 8, std::endian::big);
   shard.index.resize(entries.size() / sizeof(ShardIndexEntry));
   std::memcpy(shard.index.data(), entries.data(), entries.size());
   const std::uint64_t most = largest_encoded_chunk(array_.codecs, array_.form());
@@ -134,7 +123,7 @@ void ChunkReader::load_index(Shard& shard) const {
 void ChunkReader::read(const Box3& box, std::byte* out) const {
   auto buffers = borrow_buffers();
   const Target target{box, out};
-  for_each_piece(box, array_.file, [&](Index3 at) { read_file(at, target, *buffers); });
+  each_index(pieces_of(box, array_.file), [&](Index3 at) { read_file(at, target, *buffers); });
   give_back(std::move(buffers));
 }
 
@@ -146,7 +135,7 @@ void ChunkReader::read_file(Index3 at, const Target& target, Buffers& buffers) c
     fill(part, target);
     return;
   }
-  for_each_piece(part, array_.chunk, [&](Index3 chunk) {
+  each_index(pieces_of(part, array_.chunk), [&](Index3 chunk) {
     const Index3 chunk_lo = multiply(chunk, array_.chunk);
     const Box3 samples = {chunk_lo, chunk_lo + array_.chunk};
     if (load_chunk(*shard, chunk, buffers))
@@ -180,32 +169,37 @@ bool ChunkReader::load_chunk(const Shard& shard, Index3 chunk, Buffers& buffers)
   return true;
 }
 
-void ChunkReader::copy_chunk(const Box3& chunk, const Target& target,
-                             const Buffers& buffers) const {
-  const auto each = static_cast<std::int64_t>(sample_bytes(array_.type));
-  const Box3 part = intersect(chunk, target.box);
-  const Index3 size = target.box.size(), side = chunk.size();
-  const auto row = static_cast<std::size_t>(part.size().x * each);
-  for (std::int64_t z = part.lo.z; z < part.hi.z; ++z)
-    for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
-      const Index3 to = Index3{part.lo.x, y, z} - target.box.lo;
-      const Index3 from = Index3{part.lo.x, y, z} - chunk.lo;
-      std::memcpy(target.out + ((to.z * size.y + to.y) * size.x + to.x) * each,
-                  buffers.chunk.data() + ((from.z * side.y + from.y) * side.x + from.x) * each,
-                  row);
-    }
-}
-
-void ChunkReader::fill(const Box3& part, const Target& target) const {
+// f(first sample, where it goes) of each row of the part.
+template <class F>
+void ChunkReader::each_row(const Box3& part, const Target& target, const F& f) const {
   const auto each = static_cast<std::int64_t>(sample_bytes(array_.type));
   const Index3 size = target.box.size();
   for (std::int64_t z = part.lo.z; z < part.hi.z; ++z)
     for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
-      const Index3 to = Index3{part.lo.x, y, z} - target.box.lo;
-      std::byte* row = target.out + ((to.z * size.y + to.y) * size.x + to.x) * each;
-      for (std::int64_t x = 0; x < part.size().x; ++x)
-        std::memcpy(row + x * each, array_.fill.data(), static_cast<std::size_t>(each));
+      const Index3 at{part.lo.x, y, z}, to = at - target.box.lo;
+      f(at, target.out + ((to.z * size.y + to.y) * size.x + to.x) * each);
     }
+}
+
+void ChunkReader::copy_chunk(const Box3& chunk, const Target& target,
+                             const Buffers& buffers) const {
+  const auto each = static_cast<std::int64_t>(sample_bytes(array_.type));
+  const Box3 part = intersect(chunk, target.box);
+  const Index3 side = chunk.size();
+  const auto row = static_cast<std::size_t>(part.size().x * each);
+  each_row(part, target, [&](Index3 at, std::byte* out) {
+    const Index3 from = at - chunk.lo;
+    std::memcpy(out, buffers.chunk.data() + ((from.z * side.y + from.y) * side.x + from.x) * each,
+                row);
+  });
+}
+
+void ChunkReader::fill(const Box3& part, const Target& target) const {
+  const std::size_t each = sample_bytes(array_.type);
+  const auto row = static_cast<std::size_t>(part.size().x) * each;
+  each_row(part, target, [&](Index3, std::byte* out) {
+    for (std::size_t at = 0; at < row; at += each) std::memcpy(out + at, array_.fill.data(), each);
+  });
 }
 
 std::unique_ptr<ChunkReader::Buffers> ChunkReader::borrow_buffers() const {

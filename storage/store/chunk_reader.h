@@ -50,6 +50,8 @@ class ChunkReader {
   void load_index(Shard& shard) const;
   void read_file(Index3 at, const Target& target, Buffers& buffers) const;
   bool load_chunk(const Shard& shard, Index3 chunk, Buffers& buffers) const;
+  template <class F>
+  void each_row(const Box3& part, const Target& target, const F& f) const;
   void copy_chunk(const Box3& chunk, const Target& target, const Buffers& buffers) const;
   void fill(const Box3& part, const Target& target) const;
   void read_bytes(const Shard& shard, std::uint64_t offset, std::span<std::byte> out) const;

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "storage/store/crc32c.h"
+#include "storage/support/byte_order.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -153,12 +154,6 @@ void append_checksum(std::vector<std::byte>& data) {
   std::memcpy(data.data() + data.size() - checksum_bytes, &crc, checksum_bytes);
 }
 
-void swap_sample_bytes(std::span<std::byte> samples, std::size_t sample_bytes) {
-  if (sample_bytes < 2) return;
-  for (std::size_t at = 0; at + sample_bytes <= samples.size(); at += sample_bytes)
-    std::reverse(samples.data() + at, samples.data() + at + sample_bytes);
-}
-
 void encode_chunk(const CodecChain& chain, ChunkForm form, std::span<const std::byte> samples,
                   std::vector<std::byte>& encoded) {
   if (chain.checksums_inside == 0 && chain.compressor) {
@@ -191,7 +186,9 @@ std::string decode_chunk(const CodecChain& chain, ChunkForm form,
   if (encoded.size() != samples.size())
     return fmt::format("{} bytes, {} expected", encoded.size(), samples.size());
   if (!direct) std::memcpy(samples.data(), encoded.data(), samples.size());
-  if (chain.big_endian) swap_sample_bytes(samples, form.sample_bytes);
+  if (chain.big_endian)
+    to_native(samples.data(), samples.size() / form.sample_bytes, form.sample_bytes,
+              std::endian::big);
   return {};
 }
 

@@ -55,7 +55,4 @@ std::string decode_chunk(const CodecChain& chain, ChunkForm form,
 std::string strip_checksum(std::span<const std::byte>& data);
 void append_checksum(std::vector<std::byte>& data);
 
-// Reverses the bytes of each sample.
-void swap_sample_bytes(std::span<std::byte> samples, std::size_t sample_bytes);
-
 }  // namespace voxweld

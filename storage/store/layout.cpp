@@ -117,10 +117,7 @@ void write_store_metadata(const StoreLayout& layout) {
 
 bool store_metadata_is_current(const StoreLayout& layout) {
   const std::filesystem::path path = layout.array / "zarr.json";
-  if (!std::filesystem::exists(path)) return false;
-  const std::vector<std::byte> bytes = read_whole_file(path);
-  return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()) ==
-         render_zarr_array(layout.zarr());
+  return std::filesystem::exists(path) && read_text_file(path) == render_zarr_array(layout.zarr());
 }
 
 StoreLayout read_store_layout(const std::filesystem::path& array,
@@ -138,9 +135,7 @@ StoreLayout read_store_layout(const std::filesystem::path& array,
                                                                : StoreCompression::zstd;
   if (compressor) layout.parameters.level = compressor->level;
   // Whatever was changed in the file, its text is then not the one this layout is written as.
-  const std::vector<std::byte> bytes = read_whole_file(array / "zarr.json");
-  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (render_zarr_array(layout.zarr()) != text)
+  if (render_zarr_array(layout.zarr()) != read_text_file(array / "zarr.json"))
     throw DamagedArtifact(file, "changed since it was written; ingest again");
   return layout;
 }

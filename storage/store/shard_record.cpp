@@ -7,7 +7,7 @@
 #include "storage/artifact/container.h"
 #include "storage/support/error.h"
 #include "storage/support/hash_file.h"
-#include "storage/types/value_range.h"
+#include "storage/types/volume.h"
 
 namespace voxweld {
 namespace {
@@ -55,7 +55,7 @@ void write_shard_record(const std::filesystem::path& path, const ShardRecord& re
     bin_counts.push_back(bin.count);
   }
   ArtifactWriter writer(path, {record_kind, record_version, record.key});
-  writer.section(summary, std::as_bytes(std::span(&head, 1)));
+  writer.section(summary, as_record(head));
   writer.section(ranges, as_section(chunk_ranges));
   writer.section(bins, as_section(bin_numbers));
   writer.section(counts, as_section(bin_counts));
@@ -68,14 +68,10 @@ ShardRecord read_shard_record(const StoreLayout& layout, Index3 shard) {
   if (!std::filesystem::exists(path, error) && !error)
     throw DamagedArtifact(path.string(), "missing; ingest this shard again");
   const ArtifactReader reader(path, record_kind, record_version);
-  std::vector<SummaryRecord> head;
-  std::vector<RangeRecord> chunk_ranges;
-  std::vector<std::uint32_t> bin_numbers;
-  std::vector<std::uint64_t> bin_counts;
-  reader.read_array(summary, head);
-  reader.read_array(ranges, chunk_ranges);
-  reader.read_array(bins, bin_numbers);
-  reader.read_array(counts, bin_counts);
+  const auto head = reader.read_array<SummaryRecord>(summary);
+  const auto chunk_ranges = reader.read_array<RangeRecord>(ranges);
+  const auto bin_numbers = reader.read_array<std::uint32_t>(bins);
+  const auto bin_counts = reader.read_array<std::uint64_t>(counts);
   const std::int64_t side = layout.chunks();
   if (head.size() != 1 || chunk_ranges.size() != static_cast<std::size_t>(side * side * side) ||
       head[0].chunks != chunk_ranges.size() || bin_numbers.size() != bin_counts.size() ||

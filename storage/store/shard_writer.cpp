@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
-#include <system_error>
 
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
-#include "storage/types/value_range.h"
+#include "storage/types/volume.h"
 
 namespace voxweld {
 namespace {
@@ -70,9 +69,7 @@ void OpenShard::commit(std::vector<std::byte>& buffer) {
   record_.file_hash = hasher_.finish();
   // An old record must never stand beside a new shard: the old key would then vouch for it.
   const auto record_path = layout_.record_path(shard_);
-  std::error_code error;
-  std::filesystem::remove(record_path, error);
-  if (error) throw_errno("remove", record_path.string(), error.value());
+  remove_file(record_path);
   file_.commit(Durability::rename_only);
   write_shard_record(record_path, record_);
 }
@@ -136,10 +133,8 @@ void RunWriter::write_band(const Box3& band) {
   const std::int64_t side = layout_.parameters.chunk;
   for (const auto& shard : shards_) {
     const Box3 part = intersect(shard->samples(), band);
-    const Index3 lo = {part.lo.x / side, part.lo.y / side, part.lo.z / side};
-    for (std::int64_t z = lo.z; z * side < part.hi.z; ++z)
-      for (std::int64_t y = lo.y; y * side < part.hi.y; ++y)
-        for (std::int64_t x = lo.x; x * side < part.hi.x; ++x) write_chunk(*shard, {x, y, z}, band);
+    each_index(pieces_of(part, splat(side)),
+               [&](Index3 chunk) { write_chunk(*shard, chunk, band); });
     // Alone, a shard takes its histogram once, at the end.
     if (shards_.size() > 1) shard->add_histogram(statistics_.take());
   }

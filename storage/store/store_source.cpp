@@ -4,7 +4,7 @@
 
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
-#include "storage/types/value_range.h"
+#include "storage/types/volume.h"
 
 namespace voxweld {
 namespace {
@@ -12,9 +12,7 @@ namespace {
 // Every size is checked before the reader divides by it; the array on disk must be this one.
 const StoreLayout& checked(const StoreLayout& layout) {
   check_layout(layout);
-  const std::vector<std::byte> bytes = read_whole_file(layout.array / "zarr.json");
-  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (text != render_zarr_array(layout.zarr()))
+  if (read_text_file(layout.array / "zarr.json") != render_zarr_array(layout.zarr()))
     throw DamagedArtifact((layout.array / "zarr.json").string(),
                           "is not the array this run wrote; ingest again");
   return layout;
@@ -70,15 +68,12 @@ ValueRange StoreSource::range(const Box3& box) const {
       return loaded;
     });
     const Box3 part = intersect(inside, layout_.shard_samples(at));
-    const Index3 lo = part.lo - at * shard, hi = part.hi - at * shard;
-    for (std::int64_t z = lo.z / chunk; z * chunk < hi.z; ++z)
-      for (std::int64_t y = lo.y / chunk; y * chunk < hi.y; ++y)
-        for (std::int64_t x = lo.x / chunk; x * chunk < hi.x; ++x)
-          all = merge(all, record->chunks[static_cast<std::size_t>((z * side + y) * side + x)]);
+    const Box3 own = {part.lo - at * shard, part.hi - at * shard};
+    each_index(pieces_of(own, splat(chunk)), [&](Index3 c) {
+      all = merge(all, record->chunks[static_cast<std::size_t>((c.z * side + c.y) * side + c.x)]);
+    });
   };
-  for (std::int64_t z = inside.lo.z / shard; z * shard < inside.hi.z; ++z)
-    for (std::int64_t y = inside.lo.y / shard; y * shard < inside.hi.y; ++y)
-      for (std::int64_t x = inside.lo.x / shard; x * shard < inside.hi.x; ++x) add_shard({x, y, z});
+  each_index(pieces_of(inside, splat(shard)), add_shard);
   return all;
 }
 

@@ -43,7 +43,7 @@ ChunkForm ZarrArray::form() const {
 }
 
 Index3 ZarrArray::chunks_in_file() const {
-  return {file.x / chunk.x, file.y / chunk.y, file.z / chunk.z};
+  return divide(file, chunk);
 }
 
 std::uint64_t ZarrArray::index_bytes() const {
@@ -64,9 +64,7 @@ fs::path ZarrArray::file_path(Index3 at) const {
 ZarrArray read_zarr_array(const fs::path& directory) {
   const fs::path file = directory / "zarr.json";
   if (!present(file)) refuse_directory(directory);
-  const std::vector<std::byte> bytes = read_whole_file(file);
-  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  return parse_zarr_array(text, directory);
+  return parse_zarr_array(read_text_file(file), directory);
 }
 
 }  // namespace voxweld

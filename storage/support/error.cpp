@@ -5,9 +5,6 @@
 
 namespace voxweld {
 
-Interrupted::Interrupted()
-    : Error("interrupted; what is finished is kept, run the same command again to go on", 1) {}
-
 bool StorageError::disk_full() const {
   return error_number_ == ENOSPC || error_number_ == EDQUOT;
 }

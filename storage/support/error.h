@@ -60,7 +60,8 @@ class DamagedArtifact : public Error {
 // The user asked to stop (Ctrl-C, SIGTERM). Work done so far is kept.
 class Interrupted : public Error {
  public:
-  Interrupted();
+  Interrupted()
+      : Error("interrupted; what is finished is kept, run the same command again to go on", 1) {}
 };
 
 // StorageError "cannot <verb> <path>: <strerror>".

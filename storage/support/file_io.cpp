@@ -80,6 +80,32 @@ void remove_files(const std::filesystem::path& folder, bool recursive, const Tes
 
 }  // namespace
 
+std::size_t read_at(int file, std::uint64_t offset, std::span<std::byte> out,
+                    const std::string& path) {
+  std::size_t done = 0;
+  while (done < out.size()) {
+    const ssize_t got =
+        pread(file, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw_errno("read", path, errno);
+    if (got == 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  return done;
+}
+
+void write_at(int file, std::uint64_t offset, std::span<const std::byte> data,
+              const std::string& path) {
+  std::size_t done = 0;
+  while (done < data.size()) {
+    const ssize_t put =
+        pwrite(file, data.data() + done, data.size() - done, static_cast<off_t>(offset + done));
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) throw_errno("write", path, errno);
+    done += static_cast<std::size_t>(put);
+  }
+}
+
 ReadFile::ReadFile(const std::filesystem::path& path) : path_(path.string()) {
   fd_ = open(path_.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd_ < 0) throw_errno("open", path_, errno);
@@ -116,20 +142,10 @@ ReadFile& ReadFile::operator=(ReadFile&& other) noexcept {
 }
 
 void ReadFile::read(std::uint64_t offset, std::span<std::byte> out) const {
-  std::size_t done = 0;
-  while (done < out.size()) {
-    const ssize_t got =
-        pread(fd_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
-    if (got < 0) {
-      if (errno == EINTR) continue;
-      throw_errno("read", path_, errno);
-    }
-    if (got == 0)
-      throw FormatError(
-          fmt::format("{}: truncated: {} bytes wanted at offset {}, the file ends at {}", path_,
-                      out.size(), offset, offset + done));
-    done += static_cast<std::size_t>(got);
-  }
+  if (const std::size_t got = read_at(fd_, offset, out, path_); got < out.size())
+    throw FormatError(
+        fmt::format("{}: truncated: {} bytes wanted at offset {}, the file ends at {}", path_,
+                    out.size(), offset, offset + got));
 }
 
 AtomicFile::AtomicFile(const std::filesystem::path& path)
@@ -147,28 +163,15 @@ AtomicFile::~AtomicFile() {
   }
 }
 
-void AtomicFile::write_all(std::uint64_t offset, std::span<const std::byte> data) {
-  std::size_t done = 0;
-  while (done < data.size()) {
-    const ssize_t put =
-        pwrite(fd_, data.data() + done, data.size() - done, static_cast<off_t>(offset + done));
-    if (put < 0) {
-      if (errno == EINTR) continue;
-      throw_errno("write", final_path_.string(), errno);
-    }
-    done += static_cast<std::size_t>(put);
-  }
-}
-
 void AtomicFile::flush() {
-  write_all(size_ - buffer_.size(), buffer_);
+  voxweld::write_at(fd_, size_ - buffer_.size(), buffer_, final_path_.string());
   buffer_.clear();
 }
 
 void AtomicFile::append(std::span<const std::byte> data) {
   if (buffer_.size() + data.size() > buffer_bytes) flush();
   if (data.size() >= buffer_bytes)
-    write_all(size_, data);
+    voxweld::write_at(fd_, size_, data, final_path_.string());
   else
     buffer_.insert(buffer_.end(), data.begin(), data.end());
   size_ += data.size();
@@ -176,7 +179,7 @@ void AtomicFile::append(std::span<const std::byte> data) {
 
 void AtomicFile::write_at(std::uint64_t offset, std::span<const std::byte> data) {
   flush();
-  write_all(offset, data);
+  voxweld::write_at(fd_, offset, data, final_path_.string());
 }
 
 void AtomicFile::commit(Durability durability) {
@@ -217,6 +220,13 @@ std::vector<std::byte> read_whole_file(const std::filesystem::path& path) {
   return data;
 }
 
+std::string read_text_file(const std::filesystem::path& path) {
+  const ReadFile file(path);
+  std::string text(file.size(), '\0');
+  file.read(0, std::as_writable_bytes(std::span(text)));
+  return text;
+}
+
 void write_whole_file(const std::filesystem::path& path, std::span<const std::byte> data,
                       Durability durability) {
   AtomicFile file(path);
@@ -228,6 +238,12 @@ void make_directories(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
   if (error) throw_errno("create directory", path.string(), error.value());
+}
+
+void remove_file(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::remove(path, error);
+  if (error) throw_errno("remove", path.string(), error.value());
 }
 
 }  // namespace voxweld

@@ -10,6 +10,12 @@
 
 namespace voxweld {
 
+// At an offset of an open file: as many bytes as there are, and all of these. path: for messages.
+std::size_t read_at(int file, std::uint64_t offset, std::span<std::byte> out,
+                    const std::string& path);
+void write_at(int file, std::uint64_t offset, std::span<const std::byte> data,
+              const std::string& path);
+
 // A file opened for reading; pread-based, so one object serves many threads.
 class ReadFile {
  public:
@@ -53,7 +59,6 @@ class AtomicFile {
 
  private:
   void flush();
-  void write_all(std::uint64_t offset, std::span<const std::byte> data);
 
   std::filesystem::path final_path_;
   std::string temporary_;
@@ -70,11 +75,13 @@ void remove_stale_temporaries(const std::filesystem::path& folder, bool recursiv
 void remove_needless_temporaries(const std::filesystem::path& folder, bool recursive);
 
 std::vector<std::byte> read_whole_file(const std::filesystem::path& path);
+std::string read_text_file(const std::filesystem::path& path);
 void write_whole_file(const std::filesystem::path& path, std::span<const std::byte> data,
                       Durability durability);
 inline std::span<const std::byte> as_bytes(const std::string& text) {
   return std::as_bytes(std::span(text.data(), text.size()));
 }
 void make_directories(const std::filesystem::path& path);
+void remove_file(const std::filesystem::path& path);  // where it is there
 
 }  // namespace voxweld

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -17,39 +18,33 @@ struct Hash128 {
 Hash128 hash_bytes(std::span<const std::byte> bytes);
 std::string to_hex(Hash128 hash);  // 32 lower-case digits, high half first
 
+// The hash of long data fed in pieces, which may be cut anywhere.
+class StreamHasher {
+ public:
+  StreamHasher();
+  void update(std::span<const std::byte> data);
+  Hash128 finish() const;
+
+ private:
+  struct Free {
+    void operator()(void* state) const;
+  };
+  std::unique_ptr<void, Free> state_;
+};
+
 // Builds a key from named, length-prefixed fields: no two different sequences of fields feed the
 // same bytes. Doubles enter by their bits.
 class KeyHasher {
  public:
-  KeyHasher();
-  ~KeyHasher();
-  KeyHasher(const KeyHasher&) = delete;
-  KeyHasher& operator=(const KeyHasher&) = delete;
-
   KeyHasher& bytes(std::span<const std::byte> data);  // length-prefixed
   KeyHasher& text(std::string_view value);
   KeyHasher& integer(std::int64_t value);
   KeyHasher& real(double value);
   KeyHasher& hash(Hash128 value);
-  Hash128 finish() const;
+  Hash128 finish() const { return fed_.finish(); }
 
  private:
-  void raw(const void* data, std::size_t size);
-  void* state_;
-};
-
-// The same, for long data fed in pieces (no prefixes: pieces may be cut anywhere).
-class StreamHasher {
- public:
-  StreamHasher();
-  ~StreamHasher();
-  StreamHasher(const StreamHasher&) = delete;
-  StreamHasher& operator=(const StreamHasher&) = delete;
-  void update(std::span<const std::byte> data);
-  Hash128 finish() const;
-
- private:
-  void* state_;
+  StreamHasher fed_;
 };
 
 }  // namespace voxweld

@@ -13,15 +13,7 @@
 namespace voxweld {
 namespace {
 
-std::string& config_fingerprint() {
-  static std::string hex;
-  return hex;
-}
-
-std::string& kernels() {
-  static std::string name;
-  return name;
-}
+std::string config_fingerprint, kernels;  // as they were told
 
 nlohmann::json slurm_ids() {
   constexpr std::array<std::array<const char*, 2>, 5> names = {
@@ -39,11 +31,11 @@ nlohmann::json slurm_ids() {
 }  // namespace
 
 void set_provenance_config(Hash128 fingerprint) {
-  config_fingerprint() = to_hex(fingerprint);
+  config_fingerprint = to_hex(fingerprint);
 }
 
 void set_provenance_kernels(std::string_view name) {
-  kernels() = name;
+  kernels = name;
 }
 
 std::string provenance_json() {
@@ -51,8 +43,8 @@ std::string provenance_json() {
                          {"host", host_name()},
                          {"process", getpid()},
                          {"time", fmt::format("{:%FT%TZ}", fmt::gmtime(std::time(nullptr)))}};
-  if (!kernels().empty()) made["kernels"] = kernels();
-  if (!config_fingerprint().empty()) made["config"] = config_fingerprint();
+  if (!kernels.empty()) made["kernels"] = kernels;
+  if (!config_fingerprint.empty()) made["config"] = config_fingerprint;
   if (const nlohmann::json ids = slurm_ids(); !ids.empty()) made["slurm"] = ids;
   return made.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
 }

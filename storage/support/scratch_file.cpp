@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <cstdlib>
+#include <utility>
 
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
@@ -24,33 +25,13 @@ ScratchFile::~ScratchFile() {
 }
 
 std::uint64_t ScratchFile::append(std::span<const std::byte> data) {
-  std::size_t done = 0;
-  while (done < data.size()) {
-    const ssize_t put =
-        pwrite(fd_, data.data() + done, data.size() - done, static_cast<off_t>(size_ + done));
-    if (put < 0) {
-      if (errno == EINTR) continue;
-      throw_errno("write", path_, errno);
-    }
-    done += static_cast<std::size_t>(put);
-  }
-  const std::uint64_t offset = size_;
-  size_ += data.size();
-  return offset;
+  write_at(fd_, size_, data, path_);
+  return std::exchange(size_, size_ + data.size());
 }
 
 void ScratchFile::read(std::uint64_t offset, std::span<std::byte> out) const {
-  std::size_t done = 0;
-  while (done < out.size()) {
-    const ssize_t got =
-        pread(fd_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
-    if (got < 0) {
-      if (errno == EINTR) continue;
-      throw_errno("read", path_, errno);
-    }
-    if (got == 0) throw StorageError("cannot read " + path_ + ": it ends early");
-    done += static_cast<std::size_t>(got);
-  }
+  if (read_at(fd_, offset, out, path_) < out.size())
+    throw StorageError("cannot read " + path_ + ": it ends early");
 }
 
 }  // namespace voxweld

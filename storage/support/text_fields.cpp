@@ -66,6 +66,11 @@ std::vector<std::string> split_words(std::string_view text) {
   return words;
 }
 
+std::string name_extension(const std::filesystem::path& path) {
+  const std::string last = lower(path.extension().string());
+  return last == ".gz" ? lower(path.stem().extension().string()) + last : last;
+}
+
 std::optional<std::int64_t> parse_integer(std::string_view text) {
   return parse_whole<std::int64_t>(text);
 }
@@ -188,6 +193,20 @@ std::vector<double> HeaderFields::reals(const HeaderField& field, std::size_t co
   }
   if (values.size() != count) reject(field, fmt::format("{} numbers", count));
   return values;
+}
+
+std::int64_t expected_files(const std::vector<std::int64_t>& sizes, std::int64_t within,
+                            const HeaderFields& fields, const HeaderField& field) {
+  if (within < 1 || within >= std::ssize(sizes))
+    fields.fail(field,
+                fmt::format("{} dimensions a file: expected 1 to {}", within, sizes.size() - 1));
+  std::int64_t files = 1;
+  for (auto a = static_cast<std::size_t>(within); a < sizes.size(); ++a) {
+    if (files > max_files / sizes[a])
+      fields.fail(field, fmt::format("the sizes need more than {} files", max_files));
+    files *= sizes[a];
+  }
+  return files;
 }
 
 std::vector<std::string> expand_pattern(const FilePattern& pattern, std::int64_t expected,

@@ -18,6 +18,8 @@ namespace voxweld {
 std::string_view trim(std::string_view text);
 std::string lower(std::string_view text);
 std::vector<std::string> split_words(std::string_view text);  // at spaces and tabs
+// In lower case with its dot; of "a.nii.gz" it is ".nii.gz".
+std::string name_extension(const std::filesystem::path& path);
 
 // The whole text as a number; empty when it is not one (or does not fit).
 std::optional<std::int64_t> parse_integer(std::string_view text);
@@ -65,7 +67,6 @@ class HeaderFields {
   const HeaderField* find_any(std::initializer_list<std::string_view> keys) const;
   // FormatError when missing.
   const HeaderField& require(std::string_view key) const;
-  const std::vector<HeaderField>& all() const { return fields_; }
 
   std::string where(const HeaderField& field) const;
   // FormatError "<where>: expected <expected>, found '<value>'".
@@ -85,6 +86,11 @@ class HeaderFields {
 };
 
 constexpr std::int64_t max_files = std::int64_t{1} << 24;  // that hold one volume
+
+// How many files share samples of these sizes when each holds the `within` fastest axes: one for
+// each entry of the others. FormatError (through `fields`) for more than max_files.
+std::int64_t expected_files(const std::vector<std::int64_t>& sizes, std::int64_t within,
+                            const HeaderFields& fields, const HeaderField& field);
 
 // The names of numbered files: a printf-like pattern with one %d (flags: 0 and a width only).
 struct FilePattern {

@@ -34,6 +34,10 @@ constexpr Index3 splat(std::int64_t v) {
   return {v, v, v};
 }
 
+constexpr Index3 divide(Index3 a, Index3 b) {
+  return {a.x / b.x, a.y / b.y, a.z / b.z};
+}
+
 struct Vec3 {
   double x = 0, y = 0, z = 0;
 
@@ -45,6 +49,12 @@ struct Vec3 {
   friend constexpr Vec3 operator*(Vec3 a, double s) { return {a.x * s, a.y * s, a.z * s}; }
 };
 
+constexpr Vec3 min(Vec3 a, Vec3 b) {
+  return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
+constexpr Vec3 max(Vec3 a, Vec3 b) {
+  return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+}
 constexpr double dot(Vec3 a, Vec3 b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
@@ -70,6 +80,19 @@ struct Box3 {
   }
   friend constexpr bool operator==(const Box3&, const Box3&) = default;
 };
+
+// f(p) of each, x fastest.
+template <class F>
+constexpr void each_index(const Box3& box, F&& f) {
+  for (Index3 p = box.lo; p.z < box.hi.z; ++p.z)
+    for (p.y = box.lo.y; p.y < box.hi.y; ++p.y)
+      for (p.x = box.lo.x; p.x < box.hi.x; ++p.x) f(p);
+}
+// Of a grid of pieces of that size from 0 on, those that the box has a part in. Precondition: not
+// empty, nothing below 0.
+constexpr Box3 pieces_of(const Box3& box, Index3 piece) {
+  return {divide(box.lo, piece), divide(box.hi - splat(1), piece) + splat(1)};
+}
 
 constexpr Box3 intersect(const Box3& a, const Box3& b) {
   return {max(a.lo, b.lo), min(a.hi, b.hi)};

@@ -46,6 +46,9 @@ struct CellKey {
   int level = 0;
   Index3 at;  // in units of 2^level lattice cells
 
+  static constexpr CellKey of(std::uint64_t code, std::uint64_t level) {  // code: as code()
+    return {static_cast<int>(level), morton_decode(code >> (3 * level))};
+  }
   constexpr std::int64_t side() const { return std::int64_t{1} << level; }
   constexpr Index3 lo() const { return at * side(); }  // lowest lattice point
   constexpr Box3 cells() const { return {lo(), lo() + splat(side())}; }

@@ -5,7 +5,6 @@
 #include <span>
 
 #include "storage/types/histogram.h"
-#include "storage/types/value_range.h"
 #include "storage/types/volume.h"
 
 namespace voxweld {

@@ -16,9 +16,7 @@ struct TopLeaf {
   float residual = 0;
   std::uint32_t reserved = 0;  // no padding: leaves are written as they lie in memory
 
-  constexpr CellKey key() const {
-    return {static_cast<int>(level), morton_decode(code >> (3 * level))};
-  }
+  constexpr CellKey key() const { return CellKey::of(code, level); }
 };
 
 // Vertices and polygons of one cube, a 16^3 block or larger. Vertices count where their leaf's
@@ -48,9 +46,7 @@ struct PlannedTile {
   std::uint64_t vertices = 0;
   std::uint64_t polygons = 0;  // before those of fewer than three leaves are dropped
 
-  constexpr CellKey key() const {
-    return {static_cast<int>(level), morton_decode(code >> (3 * level))};
-  }
+  constexpr CellKey key() const { return CellKey::of(code, level); }
 };
 
 }  // namespace voxweld

@@ -2,6 +2,7 @@
 // (SampleSource). Filters (crop, overrides) wrap a source and are sources themselves.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -37,7 +38,10 @@ enum class Access : std::uint8_t {
   slice,   // whole slices in any order (a compressed slice is one unit)
   stream,  // whole slices in increasing z only (one compressed stream)
 };
-const char* access_name(Access access);
+constexpr const char* access_name(Access access) {
+  constexpr const char* names[] = {"box", "rows", "slice", "stream"};
+  return names[static_cast<std::size_t>(access)];
+}
 
 // One file the volume is made of, with what tells that it changed.
 struct InputFile {
@@ -87,6 +91,16 @@ struct ValueRange {
   bool any_nan = false;
   bool empty = true;  // no ordinary sample at all
 };
+// Of both together; order does not matter.
+constexpr ValueRange merge(const ValueRange& a, const ValueRange& b) {
+  ValueRange merged = a.empty ? b : a;
+  if (!a.empty && !b.empty) {
+    merged.lo = std::min(a.lo, b.lo);
+    merged.hi = std::max(a.hi, b.hi);
+  }
+  merged.any_nan = a.any_nan || b.any_nan;
+  return merged;
+}
 
 // A source that can also tell ranges (the brick store). Conservative: may cover more than the box.
 class RangedSource : public SampleSource {

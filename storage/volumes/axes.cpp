@@ -15,43 +15,16 @@ namespace {
 constexpr double perpendicular_tolerance = 1e-3;
 constexpr double flat_tolerance = 1e-6;
 
-struct UnitName {
-  std::string_view name, canonical;
-};
-constexpr UnitName unit_names[] = {
-    {"m", "m"},
-    {"meter", "m"},
-    {"metre", "m"},
-    {"meters", "m"},
-    {"metres", "m"},
-    {"cm", "cm"},
-    {"centimeter", "cm"},
-    {"centimetre", "cm"},
-    {"centimeters", "cm"},
-    {"centimetres", "cm"},
-    {"mm", "mm"},
-    {"millimeter", "mm"},
-    {"millimetre", "mm"},
-    {"millimeters", "mm"},
-    {"millimetres", "mm"},
-    {"um", "um"},
-    {"\xc2\xb5m", "um"},
-    {"\xce\xbcm", "um"},
-    {"micron", "um"},
-    {"microns", "um"},
-    {"micrometer", "um"},
-    {"micrometre", "um"},
-    {"micrometers", "um"},
-    {"micrometres", "um"},
-    {"nm", "nm"},
-    {"nanometer", "nm"},
-    {"nanometre", "nm"},
-    {"nanometers", "nm"},
-    {"nanometres", "nm"},
-    {"in", "in"},
-    {"inch", "in"},
-    {"inches", "in"},
-};
+// Each with its spellings behind it.
+constexpr std::array<std::array<std::string_view, 9>, 6> unit_spellings = {{
+    {"m", "meter", "metre", "meters", "metres"},
+    {"cm", "centimeter", "centimetre", "centimeters", "centimetres"},
+    {"mm", "millimeter", "millimetre", "millimeters", "millimetres"},
+    {"um", "\xc2\xb5m", "\xce\xbcm", "micron", "microns", "micrometer", "micrometre", "micrometers",
+     "micrometres"},
+    {"nm", "nanometer", "nanometre", "nanometers", "nanometres"},
+    {"in", "inch", "inches"},
+}};
 
 }  // namespace
 
@@ -86,8 +59,9 @@ void set_axes(VolumeInfo& info, const std::array<Vec3, 3>& steps, const std::str
 
 std::string canonical_unit(std::string_view text) {
   const std::string name = lower(trim(text));
-  for (const UnitName& unit : unit_names)
-    if (unit.name == name) return std::string(unit.canonical);
+  for (const auto& spellings : unit_spellings)
+    if (!name.empty() && std::ranges::find(spellings, name) != spellings.end())
+      return std::string(spellings[0]);
   return std::string(trim(text));
 }
 

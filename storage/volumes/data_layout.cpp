@@ -6,10 +6,10 @@
 #include <limits>
 #include <stdexcept>
 
+#include "storage/support/byte_order.h"
 #include "storage/support/error.h"
 #include "storage/support/text_fields.h"
 #include "storage/volumes/inflate_stream.h"
-#include "storage/volumes/layout_sources.h"
 
 namespace voxweld {
 namespace {
@@ -75,8 +75,7 @@ std::string settle_deflated(const ReadFile& file, const DataLayout::Part& part,
   std::byte size_bytes[4];
   if (!looks_gzip(head) || layout.samples_at_end || file.size() < part.offset + 18) return {};
   file.read(file.size() - 4, size_bytes);
-  std::uint64_t stated = 0;
-  for (int i = 3; i >= 0; --i) stated = stated << 8 | std::to_integer<std::uint64_t>(size_bytes[i]);
+  const auto stated = load_as<std::uint32_t>(size_bytes, 0, std::endian::little);
   const std::uint64_t needed = bytes + static_cast<std::uint64_t>(layout.skip_bytes);
   if (stated != 0 && stated != (needed & 0xffffffffU))
     return fmt::format(

@@ -50,6 +50,13 @@ void require_input_file(const std::filesystem::path& path);
 // FormatError for missing, truncated or evidently not so encoded data.
 std::unique_ptr<SampleSource> open_layout(VolumeInfo info, DataLayout layout);
 
+// The two kinds of source behind open_layout, which has settled and checked the layout before.
+// Raw samples: any box, from any thread (Access::box).
+std::unique_ptr<SampleSource> make_raw_source(VolumeInfo info, const DataLayout& layout);
+// Deflated or text samples: whole slices with z rising; a lower z starts again at the first sample
+// (Access::stream).
+std::unique_ptr<SampleSource> make_stream_source(VolumeInfo info, const DataLayout& layout);
+
 // Throws std::logic_error unless the box is not empty and inside the volume: a bug of the caller.
 void require_inside(const Box3& box, const VolumeInfo& info);
 

@@ -18,9 +18,9 @@ namespace {
 
 constexpr std::int64_t band_bytes = std::int64_t{1} << 20;
 
-class OverrideSource final : public SampleSource {
+class SourceWithInfo final : public SampleSource {
  public:
-  OverrideSource(std::shared_ptr<SampleSource> source, VolumeInfo info)
+  SourceWithInfo(std::shared_ptr<SampleSource> source, VolumeInfo info)
       : source_(std::move(source)), info_(std::move(info)) {}
   const VolumeInfo& info() const override { return info_; }
   void read(const Box3& box, std::byte* out) const override { source_->read(box, out); }
@@ -88,6 +88,29 @@ class CropSource final : public SampleSource {
   mutable std::vector<std::byte> band_;  // used by one thread at a time: access is not box
 };
 
+class EmptySource final : public RangedSource {
+ public:
+  explicit EmptySource(const VolumeGeometry& geometry) {
+    info_.format = "empty";
+    info_.type = SampleType::u8;
+    info_.geometry = geometry;
+    info_.access = Access::box;
+  }
+
+  const VolumeInfo& info() const override { return info_; }
+  void read(const Box3& box, std::byte* out) const override {
+    std::memset(out, 0, static_cast<std::size_t>(box.count()));
+  }
+  ValueRange range(const Box3&) const override {
+    ValueRange zero;
+    zero.empty = false;
+    return zero;
+  }
+
+ private:
+  VolumeInfo info_;
+};
+
 std::string text(Index3 v) {
   return fmt::format("({}, {}, {})", v.x, v.y, v.z);
 }
@@ -104,6 +127,11 @@ std::unique_ptr<SampleSource> crop_source(std::shared_ptr<SampleSource> source, 
   return std::make_unique<CropSource>(std::move(source), box);
 }
 
+std::unique_ptr<SampleSource> source_with_info(std::shared_ptr<SampleSource> source,
+                                               VolumeInfo info) {
+  return std::make_unique<SourceWithInfo>(std::move(source), std::move(info));
+}
+
 std::unique_ptr<SampleSource> override_source(std::shared_ptr<SampleSource> source,
                                               const GeometryOverrides& overrides) {
   VolumeInfo info = source->info();
@@ -116,7 +144,11 @@ std::unique_ptr<SampleSource> override_source(std::shared_ptr<SampleSource> sour
     info.geometry.spacing = s;
   }
   if (!overrides.unit.empty()) info.geometry.unit = canonical_unit(overrides.unit);
-  return std::make_unique<OverrideSource>(std::move(source), std::move(info));
+  return source_with_info(std::move(source), std::move(info));
+}
+
+std::unique_ptr<RangedSource> empty_source(const VolumeGeometry& geometry) {
+  return std::make_unique<EmptySource>(geometry);
 }
 
 }  // namespace voxweld

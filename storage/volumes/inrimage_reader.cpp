@@ -1,9 +1,8 @@
-#include "storage/volumes/inrimage_reader.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "storage/support/error.h"
@@ -11,6 +10,7 @@
 #include "storage/volumes/axes.h"
 #include "storage/volumes/data_layout.h"
 #include "storage/volumes/inflate_stream.h"
+#include "storage/volumes/readers.h"
 
 namespace voxweld {
 namespace {
@@ -86,22 +86,17 @@ SampleType inr_type(const HeaderFields& fields) {
   const auto bits =
       words.empty() || (words.size() > 1 && !bits_said) ? std::nullopt : parse_integer(words[0]);
   const HeaderField& type = fields.require("TYPE");
-  struct Known {
-    const char* name;
-    std::int64_t bits;
-    SampleType type;
-  };
-  constexpr Known all[] = {
+  constexpr std::tuple<const char*, std::int64_t, SampleType> all[] = {
       {"unsigned fixed", 8, SampleType::u8},   {"unsigned fixed", 16, SampleType::u16},
       {"unsigned fixed", 32, SampleType::u32}, {"unsigned fixed", 64, SampleType::u64},
       {"signed fixed", 8, SampleType::i8},     {"signed fixed", 16, SampleType::i16},
       {"signed fixed", 32, SampleType::i32},   {"signed fixed", 64, SampleType::i64},
       {"float", 32, SampleType::f32},          {"float", 64, SampleType::f64}};
   bool named = false;
-  for (const Known& known : all) {
-    if (type.value != known.name) continue;
+  for (const auto& [name, its_bits, its_type] : all) {
+    if (type.value != name) continue;
     named = true;
-    if (bits == known.bits) return known.type;
+    if (bits == its_bits) return its_type;
   }
   if (!named) fields.reject(type, "unsigned fixed, signed fixed or float");
   fields.reject(size, type.value == "float" ? "32 or 64 bits" : "8, 16, 32 or 64 bits");

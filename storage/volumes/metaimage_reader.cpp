@@ -1,5 +1,3 @@
-#include "storage/volumes/metaimage_reader.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include "storage/support/text_fields.h"
 #include "storage/volumes/axes.h"
 #include "storage/volumes/data_layout.h"
+#include "storage/volumes/readers.h"
 
 namespace voxweld {
 namespace {
@@ -144,21 +143,6 @@ void warn_scaled(const HeaderFields& fields, VolumeInfo& info) {
                       fields.where(*field), field->value));
 }
 
-// How many files share the samples when each holds the `within` fastest dimensions.
-std::int64_t expected_files(const HeaderFields& fields, const HeaderField& field,
-                            const std::vector<std::int64_t>& sizes, std::int64_t within) {
-  if (within < 1 || within >= static_cast<std::int64_t>(sizes.size()))
-    fields.fail(field,
-                fmt::format("{} dimensions a file: expected 1 to {}", within, sizes.size() - 1));
-  std::int64_t files = 1;
-  for (auto a = static_cast<std::size_t>(within); a < sizes.size(); ++a) {
-    if (files > max_files / sizes[a])
-      fields.fail(field, fmt::format("the sizes need more than {} files", max_files));
-    files *= sizes[a];
-  }
-  return files;
-}
-
 std::vector<std::string> data_names(const MetaText& text, const std::vector<std::int64_t>& sizes) {
   const HeaderFields& fields = text.fields;
   const HeaderField& field = fields.require("ElementDataFile");
@@ -174,7 +158,7 @@ std::vector<std::string> data_names(const MetaText& text, const std::vector<std:
       if (!number || words.size() > 2) fields.reject(field, "LIST and perhaps a dimension");
       within = *number;
     }
-    const std::int64_t expected = expected_files(fields, field, sizes, within);
+    const std::int64_t expected = expected_files(sizes, within, fields, field);
     if (static_cast<std::int64_t>(text.listed.size()) != expected)
       fields.fail(field, fmt::format("{} files are listed, DimSize needs {}", text.listed.size(),
                                      expected));
@@ -182,15 +166,15 @@ std::vector<std::string> data_names(const MetaText& text, const std::vector<std:
   }
   const bool pattern = words.size() >= 2 && words[0].find('%') != std::string::npos;
   if (!pattern) return {field.value};
-  std::array<std::int64_t, 3> numbers{1, expected_files(fields, field, sizes, within), 1};
+  const std::int64_t expected = expected_files(sizes, within, fields, field);
+  std::array<std::int64_t, 3> numbers{1, expected, 1};
   if (words.size() > 4) fields.reject(field, "a pattern and the numbers first, last and step");
   for (std::size_t i = 1; i < words.size(); ++i) {
     const auto number = parse_integer(words[i]);
     if (!number) fields.reject(field, "a pattern and the numbers first, last and step");
     numbers[i - 1] = *number;
   }
-  return expand_pattern({words[0], numbers[0], numbers[1], numbers[2]},
-                        expected_files(fields, field, sizes, within), fields, field);
+  return expand_pattern({words[0], numbers[0], numbers[1], numbers[2]}, expected, fields, field);
 }
 
 void read_header_size(const HeaderFields& fields, bool local, DataLayout& layout) {

@@ -37,7 +37,6 @@ std::string_view magic(std::span<const std::byte> bytes, std::size_t offset, std
 
 NiftiHeader parse_first(const Fields& fields) {
   NiftiHeader header;
-  header.version = 1;
   fields.array<std::int16_t>(40, header.dim);
   header.datatype = fields.at<std::int16_t>(70);
   header.bitpix = fields.at<std::int16_t>(72);
@@ -77,23 +76,23 @@ NiftiHeader parse_second(const Fields& fields) {
 
 std::optional<NiftiHeader> parse_nifti_header(std::span<const std::byte> bytes) {
   using namespace std::string_view_literals;
-  if (bytes.size() < nifti1_bytes) return std::nullopt;
-  if (const auto order = length_order(bytes, nifti1_bytes)) {
-    const std::string_view name = magic(bytes, 344, 4);
-    if (name != "n+1\0"sv && name != "ni1\0"sv) return std::nullopt;
-    NiftiHeader header = parse_first(Fields(bytes, *order));
+  // The line ends in the second magic show a transfer that rewrote them.
+  struct Version {
+    std::size_t bytes, magic_at;
+    std::string_view single, pair;
+    NiftiHeader (*parse)(const Fields&);
+  };
+  for (const Version& version :
+       {Version{nifti1_bytes, 344, "n+1\0"sv, "ni1\0"sv, parse_first},
+        Version{nifti2_bytes, 4, "n+2\0\r\n\x1a\n"sv, "ni2\0\r\n\x1a\n"sv, parse_second}}) {
+    if (bytes.size() < version.bytes) return std::nullopt;
+    const auto order = length_order(bytes, static_cast<std::int32_t>(version.bytes));
+    if (!order) continue;
+    const std::string_view name = magic(bytes, version.magic_at, version.single.size());
+    if (name != version.single && name != version.pair) return std::nullopt;
+    NiftiHeader header = version.parse(Fields(bytes, *order));
     header.byte_order = *order;
-    header.single_file = name[1] == '+';
-    return header;
-  }
-  if (bytes.size() < nifti2_bytes) return std::nullopt;
-  if (const auto order = length_order(bytes, nifti2_bytes)) {
-    const std::string_view name = magic(bytes, 4, 8);
-    // The line ends in the magic show a transfer that rewrote them.
-    if (name != "n+2\0\r\n\x1a\n"sv && name != "ni2\0\r\n\x1a\n"sv) return std::nullopt;
-    NiftiHeader header = parse_second(Fields(bytes, *order));
-    header.byte_order = *order;
-    header.single_file = name[1] == '+';
+    header.single_file = name == version.single;
     return header;
   }
   return std::nullopt;

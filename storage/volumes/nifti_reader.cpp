@@ -1,5 +1,3 @@
-#include "storage/volumes/nifti_reader.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,32 +14,25 @@
 #include "storage/volumes/data_layout.h"
 #include "storage/volumes/inflate_stream.h"
 #include "storage/volumes/nifti_header.h"
+#include "storage/volumes/readers.h"
 
 namespace voxweld {
 namespace {
 
-struct Datatype {
-  std::int32_t code;
-  SampleType type;
-};
-constexpr Datatype datatypes[] = {
+constexpr std::pair<std::int32_t, SampleType> datatypes[] = {
     {2, SampleType::u8},     {4, SampleType::i16},   {8, SampleType::i32},   {16, SampleType::f32},
     {64, SampleType::f64},   {256, SampleType::i8},  {512, SampleType::u16}, {768, SampleType::u32},
     {1024, SampleType::i64}, {1280, SampleType::u64}};
-struct RefusedDatatype {
-  std::int32_t code;
-  const char* name;
-};
-constexpr RefusedDatatype refused_datatypes[] = {
+constexpr std::pair<std::int32_t, const char*> refused_datatypes[] = {
     {1, "1-bit"},         {32, "complex64"},    {128, "RGB colour"},   {1536, "128-bit float"},
     {1792, "complex128"}, {2048, "complex256"}, {2304, "RGBA colour"}, {0, "unknown"}};
 
 SampleType nifti_type(const NiftiHeader& header, const std::string& path) {
-  for (const Datatype& known : datatypes)
-    if (known.code == header.datatype) return known.type;
+  for (const auto& [code, type] : datatypes)
+    if (code == header.datatype) return type;
   const char* name = "unknown";
-  for (const RefusedDatatype& refused : refused_datatypes)
-    if (refused.code == header.datatype) name = refused.name;
+  for (const auto& [code, refused] : refused_datatypes)
+    if (code == header.datatype) name = refused;
   throw FormatError(
       fmt::format("{}: datatype {} ({}): expected one integer or real number a sample: convert the "
                   "file first",
@@ -239,11 +230,6 @@ bool is_image_name(const std::string& extension) {
 bool is_header_name(const std::string& extension) {
   return extension == ".nii" || extension == ".nii.gz" || extension == ".hdr" ||
          extension == ".hdr.gz";
-}
-
-std::string name_extension(const std::filesystem::path& path) {
-  const std::string last = lower(path.extension().string());
-  return last == ".gz" ? lower(path.stem().extension().string()) + last : last;
 }
 
 Match test_nifti(const InputProbe& probe) {

@@ -1,5 +1,3 @@
-#include "storage/volumes/nrrd_reader.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 
 #include "storage/support/error.h"
 #include "storage/volumes/nrrd_header.h"
+#include "storage/volumes/readers.h"
 
 namespace voxweld {
 namespace {
@@ -57,23 +56,6 @@ std::endian nrrd_byte_order(const HeaderFields& fields, SampleType type, DataEnc
   fields.reject(field, "little or big");
 }
 
-// How many files share the samples when each holds the `within` fastest axes: one for each entry of
-// the others.
-std::int64_t expected_files(const HeaderFields& fields, const HeaderField& field,
-                            const NrrdAxes& axes, std::int64_t within) {
-  const auto dimension = static_cast<std::int64_t>(axes.sizes.size());
-  if (within < 1 || within >= dimension)
-    fields.fail(field,
-                fmt::format("{} dimensions a file: expected 1 to {}", within, dimension - 1));
-  std::int64_t files = 1;
-  for (auto a = static_cast<std::size_t>(within); a < axes.sizes.size(); ++a) {
-    if (files > max_files / axes.sizes[a])
-      fields.fail(field, fmt::format("the sizes need more than {} files", max_files));
-    files *= axes.sizes[a];
-  }
-  return files;
-}
-
 std::vector<std::string> pattern_names(const HeaderFields& fields, const HeaderField& field,
                                        const NrrdAxes& axes) {
   const std::vector<std::string> words = split_words(field.value);
@@ -88,7 +70,7 @@ std::vector<std::string> pattern_names(const HeaderFields& fields, const HeaderF
   const auto dimension = static_cast<std::int64_t>(axes.sizes.size());
   const std::int64_t within = numbers.size() == 4 ? numbers[3] : dimension - 1;
   return expand_pattern({words[0], numbers[0], numbers[1], numbers[2]},
-                        expected_files(fields, field, axes, within), fields, field);
+                        expected_files(axes.sizes, within, fields, field), fields, field);
 }
 
 std::vector<std::string> listed_names(const NrrdText& text, const HeaderField& field,
@@ -104,7 +86,7 @@ std::vector<std::string> listed_names(const NrrdText& text, const HeaderField& f
   } else if (words.size() > 2) {
     fields.reject(field, "LIST and perhaps a number of dimensions");
   }
-  const std::int64_t expected = expected_files(fields, field, axes, within);
+  const std::int64_t expected = expected_files(axes.sizes, within, fields, field);
   if (static_cast<std::int64_t>(text.listed.size()) != expected)
     fields.fail(
         field, fmt::format("{} files are listed, the sizes need {}", text.listed.size(), expected));

@@ -5,7 +5,7 @@
 
 #include "storage/support/byte_order.h"
 #include "storage/support/file_io.h"
-#include "storage/volumes/layout_sources.h"
+#include "storage/volumes/data_layout.h"
 
 namespace voxweld {
 namespace {

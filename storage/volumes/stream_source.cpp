@@ -10,8 +10,8 @@
 #include "storage/support/byte_order.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
+#include "storage/volumes/data_layout.h"
 #include "storage/volumes/inflate_stream.h"
-#include "storage/volumes/layout_sources.h"
 
 namespace voxweld {
 namespace {
@@ -30,24 +30,22 @@ class PartStream {
 
 class DeflatedPart final : public PartStream {
  public:
-  struct Options {
-    std::uint64_t bytes;  // of the part's samples
-    std::int64_t skip_bytes;
-    bool samples_at_end;
-    std::size_t width;
-    std::endian byte_order;
-  };
-
-  DeflatedPart(const DataLayout::Part& part, const Options& options)
-      : file_(part.path), stream_(file_, part.offset), options_(options) {
-    std::uint64_t skip = static_cast<std::uint64_t>(options.skip_bytes);
-    if (options.samples_at_end) skip = decoded_size(part.offset) - options.bytes;
+  // bytes: of the part's samples; width: of one.
+  DeflatedPart(const DataLayout::Part& part, const DataLayout& layout, std::uint64_t bytes,
+               std::size_t width)
+      : file_(part.path),
+        stream_(file_, part.offset),
+        byte_order_(layout.byte_order),
+        bytes_(bytes),
+        width_(width) {
+    std::uint64_t skip = static_cast<std::uint64_t>(layout.skip_bytes);
+    if (layout.samples_at_end) skip = decoded_size(part.offset) - bytes;
     discard(skip);
   }
 
   void read(std::span<std::byte> out) override {
     if (stream_.read_some(out) < out.size()) fail_short(stream_.decoded());
-    to_native(out.data(), out.size() / options_.width, options_.width, options_.byte_order);
+    to_native(out.data(), out.size() / width_, width_, byte_order_);
   }
 
   // The checksum stands at the end of the stream. Bytes beyond the samples are let pass.
@@ -62,7 +60,7 @@ class DeflatedPart final : public PartStream {
     throw FormatError(
         fmt::format("{}: the compressed stream ends after {} decoded bytes, {} of samples were "
                     "announced: correct the sizes or get a complete copy",
-                    file_.path(), decoded, options_.bytes));
+                    file_.path(), decoded, bytes_));
   }
 
   // A pass over the whole stream: there is no other way to know where its last bytes start.
@@ -71,7 +69,7 @@ class DeflatedPart final : public PartStream {
     std::vector<std::byte> block(block_bytes);
     while (pass.read_some(block) > 0) {
     }
-    if (pass.decoded() < options_.bytes) fail_short(pass.decoded());
+    if (pass.decoded() < bytes_) fail_short(pass.decoded());
     return pass.decoded();
   }
 
@@ -86,7 +84,9 @@ class DeflatedPart final : public PartStream {
 
   ReadFile file_;
   InflateStream stream_;
-  Options options_;
+  std::endian byte_order_;
+  std::uint64_t bytes_;
+  std::size_t width_;
 };
 
 class TextPart final : public PartStream {
@@ -215,12 +215,7 @@ class StreamSource final : public SampleSource {
     if (layout_.encoding == DataEncoding::text)
       return std::make_unique<TextPart>(part, static_cast<std::uint64_t>(layout_.skip_bytes),
                                         info_.type);
-    return std::make_unique<DeflatedPart>(
-        part, DeflatedPart::Options{.bytes = part_bytes_,
-                                    .skip_bytes = layout_.skip_bytes,
-                                    .samples_at_end = layout_.samples_at_end,
-                                    .width = width_,
-                                    .byte_order = layout_.byte_order});
+    return std::make_unique<DeflatedPart>(part, layout_, part_bytes_, width_);
   }
 
   VolumeInfo info_;

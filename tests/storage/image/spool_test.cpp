@@ -222,7 +222,7 @@ TEST(Spool, OfAStackEqualsTheStack) {
     pages.back().strip_rows = 7;
   }
   testing::write_tiff(directory / "a.tif", pages);
-  const auto source = open_stack({(directory / "a.tif").string(), {}, {}});
+  const auto source = open_stack({(directory / "a.tif").string()});
   SpoolOptions options;
   options.memory = spool_memory_needed(source->info()) + 4 * 160;
   spool_volume(*source, directory / "s.raw", key, options);

@@ -119,7 +119,7 @@ TEST(RealStacks, EveryFileOpensOrIsRefused) {
        std::filesystem::recursive_directory_iterator(testing::shared_data("tiff/image_tiff"))) {
     if (!entry.is_regular_file()) continue;
     try {
-      const auto source = open_stack({entry.path().string(), {}, {}});
+      const auto source = open_stack({entry.path().string()});
       const VolumeInfo& info = source->info();
       std::vector<std::byte> out(
           static_cast<std::size_t>(info.geometry.size.x * info.geometry.size.y *

@@ -44,7 +44,7 @@ void expect_samples(const SampleSource& source, const Box3& box) {
 
 std::string stack_refusal(const std::filesystem::path& path) {
   try {
-    open_stack({path.string(), {}, {}});
+    open_stack({path.string()});
   } catch (const Error& error) {
     EXPECT_EQ(error.exit_code(), 2);
     return error.what();
@@ -63,7 +63,7 @@ class Stack : public ::testing::Test {
 
 TEST_F(Stack, OfADirectory) {
   write_slices(12);
-  const auto source = open_stack({directory_.path().string(), {}, {}});
+  const auto source = open_stack({directory_.path().string()});
   const VolumeInfo& info = source->info();
   EXPECT_EQ(info.format, "stack");
   EXPECT_EQ(info.type, SampleType::u16);
@@ -81,7 +81,8 @@ TEST_F(Stack, OfADirectory) {
 TEST_F(Stack, OfAPattern) {
   write_slices(12);
   write_png(directory_ / "preview.png", {1, 1, 1}, std::vector<std::byte>(1));
-  const auto source = open_stack({(directory_ / "slice?.tif").string(), Vec3{1, 1, 2}, "mm"});
+  const auto source = open_stack(
+      {.path = (directory_ / "slice?.tif").string(), .spacing = Vec3{1, 1, 2}, .unit = "mm"});
   EXPECT_EQ(source->info().geometry.size.z, 10);
   EXPECT_EQ(source->info().geometry.spacing, (Vec3{1, 1, 2}));
   EXPECT_EQ(source->info().geometry.unit, "mm");
@@ -95,7 +96,7 @@ TEST_F(Stack, OfOneMultiPageFile) {
     pages[0].description = "ImageJ=1.53t\nimages=9\nslices=9\nunit=mm\nspacing=0.5\n";
     pages[0].resolution = 10;
     write_tiff(directory_ / "a.tif", pages, big);
-    const auto source = open_stack({(directory_ / "a.tif").string(), {}, {}});
+    const auto source = open_stack({(directory_ / "a.tif").string()});
     EXPECT_EQ(source->info().geometry.size, (Index3{4, 3, 9}));
     EXPECT_EQ(source->info().geometry.unit, "mm");
     EXPECT_DOUBLE_EQ(source->info().geometry.spacing.x, 0.1);
@@ -108,7 +109,7 @@ TEST_F(Stack, OfOneMultiPageFile) {
 
 TEST_F(Stack, OfASingleImage) {
   write_tiff(directory_ / "a.tif", {slice(4, 3, 0)});
-  const auto source = open_stack({(directory_ / "a.tif").string(), {}, {}});
+  const auto source = open_stack({(directory_ / "a.tif").string()});
   EXPECT_EQ(source->info().geometry.size, (Index3{4, 3, 1}));
   expect_samples(*source, {{0, 0, 0}, {4, 3, 1}});
 }
@@ -118,7 +119,7 @@ TEST_F(Stack, OfGreyPngs) {
     const std::vector<std::byte> pixels(6, static_cast<std::byte>(z + 1));
     write_png(directory_ / fmt::format("{}.png", z), {3, 2, 1}, pixels);
   }
-  const auto source = open_stack({directory_.path().string(), {}, {}});
+  const auto source = open_stack({directory_.path().string()});
   EXPECT_EQ(source->info().type, SampleType::u8);
   std::vector<std::byte> out(18);
   source->read({{0, 0, 0}, {3, 2, 3}}, out.data());
@@ -131,10 +132,10 @@ TEST_F(Stack, ReadsMoreSlicesThanDescriptors) {
   ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &limit), 0);
   const rlimit saved = limit;
   // Loads the module first: it opens libraries.
-  open_stack({(directory_ / "slice1.tif").string(), {}, {}});
+  open_stack({(directory_ / "slice1.tif").string()});
   limit.rlim_cur = 24;
   ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &limit), 0);
-  const auto source = open_stack({directory_.path().string(), {}, {}});
+  const auto source = open_stack({directory_.path().string()});
   expect_samples(*source, {{0, 0, 0}, {6, 5, 40}});
   ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &saved), 0);
 }
@@ -179,7 +180,7 @@ TEST_F(Stack, NamesDamagedAndMissingSlices) {
 
 TEST_F(Stack, NoticesAFileThatChangesUnderWay) {
   write_slices(5);
-  const auto source = open_stack({directory_.path().string(), {}, {}});
+  const auto source = open_stack({directory_.path().string()});
   write_tiff(directory_ / "slice3.tif", {slice(6, 5, 3), slice(6, 5, 4)});
   std::vector<std::byte> out(60);
   EXPECT_THROW(source->read({{0, 0, 3}, {6, 5, 4}}, out.data()), FormatError);
@@ -191,7 +192,7 @@ TEST_F(Stack, WarnsOfWhatItIgnores) {
   page.orientation = 3;
   page.photometric = 0;
   write_tiff(directory_ / "a.tif", {page});
-  const auto source = open_stack({(directory_ / "a.tif").string(), {}, {}});
+  const auto source = open_stack({(directory_ / "a.tif").string()});
   EXPECT_THAT(source->info().warnings,
               ::testing::UnorderedElementsAre(HasSubstr("orientation tag (3)"),
                                               HasSubstr("white as zero")));

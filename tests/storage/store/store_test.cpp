@@ -11,7 +11,7 @@
 #include "storage/store/open_zarr.h"
 #include "storage/store/store_source.h"
 #include "storage/support/error.h"
-#include "storage/types/value_range.h"
+#include "storage/types/volume.h"
 #include "tests/storage/store/memory_source.h"
 #include "tests/support/error_text.h"
 #include "tests/support/temp_directory.h"

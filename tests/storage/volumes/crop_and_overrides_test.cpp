@@ -1,4 +1,3 @@
-#include "storage/volumes/dense_source.h"
 #include "storage/volumes/filters.h"
 #include "tests/storage/volumes/known_volume.h"
 
@@ -8,9 +7,12 @@ namespace {
 // A source of any access over known samples, which checks that it is read as that access demands.
 class StrictSource final : public SampleSource {
  public:
-  StrictSource(const KnownVolume& volume, Access access) : volume_(volume) {
+  StrictSource(const KnownVolume& volume, Access access)
+      : StrictSource(volume, access, geometry_of(volume.size)) {}
+  StrictSource(const KnownVolume& volume, Access access, const VolumeGeometry& geometry)
+      : volume_(volume) {
     info_.type = volume.type;
-    info_.geometry.size = volume.size;
+    info_.geometry = geometry;
     info_.access = access;
     info_.largest_decode = 1000;
   }
@@ -56,19 +58,11 @@ TEST(Crop, KeepsThePlaceInTheWorld) {
   geometry.spacing = {2, 3, 4};
   geometry.origin = {100, 200, 300};
   geometry.direction = {Vec3{0, 1, 0}, Vec3{-1, 0, 0}, Vec3{0, 0, 1}};
-  const auto dense = std::make_shared<DenseSource>(volume.type, geometry, volume.samples);
-  const auto crop = crop_source(dense, {{1, 2, 3}, {5, 6, 7}});
+  const auto source = std::make_shared<StrictSource>(volume, Access::box, geometry);
+  const auto crop = crop_source(source, {{1, 2, 3}, {5, 6, 7}});
   EXPECT_EQ(crop->info().geometry.origin, (Vec3{100 - 6, 200 + 2, 300 + 12}));
   EXPECT_EQ(crop->info().geometry.size, (Index3{4, 4, 4}));
   EXPECT_EQ(crop->info().geometry.spacing, geometry.spacing);
-}
-
-TEST(Dense, BoxesAndBadSizes) {
-  for (const SampleType type : all_types) {
-    const KnownVolume volume = make_volume(type, {9, 8, 7});
-    expect_volume(DenseSource(type, geometry_of(volume.size), volume.samples), volume);
-    EXPECT_THROW(DenseSource(type, geometry_of({9, 8, 6}), volume.samples), InputError);
-  }
 }
 
 }  // namespace

@@ -1,5 +1,3 @@
-#include "storage/volumes/raw_reader.h"
-
 #include <fmt/format.h>
 
 #include <atomic>
@@ -147,22 +145,20 @@ TEST(Raw, ReadingOutsideIsABug) {
   EXPECT_THROW(source->read({{1, 1, 1}, {1, 2, 2}}, out), std::logic_error);
 }
 
-TEST(Raw, LayoutSetsGeometry) {
+TEST(Raw, TheSpecSetsGeometry) {
   const TempDirectory directory;
   const KnownVolume volume = make_volume(SampleType::u8, {4, 3, 2});
-  RawLayout layout;
-  layout.path = write_file(directory / "a.raw", volume.stored());
-  layout.size = volume.size;
-  layout.spacing = {1, 2, 3};
-  layout.unit = "micrometers";
-  const VolumeInfo info = open_raw(layout)->info();
+  InputSpec spec = raw_spec(write_file(directory / "a.raw", volume.stored()), volume);
+  spec.spacing = Vec3{1, 2, 3};
+  spec.unit = "micrometers";
+  const VolumeInfo info = open_volume(spec)->info();
   EXPECT_EQ(info.geometry.spacing, (Vec3{1, 2, 3}));
   EXPECT_EQ(info.geometry.unit, "um");
   ASSERT_EQ(info.files.size(), 1U);
   EXPECT_EQ(info.files[0].size, 24U);
   EXPECT_NE(info.files[0].mtime_ns, 0);
-  layout.spacing.y = 0;
-  EXPECT_THROW(open_raw(layout), InputError);
+  spec.spacing->y = 0;
+  EXPECT_THROW(open_volume(spec), InputError);
 }
 
 }  // namespace
