@@ -3,8 +3,8 @@
 #include "pipeline/cli/command_text.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/run_context.h"
+#include "pipeline/run/report_task.h"
 #include "pipeline/run/run.h"
-#include "pipeline/run/task_report.h"
 #include "pipeline/stage/stage_work.h"
 
 namespace voxweld {

@@ -4,7 +4,7 @@
 //   name        the job's name, unique; written before it is submitted
 //   job         the id Slurm gave it; missing when the submission was cut short, also when whoever
 //               submitted it died before writing it: then Slurm knows the job by its name
-//   logs/       <array job>_<task>.log     reports/   <task>.json (pipeline/run/task_report.h)
+//   logs/       <array job>_<task>.log     reports/   <task>.json (storage/manifest/task_report.h)
 #pragma once
 
 #include <cstdint>

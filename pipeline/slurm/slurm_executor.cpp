@@ -266,9 +266,9 @@ class StageOnSlurm {
           report = read_task_report(path);
         }
         if (!report) continue;
-        options_.elsewhere->cpu_s += report->figures.cpu_s;
+        options_.elsewhere->cpu_s += report->cpu_s;
         options_.elsewhere->peak_resident =
-            std::max(options_.elsewhere->peak_resident, report->figures.peak_resident);
+            std::max(options_.elsewhere->peak_resident, report->peak_resident);
       }
   }
 

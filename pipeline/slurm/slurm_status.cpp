@@ -8,8 +8,8 @@
 #include <set>
 
 #include "pipeline/run/stages.h"
-#include "pipeline/run/task_report.h"
 #include "pipeline/slurm/task_plan.h"
+#include "storage/manifest/task_report.h"
 #include "storage/support/error.h"
 
 namespace voxweld {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/run/task_report.h"
+#include "storage/manifest/task_report.h"
 
 namespace voxweld {
 namespace {
@@ -37,7 +37,7 @@ double seconds_per_weight(const fs::path& folder, StageName stage, std::span<con
         const auto report = read_task_report(file.path());
         if (!report || report->units == 0) continue;
         // Waiting for the file system takes the slot's time too.
-        busy_s += std::max(report->figures.cpu_s, report->figures.wall_s * cpus);
+        busy_s += std::max(report->cpu_s, report->wall_s * cpus);
         done += report->units;
         ++read;
       }

@@ -12,8 +12,8 @@
 
 #include "pipeline/executor/error_set.h"
 #include "pipeline/executor/executor.h"
-#include "pipeline/run/task_report.h"
 #include "pipeline/slurm/array_folder.h"
+#include "storage/manifest/task_report.h"
 
 namespace voxweld {
 

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/run/task_report.h"
 #include "pipeline/slurm/batch_script.h"
 #include "pipeline/slurm/queued_tasks.h"
 #include "pipeline/slurm/task_cost.h"
 #include "pipeline/slurm/task_plan.h"
+#include "storage/manifest/task_report.h"
 #include "storage/spool/spool.h"
 
 namespace voxweld {
@@ -58,8 +58,8 @@ void add_used(const Config& config, WorkPlan& plan) {
       ++plan.tasks_reported;
       for (PlannedStage& stage : plan.stages)
         if (report->stage == stage_name(stage.stage)) {
-          stage.used_cpu_s += report->figures.cpu_s;
-          stage.used_peak_bytes = std::max(stage.used_peak_bytes, report->figures.peak_resident);
+          stage.used_cpu_s += report->cpu_s;
+          stage.used_peak_bytes = std::max(stage.used_peak_bytes, report->peak_resident);
         }
     }
   }

@@ -81,12 +81,16 @@ struct Box3 {
   friend constexpr bool operator==(const Box3&, const Box3&) = default;
 };
 
-// f(p) of each, x fastest.
+// f(p) of each, x fastest; of a size: of the box from 0 on.
 template <class F>
 constexpr void each_index(const Box3& box, F&& f) {
   for (Index3 p = box.lo; p.z < box.hi.z; ++p.z)
     for (p.y = box.lo.y; p.y < box.hi.y; ++p.y)
       for (p.x = box.lo.x; p.x < box.hi.x; ++p.x) f(p);
+}
+template <class F>
+constexpr void each_index(Index3 size, F&& f) {
+  each_index(Box3{{}, size}, f);
 }
 // Of a grid of pieces of that size from 0 on, those that the box has a part in. Precondition: not
 // empty, nothing below 0.

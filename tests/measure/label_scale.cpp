@@ -160,7 +160,7 @@ int run(const std::string& folder, std::uint64_t labels, std::int64_t side) {
     listing.tiles.push_back({{}, plan->path(folder + "/encode", i, ".record")});
   timed("encode: note the names", [&] {
     FileNames names(folder);
-    begin_output(listing.output, {}, names, [&](FileNames& all) {
+    begin_output(listing.output, {{}, {}}, names, [&](FileNames& all) {
       for (std::uint64_t i = 0; i < plan->size(); ++i)
         for (const PlannedMesh& mesh : plan->meshes(i))
           for (const char* ending : {".drc", ".glb"}) all.add(mesh.stem + ending);

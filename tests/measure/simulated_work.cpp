@@ -12,7 +12,7 @@
 namespace voxweld {
 namespace {
 
-constexpr std::size_t ingest = 0, build = 1, merge = 2, stitch = 3, encode = 4;
+constexpr std::size_t ingest = 0, build = 1, merge_number = 2, stitch = 3, encode = 4;
 constexpr std::int64_t shard_samples = 256;
 
 MeasuredUnit unit_of(const nlohmann::json& entry) {
@@ -149,17 +149,17 @@ class Drawing {
     MeasuredUnit unit;
     double shards = 0;
     for (const WorkMix::Source& source : mix_.sources)
-      if (source.share > 0 && !source.costs.units[merge].empty()) {
-        unit.cpu_s += source.costs.units[merge].front().cpu_s;
-        unit.read_bytes += source.costs.units[merge].front().read_bytes;
-        unit.written_bytes += source.costs.units[merge].front().written_bytes;
+      if (source.share > 0 && !source.costs.units[merge_number].empty()) {
+        unit.cpu_s += source.costs.units[merge_number].front().cpu_s;
+        unit.read_bytes += source.costs.units[merge_number].front().read_bytes;
+        unit.written_bytes += source.costs.units[merge_number].front().written_bytes;
         shards += source.costs.shards;
       }
     const double scale = shards > 0 ? work_.shards / shards : 0;
     unit.cpu_s *= scale, unit.read_bytes *= scale, unit.written_bytes *= scale;
     unit.files = 1;
-    work_.stages[merge].units.push_back({0, {}, 1, 0});
-    work_.stages[merge].costs.push_back(unit);
+    work_.stages[merge_number].units.push_back({0, {}, 1, 0});
+    work_.stages[merge_number].costs.push_back(unit);
   }
 
   const WorkMix& mix_;
@@ -188,7 +188,7 @@ MeasuredCosts read_costs(const std::string& path) {
       costs.units[s].push_back(unit_of(entry));
     fill_trips(costs.units[s]);
     for (MeasuredUnit& unit : costs.units[s])
-      unit = beyond(unit, costs.empty_task[s == merge ? build : s]);
+      unit = beyond(unit, costs.empty_task[s == merge_number ? build : s]);
   }
   return costs;
 }

@@ -3,7 +3,7 @@
 #include "storage/support/file_io.h"
 #include "tests/paper/glyph_outline.h"
 #include "tests/paper/models.h"
-#include "tests/support/each_index.h"
+#include "tests/support/lattice_place.h"
 
 namespace voxweld::paper {
 namespace {
@@ -51,7 +51,7 @@ void write_labels(const Scene& scene, const std::vector<Side>& sides) {
   std::string text = "NRRD0004\n# labels: 1 cube, 2 and 3 characters\ntype: uint8\ndimension: 3\n";
   text += "sizes: " + std::to_string(n) + " " + std::to_string(n) + " " + std::to_string(n) + "\n";
   text += "spacings: 1 1 1\nencoding: raw\n\n";
-  testing::each_index(splat(n), [&](Index3 s) {
+  each_index(splat(n), [&](Index3 s) {
     text += static_cast<char>(label_at(sides, scene.unplace(testing::as_vec3(s))));
   });
   write_whole_file(scene.folder() / "cube.nrrd", as_bytes(text), Durability::rename_only);

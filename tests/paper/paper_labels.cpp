@@ -11,6 +11,7 @@
 #include "tests/paper/surface_net.h"
 #include "tests/paper/true_surface.h"
 #include "tests/support/contour_in_memory.h"
+#include "tests/support/lattice_place.h"
 
 namespace {
 

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "tests/support/contour_in_memory.h"
+#include "tests/support/lattice_place.h"
 #include "tests/support/mesh_check.h"
 #include "tests/support/reference_dual.h"
 #include "tests/support/sign_grid.h"
@@ -185,7 +186,7 @@ TEST(Contour, OpenBordersLackThePolygonsOfTheRingAlone) {
   EXPECT_TRUE(std::includes(closed.begin(), closed.end(), open.begin(), open.end()));
   std::size_t inner = 0;
   const auto grid = signs(volume, 128);
-  testing::each_index({splat(1), volume.size + splat(1)}, [&](Index3 at) {
+  each_index({splat(1), volume.size + splat(1)}, [&](Index3 at) {
     for (int axis = 0; axis < 3; ++axis) {
       Index3 next = at;
       ++next[axis];

@@ -10,7 +10,6 @@
 #include <sstream>
 
 #include "stages/build/material_block.h"
-#include "tests/support/each_index.h"
 
 namespace voxweld {
 namespace {
@@ -36,7 +35,7 @@ Labels random_labels(Index3 size, std::uint32_t labels, double noise, unsigned s
                        static_cast<std::int64_t>(one(random) * static_cast<double>(size.y)),
                        static_cast<std::int64_t>(one(random) * static_cast<double>(size.z))});
   Labels out{size, {}};
-  testing::each_index(size, [&](Index3 at) {
+  each_index(size, [&](Index3 at) {
     std::uint32_t nearest = 0;
     std::int64_t best = INT64_MAX;
     for (std::uint32_t i = 0; i < labels; ++i) {
@@ -129,10 +128,9 @@ RC_GTEST_PROP(LabelExtents, GiveTheBytesOfTheWholeBrickOfAnyNoise, (const unsign
   Windows w;
   const int level = 4 + below(2);
   const std::int64_t side = std::int64_t{1} << level;
-  testing::each_index(Index3{size.x / side + 1, size.y / side + 1, size.z / side + 1},
-                      [&](Index3 at) {
-                        expect_same(volume, {at * side, level}, {}, w);
-                      });
+  each_index(Index3{size.x / side + 1, size.y / side + 1, size.z / side + 1}, [&](Index3 at) {
+    expect_same(volume, {at * side, level}, {}, w);
+  });
   RC_ASSERT(!::testing::Test::HasFailure());
 }
 

@@ -8,7 +8,7 @@
 
 #include "stages/build/hermite.h"
 #include "stages/solids/solid.h"
-#include "tests/support/each_index.h"
+#include "tests/support/lattice_place.h"
 
 namespace voxweld {
 namespace {
@@ -19,7 +19,7 @@ struct Voxels {
   std::vector<std::uint16_t> labels;
 
   Voxels(const Solid& solid, std::int64_t side) : size(splat(side)) {
-    testing::each_index(
+    each_index(
         size, [&](Index3 s) { labels.push_back(solid_holds(solid, testing::as_vec3(s)) ? 7 : 3); });
   }
   HaloBlock block() const {
@@ -73,7 +73,7 @@ class Measured {
   Errors sum(F&& edge_of) const {
     Errors errors;
     for (int axis = 0; axis < 3; ++axis)
-      testing::each_index({splat(1), splat(side_ - 1)}, [&](Index3 at) {
+      each_index({splat(1), splat(side_ - 1)}, [&](Index3 at) {
         Index3 next = at;
         ++next[axis];
         if (inside(at) == inside(next)) return;

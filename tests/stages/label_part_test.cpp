@@ -8,7 +8,6 @@
 
 #include "stages/build/label_bricks.h"
 #include "stages/build/label_edits.h"
-#include "tests/support/each_index.h"
 
 namespace voxweld {
 namespace {
@@ -62,7 +61,7 @@ struct Volume {
 Volume random_volume(Random& random) {
   Volume volume{{5 + random.below(40), 5 + random.below(40), 5 + random.below(40)}, {}};
   const int across = 3 + random.below(20);
-  testing::each_index(volume.size, [&](Index3 s) {
+  each_index(volume.size, [&](Index3 s) {
     volume.samples.push_back(static_cast<std::uint8_t>(
         random.below(30) == 0 ? random.below(5) : (s.x / across + s.y / 9 + 2 * (s.z / 13)) % 5));
   });
@@ -141,7 +140,7 @@ RC_GTEST_PROP(LabelPart, HasTheSidesOfAllLabelsAtOnce, (const unsigned seed)) {
   ContourParameters parameters;
   parameters.spacing = {1, 0.9, 1.3};
   const Index3 bricks{volume.size.x / 16 + 1, volume.size.y / 16 + 1, volume.size.z / 16 + 1};
-  testing::each_index(bricks, [&](Index3 at) {
+  each_index(bricks, [&](Index3 at) {
     expect_same_sides(volume, {at * 16, 4}, edits, parameters);
   });
   RC_ASSERT(!::testing::Test::HasFailure());

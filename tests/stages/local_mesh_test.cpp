@@ -10,7 +10,6 @@
 namespace voxweld {
 namespace {
 
-using testing::each_index;
 using testing::Sides;
 using testing::sides_of;
 

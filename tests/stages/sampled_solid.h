@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "stages/solids/mesh_solid.h"
-#include "tests/support/each_index.h"
 #include "tests/support/triangle_meshes.h"
 
 namespace voxweld::testing {

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "tests/support/label_cases.h"
+#include "tests/support/lattice_place.h"
 #include "tests/support/mesh_check.h"
 
 namespace voxweld {

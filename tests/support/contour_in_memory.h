@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "stages/whole/contour_volume.h"
-#include "tests/support/each_index.h"
 
 namespace voxweld::testing {
 

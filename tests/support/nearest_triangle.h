@@ -4,7 +4,6 @@
 #include <limits>
 #include <unordered_map>
 
-#include "tests/support/each_index.h"
 #include "tests/support/triangle_meshes.h"
 
 namespace voxweld::testing {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "tests/support/each_index.h"
-
 namespace voxweld::testing {
 namespace {
 

@@ -1,5 +1,4 @@
 #include "tests/support/sign_grid.h"
-#include "tests/support/each_index.h"
 
 namespace voxweld::testing {
 

@@ -7,6 +7,7 @@
 #include "storage/manifest/manifest.h"
 #include "storage/support/file_io.h"
 #include "storage/support/hash.h"
+#include "tests/support/lattice_place.h"
 
 namespace voxweld::testing {
 

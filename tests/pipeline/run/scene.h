@@ -15,7 +15,6 @@
 #include "storage/types/box.h"
 #include "storage/types/sample_type.h"
 #include "tests/pipeline/run/program.h"
-#include "tests/support/each_index.h"
 #include "tests/support/temp_directory.h"
 
 namespace voxweld::testing {

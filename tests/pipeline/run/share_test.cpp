@@ -2,8 +2,8 @@
 #include <fstream>
 #include <thread>
 
-#include "pipeline/run/task_report.h"
 #include "storage/artifact/shard_artifact.h"
+#include "storage/manifest/task_report.h"
 #include "storage/support/error.h"
 #include "tests/pipeline/run/scene.h"
 
@@ -120,7 +120,7 @@ TEST(Share, ReportsHowItWent) {
   EXPECT_EQ(report->stage, "build");
   EXPECT_EQ(report->units, 4u);
   EXPECT_EQ(report->exit_code, 0);
-  EXPECT_GT(report->figures.peak_resident, 1u << 20);
+  EXPECT_GT(report->peak_resident, 1u << 20);
   EXPECT_NE(report->provenance.find("\"host\""), std::string::npos);
 
   std::filesystem::resize_file(scene.volume(), std::filesystem::file_size(scene.volume()) / 2);

@@ -16,7 +16,6 @@
 #include "stages/solids/mesh_solid.h"
 #include "storage/support/error.h"
 #include "tests/pipeline/solids/mesh_formats.h"
-#include "tests/support/each_index.h"
 #include "tests/support/error_text.h"
 #include "tests/support/temp_directory.h"
 #include "tests/support/triangle_meshes.h"

@@ -9,7 +9,7 @@
 #include "stages/build/label_bricks.h"
 #include "storage/types/material.h"
 #include "tests/support/allocation_count.h"
-#include "tests/support/each_index.h"
+#include "tests/support/lattice_place.h"
 
 namespace voxweld {
 namespace {
@@ -31,7 +31,7 @@ struct Samples {
 
 Samples sampled(const Field& field) {
   Samples samples;
-  testing::each_index(splat(side), [&](Index3 s) {
+  each_index(splat(side), [&](Index3 s) {
     const Vec3 at = testing::as_vec3(s);
     samples.values.push_back(static_cast<std::uint16_t>(30000 + 20000 * field(at.x, at.y, at.z)));
   });

@@ -11,7 +11,6 @@
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "tests/storage/image/tiff_writer.h"
-#include "tests/support/each_index.h"
 #include "tests/support/error_text.h"
 #include "tests/support/temp_directory.h"
 
@@ -46,7 +45,7 @@ class CountingSource final : public SampleSource {
     rows_read += box.size().y * box.size().z;
     largest_read = std::max(largest_read, box.count() * 2);
     auto* samples = reinterpret_cast<std::uint16_t*>(out);
-    testing::each_index(box, [&](Index3 at) { *samples++ = value(at); });
+    each_index(box, [&](Index3 at) { *samples++ = value(at); });
   }
   std::uint16_t value(Index3 at) const {
     const Index3 size = info_.geometry.size;
@@ -62,7 +61,7 @@ void expect_box(const SampleSource& spool, const CountingSource& source, const B
   std::vector<std::uint16_t> samples(static_cast<std::size_t>(box.count()));
   spool.read(box, reinterpret_cast<std::byte*>(samples.data()));
   std::vector<std::uint16_t> expected;
-  testing::each_index(box, [&](Index3 at) { expected.push_back(source.value(at)); });
+  each_index(box, [&](Index3 at) { expected.push_back(source.value(at)); });
   ASSERT_EQ(samples, expected);
 }
 

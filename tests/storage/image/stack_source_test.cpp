@@ -11,7 +11,6 @@
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "tests/storage/image/tiff_writer.h"
-#include "tests/support/each_index.h"
 #include "tests/support/temp_directory.h"
 
 namespace voxweld {
@@ -38,7 +37,7 @@ void expect_samples(const SampleSource& source, const Box3& box) {
   std::vector<std::uint16_t> samples(static_cast<std::size_t>(box.count()));
   source.read(box, reinterpret_cast<std::byte*>(samples.data()));
   std::vector<std::uint16_t> expected;
-  testing::each_index(box, [&](Index3 at) { expected.push_back(sample_at(at.x, at.y, at.z)); });
+  each_index(box, [&](Index3 at) { expected.push_back(sample_at(at.x, at.y, at.z)); });
   ASSERT_EQ(samples, expected);
 }
 

@@ -20,7 +20,7 @@ using testing::write_store;
 // Smooth enough to compress, and with an empty chunk.
 MemorySource small_source() {
   MemorySource source(SampleType::u16, {14, 8, 8});
-  testing::each_index(splat(8), [&](Index3 at) {
+  each_index(splat(8), [&](Index3 at) {
     source.set(at, static_cast<std::uint16_t>(at.x * 5 + at.y * 3 + at.z));
   });
   return source;

@@ -8,7 +8,6 @@
 #include "stages/ingest/statistics.h"
 #include "storage/store/shard_writer.h"
 #include "storage/types/volume.h"
-#include "tests/support/each_index.h"
 
 namespace voxweld::testing {
 

@@ -2,12 +2,11 @@
 // renamed into place. A task without a report was killed, or its node is gone.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "pipeline/stage/context.h"
 
 namespace voxweld {
 
@@ -21,15 +20,14 @@ struct TaskFailure {
 struct TaskReport {
   std::string stage;
   std::uint64_t units = 0;  // those it made
-  StageFigures figures;
+  double wall_s = 0;
+  double cpu_s = 0;                 // of all its threads
+  std::uint64_t peak_resident = 0;  // bytes
   int exit_code = 0;
   std::vector<TaskFailure> failures;  // none when it did all
   std::string provenance;
 };
 
-// error: what ended it, or null.
-TaskReport task_report(const RunContext& context, const std::string& stage,
-                       const std::exception* error);
 void write_task_report(const std::filesystem::path& path, const TaskReport& report);
 // Nothing when there is none, or not a whole one.
 std::optional<TaskReport> read_task_report(const std::filesystem::path& path);

@@ -1,30 +1,12 @@
-#include "pipeline/run/task_report.h"
+#include "storage/manifest/task_report.h"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/executor/error_set.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
-#include "storage/support/provenance.h"
 
 namespace voxweld {
-
 namespace {
-
-std::vector<TaskFailure> failures_of(const std::exception& error) {
-  std::vector<TaskFailure> failures;
-  if (const auto* set = dynamic_cast<const ErrorSet*>(&error)) {
-    for (const UnitError& e : set->errors())
-      failures.push_back({e.interrupted ? std::nullopt : std::optional(e.key), e.message,
-                          e.exit_code, e.damaged_path});
-    return failures;
-  }
-  const auto* own = dynamic_cast<const Error*>(&error);
-  const auto* damage = dynamic_cast<const DamagedArtifact*>(&error);
-  return {{std::nullopt, error.what(), own != nullptr ? own->exit_code() : 1,
-           damage != nullptr ? damage->path() : ""}};
-}
 
 nlohmann::json to_json(const TaskFailure& failure) {
   nlohmann::json out = {{"message", failure.message}, {"exit_code", failure.exit_code}};
@@ -44,34 +26,15 @@ TaskFailure failure_of(const nlohmann::json& document) {
 
 }  // namespace
 
-TaskReport task_report(const RunContext& context, const std::string& stage,
-                       const std::exception* error) {
-  TaskReport task;
-  if (error != nullptr) {
-    const auto* own = dynamic_cast<const Error*>(error);
-    task.exit_code = own != nullptr ? own->exit_code() : 1;
-    task.failures = failures_of(*error);
-  }
-  task.stage = stage;
-  for (const StageReport& report : context.reports) {  // "check" and the stage itself
-    task.units += report.ran;
-    task.figures.wall_s += report.figures.wall_s;
-    task.figures.cpu_s += report.figures.cpu_s;
-    task.figures.peak_resident = std::max(task.figures.peak_resident, report.figures.peak_resident);
-  }
-  task.provenance = provenance_json();
-  return task;
-}
-
 void write_task_report(const std::filesystem::path& path, const TaskReport& report) {
   nlohmann::json failures = nlohmann::json::array();
   for (const TaskFailure& failure : report.failures) failures.push_back(to_json(failure));
   const nlohmann::json document = {
       {"stage", report.stage},
       {"units", report.units},
-      {"seconds", report.figures.wall_s},
-      {"cpu_seconds", report.figures.cpu_s},
-      {"peak_resident_bytes", report.figures.peak_resident},
+      {"seconds", report.wall_s},
+      {"cpu_seconds", report.cpu_s},
+      {"peak_resident_bytes", report.peak_resident},
       {"exit_code", report.exit_code},
       {"failures", std::move(failures)},
       {"made_by", nlohmann::json::parse(report.provenance, nullptr, false)}};
@@ -89,9 +52,9 @@ std::optional<TaskReport> read_task_report(const std::filesystem::path& path) {
     TaskReport report;
     report.stage = document.at("stage");
     report.units = document.at("units");
-    report.figures.wall_s = document.at("seconds");
-    report.figures.cpu_s = document.at("cpu_seconds");
-    report.figures.peak_resident = document.at("peak_resident_bytes");
+    report.wall_s = document.at("seconds");
+    report.cpu_s = document.at("cpu_seconds");
+    report.peak_resident = document.at("peak_resident_bytes");
     report.exit_code = document.at("exit_code");
     for (const auto& failure : document.at("failures"))
       report.failures.push_back(failure_of(failure));
