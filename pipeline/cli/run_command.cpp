@@ -26,6 +26,12 @@ void add_task_options(CLI::App& command, RunArguments& arguments, Stage stage) {
       ->excludes(list);
 }
 
+void add_force(CLI::App& command, RunArguments& arguments) {
+  command.add_flag("--force", arguments.force,
+                   "Writes into output.directory even where it holds the meshes of another config "
+                   "or files that voxweld did not write");
+}
+
 UnitSelection selection_of(const RunArguments& arguments, Stage stage) {
   if (!arguments.units.empty())
     return UnitSelection::list(arguments.units, std::string("--") + unit_option(stage));
@@ -75,6 +81,7 @@ void add_run_command(CLI::App& app, Program& program) {
                       {"voxweld run scan.toml --dry-run", "says what would be done, and why"}});
   auto arguments = std::make_shared<RunArguments>();
   add_config_options(*run, *arguments);
+  add_force(*run, *arguments);
   run->add_flag("--dry-run", arguments->dry_run, "Says what would run and why, and does nothing");
   run->add_flag("--json", arguments->json, "Prints the manifest on standard output at the end");
   when_chosen(*run, program, [&program, arguments] {
@@ -106,6 +113,7 @@ void add_stage_commands(CLI::App& app, Program& program) {
             ->group("One stage at a time (`run` does all of them)");
     add_config_options(*command, *one);
     add_task_options(*command, *one, stage);
+    if (stage == Stage::encode) add_force(*command, *one);
     command
         ->add_option("--report", one->report,
                      "Writes time, memory and errors to this file, as JSON. In a folder the file "

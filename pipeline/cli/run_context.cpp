@@ -47,6 +47,8 @@ void add_config_options(CLI::App& command, RunArguments& arguments) {
 RunContext make_context(Program& program, const RunArguments& arguments, Executor& executor) {
   RunContext context;
   context.config = load_config(arguments.config, arguments.overrides);
+  context.config_file = std::filesystem::canonical(arguments.config);
+  context.force = arguments.force;
   // On a cluster many tasks read what one has read: the brick store is made for that.
   if (context.config.run.executor == RunConfig::Executor::slurm &&
       context.config.work.copy == WorkConfig::Copy::automatic)

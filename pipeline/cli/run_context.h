@@ -11,6 +11,7 @@ struct RunArguments {
   std::vector<std::string> overrides;
   bool dry_run = false;
   bool json = false;
+  bool force = false;
   std::string units;            // of one stage: a list
   std::string part;             // or a share, "K/N"
   std::string report;           // where to leave a task's report

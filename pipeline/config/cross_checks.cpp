@@ -159,6 +159,24 @@ class CrossChecks {
          "with output.merged = false there is nothing to write; set one of the two to true");
   }
 
+  // What a run writes lies in no folder of the user's own files.
+  void directories() const {
+    const auto normal = [](const std::filesystem::path& path) {
+      std::error_code ignored;
+      const std::filesystem::path there = std::filesystem::weakly_canonical(path, ignored);
+      return there.has_filename() ? there : there.parent_path();
+    };
+    const std::filesystem::path output = normal(config_.output.directory);
+    if (output == normal(config_.work.directory))
+      fail({"output.directory", "work.directory"},
+           "is work.directory too, where intermediate files go; choose another directory");
+    const std::filesystem::path& input = config_.input.path;
+    if (input.empty() || (output != normal(input) && output != normal(input.parent_path()))) return;
+    fail({"output.directory", "input.path"},
+         "is the input's own folder, and meshes would lie among its files; choose a directory for "
+         "them alone");
+  }
+
   void slurm() const {
     const std::uint64_t mem = config_.slurm.mem;
     if (config_.run.executor != RunConfig::Executor::slurm || mem == 0) return;
@@ -217,6 +235,7 @@ void check_across(const Config& config, const Places& places, const std::string&
   checks.edits_of_labels();
   checks.work();
   checks.output();
+  checks.directories();
   checks.slurm();
 }
 

@@ -182,6 +182,9 @@ Config parse_config(const std::string& text, const fs::path& path,
 
   if (config.input.format == "auto" && is_mesh_name(config.input.path))
     config.input.format = "mesh";
+  set_default_directories(path, config);
+  if (!places.contains("work.chunk"))  // chunks divide shards
+    config.work.chunk = std::min(config.work.chunk, config.work.brick * config.work.shard);
   check_across(config, places, path.string());
   if (!config.input.has_samples()) {
     config.surface.isovalue = 1;  // above every sample of empty space
@@ -190,7 +193,6 @@ Config parse_config(const std::string& text, const fs::path& path,
   if (config.surface.label) config.surface.isovalue = static_cast<double>(*config.surface.label);
   // Not looked at; one that is given stays, so that a mode can be set beside it.
   if (config.labels.mode != LabelMode::off && !config.surface.isovalue) config.surface.isovalue = 0;
-  set_default_directories(path, config);
   return config;
 }
 

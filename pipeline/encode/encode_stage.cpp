@@ -14,6 +14,7 @@
 #include "pipeline/executor/probe.h"
 #include "stages/encode/draco_codec.h"
 #include "stages/encode/mesh_accumulator.h"
+#include "storage/support/directory_lock.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -23,16 +24,31 @@ LabelMode label_mode(const EncodeJob& job) {
   return job.stitch->build->parameters.labels.mode;
 }
 
-// The names of all that the run may write: the same for each of its tasks.
-void add_planned(const EncodeJob& job, const UnitPlan& plan, bool merged, FileNames& names) {
+// Calls f with the names of all that the run may write: the same for each of its tasks.
+void each_planned(const EncodeJob& job, const UnitPlan& plan, bool merged,
+                  const std::function<void(const std::string&)>& f) {
   std::vector<std::string> endings;
   for (const MeshWriter& writer : job.formats) endings.emplace_back(writer.ending);
+  for (const std::string& ending : endings)
+    if (merged) f("mesh" + ending);
+  if (label_mode(job) != LabelMode::off) f(labels_name);
   for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
     for (const PlannedMesh& mesh : plan.meshes(unit))
-      for (const std::string& ending : endings) names.add(mesh.stem + ending);
-  for (const std::string& ending : endings)
-    if (merged) names.add("mesh" + ending);
-  if (label_mode(job) != LabelMode::off) names.add(labels_name);
+      for (const std::string& ending : endings) f(mesh.stem + ending);
+}
+
+// That nothing is in the way which no run has written. Precondition: none of the units is there.
+void check_strangers(const EncodeJob& job, const UnitPlan& plan, bool merged) {
+  if (has_run(job.output) || !std::filesystem::exists(job.output)) return;
+  const auto check = [&](const std::string& name) {
+    if (!std::filesystem::exists(job.output / name)) return;
+    throw InputError(fmt::format(
+        "{}: is in the way, and no run of voxweld is known to have written it; choose another "
+        "output.directory, or give --force to write over it",
+        (job.output / name).string()));
+  };
+  check(tiles_name);
+  each_planned(job, plan, merged, check);
 }
 
 Hash128 planned_key(const EncodeJob& job, const TopArtifact& top, bool merged) {
@@ -115,6 +131,7 @@ class EncodeStage final : public StageWork {
     context_ = &context;
   }
   void run(const Unit& unit, WorkerContext& worker) override {
+    if (context_->lock != nullptr) context_->lock->check();
     if (is_merged(unit.key))
       encode_merged(*context_, job_, plan_, worker);
     else
@@ -191,16 +208,25 @@ StageMemory EncodeStage::memory(std::span<const std::uint64_t> numbers) {
   return memory;
 }
 
-void EncodeStage::open(RunContext&, const StageLook& look) {
+void EncodeStage::open(RunContext& context, const StageLook& look) {
   if (!merged_.why_not.empty())
     spdlog::warn("no merged mesh: {}; the tiles are complete", merged_.why_not);
   if (look.missing.empty()) return;
+  const Hash128 key = planned_key(job_, top_, merged_.write);
+  if (has_begun(job_.output, key)) return;
+  if (!context.force) {
+    check_owner(job_.output, context.config_file);
+    if (look.missing.size() == context.selection.count(look.units))
+      check_strangers(job_, plan_, merged_.write);
+  }
   FileNames names(job_.folder);
-  begin_output(job_.output, planned_key(job_, top_, merged_.write), names,
-               [&](FileNames& all) { add_planned(job_, plan_, merged_.write, all); });
+  begin_output(job_.output, {key, context.config_file.string()}, names, [&](FileNames& all) {
+    each_planned(job_, plan_, merged_.write, [&](const std::string& name) { all.add(name); });
+  });
 }
 
 void EncodeStage::close(RunContext& context) {
+  if (context.lock != nullptr) context.lock->check();
   Manifest manifest = manifest_();
   manifest.stages = std::make_unique<nlohmann::json>(stages_json(context));
   FileNames earlier(job_.folder);

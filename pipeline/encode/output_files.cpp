@@ -1,5 +1,9 @@
 #include "pipeline/encode/output_files.h"
 
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
 #include "storage/artifact/unfinished_note.h"
 #include "storage/manifest/manifest.h"
 #include "storage/support/error.h"
@@ -19,19 +23,6 @@ std::filesystem::path note_path(const std::filesystem::path& output) {
   return output / unfinished_name;
 }
 
-bool has_begun(const std::filesystem::path& output, Hash128 key) {
-  if (std::filesystem::exists(output / manifest_name) ||
-      !std::filesystem::exists(note_path(output)))
-    return false;
-  try {
-    return read_unfinished_key(note_path(output)) == key;
-  } catch (const DamagedArtifact&) {
-    return false;
-  } catch (const StorageError&) {  // a task that ended the run has just taken it away
-    return false;
-  }
-}
-
 void add_noted(const std::filesystem::path& output, FileNames& names) {
   if (!std::filesystem::exists(note_path(output))) return;
   try {
@@ -41,7 +32,70 @@ void add_noted(const std::filesystem::path& output, FileNames& names) {
   }
 }
 
+// The config whose run wrote what the directory holds; empty where that is not told.
+std::filesystem::path owner_of(const std::filesystem::path& output) {
+  const std::filesystem::path manifest = output / manifest_name;
+  if (std::filesystem::exists(manifest)) {
+    const Manifest made = read_manifest(manifest);
+    if (made.config == nullptr || !made.config->contains("path")) return {};
+    return made.config->at("path").get<std::string>();
+  }
+  if (!std::filesystem::exists(note_path(output))) return {};
+  try {
+    return read_unfinished_head(note_path(output)).config;
+  } catch (const DamagedArtifact&) {
+    return {};
+  }
+}
+
+// A manifest of ours that is damaged has at least its name in it, or is cut short before that.
+bool is_of_voxweld(const std::filesystem::path& manifest) {
+  const std::vector<std::byte> bytes = read_whole_file(manifest);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  constexpr std::string_view begins = "{\n  \"format\": \"voxweld";
+  return begins.starts_with(text) || text.find("voxweld") != std::string_view::npos;
+}
+
 }  // namespace
+
+bool has_begun(const std::filesystem::path& output, Hash128 key) {
+  if (std::filesystem::exists(output / manifest_name) ||
+      !std::filesystem::exists(note_path(output)))
+    return false;
+  try {
+    return read_unfinished_head(note_path(output)).key == key;
+  } catch (const DamagedArtifact&) {
+    return false;
+  } catch (const StorageError&) {  // a task that ended the run has just taken it away
+    return false;
+  }
+}
+
+void check_owner(const std::filesystem::path& output, const std::filesystem::path& config) {
+  if (config.empty()) return;
+  std::filesystem::path owner;
+  try {
+    owner = owner_of(output);
+  } catch (const FormatError& error) {
+    if (is_of_voxweld(output / manifest_name)) return;
+    throw InputError(fmt::format(
+        "output.directory = \"{}\": has a {} that no run of voxweld wrote ({}); choose another "
+        "directory, or give --force to write over it",
+        output.string(), manifest_name, error.what()));
+  }
+  std::error_code gone;
+  if (owner.empty() || owner == config || !std::filesystem::exists(owner, gone)) return;
+  if (std::filesystem::equivalent(owner, config, gone)) return;
+  throw InputError(
+      fmt::format("output.directory = \"{}\": holds the meshes of {}; choose another directory, or "
+                  "give --force to replace them",
+                  output.string(), owner.string()));
+}
+
+bool has_run(const std::filesystem::path& output) {
+  return std::filesystem::exists(output / manifest_name) ||
+         std::filesystem::exists(note_path(output));
+}
 
 void add_files_of_earlier_runs(const std::filesystem::path& output, FileNames& names) {
   try {
@@ -53,12 +107,11 @@ void add_files_of_earlier_runs(const std::filesystem::path& output, FileNames& n
   add_noted(output, names);
 }
 
-void begin_output(const std::filesystem::path& output, Hash128 key, FileNames& names,
+void begin_output(const std::filesystem::path& output, const UnfinishedHead& head, FileNames& names,
                   const std::function<void(FileNames&)>& planned) {
-  if (has_begun(output, key)) return;
   add_files_of_earlier_runs(output, names);
   planned(names);
-  write_unfinished_note(note_path(output), key, names);
+  write_unfinished_note(note_path(output), head, names);
   std::filesystem::remove(output / manifest_name);
 }
 

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <functional>
 
+#include "storage/artifact/unfinished_note.h"
 #include "storage/support/file_names.h"
-#include "storage/support/hash.h"
 
 namespace voxweld {
 
@@ -16,11 +16,20 @@ namespace voxweld {
 // ours.
 void add_files_of_earlier_runs(const std::filesystem::path& output, FileNames& names);
 
+// InputError where the directory is not for this config's runs to write: a manifest or note of
+// another config that is still there is in it, or a manifest of something else.
+// config: the config's own file; empty: not known, and nothing is refused.
+void check_owner(const std::filesystem::path& output, const std::filesystem::path& config);
+
+// Whether a manifest or a note says which of the directory's files are of a run.
+bool has_run(const std::filesystem::path& output);
+
+// Whether a task of the same run, which plans the same, has been at begin_output before this one.
+bool has_begun(const std::filesystem::path& output, Hash128 key);
 // Before anything in the directory changes: notes for later runs the names of earlier ones and the
-// `planned`, and takes the manifest away, which is about to stop being true. key: of what is
-// planned; where a task of the same run has been before this one nothing is left to do, and
-// `planned` is not asked for. names: empty; where they are put together.
-void begin_output(const std::filesystem::path& output, Hash128 key, FileNames& names,
+// `planned`, and takes the manifest away, which is about to stop being true. names: empty; where
+// they are put together.
+void begin_output(const std::filesystem::path& output, const UnfinishedHead& head, FileNames& names,
                   const std::function<void(FileNames&)>& planned);
 // After the new manifest: the note has done its work.
 void finish_output(const std::filesystem::path& output);

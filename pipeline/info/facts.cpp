@@ -62,14 +62,14 @@ void add_volume_facts(InfoDocument& document, const VolumeInfo& info, bool verbo
   document["access"] = access_name(info.access);
   document["largest_decode_bytes"] = info.largest_decode;
   std::uint64_t file_bytes = 0;
-  for (const InputFile& file : info.files) file_bytes += file.size;
+  for (const InputFile& file : info.files) file_bytes += file.state.size;
   document["files"] = info.files.size();
   document["file_bytes"] = file_bytes;
   document["warnings"] = info.warnings;
   if (!verbose) return;
   document["file_list"] = InfoDocument::array();
   for (const InputFile& file : info.files)
-    document["file_list"].push_back({{"path", file.path}, {"bytes", file.size}});
+    document["file_list"].push_back({{"path", file.path}, {"bytes", file.state.size}});
 }
 
 InfoDocument value_facts(const Histogram& histogram, const std::optional<ValueRange>& range) {

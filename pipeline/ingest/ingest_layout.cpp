@@ -24,19 +24,39 @@ std::vector<Index3> shards_of(const StoreLayout& layout) {
   return shards;
 }
 
+namespace {
+
+void feed(KeyHasher& stamp, const FileState& state) {
+  stamp.integer(static_cast<std::int64_t>(state.size));
+  stamp.integer(state.mtime_ns).integer(state.ctime_ns);
+}
+
+}  // namespace
+
 Hash128 files_stamp(const IngestJob& job, std::size_t begin, std::size_t end) {
   KeyHasher stamp;
   stamp.hash(job.parameters);
   for (std::size_t i = begin; i < end; ++i) {
-    const InputFile& file = job.info.files[i];
-    stamp.text(file.path).integer(static_cast<std::int64_t>(file.size)).integer(file.mtime_ns);
+    stamp.text(job.info.files[i].path);
+    feed(stamp, job.info.files[i].state);
   }
   return stamp.finish();
 }
 
+Hash128 box_stamp(const IngestJob& job, const Box3& samples) {
+  if (!job.input || samples.empty()) return job.stamp;
+  KeyHasher stamp;
+  bool any = false;
+  job.input->each_file(samples, [&](const std::filesystem::path& path) {
+    any = true;
+    if (const auto state = file_state(path)) feed(stamp.text(path.string()), *state);
+  });
+  return any ? stamp.hash(job.stamp).finish() : job.stamp;
+}
+
 Hash128 store_shard_key(const IngestJob& job, const StoreLayout& layout, Index3 shard) {
-  if (!job.file_per_slice) return job.stamp;
   const Box3 samples = layout.shard_samples(shard);
+  if (!job.file_per_slice) return box_stamp(job, samples);
   return files_stamp(job, static_cast<std::size_t>(samples.lo.z),
                      static_cast<std::size_t>(samples.hi.z));
 }

@@ -16,6 +16,8 @@ std::vector<Index3> shards_of(const StoreLayout& layout);  // x fastest
 
 // Of some of the input's files and how they are read.
 Hash128 files_stamp(const IngestJob& job, std::size_t begin, std::size_t end);
+// Of the input's files that samples of a box come from.
+Hash128 box_stamp(const IngestJob& job, const Box3& samples);
 // What a store shard is made from.
 Hash128 store_shard_key(const IngestJob& job, const StoreLayout& layout, Index3 shard);
 

@@ -104,12 +104,26 @@ std::unique_ptr<StageWork> ingest_stage(const Config& config, const IngestJob& j
 }
 
 Volume ingested_volume(const Config& config, const IngestJob& job) {
-  if (!job.copy) return {job.input, [stamp = job.stamp](const Box3&) { return stamp; }, job.solid};
+  if (!job.copy)
+    return {job.input, [&job](const Box3& samples) { return box_stamp(job, samples); }, job.solid};
   const StoreLayout layout = store_layout(config, job);
   const auto store = std::make_shared<StoreSource>(layout);
   return {store, [stamps = std::make_shared<StoreStamps>(layout)](const Box3& samples) {
             return stamps->of(samples);
           }};
+}
+
+std::optional<std::string> changed_file(const IngestJob& job) {
+  for (const InputFile& file : job.info.files)
+    if (file_state(file.path) != file.state) return file.path;
+  return std::nullopt;
+}
+
+bool lies_in_unlisted_files(const IngestJob& job) {
+  bool any = false;
+  if (job.input)
+    job.input->each_file({{}, splat(1)}, [&](const std::filesystem::path&) { any = true; });
+  return any;
 }
 
 std::optional<Histogram> read_histogram(const IngestJob& job) {

@@ -41,7 +41,13 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder,
 // the one mesh that is to be cut up; none where the input is read in place. job: outlives the work.
 std::unique_ptr<StageWork> ingest_stage(const Config& config, const IngestJob& job);
 
-// What ingest leaves. Precondition: it is current.
+// The first of the input's files that is not as it was when the job was planned, if any.
+std::optional<std::string> changed_file(const IngestJob& job);
+// Whether the input has files besides (SampleSource::each_file): those go into the stamps of what
+// is made from them.
+bool lies_in_unlisted_files(const IngestJob& job);
+
+// What ingest leaves. Precondition: it is current. job: outlives the volume.
 Volume ingested_volume(const Config& config, const IngestJob& job);
 std::optional<Histogram> read_histogram(const IngestJob& job);
 

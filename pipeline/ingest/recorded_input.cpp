@@ -1,7 +1,5 @@
 #include "pipeline/ingest/recorded_input.h"
 
-#include <sys/stat.h>
-
 #include <set>
 
 #include "storage/spool/spool_record.h"
@@ -14,18 +12,6 @@ std::filesystem::path record_name(const std::filesystem::path& folder) {
   return folder / "input";
 }
 
-struct FileState {
-  std::uint64_t size = 0;
-  std::int64_t mtime_ns = 0;
-};
-
-std::optional<FileState> state_of(const std::filesystem::path& path) {
-  struct stat status {};
-  if (stat(path.c_str(), &status) != 0) return std::nullopt;
-  return FileState{static_cast<std::uint64_t>(status.st_size),
-                   std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec};
-}
-
 // Of the folders the files lie in: when files come or go, their times change.
 Hash128 folders_state(const VolumeInfo& info) {
   std::set<std::filesystem::path> folders;
@@ -33,15 +19,10 @@ Hash128 folders_state(const VolumeInfo& info) {
     folders.insert(std::filesystem::absolute(file.path).parent_path());
   KeyHasher hash;
   for (const auto& folder : folders) {
-    const auto state = state_of(folder);
+    const auto state = file_state(folder);
     hash.text(folder.string()).integer(state ? state->mtime_ns : -1);
   }
   return hash.finish();
-}
-
-bool unchanged(const InputFile& file) {
-  const auto state = state_of(file.path);
-  return state && state->size == file.size && state->mtime_ns == file.mtime_ns;
 }
 
 }  // namespace
@@ -61,7 +42,7 @@ std::optional<VolumeInfo> recorded_input(const std::filesystem::path& folder, Ha
     if (record.key != parameters || record.data_hash != folders_state(record.info))
       return std::nullopt;
     for (const InputFile& file : record.info.files)
-      if (!unchanged(file)) return std::nullopt;
+      if (file_state(file.path) != file.state) return std::nullopt;
     return record.info;
   } catch (const DamagedArtifact&) {
     return std::nullopt;

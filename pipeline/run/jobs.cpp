@@ -160,7 +160,8 @@ void warn_of_large_tiles(const RunContext& context) {
       exact_bytes(memory), limit, readable_bytes(static_cast<double>(largest)));
 }
 
-Manifest make_manifest(const Config& config, const Jobs& jobs, const TopArtifact& top) {
+Manifest make_manifest(const RunContext& context, const Jobs& jobs, const TopArtifact& top) {
+  const Config& config = context.config;
   const MergeCounts counts = top.counts();
   const VolumeInfo& info = jobs.ingest().info;
   const ContourParameters& parameters = jobs.build().parameters;
@@ -181,8 +182,10 @@ Manifest make_manifest(const Config& config, const Jobs& jobs, const TopArtifact
   m.input = std::make_unique<nlohmann::json>(nlohmann::json{{"path", config.input.path.string()},
                                                             {"format", info.format},
                                                             {"type", sample_type_name(info.type)}});
-  m.config = std::make_unique<nlohmann::json>(nlohmann::json{
-      {"fingerprint", to_hex(config_fingerprint(config))}, {"toml", canonical_toml(config)}});
+  m.config = std::make_unique<nlohmann::json>(
+      nlohmann::json{{"path", context.config_file.string()},
+                     {"fingerprint", to_hex(config_fingerprint(config))},
+                     {"toml", canonical_toml(config)}});
   m.error = std::make_unique<nlohmann::json>(
       nlohmann::json{{"metric", parameters.simplify.metric == Metric::rms ? "rms" : "sum"},
                      {"tolerance", parameters.simplify.tolerance},

@@ -59,6 +59,6 @@ std::int64_t fitting_tile_vertices(const Config& config);
 void warn_of_large_tiles(const RunContext& context);
 
 // The manifest but for what encode adds. top: of these jobs.
-Manifest make_manifest(const Config& config, const Jobs& jobs, const TopArtifact& top);
+Manifest make_manifest(const RunContext& context, const Jobs& jobs, const TopArtifact& top);
 
 }  // namespace voxweld

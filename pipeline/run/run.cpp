@@ -16,6 +16,7 @@
 #include "pipeline/ingest/label_rules.h"
 #include "pipeline/merge/merge_stage.h"
 #include "pipeline/run/last_config.h"
+#include "pipeline/run/output_claim.h"
 #include "pipeline/run/stages.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
@@ -122,16 +123,32 @@ void clear_temporaries_of_tasks(const Config& config, const Jobs& jobs) {
   remove_needless_temporaries(config.output.directory, false);
 }
 
+// Calls work. Where that fails because the input has changed under it, that is what is said.
+template <class F>
+void on_steady_input(Stages& stages, F&& work) {
+  try {
+    work();
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const std::exception& error) {
+    spdlog::debug("{}", error.what());
+    if (changed_file(stages.jobs().ingest())) stages.check_input();
+    throw;
+  }
+}
+
 // ingest -> build -> merge -> stitch -> encode
 void run_stages(RunContext& context) {
   Stages stages(context);
   check_budget(context, stages.jobs());
   warn_of_large_tiles(context);
-  ingest_or_build_the_rest(context, stages);
-  for (const Stage stage : {Stage::build, Stage::merge, Stage::stitch, Stage::encode}) {
-    check_before(context, stages, stage);
-    do_stage(context, stages.open(stage));
-  }
+  on_steady_input(stages, [&] {
+    ingest_or_build_the_rest(context, stages);
+    for (const Stage stage : {Stage::build, Stage::merge, Stage::stitch, Stage::encode}) {
+      check_before(context, stages, stage);
+      do_stage(context, stages.open(stage));
+    }
+  });
   if (!context.executor->in_process()) clear_temporaries_of_tasks(context.config, stages.jobs());
 }
 
@@ -185,6 +202,7 @@ void run_all(RunContext& context) {
   std::set<std::string> mended;
   check_writable(asked.work.directory, "work.directory");
   check_writable(asked.output.directory, "output.directory");
+  const OutputClaim claim(context);
   clear_temporaries(asked);
   for (bool done = false; !done;) {
     context.config = asked;
@@ -211,9 +229,13 @@ void run_one(RunContext& context, Stage stage) {
                     "`voxweld {} CONFIG` first, or `voxweld run CONFIG` for all",
                     stage_name(stage), stage_name(before), stage_name(before)));
   }
-  StageWork& work = stages.open(stage);
-  check_before(context, stages, stage);
-  do_stage(context, work);
+  std::optional<OutputClaim> claim;  // tasks that do shares write beside each other
+  if (stage == Stage::encode && context.selection.all()) claim.emplace(context);
+  on_steady_input(stages, [&] {
+    StageWork& work = stages.open(stage);
+    check_before(context, stages, stage);
+    do_stage(context, work);
+  });
 }
 
 std::string dry_run(RunContext& context) {

@@ -1,5 +1,7 @@
 #include "pipeline/run/stages.h"
 
+#include <fmt/format.h>
+
 #include <stdexcept>
 
 #include "pipeline/build/build_stage.h"
@@ -7,6 +9,7 @@
 #include "pipeline/ingest/ingest_stage.h"
 #include "pipeline/merge/merge_stage.h"
 #include "pipeline/stitch/stitch_stage.h"
+#include "storage/support/error.h"
 
 namespace voxweld {
 
@@ -28,12 +31,28 @@ std::unique_ptr<StageWork> Stages::make(Stage stage) {
     case Stage::stitch:
       return stitch_stage(jobs_.stitch(), top(), plan());
     case Stage::encode:
-      return encode_stage({context_.config, jobs_.encode(), top(), plan(),
-                           [this] { return make_manifest(context_.config, jobs_, top()); }});
+      return encode_stage({context_.config, jobs_.encode(), top(), plan(), [this] {
+                             check_input();
+                             return make_manifest(context_, jobs_, top());
+                           }});
     case Stage::ingest:
       break;
   }
   throw std::logic_error("no such stage");
+}
+
+void Stages::check_input() {
+  const IngestJob& job = jobs_.ingest();
+  std::optional<std::string> changed = changed_file(job);
+  if (!changed && lies_in_unlisted_files(job)) {
+    const StageLook look = open(job.copy ? Stage::ingest : Stage::build).look({});
+    if (!look.missing.empty() || !look.unproven.empty()) changed = context_.config.input.path;
+  }
+  if (!changed) return;
+  throw InputError(
+      fmt::format("{}: changed while it was read, so the result would be of the old and the new; "
+                  "run again when it is complete",
+                  *changed));
 }
 
 const TopArtifact& Stages::top() {

@@ -25,6 +25,9 @@ class Stages {
   // The top tree, opened once. Precondition: merge is current.
   const TopArtifact& top();
   const UnitPlan& plan();
+  // Throws InputError where the input is not what it was when these stages were planned: what was
+  // made meanwhile may be of both. Stages know by their stamps what of it to make again.
+  void check_input();
 
  private:
   std::unique_ptr<StageWork> make(Stage stage);

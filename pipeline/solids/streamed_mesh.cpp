@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <sys/stat.h>
 
 #include "pipeline/executor/probe.h"
 #include "pipeline/solids/binned_mesh.h"
@@ -33,15 +32,11 @@ Hash128 record_key(const fs::path& path) {
 }
 
 std::optional<MeshRecord> recorded(const fs::path& path, const fs::path& folder) {
-  struct stat status {};
-  if (!fs::exists(record_path(folder)) || stat(path.c_str(), &status) != 0) return std::nullopt;
+  const auto state = file_state(path);
+  if (!fs::exists(record_path(folder)) || !state) return std::nullopt;
   try {
     const MeshRecord record = read_mesh_record(record_path(folder), record_key(path));
-    const std::int64_t mtime =
-        std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
-    if (record.file_size != static_cast<std::uint64_t>(status.st_size) ||
-        record.file_mtime_ns != mtime)
-      return std::nullopt;
+    if (record.file != *state) return std::nullopt;
     return record;
   } catch (const DamagedArtifact&) {
     return std::nullopt;
@@ -61,9 +56,8 @@ MeshWork work_for(const Config& config, const fs::path& folder, const InterruptF
 
 MeshRecord record_of(const SpooledMesh& mesh) {
   const MeshFacts& file = mesh.file();
-  return {file.content,           file.size,        file.mtime_ns,    mesh.vertices(),
-          mesh.triangles(),       mesh.bounds().lo, mesh.bounds().hi, mesh.vertex_bounds().lo,
-          mesh.vertex_bounds().hi};
+  return {file.content,     file.state,       mesh.vertices(),         mesh.triangles(),
+          mesh.bounds().lo, mesh.bounds().hi, mesh.vertex_bounds().lo, mesh.vertex_bounds().hi};
 }
 
 MeshBinning binning_of(const Config& config, const MeshRecord& record, const fs::path& folder) {

@@ -34,8 +34,13 @@ struct BrickReport {
   }
 };
 
+class DirectoryLock;
+
 struct RunContext {
   Config config;
+  std::filesystem::path config_file;    // absolute; the output directory is this one's
+  bool force = false;                   // whatever is in the output directory may be written over
+  const DirectoryLock* lock = nullptr;  // of the output directory, while this process has it
   Executor* executor = nullptr;
   std::shared_ptr<Console> console;
   ProgressSettings progress;

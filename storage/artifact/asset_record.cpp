@@ -25,7 +25,9 @@ std::optional<Hash128> files_stamp(const std::vector<FileRecord>& files,
     if (!std::filesystem::exists(output / file.path)) return std::nullopt;
     const ReadFile opened(output / file.path);
     if (opened.size() != file.bytes) return std::nullopt;
-    stamp.integer(static_cast<std::int64_t>(opened.size())).integer(opened.mtime_ns());
+    const FileState& state = opened.state();
+    stamp.integer(static_cast<std::int64_t>(state.size));
+    stamp.integer(state.mtime_ns).integer(state.ctime_ns);
   }
   return stamp.finish();
 }

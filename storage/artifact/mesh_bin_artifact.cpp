@@ -9,7 +9,7 @@ constexpr std::uint64_t facts_section = 1, sides_section = 2;
 constexpr std::uint64_t bricks_section = 1;
 constexpr const char* no_facts = "has no facts";
 
-static_assert(sizeof(MeshRecord) == 16 + 4 * 8 + 4 * 24);
+static_assert(sizeof(MeshRecord) == 16 + 5 * 8 + 4 * 24);
 static_assert(sizeof(MeshTableFacts) == 3 * 8 + 24 && sizeof(MeshSide) == 1);
 
 std::uint64_t corners_section(std::uint64_t brick) {

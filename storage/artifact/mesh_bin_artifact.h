@@ -26,13 +26,12 @@ namespace voxweld {
 inline constexpr std::array<char, 4> mesh_record_kind = {'m', 'e', 's', 'h'};
 inline constexpr std::array<char, 4> mesh_bins_kind = {'m', 'b', 'i', 'n'};
 inline constexpr std::array<char, 4> mesh_table_kind = {'m', 't', 'a', 'b'};
-inline constexpr std::uint32_t mesh_record_version = 1, mesh_bins_version = 1;
+inline constexpr std::uint32_t mesh_record_version = 2, mesh_bins_version = 1;
 
 // What reading a mesh file found out; coordinates are the file's own.
 struct MeshRecord {
   Hash128 content;  // of the file
-  std::uint64_t file_size = 0;
-  std::int64_t file_mtime_ns = 0;
+  FileState file;   // when it was read
   std::uint64_t vertices = 0, triangles = 0;
   Vec3 lo, hi;          // of its triangles
   Vec3 all_lo, all_hi;  // of its vertices, be they of a triangle or not

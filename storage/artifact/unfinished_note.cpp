@@ -8,8 +8,8 @@ namespace voxweld {
 namespace {
 
 constexpr std::array<char, 4> note_kind = {'u', 'n', 'f', 'i'};
-constexpr std::uint32_t note_version = 1;
-constexpr std::uint64_t first_note_section = 1;
+constexpr std::uint32_t note_version = 2;
+constexpr std::uint64_t config_section = 1, first_names_section = 2;
 constexpr std::size_t note_section_bytes = std::size_t{1} << 20;
 
 ArtifactReader open_note(const std::filesystem::path& path) {
@@ -18,10 +18,12 @@ ArtifactReader open_note(const std::filesystem::path& path) {
 
 }  // namespace
 
-void write_unfinished_note(const std::filesystem::path& path, Hash128 key, FileNames& names) {
-  ArtifactWriter note(path, {note_kind, note_version, key});
+void write_unfinished_note(const std::filesystem::path& path, const UnfinishedHead& head,
+                           FileNames& names) {
+  ArtifactWriter note(path, {note_kind, note_version, head.key});
+  note.section(config_section, as_bytes(head.config));
   std::string text;
-  std::uint64_t section = first_note_section;
+  std::uint64_t section = first_names_section;
   const auto flush = [&] {
     note.section(section++, as_bytes(text));
     text.clear();
@@ -34,8 +36,11 @@ void write_unfinished_note(const std::filesystem::path& path, Hash128 key, FileN
   note.commit(Durability::fsync);
 }
 
-Hash128 read_unfinished_key(const std::filesystem::path& path) {
-  return open_note(path).key();
+UnfinishedHead read_unfinished_head(const std::filesystem::path& path) {
+  const ArtifactReader note = open_note(path);
+  std::vector<char> config;
+  note.read_array(config_section, config);
+  return {note.key(), {config.begin(), config.end()}};
 }
 
 void each_unfinished(const std::filesystem::path& path,
@@ -43,6 +48,7 @@ void each_unfinished(const std::filesystem::path& path,
   const ArtifactReader reader = open_note(path);
   std::vector<char> text;
   for (const SectionRecord& section : reader.sections()) {
+    if (section.name == config_section) continue;
     reader.read_array(section.name, text);
     for (auto begin = text.begin(); begin != text.end();) {
       const auto end = std::find(begin, text.end(), '\0');

@@ -13,7 +13,7 @@ constexpr std::int64_t max_png_side = 1 << 20;
 
 InputFile describe_file(const std::filesystem::path& path) {
   const ReadFile file(path);  // tells a missing or forbidden file from one that is no image
-  return {file.path(), file.size(), file.mtime_ns()};
+  return {file.path(), file.state()};
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ ImageFile::ImageFile(const std::filesystem::path& path) : file_(describe_file(pa
     throw FormatError(
         fmt::format("{}: cannot be read as an image ({} bytes): {}; if it opens elsewhere, convert "
                     "it to an uncompressed TIFF of 8, 16 or 32 bits",
-                    file_.path, file_.size, error));
+                    file_.path, file_.state.size, error));
   ImagePage page;
   while (reader_->describe(static_cast<int>(pages_.size()), page, error)) pages_.push_back(page);
   if (!error.empty() || pages_.empty())

@@ -189,7 +189,7 @@ ImageFile& StackSource::opened(std::size_t index) const {
   if (open_.size() >= max_open_files) open_.pop_back();
   const InputFile& known = info_.files[index];
   auto file = std::make_unique<ImageFile>(known.path);
-  if (file->file().size != known.size || file->file().mtime_ns != known.mtime_ns)
+  if (file->file().state != known.state)
     throw FormatError(known.path + ": changed while it was being read; run again");
   open_.push_front({index, std::move(file)});
   return *open_.front().file;

@@ -245,7 +245,7 @@ MeshFacts read_mesh_file(const std::filesystem::path& path, MeshSink& sink,
   MeshStream file(path, between);
   MeshOutput out(file, sink);
   parse(file, out);
-  return {file.finish(), lower(path.extension().string()).substr(1), file.size(), file.mtime_ns()};
+  return {file.finish(), lower(path.extension().string()).substr(1), file.state()};
 }
 
 MeshFile read_mesh_file(const std::filesystem::path& path) {

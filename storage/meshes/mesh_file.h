@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 
+#include "storage/support/file_io.h"
 #include "storage/support/hash.h"
 #include "storage/types/triangle_mesh.h"
 
@@ -39,8 +40,7 @@ bool is_mesh_name(const std::filesystem::path& path);
 struct MeshFacts {
   Hash128 content;
   std::string format;
-  std::uint64_t size = 0;  // of the file
-  std::int64_t mtime_ns = 0;
+  FileState state;  // when it was opened
 };
 
 // The whole file to the sink, in a small constant of memory. The format goes by the name's

@@ -25,7 +25,7 @@ class MeshStream {
       : file_(path), between_(between) {}
 
   std::uint64_t size() const { return file_.size(); }
-  std::int64_t mtime_ns() const { return file_.mtime_ns(); }
+  const FileState& state() const { return file_.state(); }
   [[noreturn]] void fail(const std::string& problem) const {
     throw FormatError(fmt::format("{}: {}", file_.path(), problem));
   }

@@ -9,7 +9,7 @@ namespace voxweld {
 namespace {
 
 constexpr std::array<char, 4> kind = {'s', 'p', 'o', 'l'};
-constexpr std::uint32_t version = 2;
+constexpr std::uint32_t version = 3;
 enum Section : std::uint64_t { facts_section = 1, texts_section = 2, files_section = 3 };
 
 struct SpoolFacts {
@@ -22,11 +22,6 @@ struct SpoolFacts {
 };
 static_assert(sizeof(SpoolFacts) == 18 * 8 + 16 + 5 * 8);
 static_assert(std::is_trivially_copyable_v<SpoolFacts>);
-
-struct FileFacts {
-  std::uint64_t size;
-  std::int64_t mtime_ns;
-};
 
 void put_text(std::vector<std::byte>& out, const std::string& text) {
   const std::uint64_t length = text.size();
@@ -92,13 +87,13 @@ std::filesystem::path spool_record_path(const std::filesystem::path& path) {
 void write_spool_record(const std::filesystem::path& path, const SpoolRecord& record) {
   const SpoolFacts facts = facts_of(record);
   std::vector<std::byte> texts;
-  std::vector<FileFacts> files;
+  std::vector<FileState> files;
   put_text(texts, record.info.format);
   put_text(texts, record.info.geometry.unit);
   put_text(texts, record.info.geometry.space);
   for (const InputFile& file : record.info.files) {
     put_text(texts, file.path);
-    files.push_back({file.size, file.mtime_ns});
+    files.push_back(file.state);
   }
   for (const std::string& warning : record.info.warnings) put_text(texts, warning);
   ArtifactWriter writer(spool_record_path(path), {kind, version, record.key});
@@ -111,7 +106,7 @@ void write_spool_record(const std::filesystem::path& path, const SpoolRecord& re
 SpoolRecord read_spool_record(const std::filesystem::path& path) {
   const ArtifactReader artifact(spool_record_path(path), kind, version);
   const auto facts = artifact.read_array<SpoolFacts>(facts_section);
-  const auto files = artifact.read_array<FileFacts>(files_section);
+  const auto files = artifact.read_array<FileState>(files_section);
   const auto texts = artifact.read_array<std::byte>(texts_section);
   if (facts.size() != 1 || facts.front().files != files.size() ||
       facts.front().type > static_cast<std::uint64_t>(SampleType::f64) ||
@@ -124,8 +119,7 @@ SpoolRecord read_spool_record(const std::filesystem::path& path) {
   record.info.format = text.next();
   record.info.geometry.unit = text.next();
   record.info.geometry.space = text.next();
-  for (const FileFacts& file : files)
-    record.info.files.push_back({text.next(), file.size, file.mtime_ns});
+  for (const FileState& file : files) record.info.files.push_back({text.next(), file});
   for (std::uint64_t i = 0; i < facts.front().warnings; ++i)
     record.info.warnings.push_back(text.next());
   return record;

@@ -3,7 +3,7 @@
 //   1  facts, one SpoolFacts
 //   2  texts: for each of format, unit, space, the file paths and the warnings a u64 length and
 //      the characters
-//   3  files: one (size u64, mtime_ns i64) each, in the order of their paths in section 2
+//   3  files: one (size u64, mtime_ns i64, ctime_ns i64) each, in the order of their paths in section 2
 #pragma once
 
 #include <filesystem>

@@ -127,6 +127,11 @@ void ChunkReader::read(const Box3& box, std::byte* out) const {
   give_back(std::move(buffers));
 }
 
+void ChunkReader::each_file(const Box3& box,
+                            const std::function<void(const std::filesystem::path&)>& f) const {
+  each_index(pieces_of(box, array_.file), [&](Index3 at) { f(array_.file_path(at)); });
+}
+
 void ChunkReader::read_file(Index3 at, const Target& target, Buffers& buffers) const {
   const Index3 lo = multiply(at, array_.file);
   const Box3 part = intersect(target.box, {lo, lo + array_.file});

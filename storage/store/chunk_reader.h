@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -32,6 +33,8 @@ class ChunkReader {
 
   // As SampleSource::read, any box, from any thread.
   void read(const Box3& box, std::byte* out) const;
+  // Calls f with each file that samples of the box lie in, be it there or not.
+  void each_file(const Box3& box, const std::function<void(const std::filesystem::path&)>& f) const;
 
   // Bytes one call of read holds beyond `out`: a chunk, encoded and decoded, and the cached
   // indexes.

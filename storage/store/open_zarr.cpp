@@ -15,7 +15,7 @@ class ZarrSource final : public SampleSource {
     info_.type = array.type;
     info_.access = Access::box;
     info_.largest_decode = reader_.largest_decode();
-    info_.files.push_back({metadata.path(), metadata.size(), metadata.mtime_ns()});
+    info_.files.push_back({metadata.path(), metadata.state()});
     if (array.geometry)
       info_.geometry = *array.geometry;
     else
@@ -29,6 +29,9 @@ class ZarrSource final : public SampleSource {
 
   const VolumeInfo& info() const override { return info_; }
   void read(const Box3& box, std::byte* out) const override { reader_.read(box, out); }
+  void each_file(const Box3& box, const FileVisitor& f) const override {
+    reader_.each_file(box, f);
+  }
 
  private:
   ChunkReader reader_;

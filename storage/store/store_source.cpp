@@ -26,7 +26,7 @@ VolumeInfo describe(const StoreLayout& layout, std::uint64_t largest_decode) {
   info.geometry = layout.geometry;
   info.access = Access::box;
   info.largest_decode = largest_decode;
-  info.files.push_back({metadata.path(), metadata.size(), metadata.mtime_ns()});
+  info.files.push_back({metadata.path(), metadata.state()});
   return info;
 }
 

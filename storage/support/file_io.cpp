@@ -17,9 +17,6 @@
 #include "storage/support/host.h"
 
 namespace voxweld {
-namespace {
-
-constexpr std::size_t buffer_bytes = std::size_t{1} << 18;
 
 // "<name>.tmp-<host>-<process>-<16 random hexadecimal digits>"
 std::string temporary_name(const std::filesystem::path& path) {
@@ -27,6 +24,10 @@ std::string temporary_name(const std::filesystem::path& path) {
   const auto random = (static_cast<std::uint64_t>(device()) << 32) | device();
   return fmt::format("{}.tmp-{}-{}-{:016x}", path.string(), host_name(), getpid(), random);
 }
+
+namespace {
+
+constexpr std::size_t buffer_bytes = std::size_t{1} << 18;
 
 // What such a name says.
 struct Temporary {
@@ -78,6 +79,15 @@ void remove_files(const std::filesystem::path& folder, bool recursive, const Tes
     remove_of<std::filesystem::directory_iterator>(folder, unwanted);
 }
 
+std::int64_t nanoseconds(const timespec& time) {
+  return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
+}
+
+FileState state_of(const struct stat& status) {
+  return {static_cast<std::uint64_t>(status.st_size), nanoseconds(status.st_mtim),
+          nanoseconds(status.st_ctim)};
+}
+
 }  // namespace
 
 std::size_t read_at(int file, std::uint64_t offset, std::span<std::byte> out,
@@ -106,6 +116,12 @@ void write_at(int file, std::uint64_t offset, std::span<const std::byte> data,
   }
 }
 
+std::optional<FileState> file_state(const std::filesystem::path& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) return std::nullopt;
+  return state_of(status);
+}
+
 ReadFile::ReadFile(const std::filesystem::path& path) : path_(path.string()) {
   fd_ = open(path_.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd_ < 0) throw_errno("open", path_, errno);
@@ -119,8 +135,7 @@ ReadFile::ReadFile(const std::filesystem::path& path) : path_(path.string()) {
     close(fd_);
     throw StorageError("cannot read " + path_ + ": not a regular file");
   }
-  size_ = static_cast<std::uint64_t>(status.st_size);
-  mtime_ns_ = std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
+  state_ = state_of(status);
 }
 
 ReadFile::~ReadFile() {
@@ -128,16 +143,12 @@ ReadFile::~ReadFile() {
 }
 
 ReadFile::ReadFile(ReadFile&& other) noexcept
-    : path_(std::move(other.path_)),
-      fd_(std::exchange(other.fd_, -1)),
-      size_(other.size_),
-      mtime_ns_(other.mtime_ns_) {}
+    : path_(std::move(other.path_)), fd_(std::exchange(other.fd_, -1)), state_(other.state_) {}
 
 ReadFile& ReadFile::operator=(ReadFile&& other) noexcept {
   std::swap(path_, other.path_);
   std::swap(fd_, other.fd_);
-  std::swap(size_, other.size_);
-  std::swap(mtime_ns_, other.mtime_ns_);
+  std::swap(state_, other.state_);
   return *this;
 }
 

@@ -4,9 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "storage/types/file_state.h"
 
 namespace voxweld {
 
@@ -15,6 +18,9 @@ std::size_t read_at(int file, std::uint64_t offset, std::span<std::byte> out,
                     const std::string& path);
 void write_at(int file, std::uint64_t offset, std::span<const std::byte> data,
               const std::string& path);
+
+// Nothing where there is no such file.
+std::optional<FileState> file_state(const std::filesystem::path& path);
 
 // A file opened for reading; pread-based, so one object serves many threads.
 class ReadFile {
@@ -25,16 +31,16 @@ class ReadFile {
   ReadFile& operator=(ReadFile&& other) noexcept;
 
   const std::string& path() const { return path_; }
-  std::uint64_t size() const { return size_; }
-  std::int64_t mtime_ns() const { return mtime_ns_; }
+  std::uint64_t size() const { return state_.size; }
+  // When it was opened.
+  const FileState& state() const { return state_; }
   // Reads exactly out.size() bytes at offset; FormatError "truncated" when the file ends before.
   void read(std::uint64_t offset, std::span<std::byte> out) const;
 
  private:
   std::string path_;
   int fd_ = -1;
-  std::uint64_t size_ = 0;
-  std::int64_t mtime_ns_ = 0;
+  FileState state_;
 };
 
 enum class Durability {
@@ -42,7 +48,10 @@ enum class Durability {
   fsync,        // outputs
 };
 
-// Writes `path` through a temporary name (host, process, random) in the same directory, creating
+// A name of its own beside `path`, that says which process of which host has made it.
+std::string temporary_name(const std::filesystem::path& path);
+
+// Writes `path` through a temporary name in the same directory, creating
 // the directory where missing. Nothing appears under the final name before commit(); a destructor
 // without commit removes the temporary. Appends are buffered.
 class AtomicFile {

@@ -6,11 +6,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "storage/types/box.h"
+#include "storage/types/file_state.h"
 #include "storage/types/sample_type.h"
 
 namespace voxweld {
@@ -43,11 +46,10 @@ constexpr const char* access_name(Access access) {
   return names[static_cast<std::size_t>(access)];
 }
 
-// One file the volume is made of, with what tells that it changed.
+// One file the volume is made of, as it was when it was opened.
 struct InputFile {
   std::string path;
-  std::uint64_t size = 0;
-  std::int64_t mtime_ns = 0;
+  FileState state;
 };
 
 struct VolumeInfo {
@@ -67,6 +69,8 @@ struct VolumeInfo {
 
 class RangedSource;
 
+using FileVisitor = std::function<void(const std::filesystem::path&)>;
+
 class SampleSource {
  public:
   virtual ~SampleSource() = default;
@@ -80,6 +84,10 @@ class SampleSource {
   // Access::box may be called from many threads at once; the others from one at a time.
   // Throws FormatError for truncated or corrupt data, StorageError when the system fails.
   virtual void read(const Box3& box, std::byte* out) const = 0;
+
+  // Calls f with each file that samples of the box may lie in and that is not one of info().files:
+  // of volumes of so many files that nobody lists them. A file may be missing.
+  virtual void each_file(const Box3& /*box*/, const FileVisitor& /*f*/) const {}
 
   // The same source where it can tell ranges; else null.
   virtual const RangedSource* ranges() const { return nullptr; }

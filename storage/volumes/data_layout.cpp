@@ -20,7 +20,7 @@ void note_file(const ReadFile& file, std::vector<InputFile>& files) {
   // Headers come first and one file is at most the last one noted again.
   if (!files.empty() && (files.front().path == file.path() || files.back().path == file.path()))
     return;
-  files.push_back({file.path(), file.size(), file.mtime_ns()});
+  files.push_back({file.path(), file.state()});
 }
 
 void skip_lines(const ReadFile& file, DataLayout::Part& part) {

@@ -24,6 +24,9 @@ class SourceWithInfo final : public SampleSource {
       : source_(std::move(source)), info_(std::move(info)) {}
   const VolumeInfo& info() const override { return info_; }
   void read(const Box3& box, std::byte* out) const override { source_->read(box, out); }
+  void each_file(const Box3& box, const FileVisitor& f) const override {
+    source_->each_file(box, f);
+  }
 
  private:
   std::shared_ptr<SampleSource> source_;
@@ -58,6 +61,9 @@ class CropSource final : public SampleSource {
     const Box3 wanted{box.lo + crop_.lo, box.hi + crop_.lo};
     if (whole_) return source_->read(wanted, out);
     for (std::int64_t z = wanted.lo.z; z < wanted.hi.z; ++z) out = read_slice(wanted, z, out);
+  }
+  void each_file(const Box3& box, const FileVisitor& f) const override {
+    source_->each_file({box.lo + crop_.lo, box.hi + crop_.lo}, f);
   }
 
  private:

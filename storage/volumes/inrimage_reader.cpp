@@ -176,7 +176,7 @@ std::unique_ptr<SampleSource> open_inrimage(const InputSpec& spec) {
                                      values->value));
   VolumeInfo info;
   info.format = "inrimage";
-  info.files.push_back({file.path(), file.size(), file.mtime_ns()});
+  info.files.push_back({file.path(), file.state()});
   info.type = inr_type(fields);
   read_geometry(fields, info);
   warn_of_scale(fields, info);

@@ -257,7 +257,7 @@ std::unique_ptr<SampleSource> open_metaimage(const InputSpec& spec) {
                                          channels->value));
   VolumeInfo info;
   info.format = "metaimage";
-  info.files.push_back({file.path(), file.size(), file.mtime_ns()});
+  info.files.push_back({file.path(), file.state()});
   info.type = meta_type(fields);
   const std::vector<std::int64_t> sizes = meta_sizes(fields);
   info.geometry.size = {sizes[0], sizes[1], sizes[2]};

@@ -269,7 +269,7 @@ std::unique_ptr<SampleSource> open_nifti(const InputSpec& spec) {
                     name, nifti2_bytes, file.size()));
   VolumeInfo info;
   info.format = "nifti";
-  info.files.push_back({name, file.size(), file.mtime_ns()});
+  info.files.push_back({name, file.state()});
   info.type = nifti_type(*header, name);
   check_dimensions(*header, name);
   info.geometry.size = {header->dim[1], header->dim[2], header->dim[3]};

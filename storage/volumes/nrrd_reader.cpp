@@ -148,7 +148,7 @@ std::unique_ptr<SampleSource> open_nrrd(const InputSpec& spec) {
   VolumeInfo info;
   info.format = "nrrd";
   info.warnings = std::move(text.warnings);
-  info.files.push_back({file.path(), file.size(), file.mtime_ns()});
+  info.files.push_back({file.path(), file.state()});
   info.type = nrrd_type(text.fields);
   for (const char* key : {"old min", "old max"})
     if (const HeaderField* field = text.fields.find(key))

@@ -1,11 +1,14 @@
 // The moments at which a run's files change: preloaded, numbers the renames into place and the
 // removals of files below VOXWELD_POINTS_BELOW, each a moment before and one after it, by
 // their paths below that folder. They are listed in the file VOXWELD_POINTS_LIST, a line each; at
-// the one that VOXWELD_POINTS_AT names the process is sent the signal VOXWELD_POINTS_SIGNAL.
+// the one that VOXWELD_POINTS_AT names the process is sent the signal VOXWELD_POINTS_SIGNAL. At the
+// one that is the VOXWELD_POINTS_NTH with VOXWELD_POINTS_WITH in it the shell is given
+// VOXWELD_POINTS_DO.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -34,6 +37,14 @@ std::string told(const std::string& path) {
   return path.substr(0, process) + path.substr(path.find('.', process));
 }
 
+void do_at_nth(const std::string& point) {
+  static const std::string with = setting("VOXWELD_POINTS_WITH");
+  static std::atomic<int> left = std::atoi(setting("VOXWELD_POINTS_NTH"));
+  if (with.empty() || point.find(with) == std::string::npos || --left != 0) return;
+  const std::string command = std::string("unset LD_PRELOAD; ") + setting("VOXWELD_POINTS_DO");
+  if (std::system(command.c_str()) != 0) std::abort();
+}
+
 void reach(const char* moment, const char* change, const std::string& path) {
   static const std::string list = setting("VOXWELD_POINTS_LIST"), at = setting("VOXWELD_POINTS_AT");
   const std::string point = std::string(moment) + " " + change + " " +
@@ -44,6 +55,7 @@ void reach(const char* moment, const char* change, const std::string& path) {
     close(file);
   }
   if (point == at) kill(getpid(), std::atoi(setting("VOXWELD_POINTS_SIGNAL")));
+  do_at_nth(point);
 }
 
 template <class F>

@@ -25,22 +25,11 @@ Settings in_order(const Settings& settings) {
   return settings + Settings{"run.threads=1"};
 }
 
-Environment watched(const Scene& scene, const std::string& variable, const std::string& value,
-                    int signal = 0) {
-  const char* sanitizer = std::getenv("ASAN_OPTIONS");  // it wants to be loaded first
-  return Environment({{"ASAN_OPTIONS", fmt::format("{}:verify_asan_link_order=0",
-                                                   sanitizer == nullptr ? "" : sanitizer)},
-                      {"LD_PRELOAD", program_path().parent_path() / "commit_points.so"},
-                      {"VOXWELD_POINTS_BELOW", scene.directory()},
-                      {"VOXWELD_POINTS_SIGNAL", std::to_string(signal)},
-                      {variable, value}});
-}
-
 // The moments before and after each change of a run's files, as commit_points.cpp names them.
 std::vector<std::string> points_of(const Scene& scene, const Settings& settings) {
   const fs::path list = scene.directory() / "points";
   fs::remove(list);
-  const Environment listed = watched(scene, "VOXWELD_POINTS_LIST", list);
+  const Environment listed = watched(scene, {{"VOXWELD_POINTS_LIST", list}});
   VOXWELD_EXPECT_DONE(scene.run(in_order(settings)));
   std::vector<std::string> points;
   std::ifstream in(list);
@@ -65,7 +54,8 @@ std::vector<std::string> of_each_kind(const std::vector<std::string>& points) {
 
 ProgramResult run_up_to(const Scene& scene, const Settings& settings, const std::string& point,
                         int signal) {
-  const Environment stopped = watched(scene, "VOXWELD_POINTS_AT", point, signal);
+  const Environment stopped = watched(
+      scene, {{"VOXWELD_POINTS_AT", point}, {"VOXWELD_POINTS_SIGNAL", std::to_string(signal)}});
   return scene.run(in_order(settings));
 }
 

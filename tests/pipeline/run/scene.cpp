@@ -170,6 +170,17 @@ double enclosed_volume(const DecodedMesh& mesh) {
   return six / 6;
 }
 
+Environment watched(const Scene& scene,
+                    std::vector<std::pair<std::string, std::string>> variables) {
+  const char* sanitizer = std::getenv("ASAN_OPTIONS");  // it wants to be loaded first
+  variables.insert(variables.end(),
+                   {{"ASAN_OPTIONS", fmt::format("{}:verify_asan_link_order=0",
+                                                 sanitizer == nullptr ? "" : sanitizer)},
+                    {"LD_PRELOAD", program_path().parent_path() / "commit_points.so"},
+                    {"VOXWELD_POINTS_BELOW", scene.directory()}});
+  return Environment(std::move(variables));
+}
+
 nlohmann::json manifest_of(const fs::path& output) {
   return nlohmann::json::parse(text_of_file(output / "manifest.json"));
 }

@@ -112,6 +112,11 @@ void expect_says(const ProgramResult& result, const std::string& words);
 void expect_refused(const ProgramResult& result, const std::string& words, int exit_code = 2);
 
 std::string text_of_file(const std::filesystem::path& path);
+
+// While it lives, commit_points.cpp watches what programs do in the scene's folder, and has these
+// of its variables.
+Environment watched(const Scene& scene, std::vector<std::pair<std::string, std::string>> variables);
+
 nlohmann::json manifest_of(const std::filesystem::path& output);
 // "build" -> how many units of it the last run did, those that it ran alone.
 std::map<std::string, std::uint64_t> units_run(const std::filesystem::path& output);

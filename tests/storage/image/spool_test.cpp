@@ -95,7 +95,7 @@ TEST(Spool, KeepsTheFactsAndDecodesEachRowOnce) {
   EXPECT_EQ(info.geometry.space, "LPS");
   ASSERT_EQ(info.files.size(), 2U);
   EXPECT_EQ(info.files[1].path, "b.tif");
-  EXPECT_EQ(info.files[1].mtime_ns, 40);
+  EXPECT_EQ(info.files[1].state.mtime_ns, 40);
   EXPECT_EQ(info.warnings, source.info().warnings);
   verify_spool(directory / "s.raw", key);
 }

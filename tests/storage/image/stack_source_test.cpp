@@ -71,8 +71,8 @@ TEST_F(Stack, OfADirectory) {
   EXPECT_EQ(info.largest_decode, 6U * 5 * 2);
   ASSERT_EQ(info.files.size(), 12U);
   EXPECT_EQ(info.files[10].path, (directory_ / "slice10.tif").string());
-  EXPECT_EQ(info.files[10].size, std::filesystem::file_size(directory_ / "slice10.tif"));
-  EXPECT_NE(info.files[10].mtime_ns, 0);
+  EXPECT_EQ(info.files[10].state.size, std::filesystem::file_size(directory_ / "slice10.tif"));
+  EXPECT_NE(info.files[10].state.mtime_ns, 0);
   expect_samples(*source, {{0, 0, 0}, {6, 5, 12}});
   expect_samples(*source, {{0, 2, 9}, {6, 4, 11}});
 }

@@ -26,7 +26,7 @@ class MadeUpSource final : public SampleSource {
     if (size.z == -2) throw std::runtime_error("a library's words");
     if (size.z == -3) throw 3;
     info_.format = "made_up";
-    info_.files.push_back({path, file_.size(), file_.mtime_ns()});
+    info_.files.push_back({path, file_.state()});
     info_.warnings.push_back(path + ": of a format nobody has");
     first_ = line.size() + 1;
   }

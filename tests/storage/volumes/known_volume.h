@@ -136,7 +136,7 @@ inline void expect_volume(const SampleSource& source, const KnownVolume& volume)
   ASSERT_EQ(info.geometry.size, volume.size);
   ASSERT_EQ(info.type, volume.type);
   for (const InputFile& file : info.files)
-    EXPECT_EQ(std::filesystem::file_size(file.path), file.size);
+    EXPECT_EQ(std::filesystem::file_size(file.path), file.state.size);
   EXPECT_EQ(read_box(source, {{}, volume.size}), volume.samples);
   std::mt19937_64 random(7);
   if (info.access == Access::box) {

@@ -155,8 +155,8 @@ TEST(Raw, TheSpecSetsGeometry) {
   EXPECT_EQ(info.geometry.spacing, (Vec3{1, 2, 3}));
   EXPECT_EQ(info.geometry.unit, "um");
   ASSERT_EQ(info.files.size(), 1U);
-  EXPECT_EQ(info.files[0].size, 24U);
-  EXPECT_NE(info.files[0].mtime_ns, 0);
+  EXPECT_EQ(info.files[0].state.size, 24U);
+  EXPECT_NE(info.files[0].state.mtime_ns, 0);
   spec.spacing->y = 0;
   EXPECT_THROW(open_volume(spec), InputError);
 }
