@@ -54,7 +54,7 @@ void add_verify_command(CLI::App& app, Program& program) {
   struct Arguments {
     std::string directory;
     VerifyOptions options;
-    bool json = false, no_merged = false;
+    bool json = false, no_merged = false, no_origin = false;
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
@@ -62,16 +62,20 @@ void add_verify_command(CLI::App& app, Program& program) {
       "Checks that the meshes of a run are closed and complete\n"
       "Reads everything in an output directory again: files, counts and checksums as the manifest "
       "lists them, each tile and the whole a closed manifold, tiles equal to the bit where they "
-      "meet. Exits with 1 where something is wrong.");
+      "meet. Where the input and the config are still there, they have to be those that the meshes "
+      "were made of. Exits with 1 where something is wrong.");
   add_examples(*command, {{"voxweld verify scan.mesh", ""}});
   add_file(*command, "directory", arguments->directory, "The output directory of a finished run");
   add_value(*command, "--threads", arguments->options.threads, "Threads to use; 0: all there are")
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--no-merged", arguments->no_merged,
                     "Leaves out the file with the whole mesh, which needs memory for all of it");
+  command->add_flag("--no-origin", arguments->no_origin,
+                    "Leaves out whether the input and the config are as they were");
   command->add_flag("--json", arguments->json, "Prints the report as JSON");
   when_chosen(*command, program, [arguments] {
     arguments->options.merged = !arguments->no_merged;
+    arguments->options.origin = !arguments->no_origin;
     if (!std::filesystem::exists(std::filesystem::path(arguments->directory) / manifest_name))
       throw InputError(arguments->directory + ": not an output directory: it has no " +
                        manifest_name + "; name the output.directory of a finished run");

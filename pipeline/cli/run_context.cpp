@@ -31,6 +31,14 @@ void choose_kernels() {
   set_provenance_kernels(qef_kernels().name);
 }
 
+std::optional<Hash128> result_of_file(const RunArguments& arguments) {
+  try {
+    return result_hash(load_config(arguments.config));
+  } catch (const InputError&) {  // a key is given on the command line only
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 void add_config_options(CLI::App& command, RunArguments& arguments) {
@@ -48,6 +56,7 @@ RunContext make_context(Program& program, const RunArguments& arguments, Executo
   RunContext context;
   context.config = load_config(arguments.config, arguments.overrides);
   context.config_file = std::filesystem::canonical(arguments.config);
+  context.config_result = result_of_file(arguments);
   context.force = arguments.force;
   // On a cluster many tasks read what one has read: the brick store is made for that.
   if (context.config.run.executor == RunConfig::Executor::slurm &&

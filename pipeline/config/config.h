@@ -212,4 +212,7 @@ std::string canonical_toml(const Config& config);
 // whether anything was edited. What decides the bytes of a stage is parameter_hash().
 Hash128 config_fingerprint(const Config& config);
 
+// Equal for configs that give the same meshes of the same files, wherever they are written.
+Hash128 result_hash(const Config& config);
+
 }  // namespace voxweld

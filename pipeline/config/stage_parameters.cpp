@@ -96,6 +96,12 @@ std::vector<ChangedSetting> changed_settings(const Config& before, const Config&
   return changed;
 }
 
+Hash128 result_hash(const Config& config) {
+  KeyHasher hasher;
+  for (const Stage stage : all_stages) hasher.hash(parameter_hash(config, stage));
+  return hasher.text(config.input.path.string()).finish();
+}
+
 Hash128 config_fingerprint(const Config& config) {
   KeyHasher hasher;
   for (const Setting& setting : settings())

@@ -62,10 +62,28 @@ bool histogram_is_current(const IngestJob& job) {
   }
 }
 
+namespace {
+
+// Those that are not in VolumeInfo::files.
+std::vector<InputFile> files_besides(const Config& config) {
+  std::vector<InputFile> files;
+  const auto add = [&](const std::filesystem::path& path) {
+    if (const auto state = path.empty() ? std::nullopt : file_state(path))
+      files.push_back({path.string(), *state});
+  };
+  if (config.input.is_mesh()) add(config.input.path);
+  if (config.labels.mode != LabelMode::off) add(config.labels.map);
+  for (const EditConfig& edit : config.edits) add(edit.path);
+  return files;
+}
+
+}  // namespace
+
 IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder,
                       const InterruptFlag* interrupt) {
   IngestJob job;
   job.folder = folder;
+  const std::vector<InputFile> besides = files_besides(config);
   const Hash128 parameters = parameter_hash(config, Stage::ingest);
   const auto known = recorded_input(folder, parameters);
   if (known) {
@@ -80,6 +98,8 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder,
     for (const std::string& warning : job.info.warnings) spdlog::warn("{}", warning);
   }
   const VolumeInfo& info = job.info;
+  job.files = info.files;
+  job.files.insert(job.files.end(), besides.begin(), besides.end());
   job.parameters = parameters;
   job.stamp = files_stamp(job, 0, info.files.size());
   job.file_per_slice = info.access == Access::slice && !config.input.crop &&
@@ -114,7 +134,7 @@ Volume ingested_volume(const Config& config, const IngestJob& job) {
 }
 
 std::optional<std::string> changed_file(const IngestJob& job) {
-  for (const InputFile& file : job.info.files)
+  for (const InputFile& file : job.files)
     if (file_state(file.path) != file.state) return file.path;
   return std::nullopt;
 }

@@ -14,6 +14,9 @@ namespace voxweld {
 
 struct IngestJob {
   VolumeInfo info;  // of the input: cropped, spacing and unit as the config has them
+  // All files the result depends on, as they were before they were read: the input's, the map of
+  // labels, meshes of edits.
+  std::vector<InputFile> files;
   // The input itself. Null where its brick store is known to be of the files as they are: then
   // nothing opens it again, and the image module is not loaded for it.
   std::shared_ptr<SampleSource> input;
@@ -41,7 +44,7 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder,
 // the one mesh that is to be cut up; none where the input is read in place. job: outlives the work.
 std::unique_ptr<StageWork> ingest_stage(const Config& config, const IngestJob& job);
 
-// The first of the input's files that is not as it was when the job was planned, if any.
+// The first of job.files that is not as it was when the job was planned, if any.
 std::optional<std::string> changed_file(const IngestJob& job);
 // Whether the input has files besides (SampleSource::each_file): those go into the stamps of what
 // is made from them.

@@ -12,6 +12,7 @@
 #include <unordered_map>
 
 #include "pipeline/output/openmesh_check.h"
+#include "pipeline/output/origin.h"
 #include "pipeline/output/seam_check.h"
 #include "pipeline/output/verify_tiles.h"
 #include "storage/manifest/manifest.h"
@@ -81,6 +82,7 @@ class Verifier {
     if (each_) check_labels_to_end();
     check_totals();
     check_merged();
+    if (options_.origin) note_all(check_origin(manifest_));
     return std::move(report_);
   }
 

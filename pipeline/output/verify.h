@@ -22,6 +22,7 @@ struct VerifyOptions {
   int threads = 0;  // 0: as many as cores
   std::size_t listed_problems = 20;
   bool merged = true;                    // also decode the merged mesh and build it in OpenMesh
+  bool origin = true;                    // also look at input and config, where they are there
   MeshWriters formats = mesh_writers();  // those it knows how to read
 };
 

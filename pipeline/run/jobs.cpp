@@ -160,6 +160,22 @@ void warn_of_large_tiles(const RunContext& context) {
       exact_bytes(memory), limit, readable_bytes(static_cast<double>(largest)));
 }
 
+namespace {
+
+// Of many files some that are spread over all of them: a manifest stays small.
+nlohmann::json files_json(const std::vector<InputFile>& files) {
+  constexpr std::size_t most = 64;
+  nlohmann::json out = nlohmann::json::array();
+  const std::size_t count = std::min(files.size(), most);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& [path, state] = files[count == 1 ? 0 : i * (files.size() - 1) / (count - 1)];
+    out.push_back({{"path", path}, {"bytes", state.size}, {"modified_ns", state.mtime_ns}});
+  }
+  return out;
+}
+
+}  // namespace
+
 Manifest make_manifest(const RunContext& context, const Jobs& jobs, const TopArtifact& top) {
   const Config& config = context.config;
   const MergeCounts counts = top.counts();
@@ -179,11 +195,14 @@ Manifest make_manifest(const RunContext& context, const Jobs& jobs, const TopArt
   while (levels > 1 && counts.leaves[levels - 1] == 0) --levels;
   m.counts.leaves.assign(counts.leaves.begin(),
                          counts.leaves.begin() + static_cast<std::ptrdiff_t>(levels));
-  m.input = std::make_unique<nlohmann::json>(nlohmann::json{{"path", config.input.path.string()},
-                                                            {"format", info.format},
-                                                            {"type", sample_type_name(info.type)}});
+  m.input =
+      std::make_unique<nlohmann::json>(nlohmann::json{{"path", config.input.path.string()},
+                                                      {"format", info.format},
+                                                      {"type", sample_type_name(info.type)},
+                                                      {"files", files_json(jobs.ingest().files)}});
   m.config = std::make_unique<nlohmann::json>(
       nlohmann::json{{"path", context.config_file.string()},
+                     {"result", context.config_result ? to_hex(*context.config_result) : ""},
                      {"fingerprint", to_hex(config_fingerprint(config))},
                      {"toml", canonical_toml(config)}});
   m.error = std::make_unique<nlohmann::json>(

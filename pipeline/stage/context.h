@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,9 @@ class DirectoryLock;
 
 struct RunContext {
   Config config;
-  std::filesystem::path config_file;    // absolute; the output directory is this one's
+  std::filesystem::path config_file;  // absolute; the output directory is this one's
+  // result_hash of that file alone; nothing where it is no whole config without its overrides.
+  std::optional<Hash128> config_result;
   bool force = false;                   // whatever is in the output directory may be written over
   const DirectoryLock* lock = nullptr;  // of the output directory, while this process has it
   Executor* executor = nullptr;

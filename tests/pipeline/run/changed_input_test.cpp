@@ -12,6 +12,7 @@ namespace voxweld::testing {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -123,6 +124,32 @@ INSTANTIATE_TEST_SUITE_P(, ChangedInput, ::testing::Values("work.copy=false", "w
                          [](const auto& named) {
                            return std::string(named.index == 0 ? "InPlace" : "Copied");
                          });
+
+std::string verified(const Scene& scene, const Settings& options = {}) {
+  const ProgramResult result = run_voxweld(Settings{"verify", scene.output()} + options);
+  EXPECT_EQ(result.exit_code, result.out.find("good:") == std::string::npos ? 1 : 0);
+  return result.out;
+}
+
+TEST(Verify, SaysWhereTheInputOrTheConfigHasChangedSince) {
+  const Scene scene(ball_of(18));
+  VOXWELD_EXPECT_DONE(scene.run());
+  EXPECT_THAT(verified(scene), HasSubstr("good:"));
+  // Where and how fast it is run makes no other mesh.
+  std::ofstream(scene.config(), std::ios::app) << "memory = \"1GiB\"\n";
+  EXPECT_THAT(verified(scene), HasSubstr("good:"));
+  std::ofstream(scene.config(), std::ios::app) << "\n[simplify]\ntolerance = 0.3\n";
+  EXPECT_THAT(verified(scene), AllOf(HasSubstr(scene.config().string() + ": asks for another"),
+                                     HasSubstr("bad: 1 ")));
+  EXPECT_THAT(verified(scene, {"--no-origin"}), HasSubstr("good:"));
+  fs::remove(scene.config());
+  EXPECT_THAT(verified(scene), HasSubstr("good:"));
+
+  fs::last_write_time(scene.volume(), fs::file_time_type::clock::now() + std::chrono::hours(1));
+  EXPECT_THAT(verified(scene), HasSubstr(scene.volume().string() + ": has changed since"));
+  fs::remove(scene.volume());
+  EXPECT_THAT(verified(scene), HasSubstr("good:"));
+}
 
 }  // namespace
 }  // namespace voxweld::testing
