@@ -19,13 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string known_kinds() {
-  return "info knows volumes (" + reader_names() +
-         "), meshes as input (.stl, .off, .obj, .ply), brick stores, .octree, top.tree, .tile, "
-         ".record, .shard, .labels, histogram and spool files of "
-         "a work directory, " +
-         endings_text(mesh_writers(), " and ") +
-         " meshes, output directories, work directories, "
-         "manifest.json, tiles.jsonl, labels.jsonl and config files";
+  return "info knows volumes (" + reader_names() + "), meshes (.stl, .off, .obj, .ply, " +
+         endings_text(mesh_writers(), ", ") + "), configs, and all that a run writes";
 }
 
 [[noreturn]] void unknown(const std::string& path, const std::string& why) {

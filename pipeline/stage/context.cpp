@@ -33,8 +33,12 @@ void run_stage(RunContext& context, const StageRun& stage, const std::vector<Uni
                int threads, const UnitWork& work) {
   release_free_memory();
   const StageMeter meter;
-  StageStart start{stage.stage, stage.noun, units.size(), 0, stage.reused};
-  for (const Unit& unit : units) start.weight += unit.weight;
+  StageStart start{stage.stage, stage.noun, units.size(), 0,
+                   stage.reused - (stage.apart_reused ? 1 : 0)};
+  for (const Unit& unit : units) {
+    start.weight += unit.weight;
+    if (unit.apart) start.apart = unit.name;
+  }
   StageProgress progress(context.console, context.progress, start);
   StageFigures elsewhere;
   StageMemory memory = stage.memory;

@@ -71,6 +71,7 @@ struct StageRun {
   // asks by itself (WorkerContext::memory).
   std::function<std::uint64_t(const Unit&)> bytes;
   std::uint64_t reused = 0;
+  bool apart_reused = false;  // one of them is the unit that is apart
   UnitOrder order = UnitOrder::largest_first;
   std::function<bool(const Unit&)> done;  // as RunOptions has them
   std::string identity;
