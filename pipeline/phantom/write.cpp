@@ -107,9 +107,8 @@ void write_nrrd(const PhantomSource& source, const PhantomSpec& spec, const Phan
 // The header goes last: where it is, its samples are.
 void write_detached_nrrd(const PhantomSource& source, const PhantomSpec& spec,
                          const PhantomHooks& hooks) {
-  std::filesystem::path samples = spec.path, header = spec.path;
-  samples.replace_extension(".raw");
-  header.replace_extension(".nhdr");
+  const std::vector<std::filesystem::path> files = phantom_files(spec.path);
+  const std::filesystem::path &header = files[0], &samples = files[1];
   AtomicFile file(samples);
   append_samples(source, hooks, file);
   file.commit(Durability::fsync);
@@ -127,6 +126,12 @@ PhantomFormat phantom_format(const std::filesystem::path& path) {
   throw InputError(fmt::format(
       "{}: cannot tell the format to write: expected a name ending in .nrrd, .nhdr, .raw or .zarr",
       path.string()));
+}
+
+std::vector<std::filesystem::path> phantom_files(const std::filesystem::path& path) {
+  if (phantom_format(path) != PhantomFormat::detached_nrrd) return {path};
+  std::filesystem::path header = path, samples = path;
+  return {header.replace_extension(".nhdr"), samples.replace_extension(".raw")};
 }
 
 void write_phantom(const PhantomSpec& spec, const PhantomHooks& hooks) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <vector>
 
 #include "pipeline/phantom/phantom_source.h"
 
@@ -16,6 +17,9 @@ enum class PhantomFormat : std::uint8_t {
 };
 // By the file name's extension: .nrrd, .nhdr, .raw, .zarr. InputError for another.
 PhantomFormat phantom_format(const std::filesystem::path& path);
+
+// What write_phantom writes there; of a Zarr array its folder alone.
+std::vector<std::filesystem::path> phantom_files(const std::filesystem::path& path);
 
 struct PhantomSpec {
   std::filesystem::path path;
