@@ -6,6 +6,7 @@
 #include "pipeline/cli/command_text.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/config_path.h"
+#include "pipeline/cli/output_file.h"
 #include "pipeline/cli/volume_arguments.h"
 #include "pipeline/config/commented.h"
 #include "pipeline/info/label_survey.h"
@@ -61,12 +62,8 @@ std::string input_stem(const std::string& input) {
 fs::path config_path(const InitArguments& arguments) {
   fs::path path = arguments.output.empty() ? fs::path(input_stem(arguments.volume.path) + ".toml")
                                            : fs::path(arguments.output);
-  if (fs::is_directory(path))
-    throw InputError(path.string() + ": is a directory; name the config file to write");
-  if (fs::exists(path) && !arguments.force)
-    throw InputError(path.string() +
-                     ": exists already; use --force to write over it, or -o for "
-                     "another name");
+  refuse_input(path, arguments.volume.path);
+  check_free(path, arguments.force);
   return path;
 }
 
@@ -169,6 +166,14 @@ std::string found_text(const InitSuggestion& suggestion, const InfoDocument& lab
                      100 * labels.at("background_share").get<double>());
 }
 
+// Its samples may lie in many files, and beside a header.
+void refuse_files_of(const SampleSource& source, const fs::path& config) {
+  const VolumeInfo& info = source.info();
+  for (const InputFile& file : info.files) refuse_input(config, file.path);
+  source.each_file({{}, info.geometry.size},
+                   [&](const fs::path& file) { refuse_input(config, file); });
+}
+
 int init(const InitArguments& arguments, Program& program) {
   const InputSpec spec = input_spec(arguments.volume);
   if (spec.format == "auto" && is_mesh_name(spec.path)) return init_mesh(arguments);
@@ -179,6 +184,7 @@ int init(const InitArguments& arguments, Program& program) {
   const fs::path config = config_path(arguments);
   const std::shared_ptr<SampleSource> source = open_volume(spec);
   const VolumeInfo& info = source->info();
+  if (fs::exists(config)) refuse_files_of(*source, config);
   for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
   ScanResult scan;
   InfoDocument labels;
