@@ -44,7 +44,7 @@ struct CaseResult {
 };
 
 bool is_run(const Words& words) {
-  return words.front() == "run" || words.front() == "build" || words.front() == "stitch";
+  return words.front() == "run" || words.front() == "ingest" || words.front() == "stitch";
 }
 
 // Exit code 1 with the damage on standard output.
@@ -115,7 +115,7 @@ class Fuzzer {
       target = pick_from(random, specimen.targets);
       const Specimen& other = pick_from(random, specimens_);
       const std::string bytes = bytes_of_file(other.folder / pick_from(random, other.targets));
-      if (!fs::is_regular_file(folder / target)) continue;
+      if (std::error_code none; !fs::is_regular_file(folder / target, none)) continue;
       mutation += fmt::format("{}{}: {}", mutation.empty() ? "" : "; ", target,
                               mutate_file(folder / target, bytes, random));
     }
@@ -139,8 +139,9 @@ class Fuzzer {
     words.erase(words.begin());
     result.end = start(folder, words, result.stopped);
     result.problem = result.stopped ? "" : complaint_of(result.end, may_find(words));
+    std::error_code none;
     if (result.problem.empty() && words.front() == "run" && result.end.exit_code == 0 &&
-        fs::exists(folder / "case.mesh"))
+        fs::exists(folder / "case.mesh", none))
       result.problem = check_output(specimen, folder, words);
     return result;
   }
@@ -149,22 +150,10 @@ class Fuzzer {
   ProcessEnd start(const fs::path& folder, const Words& words, bool& stopped) const {
     Words command = {options_.program.string()};
     command.insert(command.end(), words.begin(), words.end());
-    const ProcessLimits limits{longest_s, options_.memory_mib << 20};
+    const ProcessLimits limits{longest_s, is_run(words), options_.memory_mib << 20};
     const fs::path capture = folder.parent_path() / "said";
-    WatchedProcess process(command, folder, capture);
-    if (!is_run(words)) return process.wait(limits);
-    std::jthread stopper([&](std::stop_token done) {
-      for (int tenth = 0; tenth < 10 * longest_s; ++tenth) {
-        if (done.stop_requested()) return;
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
-      }
-      process.send(SIGINT);
-      stopped = true;
-    });
-    const ProcessEnd end = process.wait({2 * longest_s, limits.memory});
-    stopper.request_stop();
-    stopper.join();
-    stopped = stopped && complaint_of(end, false).empty() && end.exit_code == 1;
+    const ProcessEnd end = run_watched(command, folder, capture, limits);
+    stopped = end.asked && complaint_of(end, false).empty() && end.exit_code == 1;
     return end;
   }
 

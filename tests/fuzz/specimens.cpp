@@ -121,10 +121,10 @@ class Maker {
     Specimen specimen = begin(name);
     write_bytes(specimen.folder / "case.toml", text);
     specimen.targets = {"case.toml"};
-    specimen.commands = {{"run", "case.toml"},  {"run", "case.toml", "--dry-run"},
-                         {"plan", "case.toml"}, {"status", "case.toml"},
-                         {"info", "case.toml"}, {"edit", "case.toml", "--list"},
-                         {"build", "case.toml"}};
+    specimen.commands = {{"run", "case.toml"},   {"run", "case.toml", "--dry-run"},
+                         {"plan", "case.toml"},  {"status", "case.toml"},
+                         {"info", "case.toml"},  {"edit", "case.toml", "--list"},
+                         {"ingest", "case.toml"}};
     specimens_.push_back(std::move(specimen));
   }
 

@@ -122,6 +122,18 @@ std::uint64_t WatchedProcess::resident_bytes() const {
   return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
+double WatchedProcess::processor_seconds() const {
+  std::ifstream in("/proc/" + std::to_string(process_) + "/stat");
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  text.erase(0, std::min(text.size(), text.rfind(')') + 1));  // the name may have blanks in it
+  std::istringstream fields(text);
+  std::string skipped;
+  for (int i = 0; i < 11; ++i) fields >> skipped;
+  double user = 0, system = 0;
+  fields >> user >> system;
+  return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
 bool WatchedProcess::wait_for(double seconds) {
   const double until = now_s() + seconds;
   do {
@@ -131,9 +143,17 @@ bool WatchedProcess::wait_for(double seconds) {
 }
 
 ProcessEnd WatchedProcess::wait(const ProcessLimits& limits) {
-  constexpr double look_s = 0.03;
+  constexpr double look_s = 0.03, clock_factor = 6;
+  double limit = limits.seconds;
   while (!poll_once(look_s)) {
-    if (now_s() - started_ > limits.seconds) end_.timed_out = true;
+    const bool over = processor_seconds() > limit || now_s() - started_ > clock_factor * limit;
+    if (over && limits.ask_first && !end_.asked) {
+      end_.asked = true;
+      limit *= 2;
+      send(SIGINT);
+    } else if (over) {
+      end_.timed_out = true;
+    }
     if (resident_bytes() > limits.memory) end_.too_large = true;
     if (end_.timed_out || end_.too_large) send(SIGKILL);
   }
