@@ -13,6 +13,7 @@
 #include "pipeline/executor/resources.h"
 #include "storage/readers/open_volume.h"
 #include "storage/support/error.h"
+#include "storage/support/refused_text.h"
 
 namespace voxweld {
 namespace {
@@ -61,6 +62,8 @@ int guarded(Program& program) {
     return fail_by_bug(error);
   } catch (const std::bad_alloc&) {
     return fail("out of memory; lower run.memory or run.threads so that voxweld asks for less", 1);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(refused_text(error), 1);
   } catch (const std::exception& error) {
     return fail_by_bug(error);
   }
