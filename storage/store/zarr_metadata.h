@@ -52,6 +52,7 @@ struct ZarrArray {
   ChunkForm form() const;
   Index3 chunks_in_file() const;
   std::uint64_t index_bytes() const;  // on disk, checksums included
+  double files() const;               // as many as there are, or might be
   std::filesystem::path file_path(Index3 file_index) const;
 };
 

@@ -39,7 +39,7 @@ enum class Access : std::uint8_t {
   box,     // any box, from any thread
   rows,    // whole rows of a slice, in bands
   slice,   // whole slices in any order (a compressed slice is one unit)
-  stream,  // whole slices in increasing z only (one compressed stream)
+  stream,  // whole slices, or bands of rows of large ones, rising only (one compressed stream)
 };
 constexpr const char* access_name(Access access) {
   constexpr const char* names[] = {"box", "rows", "slice", "stream"};
@@ -79,8 +79,8 @@ class SampleSource {
 
   // Fills `out` with the samples of `box`, native byte order, x fastest, tightly packed.
   // Preconditions: box not empty and inside [0, size); out holds box.count() samples. Access::slice
-  // and stream take boxes of whole rows only (x full); stream takes whole slices with z rising
-  // from call to call.
+  // and stream take boxes of whole rows only (x full); stream takes whole slices, of large ones
+  // (large_slice_bytes) bands of rows too, and these rising from call to call.
   // Access::box may be called from many threads at once; the others from one at a time.
   // Throws FormatError for truncated or corrupt data, StorageError when the system fails.
   virtual void read(const Box3& box, std::byte* out) const = 0;

@@ -132,8 +132,9 @@ void read_geometry(const HeaderFields& fields, VolumeInfo& info) {
     geometry.size[axis] = fields.integer(size);
     if (geometry.size[axis] < 1) fields.reject(size, "a positive size");
     if (const HeaderField* step = fields.find(steps[axis])) {
-      geometry.spacing[axis] = number(fields, *step);
-      if (geometry.spacing[axis] <= 0) fields.reject(*step, "a positive number");
+      const auto value = parse_real(step->value);
+      if (!value) fields.reject(*step, "a number");
+      geometry.spacing[axis] = sound_spacing(*value, fields.where(*step), info);
     } else {
       info.warnings.push_back(fmt::format("{}: no {}: taken as 1", fields.path(), steps[axis]));
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "storage/support/error.h"
@@ -109,8 +110,9 @@ void read_meta_geometry(const HeaderFields& fields, std::size_t dims, VolumeInfo
   else
     info.warnings.push_back(fields.path() + ": no ElementSpacing: taken as 1 1 1");
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (spacing != nullptr && !(spacings[axis] > 0 && std::isfinite(spacings[axis])))
-      fields.reject(*spacing, "positive numbers");
+    if (spacing != nullptr)
+      spacings[axis] = sound_spacing(
+          spacings[axis], fmt::format("{}: axis {}", fields.where(*spacing), axis), info);
     steps[axis] = steps[axis] * (spacings[axis] / length(steps[axis]));
   }
   set_axes(info, steps, matrix != nullptr ? fields.where(*matrix) : fields.path());
@@ -134,8 +136,18 @@ bool flag(const HeaderFields& fields, std::string_view key, bool otherwise) {
 
 // Like a slope and intercept: samples are read as stored.
 void warn_scaled(const HeaderFields& fields, VolumeInfo& info) {
-  for (const auto& [key, neutral] : {std::pair{"ElementToIntensityFunctionSlope", 1.0},
-                                     std::pair{"ElementToIntensityFunctionOffset", 0.0}})
+  const std::pair<const char*, double> keys[] = {{"ElementToIntensityFunctionSlope", 1.0},
+                                                 {"ElementToIntensityFunctionOffset", 0.0}};
+  const auto number = [&](const auto& key) {
+    const HeaderField* field = fields.find(key.first);
+    return field == nullptr
+               ? key.second
+               : parse_real(trim(field->value)).value_or(std::numeric_limits<double>::quiet_NaN());
+  };
+  if (!scales_values(number(keys[0]), number(keys[1]),
+                     fields.path() + ": ElementToIntensityFunction", info))
+    return;
+  for (const auto& [key, neutral] : keys)
     if (const HeaderField* field = fields.find(key);
         field != nullptr && parse_real(trim(field->value)) != neutral)
       info.warnings.push_back(
@@ -201,9 +213,10 @@ void check_compressed_size(const HeaderFields& fields, const DataLayout& layout,
                                         fields.where(*field), field->value, actual));
 }
 
-DataLayout lay_out(const MetaText& text, const std::filesystem::path& path, VolumeInfo& info,
+DataLayout lay_out(const MetaText& text, const InputSpec& spec, VolumeInfo& info,
                    const std::vector<std::int64_t>& sizes) {
   const HeaderFields& fields = text.fields;
+  const std::filesystem::path path = spec.path;
   const HeaderField& data_file = fields.require("ElementDataFile");
   DataLayout layout;
   layout.named_by = fields.where(data_file);
@@ -223,7 +236,7 @@ DataLayout lay_out(const MetaText& text, const std::filesystem::path& path, Volu
     layout.parts = {{path, text.data_offset, 0}};
   } else {
     for (const std::string& name : data_names(text, sizes))
-      layout.parts.push_back({path.parent_path() / name, 0, 0});
+      layout.parts.push_back({named_data_file(spec, name, layout.named_by), 0, 0});
   }
   read_header_size(fields, local, layout);
   if (layout.encoding == DataEncoding::deflated) check_compressed_size(fields, layout, info);
@@ -263,7 +276,7 @@ std::unique_ptr<SampleSource> open_metaimage(const InputSpec& spec) {
   info.geometry.size = {sizes[0], sizes[1], sizes[2]};
   read_meta_geometry(fields, sizes.size(), info);
   warn_scaled(fields, info);
-  DataLayout layout = lay_out(text, path, info, sizes);
+  DataLayout layout = lay_out(text, spec, info, sizes);
   return open_layout(std::move(info), std::move(layout));
 }
 

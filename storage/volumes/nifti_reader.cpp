@@ -94,14 +94,8 @@ Affine from_qform(const NiftiHeader& header, Vec3 spacing) {
 Vec3 pixdim_spacing(const NiftiHeader& header, const std::string& path, VolumeInfo& info) {
   Vec3 spacing;
   for (int axis = 0; axis < 3; ++axis) {
-    const double value = header.pixdim[static_cast<std::size_t>(axis) + 1];
-    if (!std::isfinite(value))
-      throw FormatError(fmt::format("{}: pixdim[{}]: expected a positive spacing, found {}", path,
-                                    axis + 1, value));
-    spacing[axis] = value == 0 ? 1 : std::abs(value);
-    if (value <= 0)
-      info.warnings.push_back(fmt::format("{}: pixdim[{}] is {}: spacing taken as {}", path,
-                                          axis + 1, value, spacing[axis]));
+    spacing[axis] = sound_spacing(header.pixdim[static_cast<std::size_t>(axis) + 1],
+                                  fmt::format("{}: pixdim[{}]", path, axis + 1), info);
   }
   return spacing;
 }
@@ -144,9 +138,7 @@ std::string unit_name(std::int32_t units) {
 }
 
 void warn_scaled(const NiftiHeader& header, const std::string& path, VolumeInfo& info) {
-  const bool scaled = std::isfinite(header.slope) && std::isfinite(header.inter) &&
-                      header.slope != 0 && (header.slope != 1 || header.inter != 0);
-  if (scaled)
+  if (scales_values(header.slope, header.inter, path + ": scl_slope, scl_inter", info))
     info.warnings.push_back(fmt::format(
         "{}: the header scales values: real = {} * stored + {}. The isovalue is in stored "
         "units: isovalue = (real - {}) / {}",

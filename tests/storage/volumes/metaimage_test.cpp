@@ -204,7 +204,7 @@ TEST(MetaImage, BadHeadersAreNamedWithTheirLine) {
   refused("DimSize", "no equals sign", {"a.mha:3: expected 'Key = Value'"});
   refused("ElementType", "", {"no field 'ElementType'"});
   refused("ElementType", "ElementType = MET_UCHAR_ARRAY", {"one number a sample"});
-  refused("ElementSpacing", "ElementSpacing = 1 -1 1", {"positive numbers"});
+  refused("ElementSpacing", "ElementSpacing = 1 1", {"3 numbers"});
   refused("ElementNumberOfChannels", "ElementNumberOfChannels = 3", {"3 channels a sample"});
   refused("Offset", "TransformMatrix = 1 0 0 1 0 0 0 0 1", {"one plane"});
   refused("Offset", "TransformMatrix = 0 0 0 1 0 0 0 0 1", {"not zero"});
