@@ -48,7 +48,7 @@ std::string input_stem(const std::string& input) {
     while (!name.empty() && std::string("_-. ").find(name.back()) != std::string::npos)
       name.pop_back();
     if (name.empty()) name = fs::absolute(path).parent_path().filename().string();
-  } else if (!fs::is_directory(path)) {
+  } else if (std::error_code ignored; !fs::is_directory(path, ignored)) {
     fs::path stem = path.stem();
     if (path.extension() == ".gz") stem = stem.stem();
     name = stem.string();
@@ -111,6 +111,7 @@ InitSuggestion suggest(const InitArguments& arguments, const fs::path& config,
   suggestion.header_bytes = arguments.volume.header_bytes;
   if (!arguments.volume.spacing.empty()) suggestion.spacing = info.geometry.spacing;
   suggestion.unit = arguments.volume.unit;
+  suggestion.follow = arguments.volume.follow;
   return suggestion;
 }
 

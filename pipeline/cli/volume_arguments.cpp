@@ -30,6 +30,10 @@ void add_volume_options(CLI::App& command, VolumeArguments& arguments) {
   add_value(command, "--header-bytes", arguments.header_bytes, "Raw: bytes before the first sample")
       ->check(CLI::NonNegativeNumber)
       ->group(group);
+  command
+      .add_flag("--follow", arguments.follow,
+                "NRRD and MetaImage: lets the header name data files outside its folder")
+      ->group(group);
   add_numbers(command, "--spacing", arguments.spacing, {1, 3},
               "Distance of neighbouring samples: one number, or along x, y, z")
       ->group(group);
@@ -61,6 +65,7 @@ InputSpec input_spec(const VolumeArguments& arguments) {
   if (s.size() == 1) spec.spacing = {s[0], s[0], s[0]};
   if (s.size() == 3) spec.spacing = {s[0], s[1], s[2]};
   spec.unit = arguments.unit;
+  spec.follow = arguments.follow;
   return spec;
 }
 

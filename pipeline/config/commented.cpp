@@ -58,10 +58,10 @@ using Names = std::set<std::string>;  // "table.key"
 
 // Keys that an input of one kind has no use for, and refuses.
 const Names& of_volumes() {
-  static const Names names = {"input.crop",       "input.spacing", "input.size",
-                              "input.type",       "input.endian",  "input.header_bytes",
-                              "surface.isovalue", "surface.label", "surface.inside",
-                              "surface.gradient"};
+  static const Names names = {"input.crop",         "input.spacing",    "input.size",
+                              "input.follow",       "input.type",       "input.endian",
+                              "input.header_bytes", "surface.isovalue", "surface.label",
+                              "surface.inside",     "surface.gradient"};
   return names;
 }
 const Names& of_meshes() {
@@ -78,6 +78,7 @@ const std::string& brief_comment(const std::string& name) {
       {"input.type", "Type of a sample."},
       {"input.endian", "Byte order of a sample: \"little\" or \"big\"."},
       {"input.header_bytes", "Bytes before the first sample."},
+      {"input.follow", "Whether the header may name data files outside its folder."},
       {"input.spacing", "Distance of neighbouring samples along x, y and z."},
       {"input.unit", "Unit of the spacing."},
       {"input.resolution", "Cells along the mesh's longest side: more are finer, and more work."},
@@ -181,6 +182,7 @@ Active active_for(const VolumeInfo& info, const InitSuggestion& suggestion) {
   if (suggestion.spacing)
     active["input.spacing"] = fmt::format("[{}, {}, {}]", real(suggestion.spacing->x),
                                           real(suggestion.spacing->y), real(suggestion.spacing->z));
+  if (suggestion.follow) active["input.follow"] = "true";
   if (!suggestion.unit.empty()) active["input.unit"] = toml_string(suggestion.unit);
   if (suggestion.labels) {
     active["labels.mode"] = "\"each\"";

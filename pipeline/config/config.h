@@ -45,6 +45,7 @@ struct InputConfig {
   std::optional<SampleType> type;
   Endian endian = Endian::little;
   std::int64_t header_bytes = 0;
+  bool follow = false;  // headers may name data files outside their folder
   // How finely a mesh is sampled: one of the two of a mesh, else none.
   std::optional<std::int64_t> resolution{};  // cells along the longest side of its box
   std::optional<double> cell{};              // the spacing, in the mesh's own unit

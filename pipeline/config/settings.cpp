@@ -100,6 +100,11 @@ std::vector<Setting> input_settings() {
           binding::choice(in, &In::endian, {"little", "big"}), ingest_and_build),
       row({"input", "header_bytes", "Raw only: bytes before the first sample."},
           binding::member(in, &In::header_bytes, IntegerRule{0, no_limit}), ingest_and_build),
+      row({"input", "follow",
+           "NRRD and MetaImage: lets a header name data files by absolute paths, or outside its "
+           "own "
+           "folder."},
+          binding::member(in, &In::follow, FlagRule{}), none),
       row({"input", "resolution",
            "Meshes only: cells along the longest side of the mesh's bounding box, the margin not "
            "counted.",

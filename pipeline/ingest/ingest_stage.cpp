@@ -15,6 +15,7 @@
 #include "storage/artifact/histogram_artifact.h"
 #include "storage/store/store_source.h"
 #include "storage/support/error.h"
+#include "storage/volumes/axes.h"
 
 namespace voxweld {
 namespace {
@@ -100,6 +101,8 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder,
   const VolumeInfo& info = job.info;
   job.files = info.files;
   job.files.insert(job.files.end(), besides.begin(), besides.end());
+  check_coordinates(info.geometry,
+                    config.input.path.empty() ? "input.spacing" : config.input.path.string());
   job.parameters = parameters;
   job.stamp = files_stamp(job, 0, info.files.size());
   job.file_per_slice = info.access == Access::slice && !config.input.crop &&

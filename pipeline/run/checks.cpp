@@ -16,6 +16,51 @@
 namespace voxweld {
 namespace {
 
+std::string values_text(const ValueRange& range) {
+  return range.empty ? "all samples are NaN, which counts as outside"
+                     : fmt::format("the values run from {} to {}", range.lo, range.hi);
+}
+
+// Whether a range says that all samples are inside.
+bool all_inside(const SurfaceConfig& surface, const ValueRange& range) {
+  if (range.empty || range.any_nan) return false;
+  const double isovalue = surface.isovalue.value();
+  if (surface.label) return range.lo == range.hi && range.lo == isovalue;
+  return surface.inside == SurfaceConfig::Inside::above ? range.lo >= isovalue
+                                                        : range.hi <= isovalue;
+}
+
+// A mesh of nothing but the volume's own faces is seldom what was meant. Then the edges that cross
+// the surface are those into the ring; other volumes may have as many, so the samples decide.
+void warn_of_box(RunContext& context, Stages& stages) {
+  const Config& config = context.config;
+  const Jobs& jobs = stages.jobs();
+  if (!config.input.has_samples() || !config.edits.empty() || config.labels.mode != LabelMode::off)
+    return;
+  const Index3 size = jobs.volume().geometry().size;
+  const auto faces =
+      static_cast<std::uint64_t>(2 * (size.x * size.y + size.y * size.z + size.z * size.x));
+  if (stages.top().counts().crossing_edges != faces) return;
+  // To read all samples is no task for a cluster; there they are copied, and their ranges known.
+  if (jobs.volume().ranges() == nullptr && !context.executor->in_process()) return;
+  const ValueRange range = whole_range(context, jobs.volume());
+  if (!all_inside(config.surface, range)) return;
+  const std::string mesh = config.surface.border == SurfaceConfig::Border::open
+                               ? "with an open border nothing is left of the mesh"
+                               : "the mesh is the box of the volume";
+  if (config.surface.label)
+    spdlog::warn("surface.label = {}: all samples of {} are of that value, so {}",
+                 *config.surface.label, config.input.path.string(), mesh);
+  else
+    spdlog::warn(
+        "surface.isovalue = {}: all samples of {} are {} it, so {}; {}: choose one between, or "
+        "turn "
+        "surface.inside around",
+        config.surface.isovalue.value(), config.input.path.string(),
+        config.surface.inside == SurfaceConfig::Inside::above ? "at or above" : "at or below", mesh,
+        values_text(range));
+}
+
 void check_surface(RunContext& context, Stages& stages) {
   if (stages.top().counts().crossing_edges != 0) return;
   const Jobs& jobs = stages.jobs();
@@ -32,20 +77,18 @@ void check_surface(RunContext& context, Stages& stages) {
   const ValueRange range = whole_range(context, jobs.volume());
   if (context.config.labels.mode != LabelMode::off)
     throw InputError(fmt::format(
-        "labels.mode: no surface: no sample of {} is of a label that is not left out; the values "
-        "run from {} to {}",
-        context.config.input.path.string(), range.lo, range.hi));
+        "labels.mode: no surface: no sample of {} is of a label that is not left out; {}",
+        context.config.input.path.string(), values_text(range)));
   if (const auto& label = context.config.surface.label)
     throw InputError(
         fmt::format("surface.label = {}: no sample of {} is of that value; they run from {} to {}",
                     *label, context.config.input.path.string(), range.lo, range.hi));
   throw InputError(fmt::format(
-      "surface.isovalue = {}: no surface: no sample is {} it. The values of {} run from {} to {}; "
-      "choose one "
-      "between",
+      "surface.isovalue = {}: no surface: no sample is {} it. {}: {}{}",
       context.config.surface.isovalue.value(),
       context.config.surface.inside == SurfaceConfig::Inside::above ? "at or above" : "at or below",
-      context.config.input.path.string(), range.lo, range.hi));
+      context.config.input.path.string(), values_text(range),
+      range.empty ? "" : "; choose one between"));
 }
 
 // A directory that cannot be written is better found now than after hours of work. Nothing is made
@@ -89,6 +132,7 @@ void check_directories(const Config& config) {
 void check_before(RunContext& context, Stages& stages, Stage stage) {
   if (stage != Stage::stitch && stage != Stage::encode) return;
   check_surface(context, stages);
+  if (stage == Stage::stitch && context.selection.all()) warn_of_box(context, stages);
   check_plan(context, stages);
 }
 

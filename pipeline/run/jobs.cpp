@@ -23,11 +23,14 @@ namespace {
 double choose_isovalue(const Config& config, const IngestJob& job) {
   const auto histogram = read_histogram(job);
   const auto suggestion = histogram ? suggest_isovalue(*histogram) : std::nullopt;
-  if (!suggestion)
+  if (!suggestion) {
+    const bool nans = histogram && histogram->bins.empty() && histogram->nans > 0;
     throw InputError(
-        fmt::format("surface.isovalue = \"otsu\": all samples of {} have one value, so there is no "
-                    "threshold to find; give a number",
-                    config.input.path.string()));
+        fmt::format("surface.isovalue = \"otsu\": all samples of {} {}, so there is no "
+                    "threshold to find; {}",
+                    config.input.path.string(), nans ? "are NaN" : "have one value",
+                    nans ? "check the file" : "give a number"));
+  }
   spdlog::info(
       "surface.isovalue = \"otsu\": {}{}", suggestion->threshold.value,
       suggestion->padding ? fmt::format(" (leaving out padding of {})", *suggestion->padding) : "");
@@ -110,9 +113,30 @@ void Jobs::open_volume(Config& config) {
                      });
 }
 
+namespace {
+
+// The lists of shards that stages keep are in memory whole.
+void check_shards(const Config& config, const VolumeInfo& info) {
+  constexpr double bytes_of_shard = 256;
+  const Index3 shards = brick_grid(config, info.geometry).shards();
+  const double count =
+      static_cast<double>(shards.x) * static_cast<double>(shards.y) * static_cast<double>(shards.z);
+  const double need = count * bytes_of_shard;
+  if (need <= static_cast<double>(config.run.memory)) return;
+  throw InputError(
+      fmt::format("run.memory = {}: the volume of {} x {} x {} samples has {:.0f} shards, and the "
+                  "lists of them "
+                  "take about {}; raise run.memory, work.brick or work.shard",
+                  exact_bytes(config.run.memory), info.geometry.size.x, info.geometry.size.y,
+                  info.geometry.size.z, count, readable_bytes(need)));
+}
+
+}  // namespace
+
 void check_budget(const RunContext& context, const Jobs& jobs) {
   const VolumeInfo& info = jobs.ingest().info;
   const Config& config = context.config;
+  check_shards(config, info);
   std::vector<StageMemory> needs = {
       ingest_stage(config, jobs.ingest())->memory({}),
       build_memory(brick_grid(config, info.geometry), shard_memory(config, info))};

@@ -13,6 +13,7 @@
 #include "pipeline/executor/memory_budget.h"
 #include "pipeline/executor/progress.h"
 #include "pipeline/stage/unit_selection.h"
+#include "storage/types/nan_count.h"
 
 namespace voxweld {
 
@@ -61,6 +62,9 @@ struct RunContext {
 // What the program itself has resident before any unit runs, with room for the allocator's slack:
 // more once the image module is loaded, which takes 120 MiB.
 std::uint64_t program_bytes();
+
+// Tells the user of NaNs among the samples a stage has read, if there are any: a warning.
+void warn_of_nans(const Config& config, const NanCount& nans);
 
 // One stage's units on the executor, measured and shown; appends to context.reports.
 struct StageRun {

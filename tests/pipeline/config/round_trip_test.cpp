@@ -58,6 +58,7 @@ InputConfig any_input() {
   }
   if (chance()) in.spacing = Vec3{any_positive(), any_positive(), any_positive()};
   if (chance()) in.unit = *rc::gen::element<std::string>("m", "cm", "mm", "um", "nm", "angstrom");
+  in.follow = chance();
   const bool raw = in.format == "raw";
   if (raw || (in.format == "auto" && chance())) {
     in.size = Index3{*extent, *extent, *extent};
@@ -231,6 +232,7 @@ format = "auto"
 # type: none; raw files need it
 endian = "little"
 header_bytes = 0
+follow = false
 # resolution: none; meshes need it, or input.cell
 # cell: none; meshes need it, or input.resolution
 margin = 1

@@ -95,6 +95,7 @@ surface.border: "closed" or "open" (default: "closed")
   "close" (a string); did you mean "closed"? | true (a boolean)
 surface.gradient: "eno" or "central" (default: "eno")
   "centre" (a string); did you mean "central"? | 2
+input.follow: true or false (default: false)
 simplify.enabled: true or false (default: true)
 output.tiles: true or false (default: true)
 output.normals: true or false (default: true)
