@@ -73,12 +73,12 @@ void check_deflated_size(const ReadFile& file, const DataLayout::Part& part, std
       file.path(), needed, stored, stored * best_deflate_ratio));
 }
 
-// Each number takes a digit, and all but the last a separator.
+// Each number takes a digit. Of the separators the one who reads knows more.
 void check_text_size(const ReadFile& file, const DataLayout::Part& part, const DataLayout& layout,
                      std::uint64_t samples) {
   const std::uint64_t offset = part.offset + static_cast<std::uint64_t>(layout.skip_bytes);
   const std::uint64_t rest = file.size() - std::min(file.size(), offset);
-  if (rest / 2 + 1 >= samples) return;
+  if (rest >= samples) return;
   throw FormatError(fmt::format(
       "{}: truncated: the header announces {} samples, but the {} bytes of text from byte {} on "
       "hold fewer: get a complete copy or correct the sizes",
