@@ -14,6 +14,7 @@
 #include "pipeline/output/load.h"
 #include "pipeline/output/render.h"
 #include "pipeline/output/verify.h"
+#include "pipeline/output/wide_mesh.h"
 #include "storage/image/image_file.h"
 #include "storage/manifest/manifest.h"
 #include "storage/support/error.h"
@@ -31,6 +32,7 @@ struct RenderArguments {
 struct ExportArguments {
   std::string input;
   OutputFile output;
+  ExportOptions options;
 };
 
 // Neither over something that is there nor over one of the meshes that are read.
@@ -87,9 +89,18 @@ int export_one(const ExportArguments& arguments, const Program& program) {
   std::size_t triangles = 0;
   {
     const PromptStop prompt(program.interrupt);
-    const DecodedMesh mesh = load_mesh(arguments.input);
-    text = exported_mesh(mesh, output);
-    triangles = mesh.triangles.size();
+    const ExportOptions& options = arguments.options;
+    const bool plain =
+        !options.weld && !options.world && !std::filesystem::is_directory(arguments.input);
+    const auto mesh = plain ? std::optional(load_mesh(arguments.input)) : std::nullopt;
+    if (mesh && mesh->pairs.empty()) {
+      text = exported_mesh(*mesh, output);
+      triangles = mesh->triangles.size();
+    } else {
+      const WideMesh wide = load_wide_mesh(arguments.input, options);
+      text = exported_wide_mesh(wide, output);
+      triangles = wide.triangles.size();
+    }
   }
   write_exported(output, text, &program.interrupt);
   fmt::print("{}: {}\n", output, counted(triangles, "triangles"));
@@ -165,11 +176,23 @@ void add_render_command(CLI::App& app, Program& program) {
 
 void add_export_command(CLI::App& app, Program& program) {
   auto arguments = std::make_shared<ExportArguments>();
-  CLI::App* command =
-      app.add_subcommand("export", "Converts a mesh file to .ply, .obj, .stl or .off");
-  add_examples(*command, {{"voxweld export scan.mesh/mesh.drc -o scan.ply", ""}});
-  add_file(*command, "input", arguments->input, "A mesh file: " + endings_text(mesh_writers()));
+  CLI::App* command = app.add_subcommand(
+      "export",
+      "Converts a mesh to .ply, .obj, .stl or .off\n"
+      "A .ply has the label of each face where the mesh has labels: `label` on its inner side, "
+      "`label_outside` on the other where both sides have one; -1 is the space around the volume.");
+  add_examples(*command, {{"voxweld export scan.mesh/mesh.drc -o scan.ply", ""},
+                          {"voxweld export scan.mesh -o scan.ply --weld --world",
+                           "all tiles as one mesh, in the scanner's coordinates"}});
+  add_file(*command, "input", arguments->input,
+           "A mesh file: " + endings_text(mesh_writers()) + "; or an output directory");
   add_output_file(*command, arguments->output, "The file to write; its ending says how");
+  command->add_flag("--weld", arguments->options.weld,
+                    "One vertex for each position, without normals; else a vertex at a crease "
+                    "appears once for each of its normals");
+  command->add_flag("--world", arguments->options.world,
+                    "The coordinates of the scanner's world, as frame in manifest.json has them; "
+                    "doubles, but for .stl");
   when_chosen(*command, program, [&program, arguments] { return export_one(*arguments, program); });
 }
 
