@@ -10,10 +10,10 @@
 #include "pipeline/build/contour_parameters.h"
 #include "pipeline/config/settings.h"
 #include "pipeline/ingest/label_choice.h"
+#include "pipeline/run/output_frame.h"
 #include "pipeline/stage/unit_plan.h"
 #include "stages/encode/draco_codec.h"
 #include "stages/ingest/threshold.h"
-#include "stages/stitch/lattice_plan.h"
 #include "storage/support/error.h"
 #include "storage/support/provenance.h"
 
@@ -49,15 +49,6 @@ void check_label(const Config& config, const VolumeInfo& info) {
       config.input.path.string(), sample_type_name(info.type)));
 }
 
-// Of a mesh as input: what its coordinates are in files that cannot hold them.
-void warn_of_origin(const Config& config, const VolumeGeometry& geometry) {
-  if (!config.input.is_mesh() || geometry.origin == Vec3{}) return;
-  spdlog::warn(
-      "{}: floats do not hold the mesh's own coordinates at this output.precision: those of the "
-      "files are less by [{}, {}, {}], which is frame.origin in the manifest",
-      config.input.path.string(), geometry.origin.x, geometry.origin.y, geometry.origin.z);
-}
-
 ShardMemory shard_memory(const Config& config, const VolumeInfo& info) {
   const bool replaces = std::ranges::any_of(
       config.edits, [](const EditConfig& edit) { return edit.op == EditOp::replace; });
@@ -83,11 +74,8 @@ void Jobs::open_volume(Config& config) {
   const Volume volume = ingested_volume(config, ingest_);
   VolumeInfo info = volume.source->info();
   const LabelParameters labels = final_labels(config, map_, ingest_);
-  const OutputLattice lattice =
-      plan_lattice({info.geometry.size, info.geometry.spacing,
-                    config.output.precision * smallest_spacing(info.geometry)});
-  info.geometry = output_geometry(info.geometry, lattice);
-  warn_of_origin(config, info.geometry);
+  const OutputFrame output = output_frame(config, info.geometry);
+  info.geometry = output.geometry;
   const StagePaths paths = stage_paths(config, info, labels);
   build_.emplace(BuildJob{volume, brick_grid(config, info.geometry),
                           contour_parameters(config, volume.geometry(), volume.solid, labels),
@@ -97,9 +85,8 @@ void Jobs::open_volume(Config& config) {
             static_cast<std::uint64_t>(config.output.tile_vertices)};
   stitch_.build = &*build_;
   stitch_.merge = &merge_;
-  stitch_.parameters.frame.spacing = info.geometry.spacing;
-  stitch_.parameters.frame.lattice = lattice;
-  stitch_.parameters.first = info.geometry.first;
+  stitch_.parameters.frame = output.snap;
+  stitch_.parameters.first = output.first;
   stitch_.parameters.normals = config.output.normals;
   stitch_.folder = paths.stitch;
   stitch_.key = paths.stitch_key;

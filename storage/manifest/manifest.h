@@ -11,7 +11,7 @@
 //                and the mesh is no 2-manifold where labels meet
 //   frame        {size [x, y, z], spacing, unit, first, origin, direction [3][3], space}: sample i
 //                lies at first + spacing * i in the files, and what lies at p there at origin +
-//                direction * p in the world; first (optional, 0) is 0 but for meshes as input
+//                direction * p in the world; first (optional, 0) is 0 but of crops and meshes
 //   counts       {bricks, active_bricks, collapsed_above_bricks, leaves [per level], vertices,
 //                quads, triangles (polygons), output_triangles = 2 quads + triangles, tiles,
 //                collinear, files, bytes (mesh files, those of the tiles included), labels (with "labels")};

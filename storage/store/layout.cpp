@@ -6,6 +6,7 @@
 
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
+#include "storage/types/counted_from_zero.h"
 
 namespace voxweld {
 namespace {
@@ -86,7 +87,7 @@ ZarrArray StoreLayout::zarr() const {
   zarr.chunk = splat(parameters.chunk);
   zarr.sharded = true;
   zarr.codecs = store_codecs(parameters, type);
-  zarr.geometry = geometry;
+  zarr.geometry = counted_from_zero(geometry);  // other programs know no `first`
   return zarr;
 }
 

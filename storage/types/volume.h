@@ -27,8 +27,8 @@ struct VolumeGeometry {
   Vec3 origin{0, 0, 0};   // world position of output coordinate (0, 0, 0), in `unit`
   // direction[a]: the world direction (unit vector) of increasing index along axis a.
   std::array<Vec3, 3> direction{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
-  // Output coordinates of sample (0, 0, 0): 0 of volumes; of a mesh as input what makes the
-  // output's coordinates the mesh's own, a multiple of any step the output's lattice may have.
+  // Output coordinates of sample (0, 0, 0): 0, or of a crop those it has in the whole volume. Of a
+  // mesh as input they make the output's the mesh's own, multiples of any step of its lattice.
   Vec3 first{0, 0, 0};
   std::string unit;   // "mm", "um", "nm", "m" ...; empty when the file does not say
   std::string space;  // world convention where known: "LPS", "RAS" ...; else empty

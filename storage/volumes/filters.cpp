@@ -40,9 +40,7 @@ class CropSource final : public SampleSource {
     VolumeGeometry& geometry = info_.geometry;
     const Index3 full = geometry.size;
     for (int axis = 0; axis < 3; ++axis)
-      geometry.origin =
-          geometry.origin + geometry.direction[static_cast<std::size_t>(axis)] *
-                                (geometry.spacing[axis] * static_cast<double>(crop.lo[axis]));
+      geometry.first[axis] += geometry.spacing[axis] * static_cast<double>(crop.lo[axis]);
     geometry.size = crop.size();
     const auto width = static_cast<std::int64_t>(sample_bytes(info_.type));
     const std::int64_t row = full.x * width;
