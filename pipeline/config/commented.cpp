@@ -84,7 +84,7 @@ const std::string& brief_comment(const std::string& name) {
       {"input.resolution", "Cells along the mesh's longest side: more are finer, and more work."},
       {"input.cell", "The side of a cell, in the mesh's unit: smaller is finer, and more work."},
       {"input.close", "\"winding\" closes the mesh's holes, \"no\" refuses a mesh that has any."},
-      {"surface.isovalue", "The sample value the surface runs through."},
+      {"surface.isovalue", "The value the surface runs through."},
       {"surface.inside", "Which side of the isovalue is material: \"above\" or \"below\"."},
       {"labels.mode",
        "\"each\": a closed mesh for each label; \"shared\": neighbours share triangles."},
@@ -149,6 +149,9 @@ std::string facts(const VolumeInfo& info, const InitSuggestion& suggestion) {
   const std::string unit = g.unit.empty() ? "(the file names no unit)" : comment_text(g.unit);
   text += fmt::format("# spacing {} x {} x {} {}\n", real(spacing.x), real(spacing.y),
                       real(spacing.z), unit);
+  if (!info.scale.identity())
+    text += fmt::format("# real values are {} * stored + {}; all values here are real\n",
+                        real(info.scale.slope), real(info.scale.intercept));
   for (const std::string& warning : info.warnings)
     text += wrapped("Note: " + comment_text(warning), "# ");
   return text;

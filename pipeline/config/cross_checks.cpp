@@ -85,7 +85,7 @@ class CrossChecks {
   void label() const {
     const SurfaceConfig& surface = config_.surface;
     if (!surface.label) return;
-    const auto number = static_cast<double>(*surface.label);
+    const Isovalue number = Isovalue::of(*surface.label);
     if (surface.isovalue && *surface.isovalue != number)
       fail({"surface.isovalue"}, "a label has no isovalue; remove this one, or surface.label");
     if (surface.inside == SurfaceConfig::Inside::below)

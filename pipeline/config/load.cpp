@@ -189,7 +189,7 @@ Config parse_config(const std::string& text, const fs::path& path,
     config.surface.isovalue = 1;  // above every sample of empty space
     config.surface.inside = SurfaceConfig::Inside::above;
   }
-  if (config.surface.label) config.surface.isovalue = static_cast<double>(*config.surface.label);
+  if (config.surface.label) config.surface.isovalue = Isovalue::of(*config.surface.label);
   // Not looked at; one that is given stays, so that a mode can be set beside it.
   if (config.labels.mode != LabelMode::off && !config.surface.isovalue) config.surface.isovalue = 0;
   return config;

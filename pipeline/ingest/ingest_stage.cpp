@@ -156,8 +156,10 @@ std::optional<Histogram> read_histogram(const IngestJob& job) {
 
 ValueRange whole_range(RunContext& context, const Volume& volume) {
   const Box3 all{{}, volume.geometry().size};
-  if (volume.ranges() != nullptr) return volume.ranges()->range(all);
-  return scan_volume(context, *volume.source, "scan").range;
+  const ValueRange stored = volume.ranges() != nullptr
+                                ? volume.ranges()->range(all)
+                                : scan_volume(context, *volume.source, "scan").range;
+  return real_range(stored, volume.source->info().scale);
 }
 
 }  // namespace voxweld

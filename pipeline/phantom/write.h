@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "pipeline/phantom/phantom_source.h"
@@ -41,5 +43,12 @@ struct PhantomHooks {
 // whatever the threads. An existing file is replaced once the new one is complete. InputError for a
 // spec that cannot be, StorageError when the disk refuses.
 void write_phantom(const PhantomSpec& spec, const PhantomHooks& hooks = {});
+
+// What the header of a phantom's .nrrd or .nhdr says of its true surface.
+struct PhantomSurface {
+  std::string isovalue, inside;  // as written
+};
+// Empty where the file is no such header, or the phantom holds labels.
+std::optional<PhantomSurface> phantom_surface(const std::filesystem::path& header);
 
 }  // namespace voxweld

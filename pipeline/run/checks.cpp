@@ -24,7 +24,7 @@ std::string values_text(const ValueRange& range) {
 // Whether a range says that all samples are inside.
 bool all_inside(const SurfaceConfig& surface, const ValueRange& range) {
   if (range.empty || range.any_nan) return false;
-  const double isovalue = surface.isovalue.value();
+  const double isovalue = surface.isovalue->value;
   if (surface.label) return range.lo == range.hi && range.lo == isovalue;
   return surface.inside == SurfaceConfig::Inside::above ? range.lo >= isovalue
                                                         : range.hi <= isovalue;
@@ -56,7 +56,7 @@ void warn_of_box(RunContext& context, Stages& stages) {
         "surface.isovalue = {}: all samples of {} are {} it, so {}; {}: choose one between, or "
         "turn "
         "surface.inside around",
-        config.surface.isovalue.value(), config.input.path.string(),
+        isovalue_text(*config.surface.isovalue), config.input.path.string(),
         config.surface.inside == SurfaceConfig::Inside::above ? "at or above" : "at or below", mesh,
         values_text(range));
 }
@@ -85,7 +85,7 @@ void check_surface(RunContext& context, Stages& stages) {
                     *label, context.config.input.path.string(), range.lo, range.hi));
   throw InputError(fmt::format(
       "surface.isovalue = {}: no surface: no sample is {} it. {}: {}{}",
-      context.config.surface.isovalue.value(),
+      isovalue_text(*context.config.surface.isovalue),
       context.config.surface.inside == SurfaceConfig::Inside::above ? "at or above" : "at or below",
       context.config.input.path.string(), values_text(range),
       range.empty ? "" : "; choose one between"));

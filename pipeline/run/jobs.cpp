@@ -21,16 +21,13 @@ namespace voxweld {
 namespace {
 
 double choose_isovalue(const Config& config, const IngestJob& job) {
-  const auto histogram = read_histogram(job);
-  const auto suggestion = histogram ? suggest_isovalue(*histogram) : std::nullopt;
-  if (!suggestion) {
-    const bool nans = histogram && histogram->bins.empty() && histogram->nans > 0;
-    throw InputError(
-        fmt::format("surface.isovalue = \"otsu\": all samples of {} {}, so there is no "
-                    "threshold to find; {}",
-                    config.input.path.string(), nans ? "are NaN" : "have one value",
-                    nans ? "check the file" : "give a number"));
-  }
+  const Histogram histogram = read_histogram(job).value_or(Histogram{});
+  const auto suggestion = suggest_isovalue(histogram, job.info.scale);
+  if (!suggestion)
+    throw InputError(fmt::format(
+        "surface.isovalue = \"otsu\": all samples of {} {}, so there is no threshold to "
+        "find; give a number",
+        config.input.path.string(), no_threshold_text(histogram, job.info.scale)));
   spdlog::info(
       "surface.isovalue = \"otsu\": {}{}", suggestion->threshold.value,
       suggestion->padding ? fmt::format(" (leaving out padding of {})", *suggestion->padding) : "");
@@ -38,15 +35,16 @@ double choose_isovalue(const Config& config, const IngestJob& job) {
 }
 
 void check_label(const Config& config, const VolumeInfo& info) {
-  const bool real = info.type == SampleType::f32 || info.type == SampleType::f64;
-  if (!real || (!config.surface.label && config.labels.mode == LabelMode::off)) return;
+  if (!config.surface.label && config.labels.mode == LabelMode::off) return;
   const std::string key =
       config.surface.label
           ? fmt::format("surface.label = {}", *config.surface.label)
           : fmt::format("labels.mode = {}", to_toml(*find_setting("labels", "mode")->get(config)));
-  throw InputError(fmt::format(
-      "{}: labels are integers, the samples of {} are {}; give a surface.isovalue instead", key,
-      config.input.path.string(), sample_type_name(info.type)));
+  if (const std::string problem = no_labels_text(info); !problem.empty())
+    throw InputError(
+        fmt::format("{}: labels are integers as they are stored, {} {}; give a "
+                    "surface.isovalue instead",
+                    key, config.input.path.string(), problem));
 }
 
 ShardMemory shard_memory(const Config& config, const VolumeInfo& info) {
@@ -78,7 +76,7 @@ void Jobs::open_volume(Config& config) {
   info.geometry = output.geometry;
   const StagePaths paths = stage_paths(config, info, labels);
   build_.emplace(BuildJob{volume, brick_grid(config, info.geometry),
-                          contour_parameters(config, volume.geometry(), volume.solid, labels),
+                          contour_parameters(config, volume.source->info(), volume.solid, labels),
                           paths.build, paths.build_key, shard_memory(config, info)});
   if (ingest_.mesh) build_->largest_bin = largest_bin(*ingest_.mesh);
   merge_ = {&*build_, paths.merge, paths.merge_key,
@@ -211,6 +209,10 @@ Manifest make_manifest(const RunContext& context, const Jobs& jobs, const TopArt
                                                       {"format", info.format},
                                                       {"type", sample_type_name(info.type)},
                                                       {"files", files_json(jobs.ingest().files)}});
+  if (!info.scale.identity()) {
+    (*m.input)["slope"] = info.scale.slope;
+    (*m.input)["intercept"] = info.scale.intercept;
+  }
   m.config = std::make_unique<nlohmann::json>(
       nlohmann::json{{"path", context.config_file.string()},
                      {"result", context.config_result ? to_hex(*context.config_result) : ""},

@@ -130,7 +130,8 @@ std::string to_text(const WorkPlan& plan) {
         "Estimated from {} of {} bricks ({}{:.0f} % with a surface) and rates measured "
         "elsewhere:\n",
         plan.sample->bricks, plan.bricks,
-        plan.sample->isovalue ? fmt::format("isovalue {}, ", *plan.sample->isovalue) : "",
+        plan.sample->isovalue ? fmt::format("isovalue {}, ", isovalue_text(*plan.sample->isovalue))
+                              : "",
         100.0 * static_cast<double>(plan.sample->active) /
             static_cast<double>(plan.sample->bricks));
   else

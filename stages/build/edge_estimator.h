@@ -8,10 +8,40 @@
 #include <type_traits>
 
 #include "stages/build/hermite_edge.h"
+#include "stages/contouring/inside_test.h"
 #include "stages/contouring/parameters.h"
 #include "storage/types/halo_block.h"
 
 namespace voxweld {
+
+// Doubles do not hold large 64-bit integers, but what such samples are above the integer nearest the
+// isovalue. Of other types the base is 0.
+template <class T>
+inline constexpr bool has_base = std::is_integral_v<T> && sizeof(T) == 8;
+
+template <class T>
+double above_base(T value, T base) {
+  if constexpr (has_base<T>) {
+    using Bits = std::make_unsigned_t<T>;
+    const auto v = static_cast<Bits>(value), b = static_cast<Bits>(base);
+    return value >= base ? static_cast<double>(static_cast<Bits>(v - b))
+                         : -static_cast<double>(static_cast<Bits>(b - v));
+  } else {
+    return static_cast<double>(value);
+  }
+}
+
+template <class T>
+T base_of(const Isovalue& isovalue) {
+  if constexpr (has_base<T>) {
+    // Towards 0: then what the isovalue has more than it is exact.
+    const bool above = isovalue.value < 0;
+    const Isovalue integer = isovalue.rest != 0 ? isovalue : Isovalue(std::trunc(isovalue.value));
+    return make_inside_test<T>(integer, above ? Inside::above : Inside::below).threshold;
+  } else {
+    return 0;
+  }
+}
 
 // A line of samples through one sample: p[0] is the sample, p[k * stride] its k-th neighbour.
 template <class T>
@@ -20,7 +50,8 @@ struct Line {
   std::int64_t stride;
   std::int64_t index;  // of the sample along the axis
   std::int64_t size;   // samples along the axis
-  double operator[](std::int64_t k) const { return static_cast<double>(p[k * stride]); }
+  T base;
+  double operator[](std::int64_t k) const { return above_base(p[k * stride], base); }
 };
 
 // The same with each sample times a power of two.
@@ -76,7 +107,10 @@ class EdgeEstimator {
       : block_(block),
         data_(reinterpret_cast<const T*>(block.data)),
         spacing_(parameters.spacing),
-        isovalue_(parameters.surface.isovalue),
+        base_(base_of<T>(parameters.surface.isovalue)),
+        isovalue_(parameters.surface.isovalue.rest != 0
+                      ? 0
+                      : parameters.surface.isovalue.value - static_cast<double>(base_)),
         outward_(parameters.surface.inside == Inside::above ? -1.0 : 1.0),
         eno_(parameters.surface.gradient == Gradient::eno) {}
 
@@ -86,7 +120,7 @@ class EdgeEstimator {
     HermiteEdge result;
     const double out = low_inside ? 1.0 : -1.0;
     const T* low = sample(s);
-    const double v0 = static_cast<double>(*low), v1 = static_cast<double>(low[stride(axis)]);
+    const double v0 = above_base(*low, base_), v1 = above_base(low[stride(axis)], base_);
     double t = (isovalue_ - v0) / (v1 - v0);
     if constexpr (may_overflow)
       if (!std::isfinite(v1 - v0)) t = (0.5 * isovalue_ - 0.5 * v0) / (0.5 * v1 - 0.5 * v0);
@@ -121,7 +155,7 @@ class EdgeEstimator {
   Vec3 gradient(const T* p, Index3 s) const {
     Vec3 g;
     for (int a = 0; a < 3; ++a) {
-      const Line<T> line{p, stride(a), s[a], block_.size[a]};
+      const Line<T> line{p, stride(a), s[a], block_.size[a], base_};
       g[a] = (eno_ ? eno_difference(line, no_difference) : central_difference(line)) / spacing_[a];
     }
     return g;
@@ -173,6 +207,7 @@ class EdgeEstimator {
   const HaloBlock& block_;
   const T* data_;
   Vec3 spacing_;
+  T base_;
   double isovalue_, outward_;
   bool eno_;
 };

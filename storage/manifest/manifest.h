@@ -20,7 +20,9 @@
 //   merged       {"drc": path, "glb": path ...}, by the name of the format, or null
 //   files        [{path, format, role "list", "labels" or "merged", bytes, xxh3_128}]: the list of
 //                tiles, that of labels, and the merged mesh; a tile's files are in its line
-//   input, config, stages, error, made_by   free-form; made_by: program, host, time, Slurm ids
+//   input, config, stages, error, made_by   free-form; input: slope and intercept where they are not
+//                1 and 0 (real values are slope * stored + intercept); made_by: program, host, time,
+//                Slurm ids
 // tiles.jsonl, one object a line:
 //   {label (with "labels" = "each"), tile {level, at [x, y, z]}, vertices, triangles, quads,
 //    polygon_triangles, files [{format, path, bytes, xxh3_128}]}

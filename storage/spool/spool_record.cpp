@@ -18,9 +18,10 @@ struct SpoolFacts {
   std::array<Vec3, 3> direction;
   Hash128 data_hash;
   std::uint64_t type, access, largest_decode;
+  double slope, intercept;
   std::uint64_t files, warnings;  // how many of each follow in the texts
 };
-static_assert(sizeof(SpoolFacts) == 21 * 8 + 16 + 5 * 8);
+static_assert(sizeof(SpoolFacts) == 21 * 8 + 16 + 7 * 8);
 static_assert(std::is_trivially_copyable_v<SpoolFacts>);
 
 void put_text(std::vector<std::byte>& out, const std::string& text) {
@@ -63,6 +64,8 @@ SpoolFacts facts_of(const SpoolRecord& record) {
           static_cast<std::uint64_t>(record.info.type),
           static_cast<std::uint64_t>(record.info.access),
           record.info.largest_decode,
+          record.info.scale.slope,
+          record.info.scale.intercept,
           record.info.files.size(),
           record.info.warnings.size()};
 }
@@ -78,6 +81,7 @@ void apply_facts(const SpoolFacts& facts, SpoolRecord& record) {
   record.info.type = static_cast<SampleType>(facts.type);
   record.info.access = static_cast<Access>(facts.access);
   record.info.largest_decode = facts.largest_decode;
+  record.info.scale = value_scale(facts.slope, facts.intercept);
 }
 
 }  // namespace

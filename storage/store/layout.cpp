@@ -88,6 +88,7 @@ ZarrArray StoreLayout::zarr() const {
   zarr.sharded = true;
   zarr.codecs = store_codecs(parameters, type);
   zarr.geometry = counted_from_zero(geometry);  // other programs know no `first`
+  zarr.scale = scale;
   return zarr;
 }
 
@@ -127,7 +128,7 @@ StoreLayout read_store_layout(const std::filesystem::path& array,
   const ZarrArray zarr = read_zarr_array(array);
   if (!zarr.geometry)
     throw FormatError(file + ": not a brick store (no \"voxweld\" in its attributes)");
-  StoreLayout layout{array, records, zarr.type, *zarr.geometry, {}};
+  StoreLayout layout{array, records, zarr.type, *zarr.geometry, {}, zarr.scale};
   layout.parameters.chunk = zarr.chunk.x;
   layout.parameters.shard = zarr.file.x;
   const auto& compressor = zarr.codecs.compressor;

@@ -48,6 +48,7 @@ struct ZarrArray {
 
   // Set where the attributes hold voxweld's own description.
   std::optional<VolumeGeometry> geometry;
+  ValueScale scale;
 
   ChunkForm form() const;
   Index3 chunks_in_file() const;

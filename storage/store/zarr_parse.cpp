@@ -338,6 +338,8 @@ void parse_geometry(const JsonField& root, ZarrArray& array) {
     if (!(geometry.spacing[axis] > 0) || !std::isfinite(geometry.spacing[axis]))
       own.at("spacing").refuse("positive numbers expected, " + own.at("spacing").shown());
   array.geometry = geometry;
+  if (own.has("slope") && own.has("intercept"))
+    array.scale = value_scale(own.at("slope").real(), own.at("intercept").real());
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "storage/types/box.h"
 #include "storage/types/file_state.h"
 #include "storage/types/sample_type.h"
+#include "storage/types/value_scale.h"
 
 namespace voxweld {
 
@@ -56,6 +57,7 @@ struct VolumeInfo {
   std::string format;  // as its reader is called, "nrrd"; "mesh" or "empty" of solids alone
   SampleType type = SampleType::u8;
   VolumeGeometry geometry;
+  ValueScale scale;  // from the samples as stored to the file's real values
   Access access = Access::box;
   // The largest piece the reader must hold decoded at once, in bytes, beyond the caller's buffer.
   std::uint64_t largest_decode = 0;
@@ -108,6 +110,20 @@ constexpr ValueRange merge(const ValueRange& a, const ValueRange& b) {
   }
   merged.any_nan = a.any_nan || b.any_nan;
   return merged;
+}
+
+// What makes the samples no labels, which are integers as they are stored: a clause behind the
+// file's name. Empty where they may be.
+std::string no_labels_text(const VolumeInfo& info);
+
+// The range in real values of samples of that range.
+inline ValueRange real_range(const ValueRange& stored, const ValueScale& scale) {
+  ValueRange real = stored;
+  if (stored.empty) return real;
+  const double a = scale.real(stored.lo), b = scale.real(stored.hi);
+  real.lo = std::min(a, b);
+  real.hi = std::max(a, b);
+  return real;
 }
 
 // A source that can also tell ranges (the brick store). Conservative: may cover more than the box.

@@ -70,13 +70,12 @@ double sound_spacing(double spacing, const std::string& where, VolumeInfo& info)
   return taken;
 }
 
-bool scales_values(double slope, double intercept, const std::string& where, VolumeInfo& info) {
-  if (std::isfinite(slope) && std::isfinite(intercept))
-    return slope != 0 && (slope != 1 || intercept != 0);
-  info.warnings.push_back(fmt::format(
-      "{}: a scaling of values by {} * stored + {} is not finite: values are taken as stored",
-      where, slope, intercept));
-  return false;
+ValueScale sound_scale(double slope, double intercept, const std::string& where, VolumeInfo& info) {
+  if (!std::isfinite(slope) || (slope != 0 && !std::isfinite(intercept)))
+    info.warnings.push_back(fmt::format(
+        "{}: a scaling of values by {} * stored + {} is not finite: values are taken as stored",
+        where, slope, intercept));
+  return value_scale(slope, intercept);
 }
 
 void check_coordinates(const VolumeGeometry& geometry, const std::string& where) {

@@ -20,9 +20,9 @@ void set_axes(VolumeInfo& info, const std::array<Vec3, 3>& steps, const std::str
 // what is not finite stand for 1. Both are a warning "<where>: ...".
 double sound_spacing(double spacing, const std::string& where, VolumeInfo& info);
 
-// Whether values are to be scaled by what a header says: value = slope * stored + intercept. A slope
-// of 0 is how formats say nothing. Numbers that are not finite say nothing either, with a warning.
-bool scales_values(double slope, double intercept, const std::string& where, VolumeInfo& info);
+// What a header says of real values: slope * stored + intercept. A slope of 0 is how formats say
+// nothing. Numbers that are not finite say nothing either, with a warning.
+ValueScale sound_scale(double slope, double intercept, const std::string& where, VolumeInfo& info);
 
 // InputError "<where>: ..." where the output's floats cannot hold coordinates of such a volume.
 void check_coordinates(const VolumeGeometry& geometry, const std::string& where);

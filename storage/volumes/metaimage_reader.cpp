@@ -134,25 +134,17 @@ bool flag(const HeaderFields& fields, std::string_view key, bool otherwise) {
   return field != nullptr ? fields.boolean(*field) : otherwise;
 }
 
-// Like a slope and intercept: samples are read as stored.
-void warn_scaled(const HeaderFields& fields, VolumeInfo& info) {
-  const std::pair<const char*, double> keys[] = {{"ElementToIntensityFunctionSlope", 1.0},
-                                                 {"ElementToIntensityFunctionOffset", 0.0}};
-  const auto number = [&](const auto& key) {
-    const HeaderField* field = fields.find(key.first);
+// Real values are slope * stored + offset.
+void read_scale(const HeaderFields& fields, VolumeInfo& info) {
+  const auto number = [&](const char* key, double otherwise) {
+    const HeaderField* field = fields.find(key);
     return field == nullptr
-               ? key.second
+               ? otherwise
                : parse_real(trim(field->value)).value_or(std::numeric_limits<double>::quiet_NaN());
   };
-  if (!scales_values(number(keys[0]), number(keys[1]),
-                     fields.path() + ": ElementToIntensityFunction", info))
-    return;
-  for (const auto& [key, neutral] : keys)
-    if (const HeaderField* field = fields.find(key);
-        field != nullptr && parse_real(trim(field->value)) != neutral)
-      info.warnings.push_back(
-          fmt::format("{}: {}: the header scales values: ignored, the isovalue is in stored units",
-                      fields.where(*field), field->value));
+  info.scale = sound_scale(number("ElementToIntensityFunctionSlope", 1),
+                           number("ElementToIntensityFunctionOffset", 0),
+                           fields.path() + ": ElementToIntensityFunction", info);
 }
 
 std::vector<std::string> data_names(const MetaText& text, const std::vector<std::int64_t>& sizes) {
@@ -275,7 +267,7 @@ std::unique_ptr<SampleSource> open_metaimage(const InputSpec& spec) {
   const std::vector<std::int64_t> sizes = meta_sizes(fields);
   info.geometry.size = {sizes[0], sizes[1], sizes[2]};
   read_meta_geometry(fields, sizes.size(), info);
-  warn_scaled(fields, info);
+  read_scale(fields, info);
   DataLayout layout = lay_out(text, spec, info, sizes);
   return open_layout(std::move(info), std::move(layout));
 }

@@ -137,12 +137,9 @@ std::string unit_name(std::int32_t units) {
   }
 }
 
-void warn_scaled(const NiftiHeader& header, const std::string& path, VolumeInfo& info) {
-  if (scales_values(header.slope, header.inter, path + ": scl_slope, scl_inter", info))
-    info.warnings.push_back(fmt::format(
-        "{}: the header scales values: real = {} * stored + {}. The isovalue is in stored "
-        "units: isovalue = (real - {}) / {}",
-        path, header.slope, header.inter, header.inter, header.slope));
+// A slope of 0 is the format's way to say that nothing is scaled.
+void read_scale(const NiftiHeader& header, const std::string& path, VolumeInfo& info) {
+  info.scale = sound_scale(header.slope, header.inter, path + ": scl_slope, scl_inter", info);
 }
 
 std::vector<std::byte> read_header_bytes(const ReadFile& file, bool& compressed) {
@@ -267,7 +264,7 @@ std::unique_ptr<SampleSource> open_nifti(const InputSpec& spec) {
   info.geometry.size = {header->dim[1], header->dim[2], header->dim[3]};
   info.geometry.unit = unit_name(header->units);
   read_geometry(*header, name, info);
-  warn_scaled(*header, name, info);
+  read_scale(*header, name, info);
   if (header->bitpix != static_cast<std::int32_t>(8 * sample_bytes(info.type)))
     info.warnings.push_back(fmt::format("{}: bitpix is {} but datatype {} has {} bits: ignored",
                                         name, header->bitpix, header->datatype,

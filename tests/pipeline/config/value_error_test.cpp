@@ -62,8 +62,10 @@ work.shard: a power of two from 1 to 16 (default: 4)
   0 | 3; the nearest are 2 and 4 | 32
 work.copy: "auto", true or false (default: "auto")
   "always" (a string) | "false" (a string); write false without quotes | 0
-surface.label: an integer of at least 0 (default: none: the surface is at the isovalue)
-  -1 | 7.5 | "7" (a string); write numbers without quotes
+surface.label: an integer of at least 0, in quotes above 9223372036854775807 (default: none: the \
+surface is at the isovalue)
+  -1 | 7.5 | "7-9" (a string) | "18446744073709551615" (a string); labels end at \
+18446744073709551614
 labels.mode: "off", "each" or "shared" (default: "off")
   "every" (a string) | true (a boolean)
 labels.select: "all", "mapped" or a list of labels and ranges such as [1, 5, "10-20"] (default: \

@@ -79,9 +79,10 @@ TEST(Inrimage, Geometry) {
   EXPECT_THAT(bare.warnings, ElementsAre(HasSubstr("no VX: taken as 1"), HasSubstr("no VY"),
                                          HasSubstr("no VZ"), HasSubstr("little-endian assumed")));
   EXPECT_TRUE(info(lines + "SCALE=2**0\nRX=0\n").warnings.empty());
-  EXPECT_THAT(info(lines + "SCALE=2**-8\nRZ=0.5\n").warnings,
+  EXPECT_EQ(info(lines + "SCALE=2**-8\n").scale, (ValueScale{1.0 / 256, 0}));
+  EXPECT_THAT(info(lines + "SCALE=3\nRZ=0.5\n").warnings,
               ElementsAre(HasSubstr("a.inr:13: field 'RZ': 0.5: rotations are ignored"),
-                          HasSubstr("a.inr:12: field 'SCALE': 2**-8: the header scales values")));
+                          HasSubstr("a.inr:12: field 'SCALE': 3: expected a power of two")));
 }
 
 TEST(Inrimage, WhatCannotBeReadIsNamed) {

@@ -164,8 +164,27 @@ TEST(MetaImage, WarnsOfWhatItOverlooks) {
                    deflated(volume.stored(), Wrapper::zlib));
   expect_volume(*source, volume);
   EXPECT_THAT(source->info().warnings,
-              ::testing::ElementsAre(HasSubstr("-1024"), HasSubstr("little-endian assumed"),
-                                     HasSubstr("says 77")));
+              ::testing::ElementsAre(HasSubstr("little-endian assumed"), HasSubstr("says 77")));
+  EXPECT_EQ(source->info().scale, (ValueScale{1, -1024}));
+}
+
+TEST(MetaImage, GivesSlopeAndIntercept) {
+  const VolumeFolder directory;
+  const KnownVolume volume = make_volume(SampleType::u16, {3, 4, 5});
+  const auto opened = [&](const std::string& slope) {
+    return directory
+        .open("a.mha", to_bytes(metaimage_header(volume,
+                                                 "ElementByteOrderMSB = False\n"
+                                                 "ElementToIntensityFunctionSlope = " +
+                                                     slope + "\n",
+                                                 "LOCAL")) +
+                           volume.stored())
+        ->info();
+  };
+  EXPECT_EQ(opened("0.25").scale, (ValueScale{0.25, 0}));
+  EXPECT_TRUE(opened("0").scale.identity());
+  EXPECT_THAT(opened("nan").warnings,
+              ::testing::ElementsAre(AllOf(HasSubstr("nan: ignored"), HasSubstr("stored"))));
 }
 
 TEST(MetaImage, TruncatedDataAreRefused) {

@@ -205,13 +205,32 @@ TEST(Nifti, HalfTurnsInTheQuaternion) {
   expect_near(info.geometry.direction[2], {0, 0, -1});
 }
 
-TEST(Nifti, WarnsOfScalingAndOddFields) {
+TEST(Nifti, GivesSlopeAndIntercept) {
+  const VolumeFolder directory;
+  const KnownVolume volume = make_volume(SampleType::i16, {3, 4, 5});
+  for (const int version : {1, 2}) {
+    Header header(version, std::endian::little, volume);
+    const auto scale = [&](double slope, double inter) {
+      header.scale(slope, inter);
+      return info_of(directory, header, volume);
+    };
+    EXPECT_EQ(scale(2, -1024).scale, (ValueScale{2, -1024}));
+    EXPECT_EQ(scale(-0.5, 3).scale, (ValueScale{-0.5, 3}));
+    EXPECT_TRUE(scale(-0.5, 3).warnings.empty());
+    for (const double slope : {0.0, std::nan(""), HUGE_VAL}) {
+      EXPECT_TRUE(scale(slope, 7).scale.identity());
+      EXPECT_EQ(scale(slope, 7).warnings.size(), slope == 0 ? 0U : 1U);
+    }
+    const VolumeInfo info = scale(2, std::nan(""));
+    EXPECT_TRUE(info.scale.identity());
+    EXPECT_THAT(info.warnings, ElementsAre(AllOf(HasSubstr("scl_inter nan"), HasSubstr("stored"))));
+  }
+}
+
+TEST(Nifti, WarnsOfOddFields) {
   const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::i16, {3, 4, 5});
   Header header(1, std::endian::little, volume);
-  header.scale(2, -1024);
-  EXPECT_THAT(info_of(directory, header, volume).warnings,
-              ElementsAre(AllOf(HasSubstr("real = 2 * stored + -1024"), HasSubstr("isovalue"))));
   header.scale(1, 0);
   EXPECT_TRUE(info_of(directory, header, volume).warnings.empty());
   header.datatype(4, 8);

@@ -63,13 +63,13 @@ TEST(SoundHeaders, ASpacingThatCannotBeIsTheSameInAllReaders) {
 TEST(SoundHeaders, AScalingThatCannotBeIsNone) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   VolumeInfo info;
-  EXPECT_FALSE(scales_values(0, 5, "a", info));
-  EXPECT_FALSE(scales_values(1, 0, "a", info));
-  EXPECT_TRUE(scales_values(1, -1024, "a", info));
-  EXPECT_TRUE(scales_values(2, 0, "a", info));
+  EXPECT_EQ(sound_scale(0, 5, "a", info), ValueScale{});
+  EXPECT_EQ(sound_scale(1, 0, "a", info), ValueScale{});
+  EXPECT_EQ(sound_scale(1, -1024, "a", info), (ValueScale{1, -1024}));
+  EXPECT_EQ(sound_scale(2, 0, "a", info), (ValueScale{2, 0}));
   EXPECT_THAT(info.warnings, IsEmpty());
-  EXPECT_FALSE(scales_values(nan, 0, "a", info));
-  EXPECT_FALSE(scales_values(1, std::numeric_limits<double>::infinity(), "a", info));
+  EXPECT_EQ(sound_scale(nan, 0, "a", info), ValueScale{});
+  EXPECT_EQ(sound_scale(1, std::numeric_limits<double>::infinity(), "a", info), ValueScale{});
   EXPECT_THAT(info.warnings,
               ElementsAre(HasSubstr("taken as stored"), HasSubstr("taken as stored")));
 }
