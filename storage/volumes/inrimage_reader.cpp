@@ -147,7 +147,7 @@ void read_geometry(const HeaderFields& fields, VolumeInfo& info) {
 }
 
 // "2**-3": real values are the stored ones times that.
-void read_scale(const HeaderFields& fields, VolumeInfo& info) {
+void read_inr_scale(const HeaderFields& fields, VolumeInfo& info) {
   const HeaderField* scale = fields.find("SCALE");
   if (scale == nullptr || scale->value.empty()) return;
   const std::string_view text = scale->value;
@@ -186,7 +186,7 @@ std::unique_ptr<SampleSource> open_inrimage(const InputSpec& spec) {
   info.files.push_back({file.path(), file.state()});
   info.type = inr_type(fields);
   read_geometry(fields, info);
-  read_scale(fields, info);
+  read_inr_scale(fields, info);
   DataLayout layout;
   layout.parts = {{path, 0, 0}};
   layout.encoding = compressed ? DataEncoding::deflated : DataEncoding::raw;

@@ -135,7 +135,7 @@ bool flag(const HeaderFields& fields, std::string_view key, bool otherwise) {
 }
 
 // Real values are slope * stored + offset.
-void read_scale(const HeaderFields& fields, VolumeInfo& info) {
+void read_meta_scale(const HeaderFields& fields, VolumeInfo& info) {
   const auto number = [&](const char* key, double otherwise) {
     const HeaderField* field = fields.find(key);
     return field == nullptr
@@ -267,7 +267,7 @@ std::unique_ptr<SampleSource> open_metaimage(const InputSpec& spec) {
   const std::vector<std::int64_t> sizes = meta_sizes(fields);
   info.geometry.size = {sizes[0], sizes[1], sizes[2]};
   read_meta_geometry(fields, sizes.size(), info);
-  read_scale(fields, info);
+  read_meta_scale(fields, info);
   DataLayout layout = lay_out(text, spec, info, sizes);
   return open_layout(std::move(info), std::move(layout));
 }

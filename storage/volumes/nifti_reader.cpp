@@ -138,7 +138,7 @@ std::string unit_name(std::int32_t units) {
 }
 
 // A slope of 0 is the format's way to say that nothing is scaled.
-void read_scale(const NiftiHeader& header, const std::string& path, VolumeInfo& info) {
+void read_nifti_scale(const NiftiHeader& header, const std::string& path, VolumeInfo& info) {
   info.scale = sound_scale(header.slope, header.inter, path + ": scl_slope, scl_inter", info);
 }
 
@@ -264,7 +264,7 @@ std::unique_ptr<SampleSource> open_nifti(const InputSpec& spec) {
   info.geometry.size = {header->dim[1], header->dim[2], header->dim[3]};
   info.geometry.unit = unit_name(header->units);
   read_geometry(*header, name, info);
-  read_scale(*header, name, info);
+  read_nifti_scale(*header, name, info);
   if (header->bitpix != static_cast<std::int32_t>(8 * sample_bytes(info.type)))
     info.warnings.push_back(fmt::format("{}: bitpix is {} but datatype {} has {} bits: ignored",
                                         name, header->bitpix, header->datatype,
