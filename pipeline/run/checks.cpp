@@ -18,7 +18,8 @@ namespace {
 
 std::string values_text(const ValueRange& range) {
   return range.empty ? "all samples are NaN, which counts as outside"
-                     : fmt::format("the values run from {} to {}", range.lo, range.hi);
+                     : fmt::format("the values run from {} to {}", isovalue_text(range.lo),
+                                   isovalue_text(range.hi));
 }
 
 // Whether a range says that all samples are inside.
@@ -80,9 +81,9 @@ void check_surface(RunContext& context, Stages& stages) {
         "labels.mode: no surface: no sample of {} is of a label that is not left out; {}",
         context.config.input.path.string(), values_text(range)));
   if (const auto& label = context.config.surface.label)
-    throw InputError(
-        fmt::format("surface.label = {}: no sample of {} is of that value; they run from {} to {}",
-                    *label, context.config.input.path.string(), range.lo, range.hi));
+    throw InputError(fmt::format(
+        "surface.label = {}: no sample of {} is of that value; they run from {} to {}", *label,
+        context.config.input.path.string(), isovalue_text(range.lo), isovalue_text(range.hi)));
   throw InputError(fmt::format(
       "surface.isovalue = {}: no surface: no sample is {} it. {}: {}{}",
       isovalue_text(*context.config.surface.isovalue),

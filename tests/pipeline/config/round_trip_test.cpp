@@ -164,7 +164,7 @@ SurfaceConfig any_surface() {
   surface.inside = any_of<SurfaceConfig::Inside>(2);
   if (surface.inside == SurfaceConfig::Inside::above && chance()) {
     surface.label = *rc::gen::inRange<std::uint64_t>(0, std::uint64_t{1} << 63);
-    surface.isovalue = static_cast<double>(*surface.label);
+    surface.isovalue = Isovalue::of(*surface.label);
   }
   surface.border = any_of<SurfaceConfig::Border>(2);
   surface.gradient = any_of<SurfaceConfig::Gradient>(2);
