@@ -163,7 +163,7 @@ SurfaceConfig any_surface() {
   if (chance()) surface.isovalue = any_nonzero();
   surface.inside = any_of<SurfaceConfig::Inside>(2);
   if (surface.inside == SurfaceConfig::Inside::above && chance()) {
-    surface.label = *rc::gen::inRange<std::uint64_t>(0, std::uint64_t{1} << 63);
+    surface.label = *rc::gen::inRange<std::uint64_t>(0, ~std::uint64_t{0});
     surface.isovalue = Isovalue::of(*surface.label);
   }
   surface.border = any_of<SurfaceConfig::Border>(2);
