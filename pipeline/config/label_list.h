@@ -1,4 +1,5 @@
-// Labels, ranges of them and other integers beyond TOML's 63 bits as configs write them: [1, 5, "10-20", "18446744073709551614"].
+// Labels, ranges of them and other integers beyond TOML's 63 bits as configs write them:
+// [1, 5, "10-20", "18446744073709551614"].
 #pragma once
 
 #include <optional>

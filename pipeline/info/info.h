@@ -6,10 +6,10 @@
 // Sizes, indices and boxes are [x, y, z]; hashes are 32 hexadecimal digits.
 //
 //   kind             further keys
-//   volume           format, size, type, slope, intercept (where real values are
-//                    slope * stored + intercept and not as stored), samples, sample_bytes (of all), spacing, unit, origin,
-//                    direction [3][3], space, access, largest_decode_bytes, files, file_bytes,
-//                    warnings, values; verbose: file_list [{path, bytes}]; of Zarr also
+//   volume           format, size, type, slope, intercept (where real values are slope * stored +
+//                    intercept and these are not 1 and 0), samples, sample_bytes (of all), spacing,
+//                    unit, origin, direction [3][3], space, access, largest_decode_bytes, files,
+//                    file_bytes, warnings, values; verbose: file_list [{path, bytes}]; of Zarr also
 //                    zarr {chunk, file, compression}
 //   brick_store      as volume, and records, chunk, shard, compression, shards {total, present};
 //                    verbose: shard_list [{at, bytes, range}]

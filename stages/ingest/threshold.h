@@ -1,4 +1,5 @@
-// Thresholds from histograms, in the real values that the scale makes of the samples. The same histogram gives the same bits, whatever it was merged from.
+// Thresholds from histograms, in the real values that the scale makes of the samples. The same
+// histogram gives the same bits, whatever it was merged from.
 #pragma once
 
 #include <optional>
