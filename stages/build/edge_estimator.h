@@ -182,7 +182,7 @@ class EdgeEstimator {
   Vec3 gradient(const T* p, Index3 s, double scale) const {
     Vec3 g;
     for (int a = 0; a < 3; ++a) {
-      const ScaledLine<T> line{{p, stride(a), s[a], block_.size[a]}, scale};
+      const ScaledLine<T> line{{p, stride(a), s[a], block_.size[a], base_}, scale};
       g[a] = (eno_ ? eno_difference(line, 0) : central_difference(line)) / spacing_[a];
     }
     return g;
