@@ -49,11 +49,11 @@ class Crop : public ::testing::Test {
 
   // Of the box from x0 to x1, with further settings of tables; the output directory.
   fs::path run(const std::string& name, std::int64_t x0, std::int64_t x1,
-               const std::string& tables = {}, const std::string& copy = "auto") const {
+               const std::string& tables = {}, const std::string& copy = "\"auto\"") const {
     const fs::path config = directory_ / (name + ".toml");
     std::ofstream(config) << fmt::format(
         "[input]\npath = \"bar.nrrd\"\ncrop = [{}, 0, 0, {}, {}, {}]\n[surface]\nisovalue = 128\n"
-        "border = \"open\"\n[simplify]\nenabled = false\n[work]\ncopy = \"{}\"\n{}",
+        "border = \"open\"\n[simplify]\nenabled = false\n[work]\ncopy = {}\n{}",
         x0, x1, size.y, size.z, copy, tables);
     const ProgramResult result = run_voxweld({"run", config.string()});
     VOXWELD_EXPECT_DONE(result);
@@ -95,7 +95,7 @@ TEST_F(Crop, TwoCropsFitTogetherInFileAndWorldCoordinates) {
 
 // The brick store of a crop says the same.
 TEST_F(Crop, ACopyChangesNothing) {
-  const fs::path read = run("read", 14, 44), copied = run("copied", 14, 44, {}, "always");
+  const fs::path read = run("read", 14, 44), copied = run("copied", 14, 44, {}, "true");
   EXPECT_EQ(difference(output_tree(read), output_tree(copied)), "");
 }
 
