@@ -41,7 +41,8 @@ TEST(NumberList, IsTakenByEveryKeyThatHoldsOne) {
   EXPECT_EQ(parse(least_config(), labels).labels.selected.size(), 3U);
   EXPECT_THAT(error_of(least_config(), {"input.spacing=1,2"}),
               ::testing::HasSubstr("input.spacing: expected a finite number above 0, or three of "
-                                   "them: [x, y, z], found [1, 2] (a list of 2)"));
+                                   "them: [x, y, z] (default: as the file says, else 1), found "
+                                   "[1, 2] (a list of 2)"));
   // Where one number is meant a list is none.
   EXPECT_THAT(error_of(least_config(), {"work.brick=32,32"}),
               ::testing::HasSubstr("found \"32,32\" (a string)"));

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "pipeline/executor/log.h"
 #include "pipeline/executor/prompt_stop.h"
 
 namespace voxweld {
@@ -60,6 +61,7 @@ TEST(InterruptDeathTest, ASecondCtrlCExitsAtOnce) {
 
 // As in a library's call that asks nobody.
 void work_on_after_a_stop() {
+  set_up_logging(LogLevel::info, Console::standard_error());
   InterruptFlag flag;
   const PromptStop prompt(flag, 0.05);
   flag.request();
