@@ -51,8 +51,8 @@ TEST(NumberOptions, CentreAndKeysOfConfigsAndEditsToo) {
     place.run({"edit", config, "--add", "sphere", "--center", center, "--radius", "2", "--no-run"});
   const std::string list = place.run({"edit", config, "--list"}).out;
   for (const char* number : {"1", "2", "3"})
-    EXPECT_THAT(list, ::testing::HasSubstr(std::string(number) +
-                                           " subtract sphere center = [9.0, 9.0, 4.0]"));
+    EXPECT_THAT(list,
+                ::testing::HasSubstr(std::string(number) + " add sphere center = [9.0, 9.0, 4.0]"));
 }
 
 }  // namespace
