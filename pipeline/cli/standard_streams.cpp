@@ -5,7 +5,9 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <iostream>
+#include <string>
 
 #include "storage/support/error.h"
 
@@ -24,7 +26,9 @@ void finish_standard_output() {
   std::cout.flush();
   if (std::fflush(stdout) == 0 && !standard_output_failed()) return;
   // Where a write failed before, nobody knows any more why.
-  throw_errno("write to", "standard output", errno != 0 ? errno : EIO);
+  const int error = errno != 0 ? errno : EIO;
+  throw StorageError(std::string("cannot write to standard output: ") + std::strerror(error),
+                     error);
 }
 
 bool standard_output_failed() {
