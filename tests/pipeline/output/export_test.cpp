@@ -107,6 +107,7 @@ class ExportOfDirectory : public ::testing::Test {
   ExportOfDirectory() {
     output_.tiles = {testing::make_cube(testing::small_lattice(), {1, 2, 3}, 5, 3),
                      testing::make_cube(testing::small_lattice(), {20, 2, 3}, 5, 3)};
+    output_.merged = false;
   }
   std::filesystem::path write() {
     output_.write(directory_.path());
@@ -163,14 +164,14 @@ TEST_F(ExportOfDirectory, WorldCoordinatesAreDoublesAndStillFaceOutward) {
   EXPECT_THAT(ply.header, ::testing::HasSubstr("property double x\n"));
   EXPECT_EQ(ply.at<double>(0), world.positions[0].x);
   // A file takes the frame of the directory that it lies in.
-  EXPECT_EQ(load_wide_mesh(output / "mesh.drc", {.world = true}).positions[0].z,
-            load_wide_mesh(output / "mesh.drc", {}).positions[0].z + 3);
+  EXPECT_EQ(load_wide_mesh(output / "tiles/0.drc", {.world = true}).positions[0].z,
+            load_wide_mesh(output / "tiles/0.drc", {}).positions[0].z + 3);
 }
 
 TEST_F(ExportOfDirectory, WorldNeedsAManifest) {
   const auto output = write();
   const testing::TempDirectory elsewhere;
-  std::filesystem::copy_file(output / "mesh.drc", elsewhere / "mesh.drc");
+  std::filesystem::copy_file(output / "tiles/0.drc", elsewhere / "mesh.drc");
   EXPECT_THAT(testing::error_text<InputError>(
                   [&] { load_wide_mesh(elsewhere / "mesh.drc", {.world = true}); }),
               ::testing::HasSubstr("--world needs the manifest.json of the output directory"));
@@ -178,7 +179,6 @@ TEST_F(ExportOfDirectory, WorldNeedsAManifest) {
 
 TEST_F(ExportOfDirectory, LabelsAreAPropertyOfFaces) {
   output_.labels = {3, 70000};
-  output_.merged = false;
   const WideMesh mesh = load_wide_mesh(write(), {.weld = true});
   ASSERT_EQ(mesh.labels.size(), mesh.triangles.size());
   EXPECT_EQ(mesh.labels.front(), 3U);
