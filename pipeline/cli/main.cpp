@@ -56,14 +56,14 @@ int guarded(Program& program) {
     return code;
   } catch (const Error& error) {
     return fail(error.what(), error.exit_code());
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(refused_text(error), 1);
   } catch (const std::system_error& error) {
     if (standard_output_failed())
       return fail(fmt::format("cannot write to standard output: {}", error.code().message()), 1);
     return fail_by_bug(error);
   } catch (const std::bad_alloc&) {
     return fail("out of memory; lower run.memory or run.threads so that voxweld asks for less", 1);
-  } catch (const std::filesystem::filesystem_error& error) {
-    return fail(refused_text(error), 1);
   } catch (const std::exception& error) {
     return fail_by_bug(error);
   }

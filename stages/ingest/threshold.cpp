@@ -107,7 +107,7 @@ std::string no_threshold_text(const Histogram& histogram, const ValueScale& scal
   std::erase_if(bins, [&](const HistogramBin& bin) {
     return !std::isfinite(histogram_bin_value(histogram.type, bin.bin));
   });
-  if (bins.empty()) return "are no finite numbers";
+  if (bins.empty()) return histogram.bins.empty() ? "are NaN" : "are no finite numbers";
   const double value = histogram_bin_value(histogram.type, bins.front().bin);
   if (sample_bytes(histogram.type) <= 2)
     return fmt::format("have one value, {}", scale.real(value));

@@ -43,10 +43,12 @@ TEST(InfoBounds, AZarrThatNoScanWouldEndIsRefused) {
   const std::string array = place.at("a.zarr");
   std::filesystem::create_directory(array);
   write_bytes(array + "/zarr.json", zarr_json("[1099511627776,4,4]", "[32,4,4]"));
-  expect_refused({"info", "--check", array}, {"a.zarr", "524287 a side"});
-  expect_refused({"init", array, "-o", place.at("a.toml")}, {"524287 a side"});
+  expect_refused({"info", "--check", array, "--log-level", "quiet"}, {"a.zarr", "524287 a side"});
+  expect_refused({"init", array, "--log-level", "quiet", "-o", place.at("a.toml")},
+                 {"524287 a side"});
   write_bytes(array + "/zarr.json", zarr_json("[524287,524287,524287]", "[64,64,64]"));
-  expect_refused({"info", "--check", array}, {"a.zarr", "of which 0 are there"});
+  expect_refused({"info", "--check", array, "--log-level", "quiet"},
+                 {"a.zarr", "of which 0 are there"});
   place.run({"info", array});  // its facts take no time
   // What is small is filled, as Zarr has it.
   write_bytes(array + "/zarr.json", zarr_json("[64,64,64]", "[64,64,64]"));
@@ -59,7 +61,8 @@ TEST(InfoBounds, AZarrChunkTooSmallForWhatItDecodesToIsRefusedUnread) {
   std::filesystem::create_directories(array + "/c/0/0");
   write_bytes(array + "/zarr.json", zarr_json("[8192,8192,8192]", "[8192,8192,8192]"));
   write_bytes(array + "/c/0/0/0", std::string(1000, 'x'));
-  expect_refused({"info", "--check", array}, {"its chunk has 1000 bytes", "549755813888"});
+  expect_refused({"info", "--check", array, "--log-level", "quiet"},
+                 {"its chunk has 1000 bytes", "549755813888"});
 }
 
 }  // namespace

@@ -20,7 +20,8 @@ TEST(InitHints, IntegersThatLookLikeLabels) {
   EXPECT_THAT(said(place, {cells}), HasSubstr("hint: " + cells + ": the samples look like labels"));
   EXPECT_THAT(said(place, {cells, "--labels"}), Not(HasSubstr("hint")));
   for (const char* kind : {"gyroid", "noise", "part"}) {
-    place.run({"phantom", kind, "--size", "32", "--type", "uint8", "-o", place.at("scan.nrrd")});
+    place.run({"phantom", kind, "--size", "32", "--type", "uint8", "--force", "-o",
+               place.at("scan.nrrd")});
     EXPECT_THAT(said(place, {place.at("scan.nrrd")}), Not(HasSubstr("look like labels"))) << kind;
   }
 }

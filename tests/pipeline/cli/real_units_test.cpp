@@ -14,7 +14,7 @@ using ::testing::Not;
 constexpr int side = 24;
 
 // A ball of 1000 in 200, blurred over a few samples, as the file stores it.
-std::vector<std::int16_t> ball() {
+std::vector<std::int16_t> scaled_ball() {
   std::vector<std::int16_t> samples;
   for (int z = 0; z < side; ++z)
     for (int y = 0; y < side; ++y)
@@ -41,7 +41,7 @@ void write_nifti(const std::string& path, float slope, float intercept) {
   put(112, slope);
   put(116, intercept);
   std::memcpy(bytes.data() + 344, "n+1", 4);
-  const auto samples = ball();
+  const auto samples = scaled_ball();
   bytes.append(reinterpret_cast<const char*>(samples.data()), 2 * samples.size());
   write_bytes(path, bytes);
 }
@@ -109,10 +109,12 @@ TEST_F(RealUnits, WhatIsSaidIsReal) {
   EXPECT_THAT(config, HasSubstr("inside = \"below\""));
   const nlohmann::json surface = place.info(place.at("scan.toml")).at("settings").at("surface");
   EXPECT_EQ(surface.at("isovalue"), suggested);
-  place.run({"run", place.at("scan.toml"), "--set", "surface.isovalue=otsu"});
+  place.run(
+      {"run", place.at("scan.toml"), "--log-level", "quiet", "--set", "surface.isovalue=otsu"});
   place.run({"verify", place.at("scan.mesh")});
-  expect_refused({"run", place.at("scan.toml"), "--set", "surface.isovalue=-2000"},
-                 {"isovalue = -2000", "from -980 to 580"});
+  expect_refused(
+      {"run", place.at("scan.toml"), "--log-level", "quiet", "--set", "surface.isovalue=-2000"},
+      {"isovalue = -2000", "from -980 to 580"});
 }
 
 TEST_F(RealUnits, LabelsOfAScaledFileAreRefused) {
@@ -149,10 +151,12 @@ TEST(LargeIsovalueRun, TellsNeighboursBeyond2To53Apart) {
   const nlohmann::json counts =
       nlohmann::json::parse(read_bytes(place.at("a.mesh/manifest.json"))).at("counts");
   EXPECT_GT(counts.at("vertices"), 50);
-  expect_refused({"run", place.at("a.toml"), "--set", "surface.isovalue=9223372036854776009"},
+  expect_refused({"run", place.at("a.toml"), "--log-level", "quiet", "--set",
+                  "surface.isovalue=9223372036854776009"},
                  {"surface.isovalue = 9223372036854776009", "no sample is at or above"});
-  expect_refused({"run", place.at("a.toml"), "--set", "surface.isovalue=otsu"},
-                 {"too close together for a histogram", "from 9223372036854775808 to"});
+  expect_refused(
+      {"run", place.at("a.toml"), "--log-level", "quiet", "--set", "surface.isovalue=otsu"},
+      {"too close together for a histogram", "from 9223372036854775808 to"});
   write_bytes(place.at("b.toml"), input + "label = \"9223372036854776007\"\n");  // 2^63 + 199
   place.run({"run", place.at("b.toml")});
   place.run({"verify", place.at("b.mesh")});

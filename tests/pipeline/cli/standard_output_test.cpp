@@ -29,7 +29,7 @@ Said run_with_streams(const Workplace& place, const std::string& arguments,
 TEST(StandardOutput, ThatCannotBeWrittenIsSaidOfEveryCommand) {
   const Workplace place;
   place.run_scene({"output.formats=[\"drc\"]"});
-  const std::string mesh = "'" + place.at("scene.mesh") + "'";
+  const std::string mesh = fmt::format("'{}'", place.at("scene.mesh"));
   const std::vector<std::string> commands = {"settings",
                                              "settings --json",
                                              "--help",

@@ -35,7 +35,7 @@ input.unit: "m", "cm", "mm", "um", "nm" or "angstrom" (default: as the file says
   "MM" (a string); did you mean "mm"? | 1
 input.size: a list of 3 integers from 1 to 524287 (default: none; raw files and empty space need \
 it)
-  [0, 1, 1] (a list of 3) | [1, 1, 1, 1] (a list of 4) | "1x1x1" (a string)
+  [0, 1, 1] (a list of 3) | [1, 1, 1, 1] (a list of 4) | "1by1by1" (a string)
 input.type: "uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32" \
 or "float64" (default: none; raw files need it)
   "uint12" (a string); did you mean "uint16"? | 16

@@ -50,6 +50,7 @@ TEST(ErrorSet, WhatTheFileSystemRefusesIsNoUnexpectedError) {
     throw std::filesystem::filesystem_error(
         "status", "a.drc", std::make_error_code(std::errc::too_many_symbolic_link_levels));
   });
+  record(errors, 2, wrong_input);
   EXPECT_THAT(caught(errors).what(),
               testing::HasSubstr("cannot use a.drc: Too many levels of symbolic links"));
 }

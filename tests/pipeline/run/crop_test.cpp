@@ -22,12 +22,12 @@ Places places_of(const fs::path& output, double from, double to) {
   return places;
 }
 
-constexpr Index3 size = {44, 20, 18};
+constexpr Index3 whole_size = {44, 20, 18};
 constexpr Vec3 spacing = {0.7, 0.9, 0.3};
 
 // A wavy bar along x, turned and moved in the world.
 fs::path write_bar(const fs::path& folder) {
-  const RawVolume volume = volume_of(size, [](Index3 p) {
+  const RawVolume volume = volume_of(whole_size, [](Index3 p) {
     const std::int64_t y = 2 * p.y - 19 + p.x % 7, z = 2 * p.z - 17;
     return std::clamp<std::int64_t>(128 + 4 * (90 - y * y - z * z) / 9, 0, 255);
   });
@@ -37,7 +37,7 @@ fs::path write_bar(const fs::path& folder) {
       "NRRD0004\ntype: uchar\ndimension: 3\nsizes: {} {} {}\nencoding: raw\n"
       "space: left-posterior-superior\nspace directions: (0,{},0) (-{},0,0) (0,0,{})\n"
       "space origin: (-100.5,20.25,7)\n\n",
-      size.x, size.y, size.z, spacing.x, spacing.y, spacing.z);
+      whole_size.x, whole_size.y, whole_size.z, spacing.x, spacing.y, spacing.z);
   out.write(reinterpret_cast<const char*>(volume.samples.data()),
             static_cast<std::streamsize>(volume.samples.size()));
   return path;
@@ -54,7 +54,7 @@ class Crop : public ::testing::Test {
     std::ofstream(config) << fmt::format(
         "[input]\npath = \"bar.nrrd\"\ncrop = [{}, 0, 0, {}, {}, {}]\n[surface]\nisovalue = 128\n"
         "border = \"open\"\n[simplify]\nenabled = false\n[work]\ncopy = {}\n{}",
-        x0, x1, size.y, size.z, copy, tables);
+        x0, x1, whole_size.y, whole_size.z, copy, tables);
     const ProgramResult result = run_voxweld({"run", config.string()});
     VOXWELD_EXPECT_DONE(result);
     messages_ = result.err;
@@ -70,7 +70,7 @@ class Crop : public ::testing::Test {
 // in the coordinates of the files, and so in the world, whose transform is the same.
 TEST_F(Crop, TwoCropsFitTogetherInFileAndWorldCoordinates) {
   const double seam = 20.5 * spacing.x, end = 1000;
-  const fs::path whole = run("whole", 0, size.x), low = run("low", 0, 26),
+  const fs::path whole = run("whole", 0, whole_size.x), low = run("low", 0, 26),
                  high = run("high", 14, 44);
   Places both = places_of(low, -end, seam);
   both.merge(places_of(high, seam, end));
@@ -82,7 +82,7 @@ TEST_F(Crop, TwoCropsFitTogetherInFileAndWorldCoordinates) {
   EXPECT_EQ(of_high.at("origin"), frame.at("origin"));
   EXPECT_EQ(of_high.at("direction"), frame.at("direction"));
   EXPECT_EQ(of_high.at("first"), (nlohmann::json{14 * spacing.x, 0.0, 0.0}));
-  EXPECT_EQ(of_high.at("size"), (nlohmann::json{30, size.y, size.z}));
+  EXPECT_EQ(of_high.at("size"), (nlohmann::json{30, whole_size.y, whole_size.z}));
   // The transform of a .glb's node is made of origin and direction.
   const auto node = [](const fs::path& output) {
     const std::string text = text_of_file(output / "mesh.glb");
@@ -103,10 +103,10 @@ TEST_F(Crop, EditsStayWhereTheyAreInTheWholeVolume) {
   const std::string edit =
       "[[edit]]\nop = \"subtract\"\nshape = \"sphere\"\ncenter = [21, 8.5, 2.5]\nradius = 2.25\n";
   const double from = 17 * spacing.x, end = 1000;
-  const fs::path whole = run("whole", 0, size.x, edit), part = run("part", 14, 44, edit);
+  const fs::path whole = run("whole", 0, whole_size.x, edit), part = run("part", 14, 44, edit);
   const Places expected = places_of(whole, from, end), found = places_of(part, from, end);
   EXPECT_EQ(found, expected);
-  EXPECT_NE(expected, places_of(run("plain", 0, size.x), from, end));
+  EXPECT_NE(expected, places_of(run("plain", 0, whole_size.x), from, end));
 }
 
 TEST(FarCrop, WhatFloatsCannotHoldIsInTheOriginAndSaidSo) {

@@ -184,7 +184,7 @@ TEST(MetaImage, GivesSlopeAndIntercept) {
   EXPECT_EQ(opened("0.25").scale, (ValueScale{0.25, 0}));
   EXPECT_TRUE(opened("0").scale.identity());
   EXPECT_THAT(opened("nan").warnings,
-              ::testing::ElementsAre(AllOf(HasSubstr("nan: ignored"), HasSubstr("stored"))));
+              ::testing::ElementsAre(AllOf(HasSubstr("by nan"), HasSubstr("as stored"))));
 }
 
 TEST(MetaImage, TruncatedDataAreRefused) {

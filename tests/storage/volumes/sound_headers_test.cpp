@@ -114,7 +114,9 @@ TEST(SoundHeaders, DataFilesElsewhereAreNotFollowedUnlessAsked) {
   const auto each_header = [&](const std::string& name, const auto& f) {
     f(spec("a.nhdr", nrrd_text("1 1 1") + "data file: " + name + "\n"));
     f(spec("a.mhd", metaimage_text("1 1 1") + "ElementDataFile = " + name + "\n"));
-    f(spec("a.nhdr", nrrd_text("1 1 1") + "data file: LIST 3\n" + name + "\n"));
+    std::string slices;
+    for (int z = 0; z < 5; ++z) slices += name + "\n";
+    f(spec("a.nhdr", nrrd_text("1 1 1") + "data file: LIST\n" + slices));
   };
   for (const std::string& name :
        {absolute, std::string("../data.raw"), std::string("below/../../data.raw"),
