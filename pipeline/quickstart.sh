@@ -39,7 +39,7 @@ if [ -z "$scan" ]; then
   if [ ! -r "$scan" ]; then
     say "no scan found: making a phantom"
     scan=$output/phantom.nrrd
-    "$voxweld" phantom gyroid --size 256 --type uint16 -o "$scan"
+    "$voxweld" phantom gyroid --size 256 --type uint16 -o "$scan" --force
   fi
 fi
 
@@ -55,7 +55,7 @@ say "verify"
 "$voxweld" verify "$mesh"
 
 say "render"
-"$voxweld" render "$mesh" -o "$output/mesh.png" --azimuth 205 --elevation 15
+"$voxweld" render "$mesh" -o "$output/mesh.png" --force --azimuth 205 --elevation 15
 
 say "meshes"
 find "$mesh" -type f \( -name '*.drc' -o -name '*.glb' \) -printf '%10s bytes  %p\n' | sort -k3

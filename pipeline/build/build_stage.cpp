@@ -55,7 +55,7 @@ std::vector<Unit> weighed_units(const BuildJob& job, std::span<const std::uint64
   if (job.volume.ranges() == nullptr) return units;
   const std::vector<Index3> shards = job.grid.all_shards();
   const std::int64_t side = std::int64_t{1} << job.grid.brick_level();
-  const double isovalue = job.parameters.surface.isovalue;
+  const Isovalue isovalue = job.parameters.surface.isovalue;
   const LabelParameters& labels = job.parameters.labels;
   const auto has_surface = [&](const ValueRange& range) {
     if (range.empty) return false;
@@ -131,7 +131,12 @@ class BuildWork final : public StageWork {
     builder(worker).build(shards_[unit.key], worker);
   }
   void end(RunContext& context) override {
-    for (const auto& builder : builders_) context.bricks += builder->bricks();
+    NanCount nans;
+    for (const auto& builder : builders_) {
+      context.bricks += builder->bricks();
+      nans.add(builder->nans());
+    }
+    warn_of_nans(context.config, nans);
     builders_.clear();
     if (context.bricks.kept > 0)
       spdlog::info("of these shards' bricks {} were built and {} kept: no edit of theirs changed",

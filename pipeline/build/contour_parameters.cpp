@@ -5,6 +5,7 @@
 #include "pipeline/config/edits.h"
 #include "pipeline/solids/edit_meshes.h"
 #include "pipeline/solids/mesh_input.h"
+#include "stages/contouring/stored_surface.h"
 
 namespace voxweld {
 namespace {
@@ -23,15 +24,18 @@ Edits make_edits(const Config& config, const VolumeGeometry& geometry,
 
 }  // namespace
 
-ContourParameters contour_parameters(const Config& config, const VolumeGeometry& geometry,
+ContourParameters contour_parameters(const Config& config, const VolumeInfo& info,
                                      const std::optional<Solid>& input, LabelParameters labels) {
   // The enumerators of both come in the order of the settings' table.
+  const VolumeGeometry& geometry = info.geometry;
   ContourParameters p;
   p.spacing = geometry.spacing;
   p.surface.label = config.surface.label;
   p.surface.isovalue = config.surface.isovalue.value();
   p.surface.inside =
       config.surface.inside == SurfaceConfig::Inside::above ? Inside::above : Inside::below;
+  if (!p.surface.label && labels.mode == LabelMode::off)
+    to_stored(p.surface, info.scale, info.type);
   p.surface.border =
       config.surface.border == SurfaceConfig::Border::closed ? Border::closed : Border::open;
   p.surface.gradient =

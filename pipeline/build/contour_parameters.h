@@ -8,9 +8,10 @@
 namespace voxweld {
 
 // Reads the meshes that edits name; throws what that throws.
+// The config's isovalue is of the file's real values; here it becomes one of stored samples.
 // Preconditions: the isovalue is resolved; `labels` are of the same config. input: as
 // Volume::solid.
-ContourParameters contour_parameters(const Config& config, const VolumeGeometry& geometry,
+ContourParameters contour_parameters(const Config& config, const VolumeInfo& info,
                                      const std::optional<Solid>& input, LabelParameters labels);
 
 }  // namespace voxweld

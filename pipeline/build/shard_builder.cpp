@@ -163,6 +163,15 @@ Hash128 ShardBuilder::read(const BrickRow& run) {
   return hash.finish();
 }
 
+// Of the run's own samples, so that no other run counts them too.
+void ShardBuilder::count_nans_of(const BrickRow& run) {
+  if (job_.volume.ranges() != nullptr || run.samples.empty()) return;
+  const std::int64_t side = std::int64_t{1} << job_.grid.brick_level();
+  const Box3 own{run.first * side, (run.first + Index3{run.count, 1, 1}) * side};
+  nans_.add(count_nans(job_.volume.source->info().type, samples_, run.samples,
+                       intersect(own, run.samples)));
+}
+
 Hash128 ShardBuilder::input_hash(Index3 shard) {
   look_at(shard);
   StreamHasher hash;
@@ -187,6 +196,7 @@ BuiltRun ShardBuilder::build_run(const BrickRow& run, const EarlierShard* earlie
   const bool all_kept = std::ranges::find(kept, nullptr) == kept.end();
   const BuiltRun* known = all_kept && earlier ? earlier->run(run.first, run.count) : nullptr;
   const BuiltRun built = known ? *known : BuiltRun{run.first, run.count, read(run)};
+  if (known == nullptr) count_nans_of(run);
   const Index3 extent = run.samples.size();
   const HaloBlock block{job_.volume.source->info().type,
                         job_.grid.size(),

@@ -19,6 +19,9 @@ class ShardBuilder {
   Hash128 input_hash(Index3 shard);
   // Of all shards built so far.
   const BrickReport& bricks() const { return bricks_; }
+  // Of the samples these were built from, where the volume is read in place: who copies one counts
+  // them then.
+  const NanCount& nans() const { return nans_; }
 
  private:
   struct BrickRow {  // bricks along x that are read together
@@ -44,6 +47,7 @@ class ShardBuilder {
   KnownBrick find_known(Index3 brick) const;
   const KnownBrick& known_of(Index3 brick) const;
   void note_sides(Index3 shard, StreamHasher& hash) const;
+  void count_nans_of(const BrickRow& run);
   // Of the run's samples.
   Hash128 read(const BrickRow& run);
   void build(Index3 shard, Hash128 stamp, const EarlierShard* earlier, const WorkerContext& worker);
@@ -58,6 +62,7 @@ class ShardBuilder {
   std::unique_ptr<ShardOctrees> octrees_;
   std::optional<MemoryShare> share_;
   BrickReport bricks_;
+  NanCount nans_;
 };
 
 }  // namespace voxweld

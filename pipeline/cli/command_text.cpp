@@ -23,7 +23,7 @@ std::string value_of(const CLI::Option& option, const std::vector<std::string>& 
   std::string all = one;
   for (int i = 1; i < option.get_expected_min(); ++i) all += " " + one;
   const bool repeats = option.get_expected_max() > option.get_expected_min();
-  return repeats && type != "KEY=VALUE" ? all + "..." : all;
+  return repeats && type != "KEY=VALUE" && type != "X,Y,Z" ? all + "..." : all;
 }
 
 std::string help_of(const CLI::Option& option) {

@@ -39,6 +39,7 @@ CLI::Option* add_value(CLI::App& command, const std::string& name, T& value,
   return command.add_option(name, value, help)->capture_default_str();
 }
 
+void add_clean_command(CLI::App& app, Program& program);
 void add_run_command(CLI::App& app, Program& program);
 void add_stage_commands(CLI::App& app, Program& program);    // ingest, build, merge, stitch, encode
 void add_cluster_commands(CLI::App& app, Program& program);  // plan, submit, status, cancel, logs

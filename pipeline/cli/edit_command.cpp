@@ -10,9 +10,9 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/config_path.h"
 #include "pipeline/cli/run_context.h"
-#include "pipeline/config/document.h"
 #include "pipeline/config/edit_settings.h"
 #include "pipeline/config/edit_text.h"
+#include "pipeline/config/number_list.h"
 #include "pipeline/config/refuse.h"
 #include "pipeline/solids/closed_mesh.h"
 #include "storage/support/error.h"
@@ -31,23 +31,17 @@ struct EditArguments {
   std::map<std::string, std::string> keys;  // those given, as they were typed
 };
 
-// What was typed for a key: TOML, a bare word, or a list without its brackets.
-ConfigValue typed_value(const EditSetting& setting, const std::string& text, const fs::path& config,
-                        const std::string& option) {
+// What was typed for a key, as a config holds it.
+ConfigValue value_of(const EditSetting& setting, const std::string& text, const fs::path& config,
+                     const std::string& option) {
   const std::string where = option + " " + shown(text);
-  std::optional<ConfigValue> value = parse_override_value(text);
+  const std::optional<ConfigValue> value = typed_value(setting.rule, text);
   if (!value)
     throw InputError(fmt::format("{}: {}: expected {}, found {}, which is not valid TOML", where,
                                  setting.key, accepted_text(setting.rule), shown(text)));
-  if (takes_any_text(setting.rule)) {
-    if (value->text() == nullptr) value = ConfigValue{text};
-  } else if (value->text() != nullptr && text.find(',') != std::string::npos) {
-    const auto listed = parse_override_value("[" + text + "]");
-    if (listed && listed->list() != nullptr) value = listed;
-  }
   require_accepted(where, setting.key, setting, *value);
   if (std::holds_alternative<PathRule>(setting.rule))
-    value = ConfigValue{path_for_config(*value->text(), config)};
+    return ConfigValue{path_for_config(*value->text(), config)};
   return *value;
 }
 
@@ -59,8 +53,8 @@ EditKeys typed_keys(const EditArguments& arguments) {
     const auto given = arguments.keys.find(setting.key);
     if (!shape && given == arguments.keys.end()) continue;
     keys.emplace_back(setting.key,
-                      typed_value(setting, shape ? arguments.added : given->second,
-                                  arguments.run.config, shape ? "--add" : "--" + setting.key));
+                      value_of(setting, shape ? arguments.added : given->second,
+                               arguments.run.config, shape ? "--add" : "--" + setting.key));
   }
   return keys;
 }
@@ -220,7 +214,7 @@ void add_key_options(CLI::App& command, EditArguments& arguments) {
             },
             help)
         ->type_name(value_name(setting.rule))
-        ->group("Keys of the edit (values are TOML; lists need no brackets: 10,20,30)");
+        ->group("Keys of the edit (values are TOML; lists: 10,20,30 or [10, 20, 30])");
   }
 }
 

@@ -6,6 +6,8 @@
 #include "pipeline/cli/command_text.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/config_path.h"
+#include "pipeline/cli/init_hints.h"
+#include "pipeline/cli/output_file.h"
 #include "pipeline/cli/volume_arguments.h"
 #include "pipeline/config/commented.h"
 #include "pipeline/info/label_survey.h"
@@ -47,7 +49,7 @@ std::string input_stem(const std::string& input) {
     while (!name.empty() && std::string("_-. ").find(name.back()) != std::string::npos)
       name.pop_back();
     if (name.empty()) name = fs::absolute(path).parent_path().filename().string();
-  } else if (!fs::is_directory(path)) {
+  } else if (std::error_code ignored; !fs::is_directory(path, ignored)) {
     fs::path stem = path.stem();
     if (path.extension() == ".gz") stem = stem.stem();
     name = stem.string();
@@ -61,22 +63,18 @@ std::string input_stem(const std::string& input) {
 fs::path config_path(const InitArguments& arguments) {
   fs::path path = arguments.output.empty() ? fs::path(input_stem(arguments.volume.path) + ".toml")
                                            : fs::path(arguments.output);
-  if (fs::is_directory(path))
-    throw InputError(path.string() + ": is a directory; name the config file to write");
-  if (fs::exists(path) && !arguments.force)
-    throw InputError(path.string() +
-                     ": exists already; use --force to write over it, or -o for "
-                     "another name");
+  refuse_input(path, arguments.volume.path);
+  check_free(path, arguments.force);
   return path;
 }
 
 // Material seldom fills the border of a scan: the side most of its samples are on is taken for
 // outside.
-SurfaceConfig::Inside suggest_inside(const Histogram& border, double isovalue,
-                                     std::optional<double> padding) {
+SurfaceConfig::Inside suggest_inside(const Histogram& border, const ValueScale& scale,
+                                     double isovalue, std::optional<double> padding) {
   std::uint64_t above = 0, below = 0;
   for (const HistogramBin& bin : border.bins) {
-    const double value = histogram_bin_value(border.type, bin.bin);
+    const double value = scale.real(histogram_bin_value(border.type, bin.bin));
     if (padding && value == *padding) continue;
     (value >= isovalue ? above : below) += bin.count;
   }
@@ -85,10 +83,16 @@ SurfaceConfig::Inside suggest_inside(const Histogram& border, double isovalue,
 
 void suggest_surface(const InitArguments& arguments, const VolumeInfo& info, const ScanResult& scan,
                      InitSuggestion& suggestion) {
-  const auto isovalue = suggest_isovalue(scan.histogram);
+  const auto isovalue = suggest_isovalue(scan.histogram, info.scale);
+  const ValueRange range = real_range(scan.range, info.scale);
+  if (!isovalue && range.lo < range.hi)
+    throw InputError(fmt::format(
+        "{}: the samples run from {} to {}, too close together for a histogram to suggest an "
+        "isovalue; write a config with a surface.isovalue between the two",
+        arguments.volume.path, isovalue_text(range.lo), isovalue_text(range.hi)));
   if (!isovalue) {
-    const std::string found = scan.range.empty ? "no sample is a number"
-                                               : fmt::format("all samples are {}", scan.range.lo);
+    const std::string found =
+        range.empty ? "no sample is a number" : fmt::format("all samples are {}", range.lo);
     throw InputError(fmt::format(
         "{}: {}, so there is no surface in it; check that it is read as it was written ({} x {} x "
         "{} {})",
@@ -98,7 +102,8 @@ void suggest_surface(const InitArguments& arguments, const VolumeInfo& info, con
   if (isovalue->padding)
     spdlog::info("samples of {} are taken for padding and left out", *isovalue->padding);
   suggestion.isovalue = isovalue->threshold.value;
-  suggestion.inside = suggest_inside(scan.border, suggestion.isovalue, isovalue->padding);
+  suggestion.inside =
+      suggest_inside(scan.border, info.scale, suggestion.isovalue, isovalue->padding);
 }
 
 InitSuggestion suggest(const InitArguments& arguments, const fs::path& config,
@@ -107,13 +112,15 @@ InitSuggestion suggest(const InitArguments& arguments, const fs::path& config,
   suggestion.path = path_for_config(arguments.volume.path, config);
   suggestion.labels = arguments.labels;
   if (!arguments.labels) suggest_surface(arguments, info, scan, suggestion);
-  suggestion.lowest = scan.range.lo;
-  suggestion.highest = scan.range.hi;
+  const ValueRange range = real_range(scan.range, info.scale);
+  suggestion.lowest = range.lo;
+  suggestion.highest = range.hi;
   suggestion.endian =
       arguments.volume.endian == "big" ? InputConfig::Endian::big : InputConfig::Endian::little;
   suggestion.header_bytes = arguments.volume.header_bytes;
   if (!arguments.volume.spacing.empty()) suggestion.spacing = info.geometry.spacing;
   suggestion.unit = arguments.volume.unit;
+  suggestion.follow = arguments.volume.follow;
   return suggestion;
 }
 
@@ -124,6 +131,14 @@ ConfigExtent extent_of(const InitArguments& arguments) {
 void write_config(const fs::path& config, const std::string& text) {
   parse_config(text, fs::absolute(config));  // what is written loads
   write_whole_file(config, as_bytes(text), Durability::fsync);
+}
+
+GivenOptions given_options(const InitArguments& arguments) {
+  return {!arguments.volume.spacing.empty(), !arguments.volume.unit.empty(), arguments.labels};
+}
+
+void say(const std::vector<std::string>& hints) {
+  for (const std::string& hint : hints) spdlog::info("{}", hint);
 }
 
 int init_mesh(const InitArguments& arguments) {
@@ -151,6 +166,7 @@ int init_mesh(const InitArguments& arguments) {
                                   input.close,
                                   arguments.volume.unit};
   write_config(config, commented_config(suggestion, extent_of(arguments)));
+  say(mesh_hints(path, given_options(arguments)));
   const Index3 size = suggestion.geometry.size;
   fmt::print("{}: {} triangles, closed{} ({})\n", path, suggestion.triangles,
              input.close == MeshClosing::no ? "" : " by winding number", mesh.format);
@@ -169,6 +185,14 @@ std::string found_text(const InitSuggestion& suggestion, const InfoDocument& lab
                      100 * labels.at("background_share").get<double>());
 }
 
+// Its samples may lie in many files, and beside a header.
+void refuse_files_of(const SampleSource& source, const fs::path& config) {
+  const VolumeInfo& info = source.info();
+  for (const InputFile& file : info.files) refuse_input(config, file.path);
+  source.each_file({{}, info.geometry.size},
+                   [&](const fs::path& file) { refuse_input(config, file); });
+}
+
 int init(const InitArguments& arguments, Program& program) {
   const InputSpec spec = input_spec(arguments.volume);
   if (spec.format == "auto" && is_mesh_name(spec.path)) return init_mesh(arguments);
@@ -179,19 +203,27 @@ int init(const InitArguments& arguments, Program& program) {
   const fs::path config = config_path(arguments);
   const std::shared_ptr<SampleSource> source = open_volume(spec);
   const VolumeInfo& info = source->info();
+  if (fs::exists(config)) refuse_files_of(*source, config);
   for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
   ScanResult scan;
   InfoDocument labels;
+  LabelLook look(info.type);
+  ScanHooks looking = scan_hooks(program, "histogram");
+  looking.samples = [&](const Box3& band, std::span<const std::byte> samples) {
+    look.add(band, samples);
+  };
   if (arguments.labels)
     labels = label_facts(*source, scan_hooks(program, "labels"), scan);
   else
-    scan = scan_in_order(*source, scan_hooks(program, "histogram"));
+    scan = scan_in_order(*source, looking);
   program.console->clear_status();
   const InitSuggestion suggestion = suggest(arguments, config, info, scan);
   write_config(config, commented_config(info, suggestion, extent_of(arguments)));
   const Index3 size = info.geometry.size;
   fmt::print("{}: {} x {} x {} {} ({}), samples {} to {}\n", arguments.volume.path, size.x, size.y,
-             size.z, sample_type_name(info.type), info.format, scan.range.lo, scan.range.hi);
+             size.z, sample_type_name(info.type), info.format, suggestion.lowest,
+             suggestion.highest);
+  say(volume_hints(arguments.volume.path, info, look, given_options(arguments)));
   fmt::print("{}: {}\n", config.string(), found_text(suggestion, labels));
   fmt::print("next: voxweld run {}\n", config.string());
   return 0;

@@ -4,13 +4,16 @@
 
 #include <cstdio>
 #include <new>
+#include <system_error>
 
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/help_formatter.h"
 #include "pipeline/cli/parse_error.h"
+#include "pipeline/cli/standard_streams.h"
 #include "pipeline/executor/resources.h"
 #include "storage/readers/open_volume.h"
 #include "storage/support/error.h"
+#include "storage/support/refused_text.h"
 
 namespace voxweld {
 namespace {
@@ -38,21 +41,43 @@ int fail(const std::string& message, int code) {
   return code;
 }
 
+int fail_by_bug(const std::exception& error) {
+  return fail(
+      fmt::format("internal error: {}. This is a bug: please report it with the command and config",
+                  error.what()),
+      1);
+}
+
 int guarded(Program& program) {
   try {
     const InterruptScope scope(program.interrupt);
-    return program.run();
+    const int code = program.run();
+    finish_standard_output();
+    return code;
   } catch (const Error& error) {
     return fail(error.what(), error.exit_code());
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(refused_text(error), 1);
+  } catch (const std::system_error& error) {
+    if (standard_output_failed())
+      return fail(fmt::format("cannot write to standard output: {}", error.code().message()), 1);
+    return fail_by_bug(error);
   } catch (const std::bad_alloc&) {
     return fail("out of memory; lower run.memory or run.threads so that voxweld asks for less", 1);
   } catch (const std::exception& error) {
-    return fail(
-        fmt::format(
-            "internal error: {}. This is a bug: please report it with the command and config",
-            error.what()),
-        1);
+    return fail_by_bug(error);
   }
+}
+
+// Help and the version.
+int show(const CLI::App& app, const CLI::Success& shown) {
+  const int code = app.exit(shown);
+  try {
+    finish_standard_output();
+  } catch (const Error& error) {
+    return fail(error.what(), error.exit_code());
+  }
+  return code;
 }
 
 void set_up(CLI::App& app, std::string& level) {
@@ -75,6 +100,7 @@ void add_commands(CLI::App& app, Program& program) {
   add_info_command(app, program);
   add_edit_command(app, program);
   add_settings_command(app, program);
+  add_clean_command(app, program);
   add_phantom_command(app, program);
   add_stage_commands(app, program);
   add_cluster_commands(app, program);
@@ -92,7 +118,8 @@ int run_main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& shown) {
-    return app.exit(shown);
+    set_up_logging(program.log_level, program.console);
+    return show(app, shown);
   } catch (const CLI::ParseError& error) {
     set_up_logging(program.log_level, program.console);
     return fail(parse_error_text(app, error), 2);
@@ -106,6 +133,7 @@ int run_main(int argc, char** argv) {
 }  // namespace voxweld
 
 int main(int argc, char** argv) try {
+  voxweld::hold_standard_streams();
   voxweld::tune_allocator(2);
   return voxweld::run_main(argc, argv);
 } catch (const std::exception& error) {  // before there is a log to say it in

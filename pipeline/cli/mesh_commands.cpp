@@ -6,10 +6,15 @@
 
 #include "pipeline/cli/command_text.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/number_option.h"
+#include "pipeline/cli/output_file.h"
+#include "pipeline/executor/progress.h"
+#include "pipeline/executor/prompt_stop.h"
 #include "pipeline/output/export.h"
 #include "pipeline/output/load.h"
 #include "pipeline/output/render.h"
 #include "pipeline/output/verify.h"
+#include "pipeline/output/wide_mesh.h"
 #include "storage/image/image_file.h"
 #include "storage/manifest/manifest.h"
 #include "storage/support/error.h"
@@ -18,12 +23,30 @@ namespace voxweld {
 namespace {
 
 struct RenderArguments {
-  std::string input, output;
+  std::string input;
+  OutputFile output;
   RenderOptions options;
   std::vector<double> centre;
 };
 
-int render(const RenderArguments& arguments) {
+struct ExportArguments {
+  std::string input;
+  OutputFile output;
+  ExportOptions options;
+};
+
+// Neither over something that is there nor over one of the meshes that are read.
+void check_output(const OutputFile& output, const std::string& input) {
+  std::error_code error;
+  if (std::filesystem::exists(output.path, error))
+    each_mesh_file(input, [&](const std::filesystem::path& mesh, std::optional<Material>) {
+      refuse_input(output.path, mesh);
+    });
+  check_free(output.path, output.force);
+}
+
+Image draw(const RenderArguments& arguments, const InterruptFlag& interrupt) {
+  const PromptStop prompt(interrupt);
   RenderOptions options = arguments.options;
   if (!arguments.centre.empty())
     options.centre = Vec3{arguments.centre[0], arguments.centre[1], arguments.centre[2]};
@@ -31,6 +54,7 @@ int render(const RenderArguments& arguments) {
   constexpr double far = std::numeric_limits<double>::infinity();
   MeshBounds bounds{{far, far, far}, {-far, -far, -far}};
   for_each_mesh(arguments.input, [&](const DecodedMesh& mesh, std::optional<Material>) {
+    interrupt.check();
     const MeshBounds own = bounds_of(std::span(&mesh, 1));
     for (int a = 0; a < 3; ++a) {
       bounds.lo[a] = std::min(bounds.lo[a], own.lo[a]);
@@ -40,11 +64,46 @@ int render(const RenderArguments& arguments) {
   Renderer renderer(bounds, options);
   renderer.set_colours(listed_colours(arguments.input));
   for_each_mesh(arguments.input, [&](const DecodedMesh& mesh, std::optional<Material> label) {
+    interrupt.check();
     renderer.draw(mesh, label);
   });
-  const Image image = renderer.finish();
-  write_png(arguments.output, {image.width, image.height, 3}, std::as_bytes(std::span(image.rgb)));
-  fmt::print("{}: {} x {}\n", arguments.output, image.width, image.height);
+  return renderer.finish();
+}
+
+int render(const RenderArguments& arguments, const Program& program) {
+  const std::string& output = arguments.output.path;
+  check_ending(output, std::vector<std::string>{".png"}, "a picture");
+  check_output(arguments.output, arguments.input);
+  const Image image = draw(arguments, program.interrupt);
+  program.interrupt.check();
+  write_png(output, {image.width, image.height, 3}, std::as_bytes(std::span(image.rgb)));
+  fmt::print("{}: {} x {}\n", output, image.width, image.height);
+  return 0;
+}
+
+int export_one(const ExportArguments& arguments, const Program& program) {
+  const std::string& output = arguments.output.path;
+  check_export_name(output);
+  check_output(arguments.output, arguments.input);
+  std::string text;
+  std::size_t triangles = 0;
+  {
+    const PromptStop prompt(program.interrupt);
+    const ExportOptions& options = arguments.options;
+    const bool plain =
+        !options.weld && !options.world && !std::filesystem::is_directory(arguments.input);
+    const auto mesh = plain ? std::optional(load_mesh(arguments.input)) : std::nullopt;
+    if (mesh && mesh->pairs.empty()) {
+      text = exported_mesh(*mesh, output);
+      triangles = mesh->triangles.size();
+    } else {
+      const WideMesh wide = load_wide_mesh(arguments.input, options);
+      text = exported_wide_mesh(wide, output);
+      triangles = wide.triangles.size();
+    }
+  }
+  write_exported(output, text, &program.interrupt);
+  fmt::print("{}: {}\n", output, counted(triangles, "triangles"));
   return 0;
 }
 
@@ -73,9 +132,11 @@ void add_verify_command(CLI::App& app, Program& program) {
   command->add_flag("--no-origin", arguments->no_origin,
                     "Leaves out whether the input and the config are as they were");
   command->add_flag("--json", arguments->json, "Prints the report as JSON");
-  when_chosen(*command, program, [arguments] {
+  when_chosen(*command, program, [&program, arguments] {
     arguments->options.merged = !arguments->no_merged;
     arguments->options.origin = !arguments->no_origin;
+    arguments->options.interrupt = &program.interrupt;
+    const PromptStop prompt(program.interrupt);
     if (!std::filesystem::exists(std::filesystem::path(arguments->directory) / manifest_name))
       throw InputError(arguments->directory + ": not an output directory: it has no " +
                        manifest_name + "; name the output.directory of a finished run");
@@ -97,40 +158,42 @@ void add_render_command(CLI::App& app, Program& program) {
   RenderOptions& o = arguments->options;
   add_file(*command, "input", arguments->input,
            "An output directory, or a mesh file: " + endings_text(mesh_writers()));
-  add_file(*command, "-o,--output", arguments->output, "The PNG to write");
+  add_output_file(*command, arguments->output, "The PNG to write");
   add_value(*command, "--width", o.width, "Pixels");
   add_value(*command, "--height", o.height, "Pixels");
   add_value(*command, "--azimuth", o.azimuth, "Degrees around z; 0 looks along +y");
   add_value(*command, "--elevation", o.elevation, "Degrees above the horizon");
   add_value(*command, "--zoom", o.zoom, "At 1 the whole mesh fits");
-  command
-      ->add_option("--centre", arguments->centre,
-                   "The point in the middle of the picture, x y z in the mesh's unit (default: the "
-                   "middle of the mesh)")
-      ->expected(3);
+  add_numbers(*command, "--centre", arguments->centre, {3},
+              "The point in the middle of the picture, x, y, z in the mesh's unit (default: the "
+              "middle of the mesh)");
   add_value(*command, "--field-of-view", o.field_of_view, "Degrees; 0: orthographic");
   command->add_option("--cut-x", o.cut[0], "Leaves out what lies above this x, to look inside");
   command->add_option("--cut-y", o.cut[1], "The same for y");
   command->add_option("--cut-z", o.cut[2], "The same for z");
-  when_chosen(*command, program, [arguments] { return render(*arguments); });
+  when_chosen(*command, program, [&program, arguments] { return render(*arguments, program); });
 }
 
 void add_export_command(CLI::App& app, Program& program) {
-  struct Arguments {
-    std::string input, output;
-  };
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("export", "Converts a mesh file to .ply, .obj, .stl or .off");
-  add_examples(*command, {{"voxweld export scan.mesh/mesh.drc -o scan.ply", ""}});
-  add_file(*command, "input", arguments->input, "A mesh file: " + endings_text(mesh_writers()));
-  add_file(*command, "-o,--output", arguments->output, "The file to write; its ending says how");
-  when_chosen(*command, program, [arguments] {
-    const DecodedMesh mesh = load_mesh(arguments->input);
-    export_mesh(mesh, arguments->output);
-    fmt::print("{}: {} triangles\n", arguments->output, mesh.triangles.size());
-    return 0;
-  });
+  auto arguments = std::make_shared<ExportArguments>();
+  CLI::App* command = app.add_subcommand(
+      "export",
+      "Converts a mesh to .ply, .obj, .stl or .off\n"
+      "A .ply has the label of each face where the mesh has labels: `label` on its inner side, "
+      "`label_outside` on the other where both sides have one; -1 is the space around the volume.");
+  add_examples(*command, {{"voxweld export scan.mesh/mesh.drc -o scan.ply", ""},
+                          {"voxweld export scan.mesh -o scan.ply --weld --world",
+                           "all tiles as one mesh, in the scanner's coordinates"}});
+  add_file(*command, "input", arguments->input,
+           "A mesh file: " + endings_text(mesh_writers()) + "; or an output directory");
+  add_output_file(*command, arguments->output, "The file to write; its ending says how");
+  command->add_flag("--weld", arguments->options.weld,
+                    "One vertex for each position, without normals; else a vertex at a crease "
+                    "appears once for each of its normals");
+  command->add_flag("--world", arguments->options.world,
+                    "The coordinates of the scanner's world, as frame in manifest.json has them; "
+                    "doubles, but for .stl");
+  when_chosen(*command, program, [&program, arguments] { return export_one(*arguments, program); });
 }
 
 }  // namespace voxweld

@@ -3,6 +3,7 @@
 
 #include "pipeline/cli/command_text.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/output_file.h"
 #include "pipeline/executor/progress.h"
 #include "pipeline/phantom/write.h"
 #include "stages/ingest/statistics.h"
@@ -13,7 +14,8 @@ namespace voxweld {
 namespace {
 
 struct PhantomArguments {
-  std::string kind, type = "uint16", output, unit;
+  std::string kind, type = "uint16", unit;
+  OutputFile output;
   std::int64_t size = 256;
   std::uint64_t seed = 1, first_label = 1;
   double spacing = 1;
@@ -49,6 +51,17 @@ void write_zarr(const SampleSource& source, const std::filesystem::path& path) {
         write_shard(layout, {x, y, z}, Hash128{}, source, statistics, scratch);
 }
 
+// A Zarr array is a folder: only one that is an array is written over.
+void check_place(const OutputFile& output) {
+  const std::filesystem::path path = output.path;
+  const bool array = std::filesystem::exists(path / "zarr.json");
+  if (phantom_format(path) == PhantomFormat::zarr && array && output.force) return;
+  if (phantom_format(path) == PhantomFormat::zarr && array)
+    throw InputError(output.path +
+                     ": exists already; use --force to write over it, or -o for another name");
+  for (const std::filesystem::path& file : phantom_files(path)) check_free(file, output.force);
+}
+
 int make_phantom(const PhantomArguments& arguments, Program& program) {
   const auto type = parse_sample_type(arguments.type);
   if (!type)
@@ -62,7 +75,8 @@ int make_phantom(const PhantomArguments& arguments, Program& program) {
                  {arguments.spacing, arguments.spacing, arguments.spacing},
                  arguments.unit,
                  arguments.first_label};
-  spec.path = arguments.output;
+  spec.path = arguments.output.path;
+  check_place(arguments.output);
   PhantomHooks hooks;
   hooks.cancelled = [&] { return program.interrupt.requested(); };
   hooks.zarr = write_zarr;
@@ -73,7 +87,7 @@ int make_phantom(const PhantomArguments& arguments, Program& program) {
   write_phantom(spec, hooks);
   program.console->clear_status();
   const auto isovalue = phantom_isovalue(spec.volume.kind, *type);
-  fmt::print("{}: {} x {} x {} {}{}\n", arguments.output, arguments.size, arguments.size,
+  fmt::print("{}: {} x {} x {} {}{}\n", arguments.output.path, arguments.size, arguments.size,
              arguments.size, arguments.type,
              isovalue
                  ? fmt::format(", surface.isovalue = {}, surface.inside = \"below\"", *isovalue)
@@ -93,8 +107,8 @@ void add_phantom_command(CLI::App& app, Program& program) {
   add_value(*command, "--size", arguments->size, "Samples along each side");
   add_value(*command, "--type", arguments->type,
             "uint8, uint16 or float32; of labels and junctions any integer type");
-  add_file(*command, "-o,--output", arguments->output,
-           "The file: .nrrd, .nhdr (with .raw beside it), .raw or .zarr");
+  add_output_file(*command, arguments->output,
+                  "The file: .nrrd, .nhdr (with .raw beside it), .raw or .zarr");
   add_value(*command, "--seed", arguments->seed,
             "Of porous, labels and noise: another one for each");
   add_value(*command, "--first-label", arguments->first_label,

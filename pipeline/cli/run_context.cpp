@@ -98,12 +98,12 @@ void print_summary(const RunContext& context, bool json) {
     return;
   }
   const Manifest manifest = read_manifest(output / manifest_name);
-  fmt::print(
-      "{}: {} vertices, {} triangles ({} quads and {} triangles before cutting), {} tiles, {} "
-      "files, {}\n",
-      output.string(), manifest.counts.vertices, manifest.counts.output_triangles,
-      manifest.counts.quads, manifest.counts.triangles, manifest.counts.tiles,
-      manifest.counts.files, readable_bytes(static_cast<double>(manifest.counts.bytes)));
+  const ManifestCounts& counts = manifest.counts;
+  fmt::print("{}: {}, {} ({} and {} before cutting), {}, {}, {}\n", output.string(),
+             counted(counts.vertices, "vertices"), counted(counts.output_triangles, "triangles"),
+             counted(counts.quads, "quads"), counted(counts.triangles, "triangles"),
+             counted(counts.tiles, "tiles"), counted(counts.files, "files"),
+             readable_bytes(static_cast<double>(counts.bytes)));
 }
 
 }  // namespace voxweld

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "pipeline/cli/number_option.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -19,8 +20,7 @@ std::string known_formats() {
 void add_volume_options(CLI::App& command, VolumeArguments& arguments) {
   command.footer(known_formats());
   const char* group = "Headerless (raw) files, and what a file does not say";
-  command.add_option("--size", arguments.size, "Raw: samples along x (fastest), y, z")
-      ->expected(3)
+  add_numbers(command, "--size", arguments.size, {3}, "Raw: samples along x (fastest), y, z")
       ->group(group);
   command.add_option("--type", arguments.type, "Raw: type of a sample, such as uint16 or float32")
       ->group(group);
@@ -31,9 +31,11 @@ void add_volume_options(CLI::App& command, VolumeArguments& arguments) {
       ->check(CLI::NonNegativeNumber)
       ->group(group);
   command
-      .add_option("--spacing", arguments.spacing,
-                  "Distance of neighbouring samples: one number, or along x, y, z")
-      ->expected(1, 3)
+      .add_flag("--follow", arguments.follow,
+                "NRRD and MetaImage: lets the header name data files outside its folder")
+      ->group(group);
+  add_numbers(command, "--spacing", arguments.spacing, {1, 3},
+              "Distance of neighbouring samples: one number, or along x, y, z")
       ->group(group);
   command.add_option("--unit", arguments.unit, "Unit of the spacing")
       ->check(CLI::IsMember({"m", "cm", "mm", "um", "nm", "angstrom"}))
@@ -60,11 +62,10 @@ InputSpec input_spec(const VolumeArguments& arguments) {
   spec.raw.byte_order = arguments.endian == "big" ? std::endian::big : std::endian::little;
   spec.raw.header_bytes = arguments.header_bytes;
   const std::vector<double>& s = arguments.spacing;
-  if (s.size() == 2)
-    throw InputError("--spacing: 2 numbers given; give one, or one for each of x, y, z");
   if (s.size() == 1) spec.spacing = {s[0], s[0], s[0]};
   if (s.size() == 3) spec.spacing = {s[0], s[1], s[2]};
   spec.unit = arguments.unit;
+  spec.follow = arguments.follow;
   return spec;
 }
 

@@ -18,6 +18,7 @@ struct VolumeArguments {
   std::vector<std::int64_t> size;
   std::vector<double> spacing;  // none, one or three
   std::int64_t header_bytes = 0;
+  bool follow = false;
 };
 
 void add_volume_options(CLI::App& command, VolumeArguments& arguments);

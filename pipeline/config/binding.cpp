@@ -69,14 +69,31 @@ Binding<Config> raw_type() {
 Binding<Config> isovalue() {
   return {NumberOrWordRule{"otsu"},
           [](Config& c, const ConfigValue& v) {
-            c.surface.isovalue = v.is_number() ? std::optional(v.number()) : std::nullopt;
+            c.surface.isovalue.reset();
+            if (const auto* integer = v.integer())
+              c.surface.isovalue = Isovalue::of(*integer);
+            else if (v.is_number())
+              c.surface.isovalue = v.number();
+            else if (const auto large = large_integer_of(v))
+              c.surface.isovalue = Isovalue::of(*large);
           },
           [](const Config& c) -> Written {
             // A mesh's config may not give one, so what stands for it inside is not told.
             if (c.input.is_mesh()) return std::nullopt;
             if (!c.surface.isovalue) return ConfigValue{std::string("otsu")};
-            return ConfigValue{*c.surface.isovalue};
+            const Isovalue& isovalue = *c.surface.isovalue;
+            if (isovalue.rest == 0) return ConfigValue{isovalue.value};
+            const __int128 integer = isovalue.integer();
+            if (integer < 0) return ConfigValue{static_cast<std::int64_t>(integer)};
+            return integer_value(static_cast<std::uint64_t>(integer));
           }};
+}
+
+Binding<Config> surface_label() {
+  return bound<Config>(
+      LabelRule{}, place(&Config::surface, &SurfaceConfig::label),
+      [](const ConfigValue& value, auto& out) { out = label_of(value).value(); },
+      [](const auto& in) { return in ? Written(integer_value(*in)) : std::nullopt; });
 }
 
 Binding<Config> selected_labels() {

@@ -160,6 +160,7 @@ Binding<Config> input_format();
 Binding<Config> unit();
 Binding<Config> raw_type();
 Binding<Config> isovalue();
+Binding<Config> surface_label();
 Binding<Config> selected_labels();
 Binding<Config> background();
 Binding<Config> formats();

@@ -58,10 +58,10 @@ using Names = std::set<std::string>;  // "table.key"
 
 // Keys that an input of one kind has no use for, and refuses.
 const Names& of_volumes() {
-  static const Names names = {"input.crop",       "input.spacing", "input.size",
-                              "input.type",       "input.endian",  "input.header_bytes",
-                              "surface.isovalue", "surface.label", "surface.inside",
-                              "surface.gradient"};
+  static const Names names = {"input.crop",         "input.spacing",    "input.size",
+                              "input.follow",       "input.type",       "input.endian",
+                              "input.header_bytes", "surface.isovalue", "surface.label",
+                              "surface.inside",     "surface.gradient"};
   return names;
 }
 const Names& of_meshes() {
@@ -78,12 +78,13 @@ const std::string& brief_comment(const std::string& name) {
       {"input.type", "Type of a sample."},
       {"input.endian", "Byte order of a sample: \"little\" or \"big\"."},
       {"input.header_bytes", "Bytes before the first sample."},
+      {"input.follow", "Whether the header may name data files outside its folder."},
       {"input.spacing", "Distance of neighbouring samples along x, y and z."},
       {"input.unit", "Unit of the spacing."},
       {"input.resolution", "Cells along the mesh's longest side: more are finer, and more work."},
       {"input.cell", "The side of a cell, in the mesh's unit: smaller is finer, and more work."},
       {"input.close", "\"winding\" closes the mesh's holes, \"no\" refuses a mesh that has any."},
-      {"surface.isovalue", "The sample value the surface runs through."},
+      {"surface.isovalue", "The value the surface runs through."},
       {"surface.inside", "Which side of the isovalue is material: \"above\" or \"below\"."},
       {"labels.mode",
        "\"each\": a closed mesh for each label; \"shared\": neighbours share triangles."},
@@ -148,6 +149,9 @@ std::string facts(const VolumeInfo& info, const InitSuggestion& suggestion) {
   const std::string unit = g.unit.empty() ? "(the file names no unit)" : comment_text(g.unit);
   text += fmt::format("# spacing {} x {} x {} {}\n", real(spacing.x), real(spacing.y),
                       real(spacing.z), unit);
+  if (!info.scale.identity())
+    text += fmt::format("# real values are {} * stored + {}; all values here are real\n",
+                        real(info.scale.slope), real(info.scale.intercept));
   for (const std::string& warning : info.warnings)
     text += wrapped("Note: " + comment_text(warning), "# ");
   return text;
@@ -181,6 +185,7 @@ Active active_for(const VolumeInfo& info, const InitSuggestion& suggestion) {
   if (suggestion.spacing)
     active["input.spacing"] = fmt::format("[{}, {}, {}]", real(suggestion.spacing->x),
                                           real(suggestion.spacing->y), real(suggestion.spacing->z));
+  if (suggestion.follow) active["input.follow"] = "true";
   if (!suggestion.unit.empty()) active["input.unit"] = toml_string(suggestion.unit);
   if (suggestion.labels) {
     active["labels.mode"] = "\"each\"";

@@ -29,6 +29,7 @@ struct InitSuggestion {
   // Set where the file says nothing or something else.
   std::optional<Vec3> spacing;
   std::string unit;
+  bool follow = false;
 };
 
 // A config for that volume: facts about it in comments, and the keys one is likely to change. It

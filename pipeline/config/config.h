@@ -12,6 +12,7 @@
 
 #include "storage/support/hash.h"
 #include "storage/types/box.h"
+#include "storage/types/isovalue.h"
 #include "storage/types/label_range.h"
 #include "storage/types/material.h"
 #include "storage/types/sample_type.h"
@@ -45,6 +46,7 @@ struct InputConfig {
   std::optional<SampleType> type;
   Endian endian = Endian::little;
   std::int64_t header_bytes = 0;
+  bool follow = false;  // headers may name data files outside their folder
   // How finely a mesh is sampled: one of the two of a mesh, else none.
   std::optional<std::int64_t> resolution{};  // cells along the longest side of its box
   std::optional<double> cell{};              // the spacing, in the mesh's own unit
@@ -78,7 +80,8 @@ struct SurfaceConfig {
 
   // Of a label volume, the value whose surface is asked for; isovalue is then the same number.
   std::optional<std::uint64_t> label{};
-  std::optional<double> isovalue;  // empty: "otsu", chosen from the volume's histogram
+  // Of the file's real values. Empty: "otsu", chosen from the volume's histogram.
+  std::optional<Isovalue> isovalue;
   Inside inside = Inside::above;
   Border border = Border::closed;
   Gradient gradient = Gradient::eno;

@@ -52,7 +52,8 @@ class CrossChecks {
   void empty() const {
     const InputConfig& in = config_.input;
     if (!in.is_empty()) return;
-    refuse({"input.path", "input.crop", "input.type", "input.endian", "input.header_bytes"},
+    refuse({"input.path", "input.crop", "input.type", "input.endian", "input.header_bytes",
+            "input.follow"},
            "empty space has no file; remove it, or input.format = \"empty\"");
     if (!in.size)
       fail({"input.size", "input.format"},
@@ -67,7 +68,7 @@ class CrossChecks {
       return refuse({"input.resolution", "input.cell", "input.margin", "input.close"},
                     "only meshes take it; remove it, or name an .stl, .off, .obj or .ply");
     refuse({"input.crop", "input.spacing", "input.size", "input.type", "input.endian",
-            "input.header_bytes"},
+            "input.header_bytes", "input.follow"},
            "a mesh has no samples; remove it: input.resolution or input.cell says how "
            "finely it is sampled");
     if (in.resolution && in.cell)
@@ -84,7 +85,7 @@ class CrossChecks {
   void label() const {
     const SurfaceConfig& surface = config_.surface;
     if (!surface.label) return;
-    const auto number = static_cast<double>(*surface.label);
+    const Isovalue number = Isovalue::of(*surface.label);
     if (surface.isovalue && *surface.isovalue != number)
       fail({"surface.isovalue"}, "a label has no isovalue; remove this one, or surface.label");
     if (surface.inside == SurfaceConfig::Inside::below)

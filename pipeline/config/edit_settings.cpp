@@ -4,10 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "pipeline/config/binding.h"
+#include "pipeline/config/label_list.h"
 
 namespace voxweld {
 namespace {
@@ -42,9 +42,9 @@ Binding choice(Enum EditConfig::*member, const std::vector<std::string>& names) 
 // 0 where it is not set.
 Binding material() {
   return binding::bound<EditConfig>(
-      IntegerRule{0, std::numeric_limits<std::int64_t>::max()}, place(&EditConfig::material),
-      [](const ConfigValue& value, auto& out) { binding::Form::read(value, out); },
-      [](const auto& in) { return binding::Form::written(in.value_or(0)); });
+      LabelRule{}, place(&EditConfig::material),
+      [](const ConfigValue& value, auto& out) { out = label_of(value).value(); },
+      [](const auto& in) { return integer_value(in.value_or(0)); });
 }
 
 struct EditWords {

@@ -53,8 +53,7 @@ std::string nearest_word(const std::vector<std::string>& words, const std::strin
 
 ConfigValue item_of(const LabelRange& range) {
   if (range.first != range.last) return {fmt::format("{}-{}", range.first, range.last)};
-  if (range.first > most_of_toml) return {std::to_string(range.first)};
-  return {static_cast<std::int64_t>(range.first)};
+  return integer_value(range.first);
 }
 
 }  // namespace
@@ -63,6 +62,22 @@ std::optional<LabelRange> label_range_of(const ConfigValue& item) {
   const auto range = parsed(item);
   if (!range || range->first > range->last || range->last > highest_label) return std::nullopt;
   return range;
+}
+
+std::optional<std::uint64_t> label_of(const ConfigValue& item) {
+  const auto range = label_range_of(item);
+  const bool dash = item.text() != nullptr && item.text()->find('-') != std::string::npos;
+  return range && !dash ? std::optional(range->first) : std::nullopt;
+}
+
+std::optional<std::uint64_t> large_integer_of(const ConfigValue& item) {
+  const auto integer = item.text() == nullptr ? std::nullopt : whole(*item.text());
+  return integer && *integer > most_of_toml ? integer : std::nullopt;
+}
+
+ConfigValue integer_value(std::uint64_t integer) {
+  if (integer > most_of_toml) return {std::to_string(integer)};
+  return {static_cast<std::int64_t>(integer)};
 }
 
 std::vector<LabelRange> label_ranges_of(const ConfigValue::List& items) {
@@ -84,6 +99,13 @@ ConfigValue::List label_items(const std::vector<LabelRange>& ranges) {
   ConfigValue::List items;
   for (const LabelRange& range : ranges) items.push_back(item_of(range));
   return items;
+}
+
+Verdict check_label(const ConfigValue& value) {
+  if (label_of(value)) return {true, {}};
+  const bool digits = value.text() != nullptr && !value.text()->empty() &&
+                      value.text()->find_first_not_of("0123456789") == std::string::npos;
+  return {false, digits ? fmt::format("labels end at {}", highest_label) : ""};
 }
 
 Verdict check_label_list(const LabelListRule& rule, const ConfigValue& value) {

@@ -9,6 +9,7 @@
 #include "pipeline/config/document.h"
 #include "pipeline/config/edit_settings.h"
 #include "pipeline/config/load_edits.h"
+#include "pipeline/config/number_list.h"
 #include "pipeline/config/refuse.h"
 #include "pipeline/config/settings.h"
 #include "pipeline/config/suggest.h"
@@ -146,12 +147,10 @@ void apply_override(const std::string& text, Config& config, Places& places) {
   const Setting* setting = find_setting(table, key);
   if (setting == nullptr) throw_unknown_key(where, table, key);
   const std::string written = trimmed(text.substr(equals + 1));
-  std::optional<ConfigValue> value = parse_override_value(written);
+  const std::optional<ConfigValue> value = typed_value(setting->rule, written);
   if (!value)
     throw InputError(fmt::format("{}: {}: expected {}, found {}, which is not valid TOML", where,
                                  setting->name(), accepted_text(setting->rule), written));
-  // Paths and names that look like numbers or dates are paths and names all the same.
-  if (takes_any_text(setting->rule) && value->text() == nullptr) value = ConfigValue{written};
   assign(config, places, {setting, *value, where, fs::current_path()});
 }
 
@@ -190,7 +189,7 @@ Config parse_config(const std::string& text, const fs::path& path,
     config.surface.isovalue = 1;  // above every sample of empty space
     config.surface.inside = SurfaceConfig::Inside::above;
   }
-  if (config.surface.label) config.surface.isovalue = static_cast<double>(*config.surface.label);
+  if (config.surface.label) config.surface.isovalue = Isovalue::of(*config.surface.label);
   // Not looked at; one that is given stays, so that a mode can be set beside it.
   if (config.labels.mode != LabelMode::off && !config.surface.isovalue) config.surface.isovalue = 0;
   return config;

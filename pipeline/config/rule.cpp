@@ -286,6 +286,10 @@ std::string accepted_text(const Rule& rule) {
             return std::string("a list of options, each text of one line beginning with -");
           },
           [](const LineListRule&) { return std::string("a list of texts of one line each"); },
+          [](const LabelRule&) {
+            return format("an integer of at least 0, in quotes above {}",
+                          std::numeric_limits<std::int64_t>::max());
+          },
           [](const LabelListRule& r) {
             const std::string list = "a list of labels and ranges such as [1, 5, \"10-20\"]";
             std::string words;
@@ -315,7 +319,9 @@ Verdict check(const Rule& rule, const ConfigValue& value) {
                  [&](const PositiveNumberRule&) { return check_positive(value); },
                  [&](const NumberOrWordRule& r) {
                    if (value.text() != nullptr && *value.text() == r.word) return Verdict{true, {}};
-                   if (value.text() == nullptr) return Verdict{exact_number(value), {}};
+                   if (large_integer_of(value)) return Verdict{true, {}};
+                   if (value.text() == nullptr)
+                     return Verdict{value.is_number() && std::isfinite(value.number()), {}};
                    const std::string hint = quote_hint(value);
                    return refuse(hint.empty() ? meant(*value.text(), {r.word}) : hint);
                  },
@@ -327,6 +333,7 @@ Verdict check(const Rule& rule, const ConfigValue& value) {
                  [&](const TimeLimitRule&) { return check_time_limit(value); },
                  [&](const OptionListRule& r) { return check_options(r.reserved, value); },
                  [&](const LineListRule&) { return check_lines(value); },
+                 [&](const LabelRule&) { return check_label(value); },
                  [&](const LabelListRule& r) { return check_label_list(r, value); }},
       rule);
 }

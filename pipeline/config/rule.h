@@ -28,7 +28,8 @@ struct PowerOfTwoRule {  // lo .. hi
   std::int64_t lo = 1, hi = 1;
 };
 struct PositiveNumberRule {};  // finite, above 0
-struct NumberOrWordRule {      // finite, or that word
+// Finite, or that word; integers beyond TOML's 63 bits in quotes.
+struct NumberOrWordRule {
   std::string word;
 };
 struct SpacingRule {};    // a positive number, or three
@@ -49,6 +50,7 @@ struct OptionListRule {               // options of a program, each beginning wi
   std::vector<std::string> reserved;  // those the user may not give: "--array", "-a"
 };
 struct LineListRule {};  // texts of one line each
+struct LabelRule {};     // an integer of 64 bits, in quotes beyond TOML's 63
 struct LabelListRule {   // one of the words, or a list of labels and ranges of them
   std::vector<std::string> words;
   bool may_be_empty = false;  // the list
@@ -57,7 +59,7 @@ struct LabelListRule {   // one of the words, or a list of labels and ranges of 
 using Rule = std::variant<PathRule, ChoiceRule, ChoiceListRule, FlagRule, SwitchRule, IntegerRule,
                           PowerOfTwoRule, PositiveNumberRule, NumberOrWordRule, SpacingRule,
                           IntegerListRule, TripleRule, MemoryRule, NameRule, TimeLimitRule,
-                          OptionListRule, LineListRule, LabelListRule>;
+                          OptionListRule, LineListRule, LabelRule, LabelListRule>;
 
 // Whether the rule takes one text and nothing else, so that on a command line quotes say nothing.
 // Choices are left out: a number in the place of a name is worth a message.

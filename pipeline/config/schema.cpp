@@ -34,6 +34,11 @@ Json either(Json a, Json b) {
   return json;
 }
 
+// In quotes, since it is beyond TOML's own.
+Json large_integer() {
+  return {{"type", "string"}, {"pattern", "^[0-9]{19,20}$"}};
+}
+
 struct RuleSchema {
   Json operator()(const PathRule&) const { return {{"type", "string"}, {"minLength", 1}}; }
   Json operator()(const ChoiceRule& rule) const { return {{"enum", rule.names}}; }
@@ -58,7 +63,9 @@ struct RuleSchema {
   }
   Json operator()(const PositiveNumberRule&) const { return positive_number(); }
   Json operator()(const NumberOrWordRule& rule) const {
-    return either({{"type", "number"}}, {{"const", rule.word}});
+    Json json = either({{"type", "number"}}, {{"const", rule.word}});
+    json["anyOf"].push_back(large_integer());
+    return json;
   }
   Json operator()(const SpacingRule&) const {
     return either(positive_number(), fixed_list(positive_number(), 3));
@@ -91,6 +98,10 @@ struct RuleSchema {
   }
   Json operator()(const LineListRule&) const {
     return {{"type", "array"}, {"items", {{"type", "string"}}}};
+  }
+  Json operator()(const LabelRule&) const {
+    return either(whole(0, std::numeric_limits<std::int64_t>::max()),
+                  {{"type", "string"}, {"pattern", "^[0-9]+$"}});
   }
   Json operator()(const LabelListRule& rule) const {
     Json list = {{"type", "array"},

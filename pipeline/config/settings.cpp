@@ -100,6 +100,11 @@ std::vector<Setting> input_settings() {
           binding::choice(in, &In::endian, {"little", "big"}), ingest_and_build),
       row({"input", "header_bytes", "Raw only: bytes before the first sample."},
           binding::member(in, &In::header_bytes, IntegerRule{0, no_limit}), ingest_and_build),
+      row({"input", "follow",
+           "NRRD and MetaImage: lets a header name data files by absolute paths, or outside its "
+           "own "
+           "folder."},
+          binding::member(in, &In::follow, FlagRule{}), none),
       row({"input", "resolution",
            "Meshes only: cells along the longest side of the mesh's bounding box, the margin not "
            "counted.",
@@ -150,15 +155,17 @@ std::vector<Setting> surface_settings() {
   constexpr auto surface = &Config::surface;
   return {
       required(row({"surface", "isovalue",
-                    "The sample value the surface runs through; \"otsu\" chooses it from the "
-                    "histogram."},
+                    "The value the surface runs through; \"otsu\" chooses it from the histogram. "
+                    "Where the file has a slope and an intercept it is a real value, such as HU, "
+                    "not a stored number. Integers above 9223372036854775807 are written in "
+                    "quotes."},
                    binding::isovalue(), build)),
       row({"surface", "label",
            "Of a label volume: the label whose surface to extract, in place of an isovalue. Inside "
            "are the samples of this value; crossings and normals come from a filter over five "
            "samples a side, so that they are smooth.",
            "none: the surface is at the isovalue"},
-          binding::member(surface, &Surface::label, IntegerRule{0, no_limit}), build),
+          binding::surface_label(), build),
       row({"surface", "inside", "Which side of the isovalue is material. Equal is inside."},
           binding::choice(surface, &Surface::inside, {"above", "below"}), build),
       row({"surface", "border",
@@ -190,9 +197,10 @@ std::vector<Setting> labels_settings() {
       by_effect(
           row({"labels", "map",
                "A file that merges labels, leaves some out, and gives names and colours: CSV, "
-               "JSON, a colour table of 3D Slicer or label descriptions of ITK-SNAP. Labels "
-               "it does not name are kept. What it holds decides what is done again, not its "
-               "name.",
+               "JSON, a colour table of 3D Slicer or label descriptions of ITK-SNAP. The columns "
+               "of a CSV are label (needed), material (what the label becomes part of; -1 leaves "
+               "it out), name, and color or r, g and b. Labels it does not name are kept. What it "
+               "holds decides what is done again, not its name.",
                "none"},
               binding::member(labels, &Labels::map, PathRule{}), build)),
       by_effect(row(

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/executor/probe.h"
+#include "pipeline/executor/prompt_stop.h"
 #include "stages/encode/adjacency.h"
 #include "stages/encode/mesh_accumulator.h"
 #include "stages/encode/mesh_measure.h"
@@ -186,6 +187,10 @@ void encode_unit(const RunContext& context, const EncodeJob& job, const UnitPlan
 void encode_merged(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
                    const WorkerContext& worker) {
   const TileMesh mesh = merged_mesh(context, job, plan, worker);
+  // Nobody but the process that leads may leave its other units at once.
+  std::optional<PromptStop> prompt;
+  if (context.lock != nullptr && worker.interrupt() != nullptr)
+    prompt.emplace(*worker.interrupt(), 0.8);
   std::vector<FileRecord> files = copies_of_only_tile(job, plan, mesh);
   if (files.empty()) files = write_formats(context, job, mesh, "mesh", exterior, worker);
   AssetRecord record;

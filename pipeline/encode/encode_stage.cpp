@@ -67,8 +67,9 @@ nlohmann::json stages_json(const RunContext& context) {
 }
 
 void write_listing(const EncodeJob& job, const UnitPlan& plan, bool merged, FileNames& earlier,
-                   Manifest manifest) {
+                   Manifest manifest, const InterruptFlag* interrupt) {
   Listing listing;
+  listing.interrupt = interrupt;
   for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
     listing.tiles.push_back({plan.largest(unit).key(), asset_record_path(job, plan, unit)});
   if (merged) listing.merged = merged_record_path(job);
@@ -114,9 +115,12 @@ class EncodeStage final : public StageWork {
         merged_(plan_merged(config_, plan_, pair_bytes(sum(pairs_)))) {}
 
   Stage stage() const override { return Stage::encode; }
-  std::string noun() const override { return plan_.of_labels() ? "groups" : "meshes"; }
+  std::string noun() const override { return plan_.of_labels() ? "groups" : "tiles"; }
   std::string identity() const override { return job_.folder.filename().string(); }
   std::uint64_t size() const override { return plan_.size() + (merged_.write ? 1 : 0); }
+  std::optional<std::uint64_t> apart() const override {
+    return merged_.write ? std::optional(plan_.size()) : std::nullopt;
+  }
   std::vector<Unit> units(std::span<const std::uint64_t> numbers) const override;
   bool done(std::uint64_t unit) override {
     return is_merged(unit) ? merged_is_current(job_, plan_) : unit_is_current(job_, plan_, unit);
@@ -126,6 +130,7 @@ class EncodeStage final : public StageWork {
 
   StageMemory memory(std::span<const std::uint64_t> numbers) override;
   std::uint64_t bytes(std::uint64_t unit) override;
+  void check(const RunContext& context, const StageLook& look) const override;
   void open(RunContext& context, const StageLook& look) override;
   void begin(RunContext& context, std::span<const std::uint64_t>, int) override {
     context_ = &context;
@@ -163,7 +168,7 @@ std::vector<Unit> EncodeStage::units(std::span<const std::uint64_t> numbers) con
     polygons += static_cast<double>(plan_.total(unit).polygons);
   for (const std::uint64_t number : numbers)
     if (is_merged(number))
-      units.push_back({number, "merged mesh", plan_.size() > 1 ? polygons : 0});
+      units.push_back({number, "merged mesh", plan_.size() > 1 ? polygons : 0, 0, true});
     else
       units.push_back(
           {number, plan_.name(number), static_cast<double>(plan_.total(number).polygons)});
@@ -208,17 +213,20 @@ StageMemory EncodeStage::memory(std::span<const std::uint64_t> numbers) {
   return memory;
 }
 
+void EncodeStage::check(const RunContext& context, const StageLook& look) const {
+  if (context.force || look.missing.empty()) return;
+  check_owner(job_.output, context.config_file);
+  if (look.missing.size() == context.selection.count(look.units))
+    check_strangers(job_, plan_, merged_.write);
+}
+
 void EncodeStage::open(RunContext& context, const StageLook& look) {
   if (!merged_.why_not.empty())
     spdlog::warn("no merged mesh: {}; the tiles are complete", merged_.why_not);
   if (look.missing.empty()) return;
   const Hash128 key = planned_key(job_, top_, merged_.write);
   if (has_begun(job_.output, key)) return;
-  if (!context.force) {
-    check_owner(job_.output, context.config_file);
-    if (look.missing.size() == context.selection.count(look.units))
-      check_strangers(job_, plan_, merged_.write);
-  }
+  check(context, look);
   FileNames names(job_.folder);
   begin_output(job_.output, {key, context.config_file.string()}, names, [&](FileNames& all) {
     each_planned(job_, plan_, merged_.write, [&](const std::string& name) { all.add(name); });
@@ -226,12 +234,13 @@ void EncodeStage::open(RunContext& context, const StageLook& look) {
 }
 
 void EncodeStage::close(RunContext& context) {
+  if (context.interrupt != nullptr) context.interrupt->check();
   if (context.lock != nullptr) context.lock->check();
   Manifest manifest = manifest_();
   manifest.stages = std::make_unique<nlohmann::json>(stages_json(context));
   FileNames earlier(job_.folder);
   add_files_of_earlier_runs(job_.output, earlier);
-  write_listing(job_, plan_, merged_.write, earlier, std::move(manifest));
+  write_listing(job_, plan_, merged_.write, earlier, std::move(manifest), context.interrupt);
 }
 
 }  // namespace

@@ -206,6 +206,7 @@ void list_tiles(const Listing& listing, Manifest& manifest, FileNames& leftovers
       listing.tiles.size(), ahead,
       [&](std::size_t i) { return whole_record(listing.tiles[i].record); },
       [&](std::size_t i, AssetRecord&& record) {
+        listing.check_interrupt();
         counts.quads += record.quads;
         counts.triangles += record.polygon_triangles;
         counts.output_triangles += record.triangles;
@@ -241,7 +242,11 @@ void write_listing(const Listing& listing, FileNames& earlier, Manifest manifest
     }
   }
   for (const FileRecord& file : manifest.files) earlier.leave_out(file.path);
-  earlier.each([&](const std::string& name) { std::filesystem::remove(listing.output / name); });
+  earlier.each([&](const std::string& name) {
+    listing.check_interrupt();
+    std::filesystem::remove(listing.output / name);
+  });
+  listing.check_interrupt();
   write_manifest(manifest, listing.output / manifest_name);
   finish_output(listing.output);
 }

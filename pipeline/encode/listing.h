@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/executor/interrupt.h"
 #include "storage/manifest/manifest.h"
 #include "storage/support/file_names.h"
 #include "storage/types/material_table.h"
@@ -26,12 +27,17 @@ struct Listing {
   LabelMode labels = LabelMode::off;
   std::optional<std::filesystem::path> merged;  // the merged mesh's record, where there is one
   std::filesystem::path output;
-  std::filesystem::path scratch;  // a folder for what does not fit memory
+  std::filesystem::path scratch;             // a folder for what does not fit memory
+  const InterruptFlag* interrupt = nullptr;  // asked between records; the manifest comes last
+
+  void check_interrupt() const {
+    if (interrupt != nullptr) interrupt->check();
+  }
 };
 
 // Writes the lists and then the manifest, with counts and files filled in; removes those of the
 // `earlier` files that are not in it, and takes the others out of them. DamagedArtifact where a
-// record is not whole.
+// record is not whole, Interrupted where a stop was asked for.
 void write_listing(const Listing& listing, FileNames& earlier, Manifest manifest);
 
 }  // namespace voxweld

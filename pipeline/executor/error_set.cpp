@@ -7,6 +7,8 @@
 #include <new>
 #include <tuple>
 
+#include "storage/support/refused_text.h"
+
 namespace voxweld {
 namespace {
 
@@ -70,6 +72,8 @@ bool classify_current(UnitError& entry) {
     entry.exit_code = e.exit_code();
   } catch (const std::bad_alloc&) {
     entry.message = "out of memory";
+  } catch (const std::filesystem::filesystem_error& e) {
+    entry.message = refused_text(e);
   } catch (const std::exception& e) {
     entry.message = fmt::format("unexpected error: {}", e.what());
   } catch (...) {

@@ -26,6 +26,7 @@ struct Unit {
   double weight = 1;      // expected cost, in any unit common to the stage; not negative
   // Units of one number other than 0 share a costly read: better done by one process.
   std::uint64_t together = 0;
+  bool apart = false;  // named by progress, and not counted among the others
 };
 
 enum class UnitOrder {

@@ -59,7 +59,7 @@ class StageUnderWay {
       if (errors_.record_current(unit.key, unit.name)) stopped_ = true;
       return;
     }
-    if (options_.progress != nullptr) options_.progress->unit_done(unit.weight);
+    if (options_.progress != nullptr) options_.progress->unit_done(unit.weight, unit.apart);
   }
 
   std::span<const Unit> units_;

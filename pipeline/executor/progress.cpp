@@ -11,17 +11,14 @@
 namespace voxweld {
 namespace {
 
-// "1 shard", "2 shards", "1 mesh", "1 box": the noun is given in the plural.
 std::string noun_for(std::uint64_t count, std::string plural) {
-  if (count == 1 && plural.ends_with("shes"))
+  if (count == 1 && plural.ends_with("vertices"))
+    plural.replace(plural.size() - 4, 4, "ex");
+  else if (count == 1 && (plural.ends_with("shes") || plural.ends_with("ches")))
     plural.resize(plural.size() - 2);
   else if (count == 1 && plural.ends_with('s'))
     plural.pop_back();
   return plural;
-}
-
-std::string counted(std::uint64_t count, const std::string& plural) {
-  return fmt::format("{} {}", count, noun_for(count, plural));
 }
 
 constexpr int bar_width = 24;
@@ -35,7 +32,25 @@ ProgressSettings with_clock(ProgressSettings settings) {
   return settings;
 }
 
+// "build: 64 shards, 8 more done already", "encode: 12 tiles and the merged mesh".
+std::string first_line(const StageStart& start) {
+  const std::uint64_t units = start.units - (start.apart.empty() ? 0 : 1);
+  if (start.reused > 0 && start.units == 0)
+    return fmt::format("{}: {}, done already", start.stage, counted(start.reused, start.noun));
+  std::string line = start.stage + ": ";
+  if (units > 0 || start.apart.empty()) line += counted(units, start.noun);
+  if (!start.apart.empty()) line += (units > 0 ? " and the " : "the ") + start.apart;
+  if (start.reused == 0) return line;
+  const std::string more = units > 0 || start.apart.empty() ? fmt::format("{} more", start.reused)
+                                                            : counted(start.reused, start.noun);
+  return fmt::format("{}, {} done already", line, more);
+}
+
 }  // namespace
+
+std::string counted(std::uint64_t count, const std::string& plural) {
+  return fmt::format("{} {}", count, noun_for(count, plural));
+}
 
 std::string readable_seconds(double seconds) {
   seconds = std::max(seconds, 0.0);
@@ -58,12 +73,7 @@ StageProgress::StageProgress(std::shared_ptr<Console> console, ProgressSettings 
   if (console_->terminal()) {
     refresh();
   } else {
-    std::string line = fmt::format("{}: {}", start_.stage, counted(start_.units, start_.noun));
-    if (start_.reused > 0 && start_.units == 0)
-      line = fmt::format("{}: {}, done already", start_.stage, counted(start_.reused, start_.noun));
-    else if (start_.reused > 0)
-      line += fmt::format(", {} more done already", start_.reused);
-    console_->line(line);
+    console_->line(first_line(start_));
     next_draw_s_ = begin_s_ + settings_.line_interval_s;
   }
   if (!settings_.redraw_by_itself) return;
@@ -85,10 +95,20 @@ void StageProgress::stop_redrawing() {
   redrawing_.join();
 }
 
-void StageProgress::unit_done(double weight) {
+void StageProgress::unit_done(double weight, bool apart) {
   weight_done_.fetch_add(weight, std::memory_order_relaxed);
-  units_done_.fetch_add(1, std::memory_order_relaxed);
+  // An executor elsewhere does not say which it was: it is not counted with the others then either.
+  if (apart || (!start_.apart.empty() && units_done_ == counted_units()))
+    apart_done_ = true;
+  else if (++units_done_ == counted_units() && counted_units() > 1 && only_apart_left() &&
+           settings_.enabled && !console_->terminal())
+    console_->line(fmt::format("{}: {}", start_.stage, start_.apart));  // it may take long
   refresh();
+}
+
+// It may be as much work as all others, and then nothing else is counted on.
+bool StageProgress::only_apart_left() const {
+  return !start_.apart.empty() && !apart_done_ && units_done_ == counted_units();
 }
 
 void StageProgress::add_bytes(std::uint64_t bytes) {
@@ -122,6 +142,7 @@ void StageProgress::finish(const StageFigures& figures) {
                                  readable_seconds(figures.wall_s), rate(figures.wall_s));
   if (figures.peak_resident > 0)
     line += fmt::format("  peak {}", readable_bytes(static_cast<double>(figures.peak_resident)));
+  if (!start_.apart.empty()) line += "  and the " + start_.apart;
   if (start_.reused > 0) line += fmt::format("  ({} reused)", start_.reused);
   console_->line(line);
 }
@@ -142,7 +163,7 @@ std::string StageProgress::rate(double seconds) const {
 double StageProgress::fraction() const {
   if (start_.units == 0) return 1;
   const double done = start_.weight > 0 ? weight_done_.load() / start_.weight
-                                        : static_cast<double>(units_done_.load()) /
+                                        : static_cast<double>(units_done_ + apart_done_) /
                                               static_cast<double>(start_.units);
   return std::clamp(done, 0.0, 1.0);
 }
@@ -157,17 +178,21 @@ std::string StageProgress::time_left() const {
 std::string StageProgress::bar() const {
   const double done = fraction();
   const auto filled = static_cast<std::size_t>(done * bar_width);
-  std::string text =
-      fmt::format("{:<8} [{:<{}}] {:>3.0f}%  {}/{} {}", start_.stage, std::string(filled, '#'),
-                  bar_width, std::floor(done * 100), units_done_.load(), start_.units, start_.noun);
+  std::string text = fmt::format("{:<8} [{:<{}}] {:>3.0f}%  ", start_.stage,
+                                 std::string(filled, '#'), bar_width, std::floor(done * 100));
+  text += only_apart_left()
+              ? start_.apart
+              : fmt::format("{}/{} {}", units_done_.load(), counted_units(), start_.noun);
   if (const std::string left = time_left(); !left.empty())
     text += fmt::format("  {}  {}", rate(elapsed()), left);
   return text;
 }
 
 std::string StageProgress::plain_line() const {
-  std::string text = fmt::format("{}: {} of {} {} ({:.0f}%) after {}", start_.stage,
-                                 units_done_.load(), start_.units, start_.noun,
+  const std::string what = only_apart_left() ? start_.apart
+                                             : fmt::format("{} of {} {}", units_done_.load(),
+                                                           counted_units(), start_.noun);
+  std::string text = fmt::format("{}: {} ({:.0f}%) after {}", start_.stage, what,
                                  std::floor(fraction() * 100), readable_seconds(elapsed()));
   if (const std::string left = time_left(); !left.empty())
     text += fmt::format(", {}, {}", rate(elapsed()), left);

@@ -30,7 +30,13 @@ struct StageStart {
   std::uint64_t units = 0;   // to be done
   double weight = 0;         // sum of their weights; 0: each counts the same
   std::uint64_t reused = 0;  // units found done, beside `units`
+  // One of the units that is none of the others' kind, such as "merged mesh": named, not counted
+  // among them. Empty: there is none.
+  std::string apart = {};
 };
+
+// "1 shard", "2 shards", "1 mesh", "1 vertex": the noun is given in the plural.
+std::string counted(std::uint64_t count, const std::string& plural);
 
 // Progress of one stage. On a terminal a bar with rate and time left, redrawn in place; elsewhere
 // plain lines, at most one in line_interval_s beside those of the begin and the end. Thread-safe.
@@ -42,7 +48,8 @@ class StageProgress {
   StageProgress(const StageProgress&) = delete;
   StageProgress& operator=(const StageProgress&) = delete;
 
-  void unit_done(double weight);
+  // apart: it was the one that is apart.
+  void unit_done(double weight, bool apart = false);
   void add_bytes(std::uint64_t bytes);
   // Draws if the time for it has come.
   void refresh();
@@ -51,6 +58,8 @@ class StageProgress {
   void finish(const StageFigures& figures);
 
  private:
+  std::uint64_t counted_units() const { return start_.units - (start_.apart.empty() ? 0 : 1); }
+  bool only_apart_left() const;
   double elapsed() const;
   std::string rate(double seconds) const;
   double fraction() const;
@@ -63,7 +72,8 @@ class StageProgress {
   const ProgressSettings settings_;
   const StageStart start_;
   const double begin_s_;
-  std::atomic<std::uint64_t> units_done_{0};
+  std::atomic<std::uint64_t> units_done_{0};  // but for the one apart
+  std::atomic<bool> apart_done_{false};
   std::atomic<std::uint64_t> bytes_{0};
   std::atomic<double> weight_done_{0};
   std::atomic<double> next_draw_s_;

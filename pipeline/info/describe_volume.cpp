@@ -67,8 +67,9 @@ void survey_shard(const StoreLayout& layout, Index3 at, const InfoOptions& optio
     add(survey.histogram, record.histogram);
     survey.range = merge(survey.range, record.range());
     if (options.verbose)
-      survey.list.push_back(
-          {{"at", facts_of(at)}, {"bytes", bytes}, {"range", range_facts(record.range())}});
+      survey.list.push_back({{"at", facts_of(at)},
+                             {"bytes", bytes},
+                             {"range", range_facts(real_range(record.range(), layout.scale))}});
     if (!options.check) return;
     survey.check.read(bytes);
     if (hash_file(file, options.hooks.interrupt) != record.file_hash)
@@ -116,7 +117,7 @@ InfoDocument describe_volume(const InfoOptions& options) {
     labels = label_facts(*source, options.hooks, scan);
   else
     scan = scan_in_order(*source, options.hooks);
-  document["values"] = value_facts(scan.histogram, scan.range);
+  document["values"] = value_facts(scan.histogram, scan.range, info.scale);
   if (options.labels) document["labels"] = labels;
   if (options.check) {
     // Reading all of it is the check: a foreign file has no checksum but those of its format.
@@ -141,6 +142,7 @@ InfoDocument describe_store(const fs::path& array, const InfoOptions& options) {
   info.format = "zarr";
   info.type = layout.type;
   info.geometry = layout.geometry;
+  info.scale = layout.scale;
   info.files.push_back({(array / "zarr.json").string(), size_of(array / "zarr.json"), 0});
   InfoDocument document = new_document("brick_store", array);
   document["bytes"] = survey.bytes;
@@ -152,7 +154,7 @@ InfoDocument describe_store(const fs::path& array, const InfoOptions& options) {
   document["shard"] = layout.parameters.shard;
   document["compression"] = compression_text(layout.zarr());
   document["shards"] = {{"total", survey.total}, {"present", survey.present}};
-  document["values"] = value_facts(survey.histogram, survey.range);
+  document["values"] = value_facts(survey.histogram, survey.range, info.scale);
   if (options.labels) document["labels"] = label_facts(StoreSource(layout), options.hooks);
   if (options.verbose) document["shard_list"] = survey.list;
   if (options.check) document["check"] = survey.check.facts();
@@ -186,7 +188,7 @@ InfoDocument describe_shard_record(const fs::path& path, const InfoOptions& opti
   document["at"] = facts_of(at);
   document["shard_bytes"] = record.file_size;
   document["shard_hash"] = to_hex(record.file_hash);
-  document["values"] = value_facts(record.histogram, record.range());
+  document["values"] = value_facts(record.histogram, record.range(), layout.scale);
   if (!options.check) return document;
   CheckResult check;
   const fs::path file = layout.shard_path(at);

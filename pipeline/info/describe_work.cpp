@@ -4,6 +4,7 @@
 
 #include "pipeline/config/settings.h"
 #include "pipeline/info/kinds.h"
+#include "pipeline/stage/file_layout.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -11,15 +12,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The stage of a folder called "<stage>-<12 hexadecimal digits>"; empty for others.
 std::string stage_of(const fs::path& folder) {
-  const std::string name = folder.filename().string();
-  const auto dash = name.find('-');
-  if (dash == std::string::npos || name.size() != dash + 13) return {};
-  if (name.find_first_not_of("0123456789abcdef", dash + 1) != std::string::npos) return {};
-  for (const Stage stage : all_stages)
-    if (name.substr(0, dash) == stage_name(stage)) return name.substr(0, dash);
-  return {};
+  const auto stage = stage_of_folder(folder);
+  return stage ? std::string(stage_name(*stage)) : std::string();
 }
 
 fs::path without_slash(const fs::path& path) {

@@ -51,6 +51,10 @@ void add_volume_facts(InfoDocument& document, const VolumeInfo& info, bool verbo
   document["format"] = info.format;
   document["size"] = facts_of(g.size);
   document["type"] = sample_type_name(info.type);
+  if (!info.scale.identity()) {
+    document["slope"] = info.scale.slope;
+    document["intercept"] = info.scale.intercept;
+  }
   document["samples"] = samples;
   document["sample_bytes"] = samples * sample_bytes(info.type);
   document["spacing"] = facts_of(g.spacing);
@@ -72,18 +76,19 @@ void add_volume_facts(InfoDocument& document, const VolumeInfo& info, bool verbo
     document["file_list"].push_back({{"path", file.path}, {"bytes", file.state.size}});
 }
 
-InfoDocument value_facts(const Histogram& histogram, const std::optional<ValueRange>& range) {
+InfoDocument value_facts(const Histogram& histogram, const std::optional<ValueRange>& range,
+                         const ValueScale& scale) {
   std::uint64_t samples = histogram.nans;
   for (const HistogramBin& bin : histogram.bins) samples += bin.count;
   InfoDocument facts = {{"samples", samples}, {"nan_samples", histogram.nans}};
-  if (range) facts["range"] = range_facts(*range);
+  if (range) facts["range"] = range_facts(real_range(*range, scale));
   facts["quantiles"] = InfoDocument::object();
   for (const int percent : {1, 5, 25, 50, 75, 95, 99})
-    if (const auto value = quantile(histogram, percent / 100.0))
+    if (const auto value = quantile(histogram, percent / 100.0, scale))
       facts["quantiles"][std::to_string(percent) + "%"] = *value;
   facts["bins"] = histogram.bins.size();
   facts["suggested_isovalue"] = nullptr;
-  if (const auto suggestion = suggest_isovalue(histogram)) {
+  if (const auto suggestion = suggest_isovalue(histogram, scale)) {
     facts["suggested_isovalue"] = {{"value", suggestion->threshold.value},
                                    {"separability", suggestion->threshold.separability}};
     if (suggestion->padding) facts["suggested_isovalue"]["padding"] = *suggestion->padding;

@@ -20,7 +20,9 @@ InfoDocument range_facts(const ValueRange& range);  // null when empty
 InfoDocument level_facts(const std::array<std::uint64_t, max_levels + 1>& leaves);
 // Appends the keys a volume's geometry and samples give.
 void add_volume_facts(InfoDocument& document, const VolumeInfo& info, bool verbose);
-InfoDocument value_facts(const Histogram& histogram, const std::optional<ValueRange>& range);
+// Of stored samples, in the real values that the scale makes of them.
+InfoDocument value_facts(const Histogram& histogram, const std::optional<ValueRange>& range,
+                         const ValueScale& scale = {});
 
 InfoDocument new_document(const std::string& kind, const std::filesystem::path& path);
 // Of one file: with its size.

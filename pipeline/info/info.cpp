@@ -19,13 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string known_kinds() {
-  return "info knows volumes (" + reader_names() +
-         "), meshes as input (.stl, .off, .obj, .ply), brick stores, .octree, top.tree, .tile, "
-         ".record, .shard, .labels, histogram and spool files of "
-         "a work directory, " +
-         endings_text(mesh_writers(), " and ") +
-         " meshes, output directories, work directories, "
-         "manifest.json, tiles.jsonl, labels.jsonl and config files";
+  return "info knows volumes (" + reader_names() + "), meshes (.stl, .off, .obj, .ply, " +
+         endings_text(mesh_writers(), ", ") + "), configs, and all that a run writes";
 }
 
 [[noreturn]] void unknown(const std::string& path, const std::string& why) {
@@ -147,7 +142,12 @@ InfoDocument describe(const InfoOptions& options) {
     throw FormatError(std::string(damage.what()) +
                       "; remove the file and run again: what is missing is made anew");
   } catch (const fs::filesystem_error& error) {
-    throw StorageError(fmt::format("{}: {}", path, error.code().message()), error.code().value());
+    const std::error_code code = error.code();
+    for (const auto users : {std::errc::too_many_symbolic_link_levels, std::errc::permission_denied,
+                             std::errc::not_a_directory, std::errc::filename_too_long})
+      if (code == users)
+        throw InputError(fmt::format("{}: {}; correct the path", path, code.message()));
+    throw StorageError(fmt::format("{}: {}", path, code.message()), code.value());
   }
   throw InputError(path + ": no such file or directory; correct the path");
 }

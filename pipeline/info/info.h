@@ -6,9 +6,10 @@
 // Sizes, indices and boxes are [x, y, z]; hashes are 32 hexadecimal digits.
 //
 //   kind             further keys
-//   volume           format, size, type, samples, sample_bytes (of all), spacing, unit, origin,
-//                    direction [3][3], space, access, largest_decode_bytes, files, file_bytes,
-//                    warnings, values; verbose: file_list [{path, bytes}]; of Zarr also
+//   volume           format, size, type, slope, intercept (where real values are slope * stored +
+//                    intercept and these are not 1 and 0), samples, sample_bytes (of all), spacing,
+//                    unit, origin, direction [3][3], space, access, largest_decode_bytes, files,
+//                    file_bytes, warnings, values; verbose: file_list [{path, bytes}]; of Zarr also
 //                    zarr {chunk, file, compression}
 //   brick_store      as volume, and records, chunk, shard, compression, shards {total, present};
 //                    verbose: shard_list [{at, bytes, range}]
@@ -55,8 +56,9 @@
 //   work_directory   files, stages [{stage, folder, files, bytes}]
 //   stage_directory  stage, files
 //
-// "values", where the samples were looked at: {samples, nan_samples, range [lo, hi], quantiles
-// {"1%" ... "99%"}, bins, suggested_isovalue {value, separability, padding} or null}.
+// "values", where the samples were looked at, in real values (of the kind histogram, as stored):
+// {samples, nan_samples, range [lo, hi], quantiles {"1%" ... "99%"}, bins, suggested_isovalue
+// {value, separability, padding} or null}.
 // "labels", where they were counted: {distinct, negative_samples, range [lo, hi], background_share
 // (of label 0), largest [{label, samples, share, from, to (the box that holds them, half-open)}]}.
 #pragma once

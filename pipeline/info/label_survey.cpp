@@ -56,11 +56,10 @@ class Survey {
 
 InfoDocument label_facts(const SampleSource& source, const ScanHooks& hooks, ScanResult& scan) {
   const SampleType type = source.info().type;
-  if (type == SampleType::f32 || type == SampleType::f64)
+  if (const std::string problem = no_labels_text(source.info()); !problem.empty())
     throw InputError(fmt::format(
-        "--labels: labels are integers, the samples of {} are {}",
-        source.info().files.empty() ? source.info().format : source.info().files[0].path,
-        sample_type_name(type)));
+        "--labels: labels are integers as they are stored, {} {}",
+        source.info().files.empty() ? source.info().format : source.info().files[0].path, problem));
   LabelTally tally(std::filesystem::temp_directory_path(), most_labels);
   ScanHooks counting = hooks;
   counting.samples = [&](const Box3& band, std::span<const std::byte> samples) {

@@ -1,11 +1,18 @@
 #include "pipeline/info/value_scan.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <filesystem>
 #include <span>
 #include <vector>
 
+#include "pipeline/config/config.h"
 #include "stages/ingest/statistics.h"
+#include "storage/store/zarr_metadata.h"
+#include "storage/support/error.h"
 #include "storage/types/volume.h"
+#include "storage/volumes/data_layout.h"
 
 namespace voxweld {
 namespace {
@@ -30,6 +37,44 @@ void append_border(const Box3& band, Index3 size, std::size_t sample_size,
     }
 }
 
+// Files below the folder, as far as `enough`.
+std::uint64_t files_below(const std::filesystem::path& folder, std::uint64_t enough) {
+  std::uint64_t files = 0;
+  std::error_code error;
+  using Entries = std::filesystem::recursive_directory_iterator;
+  for (Entries entry(folder, error), end; !error && entry != end && files < enough;
+       entry.increment(error))
+    if (std::error_code gone; entry->is_regular_file(gone)) ++files;
+  return files;
+}
+
+// Refuses what a scan would not come to the end of.
+void check_scan(const SampleSource& source) {
+  const VolumeInfo& info = source.info();
+  const Index3 size = info.geometry.size;
+  const std::string name = info.files.empty() ? info.format : info.files.front().path;
+  double samples = 1;
+  for (int a = 0; a < 3; ++a) {
+    samples *= static_cast<double>(size[a]);
+    if (size[a] > most_samples)
+      throw InputError(
+          fmt::format("{}: {} x {} x {} samples: volumes may have {} a side; correct the size",
+                      name, size.x, size.y, size.z, most_samples));
+  }
+  constexpr double soon = 0x1p36, sparse = 1024;  // a minute or so
+  if (samples <= soon || info.format != "zarr") return;
+  const std::filesystem::path array = std::filesystem::path(name).parent_path();
+  const double files = read_zarr_array(array).files();
+  const auto needed = static_cast<std::uint64_t>(files / sparse) + 1;
+  // Less the one that describes the array.
+  const std::uint64_t there = files_below(array, needed + 1) - 1;
+  if (there >= needed) return;
+  throw InputError(
+      fmt::format("{}: {} x {} x {} samples in {:.0f} files, of which {} are there: going through "
+                  "the fill values in place of the others would take too long; correct the shape",
+                  name, size.x, size.y, size.z, files, there));
+}
+
 }  // namespace
 
 ScanResult scan_in_order(const SampleSource& source, const ScanHooks& hooks) {
@@ -37,8 +82,11 @@ ScanResult scan_in_order(const SampleSource& source, const ScanHooks& hooks) {
   const Index3 size = info.geometry.size;
   const std::uint64_t row = static_cast<std::uint64_t>(size.x) * sample_bytes(info.type);
   const auto fit = static_cast<std::int64_t>(std::max<std::uint64_t>(1, band_bytes / row));
-  // A stream gives whole slices only; of the others a slice may be cut into bands of rows.
-  const std::int64_t rows = info.access == Access::stream ? size.y : std::min(fit, size.y);
+  check_scan(source);
+  // A stream gives whole slices where they are small, else bands of rows.
+  const bool whole = info.access == Access::stream &&
+                     row <= large_slice_bytes / static_cast<std::uint64_t>(size.y);
+  const std::int64_t rows = whole ? size.y : std::min(fit, size.y);
   const std::int64_t slices = rows == size.y ? std::max<std::int64_t>(1, fit / size.y) : 1;
   HistogramStatistics statistics(info.type), border_statistics(info.type);
   ScanResult result;

@@ -10,6 +10,7 @@ StoreLayout store_layout(const Config& config, const IngestJob& job) {
   layout.records = store_records_path(job.folder);
   layout.type = job.info.type;
   layout.geometry = job.info.geometry;
+  layout.scale = job.info.scale;
   layout.parameters.chunk = config.work.chunk;
   layout.parameters.shard = config.work.brick * config.work.shard;
   return layout;

@@ -15,6 +15,7 @@
 #include "storage/artifact/histogram_artifact.h"
 #include "storage/store/store_source.h"
 #include "storage/support/error.h"
+#include "storage/volumes/axes.h"
 
 namespace voxweld {
 namespace {
@@ -100,6 +101,8 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder,
   const VolumeInfo& info = job.info;
   job.files = info.files;
   job.files.insert(job.files.end(), besides.begin(), besides.end());
+  check_coordinates(info.geometry,
+                    config.input.path.empty() ? "input.spacing" : config.input.path.string());
   job.parameters = parameters;
   job.stamp = files_stamp(job, 0, info.files.size());
   job.file_per_slice = info.access == Access::slice && !config.input.crop &&
@@ -153,8 +156,10 @@ std::optional<Histogram> read_histogram(const IngestJob& job) {
 
 ValueRange whole_range(RunContext& context, const Volume& volume) {
   const Box3 all{{}, volume.geometry().size};
-  if (volume.ranges() != nullptr) return volume.ranges()->range(all);
-  return scan_volume(context, *volume.source, "scan").range;
+  const ValueRange stored = volume.ranges() != nullptr
+                                ? volume.ranges()->range(all)
+                                : scan_volume(context, *volume.source, "scan").range;
+  return real_range(stored, volume.source->info().scale);
 }
 
 }  // namespace voxweld

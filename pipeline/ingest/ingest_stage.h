@@ -54,7 +54,8 @@ bool lies_in_unlisted_files(const IngestJob& job);
 Volume ingested_volume(const Config& config, const IngestJob& job);
 std::optional<Histogram> read_histogram(const IngestJob& job);
 
-// The range of all samples, for messages: from the store's records or by reading everything.
+// The range of all samples in real values, for messages: from the store's records or by reading
+// everything.
 ValueRange whole_range(RunContext& context, const Volume& volume);
 
 }  // namespace voxweld

@@ -101,6 +101,7 @@ LabelMap read_labels_map(const Config& config) {
     return {};
   }
   LabelMap map = read_map(config);
+  for (const std::string& warning : map.warnings) spdlog::warn("{}", warning);
   warn_of_background(config.labels, map);
   return map;
 }

@@ -18,6 +18,7 @@ InputSpec spec_of(const InputConfig& config) {
   spec.crop = config.crop;
   spec.spacing = config.spacing;
   spec.unit = config.unit;
+  spec.follow = config.follow;
   return spec;
 }
 

@@ -113,6 +113,23 @@ class ShardSource {
   std::optional<LayerSpools> spools_;
 };
 
+// Counts the NaNs of what is read.
+class NanWatch final : public SampleSource {
+ public:
+  NanWatch(const SampleSource& source, NanCount& nans) : source_(source), nans_(nans) {}
+  const VolumeInfo& info() const override { return source_.info(); }
+  void read(const Box3& box, std::byte* out) const override {
+    source_.read(box, out);
+    const SampleType type = info().type;
+    const std::size_t bytes = static_cast<std::size_t>(box.count()) * sample_bytes(type);
+    nans_.add(count_nans(type, {out, bytes}, box, box));
+  }
+
+ private:
+  const SampleSource& source_;
+  NanCount& nans_;
+};
+
 // Of some shards those that are not in the store.
 std::vector<std::uint64_t> unwritten_of(const IngestJob& job, const StoreLayout& layout,
                                         std::span<const std::uint64_t> numbers) {
@@ -142,6 +159,7 @@ class ShardWork {
   struct Worker {
     ShardScratch scratch;
     HistogramStatistics statistics;
+    NanCount nans;
     explicit Worker(SampleType type) : statistics(type) { scratch.band_bytes = ingest_band_bytes; }
   };
 
@@ -149,8 +167,8 @@ class ShardWork {
     const Index3& shard = shards_[unit.key];
     if (std::binary_search(unwritten_.begin(), unwritten_.end(), unit.key))
       source_->with_samples(shard, [&](const SampleSource& samples) {
-        write_shard(layout_, shard, store_shard_key(job_, layout_, shard), samples,
-                    worker.statistics, worker.scratch);
+        write_shard(layout_, shard, store_shard_key(job_, layout_, shard),
+                    NanWatch(samples, worker.nans), worker.statistics, worker.scratch);
       });
     if (!counted_ && !shard_labels_are_counted(job_, layout_, shard))
       counter_.count(shard, context);
@@ -229,8 +247,11 @@ class ShardIngest final : public StageWork {
   void run(const Unit& unit, WorkerContext& worker) override {
     work_->run(unit, *workers_[static_cast<std::size_t>(worker.slot())], worker);
   }
-  void end(RunContext&) override {
+  void end(RunContext& context) override {
     work_.reset();
+    NanCount nans;
+    for (const auto& worker : workers_) nans.add(worker->nans);
+    warn_of_nans(context.config, nans);
     workers_.clear();
   }
   void close(RunContext& context) override {

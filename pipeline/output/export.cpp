@@ -4,8 +4,10 @@
 
 #include <OpenMesh/Core/IO/MeshIO.hh>
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <algorithm>
 #include <array>
 #include <limits>
+#include <span>
 #include <sstream>
 #include <string_view>
 
@@ -17,14 +19,6 @@ namespace {
 
 // Points of float, as in the decoded files.
 using ExportMesh = OpenMesh::TriMesh_ArrayKernelT<>;
-
-void check_extension(const std::filesystem::path& path) {
-  constexpr std::array<std::string_view, 4> known{".ply", ".obj", ".stl", ".off"};
-  for (const std::string_view extension : known)
-    if (path.extension() == extension) return;
-  throw InputError(fmt::format("{}: cannot export to \"{}\", expected .ply, .obj, .stl or .off",
-                               path.string(), path.extension().string()));
-}
 
 OpenMesh::VertexHandle add_vertex(ExportMesh& out, const DecodedMesh& mesh, std::size_t i) {
   const auto& p = mesh.positions[i];
@@ -59,8 +53,16 @@ ExportMesh build(const DecodedMesh& mesh) {
 
 }  // namespace
 
-void export_mesh(const DecodedMesh& mesh, const std::filesystem::path& path) {
-  check_extension(path);
+void check_export_name(const std::filesystem::path& path) {
+  constexpr std::array<std::string_view, 4> known{".ply", ".obj", ".stl", ".off"};
+  for (const std::string_view extension : known)
+    if (path.extension() == extension) return;
+  throw InputError(fmt::format("{}: cannot export to \"{}\", expected .ply, .obj, .stl or .off",
+                               path.string(), path.extension().string()));
+}
+
+std::string exported_mesh(const DecodedMesh& mesh, const std::filesystem::path& path) {
+  check_export_name(path);
   const std::string extension = path.extension().string();
   const ExportMesh built = build(mesh);
   OpenMesh::IO::Options options;
@@ -70,7 +72,24 @@ void export_mesh(const DecodedMesh& mesh, const std::filesystem::path& path) {
   const int digits = std::numeric_limits<float>::max_digits10;
   if (!OpenMesh::IO::write_mesh(built, text, extension, options, digits))
     throw StorageError(fmt::format("cannot write {}: OpenMesh refused the mesh", path.string()));
-  write_whole_file(path, as_bytes(text.str()), Durability::fsync);
+  return std::move(text).str();
+}
+
+void write_exported(const std::filesystem::path& path, const std::string& text,
+                    const InterruptFlag* interrupt) {
+  constexpr std::size_t piece = std::size_t{4} << 20;
+  AtomicFile file(path);
+  for (std::span<const std::byte> left = as_bytes(text); !left.empty();) {
+    if (interrupt != nullptr) interrupt->check();
+    file.append(left.first(std::min(left.size(), piece)));
+    left = left.subspan(std::min(left.size(), piece));
+  }
+  if (interrupt != nullptr) interrupt->check();
+  file.commit(Durability::fsync);
+}
+
+void export_mesh(const DecodedMesh& mesh, const std::filesystem::path& path) {
+  write_exported(path, exported_mesh(mesh, path));
 }
 
 }  // namespace voxweld

@@ -16,25 +16,30 @@ DecodedMesh load_mesh(const std::filesystem::path& path, MeshWriters formats) {
   throw InputError(name + ": not a mesh file; expected " + endings_text(formats));
 }
 
-void for_each_mesh(const std::filesystem::path& path,
-                   const std::function<void(const DecodedMesh&, std::optional<Material> label)>& f,
-                   MeshWriters formats) {
-  if (!std::filesystem::is_directory(path)) {
-    f(load_mesh(path, formats), std::nullopt);
-    return;
-  }
+void each_mesh_file(
+    const std::filesystem::path& path,
+    const std::function<void(const std::filesystem::path&, std::optional<Material> label)>& f) {
+  if (!std::filesystem::is_directory(path)) return f(path, std::nullopt);
   bool any = false;
   TileListReader tiles(path / tiles_name);
   while (const auto tile = tiles.next()) {
     if (tile->files.empty()) continue;
-    f(load_mesh(path / tile->files.front().path, formats), tile->label);
+    f(path / tile->files.front().path, tile->label);
     any = true;
   }
   if (any) return;
   const Manifest manifest = read_manifest(path / manifest_name);
   if (!manifest.merged || manifest.merged->empty())
     throw InputError(path.string() + ": the manifest lists no mesh");
-  f(load_mesh(path / manifest.merged->begin()->second, formats), std::nullopt);
+  f(path / manifest.merged->begin()->second, std::nullopt);
+}
+
+void for_each_mesh(const std::filesystem::path& path,
+                   const std::function<void(const DecodedMesh&, std::optional<Material> label)>& f,
+                   MeshWriters formats) {
+  each_mesh_file(path, [&](const std::filesystem::path& file, std::optional<Material> label) {
+    f(load_mesh(file, formats), label);
+  });
 }
 
 MaterialTable listed_colours(const std::filesystem::path& path) {

@@ -14,6 +14,11 @@ namespace voxweld {
 // a damaged file.
 DecodedMesh load_mesh(const std::filesystem::path& path, MeshWriters formats = mesh_writers());
 
+// The files that for_each_mesh reads, in its order.
+void each_mesh_file(
+    const std::filesystem::path& path,
+    const std::function<void(const std::filesystem::path&, std::optional<Material> label)>& f);
+
 // Of an output directory each tile (or the merged mesh where there are no tiles), one after the
 // other; of a file its mesh. label: of a tile that is one label's (labels.mode = "each").
 void for_each_mesh(const std::filesystem::path& path,

@@ -76,7 +76,10 @@ class Verifier {
                                     static_cast<std::size_t>(threads_));
     for_each_tile<TileResult>(
         directory_ / tiles_name, threads_,
-        [&](TileRecord record) { return tiles_.check(std::move(record)); },
+        [&](TileRecord record) {
+          check_interrupt();
+          return tiles_.check(std::move(record));
+        },
         [&](const TileResult& result) { fold(result); });
     close_surface();
     if (each_) check_labels_to_end();
@@ -87,6 +90,9 @@ class Verifier {
   }
 
  private:
+  void check_interrupt() const {
+    if (options_.interrupt != nullptr) options_.interrupt->check();
+  }
   bool promises_manifold() const { return !manifest_.free_topology && !shared_; }
   void note(Problem problem) {
     if (report_.problem_count++ < options_.listed_problems)
@@ -151,6 +157,7 @@ class Verifier {
     const auto doubtful = surface.seams.doubtful();
     if (doubtful.empty()) return;
     const auto work = [&](const TileRecord& record) {
+      check_interrupt();
       const auto found = doubtful.find(tile_name(record.tile));
       return found == doubtful.end() ? Problems{} : tiles_.use_of(record, found->second);
     };
@@ -247,6 +254,7 @@ class Verifier {
     Problems problems;
     std::vector<FormatFile> merged;
     for (const FileRecord& file : manifest_.files) {
+      check_interrupt();
       if (file.role != "merged") {
         check_file(directory_, file, problems);
         continue;
@@ -265,6 +273,7 @@ class Verifier {
   }
 
   void check_merged_mesh(const std::vector<FormatFile>& files) {
+    check_interrupt();
     Problems problems;
     if (std::ranges::all_of(files, [](const FormatFile& file) { return file.bytes.empty(); }))
       problems.push_back({manifest_name, "\"merged\" names no file that \"files\" lists"});

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/executor/interrupt.h"
 #include "stages/encode/mesh_writers.h"
 
 namespace voxweld {
@@ -21,9 +22,10 @@ namespace voxweld {
 struct VerifyOptions {
   int threads = 0;  // 0: as many as cores
   std::size_t listed_problems = 20;
-  bool merged = true;                    // also decode the merged mesh and build it in OpenMesh
-  bool origin = true;                    // also look at input and config, where they are there
-  MeshWriters formats = mesh_writers();  // those it knows how to read
+  bool merged = true;                        // also decode the merged mesh and build it in OpenMesh
+  bool origin = true;                        // also look at input and config, where they are there
+  MeshWriters formats = mesh_writers();      // those it knows how to read
+  const InterruptFlag* interrupt = nullptr;  // asked before each tile and file
 };
 
 struct Problem {
@@ -46,6 +48,7 @@ struct VerifyReport {
   bool good() const { return problem_count == 0; }
 };
 
+// Throws Interrupted where a stop was asked for.
 // Problems of the output are in the report; what is thrown: StorageError when the directory's
 // manifest or tile list cannot be read, FormatError when they are not what manifest.h describes.
 VerifyReport verify_output(const std::filesystem::path& directory,

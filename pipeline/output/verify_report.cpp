@@ -2,21 +2,22 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pipeline/executor/progress.h"
 #include "pipeline/output/verify.h"
 
 namespace voxweld {
 
 std::string to_text(const VerifyReport& r) {
   std::string out = fmt::format(
-      "{} files ({} bytes), {}{} tiles, {} vertices ({} on seams), {} triangles, {} boundary "
-      "edges{}\n",
-      r.files, r.bytes, r.labels > 0 ? fmt::format("{} labels, ", r.labels) : "", r.tiles,
-      r.vertices, r.seam_vertices, r.triangles, r.boundary_edges,
-      r.merged_checked ? ", merged mesh checked" : "");
+      "{} ({} bytes), {}{}, {} ({} on seams), {}, {}{}\n", counted(r.files, "files"), r.bytes,
+      r.labels > 0 ? counted(r.labels, "labels") + ", " : "", counted(r.tiles, "tiles"),
+      counted(r.vertices, "vertices"), r.seam_vertices, counted(r.triangles, "triangles"),
+      counted(r.boundary_edges, "boundary edges"), r.merged_checked ? ", merged mesh checked" : "");
   for (const Problem& p : r.problems) out += fmt::format("  {}: {}\n", p.where, p.what);
   if (r.problem_count > r.problems.size())
     out += fmt::format("  and {} more\n", r.problem_count - r.problems.size());
-  out += r.good() ? "good: no problem found\n" : fmt::format("bad: {} problems\n", r.problem_count);
+  out += r.good() ? "good: no problem found\n"
+                  : fmt::format("bad: {}\n", counted(r.problem_count, "problems"));
   return out;
 }
 

@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "storage/support/error.h"
@@ -107,9 +109,8 @@ void write_nrrd(const PhantomSource& source, const PhantomSpec& spec, const Phan
 // The header goes last: where it is, its samples are.
 void write_detached_nrrd(const PhantomSource& source, const PhantomSpec& spec,
                          const PhantomHooks& hooks) {
-  std::filesystem::path samples = spec.path, header = spec.path;
-  samples.replace_extension(".raw");
-  header.replace_extension(".nhdr");
+  const std::vector<std::filesystem::path> files = phantom_files(spec.path);
+  const std::filesystem::path &header = files[0], &samples = files[1];
   AtomicFile file(samples);
   append_samples(source, hooks, file);
   file.commit(Durability::fsync);
@@ -129,6 +130,12 @@ PhantomFormat phantom_format(const std::filesystem::path& path) {
       path.string()));
 }
 
+std::vector<std::filesystem::path> phantom_files(const std::filesystem::path& path) {
+  if (phantom_format(path) != PhantomFormat::detached_nrrd) return {path};
+  std::filesystem::path header = path, samples = path;
+  return {header.replace_extension(".nhdr"), samples.replace_extension(".raw")};
+}
+
 void write_phantom(const PhantomSpec& spec, const PhantomHooks& hooks) {
   const PhantomFormat format = phantom_format(spec.path);
   const PhantomSource source(spec.volume);
@@ -138,6 +145,22 @@ void write_phantom(const PhantomSpec& spec, const PhantomHooks& hooks) {
     throw InputError(fmt::format("{}: Zarr cannot be written here: use .nrrd, .nhdr or .raw",
                                  spec.path.string()));
   hooks.zarr(source, spec.path);
+}
+
+// The comments that nrrd_header writes.
+std::optional<PhantomSurface> phantom_surface(const std::filesystem::path& header) {
+  const ReadFile file(header);
+  std::string text(static_cast<std::size_t>(std::min<std::uint64_t>(file.size(), 512)), ' ');
+  file.read(0, std::as_writable_bytes(std::span(text)));
+  constexpr std::string_view mark = "\n# voxweld phantom ", before = "\n# isovalue ",
+                             between = ", inside ";
+  const std::size_t at = text.find(before);
+  if (text.find(mark) == std::string::npos || at == std::string::npos) return std::nullopt;
+  const std::size_t number = at + before.size(), end = text.find('\n', number);
+  const std::size_t comma = text.find(between, number);
+  if (end == std::string::npos || comma == std::string::npos || comma > end) return std::nullopt;
+  const std::size_t side = comma + between.size();
+  return PhantomSurface{text.substr(number, comma - number), text.substr(side, end - side)};
 }
 
 }  // namespace voxweld

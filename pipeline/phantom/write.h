@@ -4,6 +4,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "pipeline/phantom/phantom_source.h"
 
@@ -16,6 +19,9 @@ enum class PhantomFormat : std::uint8_t {
 };
 // By the file name's extension: .nrrd, .nhdr, .raw, .zarr. InputError for another.
 PhantomFormat phantom_format(const std::filesystem::path& path);
+
+// What write_phantom writes there; of a Zarr array its folder alone.
+std::vector<std::filesystem::path> phantom_files(const std::filesystem::path& path);
 
 struct PhantomSpec {
   std::filesystem::path path;
@@ -37,5 +43,12 @@ struct PhantomHooks {
 // whatever the threads. An existing file is replaced once the new one is complete. InputError for a
 // spec that cannot be, StorageError when the disk refuses.
 void write_phantom(const PhantomSpec& spec, const PhantomHooks& hooks = {});
+
+// What the header of a phantom's .nrrd or .nhdr says of its true surface.
+struct PhantomSurface {
+  std::string isovalue, inside;  // as written
+};
+// Empty where the file is no such header, or the phantom holds labels.
+std::optional<PhantomSurface> phantom_surface(const std::filesystem::path& header);
 
 }  // namespace voxweld

@@ -135,14 +135,14 @@ std::optional<BrickSample> sample_bricks(const RunContext& context, const Jobs& 
       sampler.read(brick);
       if (!sampler.samples().empty()) statistics.add(sampler.samples());
     }
-    const auto suggestion = suggest_isovalue(statistics.take());
+    const auto suggestion = suggest_isovalue(statistics.take(), info.scale);
     if (!suggestion) return std::nullopt;
     config.surface.isovalue = suggestion->threshold.value;
   }
   BrickSample sums;
   if (config.input.has_samples()) sums.isovalue = config.surface.isovalue;
   const ContourParameters parameters =
-      contour_parameters(config, info.geometry, jobs.ingest().solid, jobs.chosen_labels(config));
+      contour_parameters(config, info, jobs.ingest().solid, jobs.chosen_labels(config));
   LocalEdits edits(parameters);
   for (const Index3& brick : chosen) sampler.build(brick, edits, sums);
   return sums;

@@ -14,7 +14,7 @@ struct BrickSample {
   std::uint64_t octree_bytes = 0;  // of the artifact's parts
   double cpu_s = 0;                // building, reading not counted
   // The config's, or chosen from the samples seen; of solids alone none.
-  std::optional<double> isovalue;
+  std::optional<Isovalue> isovalue;  // of the file's real values
 };
 
 // The bricks that hold samples, a side: those of the ring alone are left out.

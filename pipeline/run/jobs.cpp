@@ -10,10 +10,10 @@
 #include "pipeline/build/contour_parameters.h"
 #include "pipeline/config/settings.h"
 #include "pipeline/ingest/label_choice.h"
+#include "pipeline/run/output_frame.h"
 #include "pipeline/stage/unit_plan.h"
 #include "stages/encode/draco_codec.h"
 #include "stages/ingest/threshold.h"
-#include "stages/stitch/lattice_plan.h"
 #include "storage/support/error.h"
 #include "storage/support/provenance.h"
 
@@ -21,13 +21,13 @@ namespace voxweld {
 namespace {
 
 double choose_isovalue(const Config& config, const IngestJob& job) {
-  const auto histogram = read_histogram(job);
-  const auto suggestion = histogram ? suggest_isovalue(*histogram) : std::nullopt;
+  const Histogram histogram = read_histogram(job).value_or(Histogram{});
+  const auto suggestion = suggest_isovalue(histogram, job.info.scale);
   if (!suggestion)
-    throw InputError(
-        fmt::format("surface.isovalue = \"otsu\": all samples of {} have one value, so there is no "
-                    "threshold to find; give a number",
-                    config.input.path.string()));
+    throw InputError(fmt::format(
+        "surface.isovalue = \"otsu\": all samples of {} {}, so there is no threshold to "
+        "find; give a number",
+        config.input.path.string(), no_threshold_text(histogram, job.info.scale)));
   spdlog::info(
       "surface.isovalue = \"otsu\": {}{}", suggestion->threshold.value,
       suggestion->padding ? fmt::format(" (leaving out padding of {})", *suggestion->padding) : "");
@@ -35,24 +35,16 @@ double choose_isovalue(const Config& config, const IngestJob& job) {
 }
 
 void check_label(const Config& config, const VolumeInfo& info) {
-  const bool real = info.type == SampleType::f32 || info.type == SampleType::f64;
-  if (!real || (!config.surface.label && config.labels.mode == LabelMode::off)) return;
+  if (!config.surface.label && config.labels.mode == LabelMode::off) return;
   const std::string key =
       config.surface.label
           ? fmt::format("surface.label = {}", *config.surface.label)
           : fmt::format("labels.mode = {}", to_toml(*find_setting("labels", "mode")->get(config)));
-  throw InputError(fmt::format(
-      "{}: labels are integers, the samples of {} are {}; give a surface.isovalue instead", key,
-      config.input.path.string(), sample_type_name(info.type)));
-}
-
-// Of a mesh as input: what its coordinates are in files that cannot hold them.
-void warn_of_origin(const Config& config, const VolumeGeometry& geometry) {
-  if (!config.input.is_mesh() || geometry.origin == Vec3{}) return;
-  spdlog::warn(
-      "{}: floats do not hold the mesh's own coordinates at this output.precision: those of the "
-      "files are less by [{}, {}, {}], which is frame.origin in the manifest",
-      config.input.path.string(), geometry.origin.x, geometry.origin.y, geometry.origin.z);
+  if (const std::string problem = no_labels_text(info); !problem.empty())
+    throw InputError(
+        fmt::format("{}: labels are integers as they are stored, {} {}; give a "
+                    "surface.isovalue instead",
+                    key, config.input.path.string(), problem));
 }
 
 ShardMemory shard_memory(const Config& config, const VolumeInfo& info) {
@@ -80,23 +72,19 @@ void Jobs::open_volume(Config& config) {
   const Volume volume = ingested_volume(config, ingest_);
   VolumeInfo info = volume.source->info();
   const LabelParameters labels = final_labels(config, map_, ingest_);
-  const OutputLattice lattice =
-      plan_lattice({info.geometry.size, info.geometry.spacing,
-                    config.output.precision * smallest_spacing(info.geometry)});
-  info.geometry = output_geometry(info.geometry, lattice);
-  warn_of_origin(config, info.geometry);
+  const OutputFrame output = output_frame(config, info.geometry);
+  info.geometry = output.geometry;
   const StagePaths paths = stage_paths(config, info, labels);
   build_.emplace(BuildJob{volume, brick_grid(config, info.geometry),
-                          contour_parameters(config, volume.geometry(), volume.solid, labels),
+                          contour_parameters(config, volume.source->info(), volume.solid, labels),
                           paths.build, paths.build_key, shard_memory(config, info)});
   if (ingest_.mesh) build_->largest_bin = largest_bin(*ingest_.mesh);
   merge_ = {&*build_, paths.merge, paths.merge_key,
             static_cast<std::uint64_t>(config.output.tile_vertices)};
   stitch_.build = &*build_;
   stitch_.merge = &merge_;
-  stitch_.parameters.frame.spacing = info.geometry.spacing;
-  stitch_.parameters.frame.lattice = lattice;
-  stitch_.parameters.first = info.geometry.first;
+  stitch_.parameters.frame = output.snap;
+  stitch_.parameters.first = output.first;
   stitch_.parameters.normals = config.output.normals;
   stitch_.folder = paths.stitch;
   stitch_.key = paths.stitch_key;
@@ -110,9 +98,30 @@ void Jobs::open_volume(Config& config) {
                      });
 }
 
+namespace {
+
+// The lists of shards that stages keep are in memory whole.
+void check_shards(const Config& config, const VolumeInfo& info) {
+  constexpr double bytes_of_shard = 256;
+  const Index3 shards = brick_grid(config, info.geometry).shards();
+  const double count =
+      static_cast<double>(shards.x) * static_cast<double>(shards.y) * static_cast<double>(shards.z);
+  const double need = count * bytes_of_shard;
+  if (need <= static_cast<double>(config.run.memory)) return;
+  throw InputError(
+      fmt::format("run.memory = {}: the volume of {} x {} x {} samples has {:.0f} shards, and the "
+                  "lists of them "
+                  "take about {}; raise run.memory, work.brick or work.shard",
+                  exact_bytes(config.run.memory), info.geometry.size.x, info.geometry.size.y,
+                  info.geometry.size.z, count, readable_bytes(need)));
+}
+
+}  // namespace
+
 void check_budget(const RunContext& context, const Jobs& jobs) {
   const VolumeInfo& info = jobs.ingest().info;
   const Config& config = context.config;
+  check_shards(config, info);
   std::vector<StageMemory> needs = {
       ingest_stage(config, jobs.ingest())->memory({}),
       build_memory(brick_grid(config, info.geometry), shard_memory(config, info))};
@@ -200,6 +209,10 @@ Manifest make_manifest(const RunContext& context, const Jobs& jobs, const TopArt
                                                       {"format", info.format},
                                                       {"type", sample_type_name(info.type)},
                                                       {"files", files_json(jobs.ingest().files)}});
+  if (!info.scale.identity()) {
+    (*m.input)["slope"] = info.scale.slope;
+    (*m.input)["intercept"] = info.scale.intercept;
+  }
   m.config = std::make_unique<nlohmann::json>(
       nlohmann::json{{"path", context.config_file.string()},
                      {"result", context.config_result ? to_hex(*context.config_result) : ""},

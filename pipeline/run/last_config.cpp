@@ -7,7 +7,7 @@ namespace voxweld {
 namespace {
 
 std::filesystem::path last_path(const Config& config) {
-  return config.work.directory / "last-run.toml";
+  return config.work.directory / last_config_name;
 }
 
 }  // namespace

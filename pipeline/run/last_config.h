@@ -7,6 +7,8 @@
 
 namespace voxweld {
 
+inline constexpr const char* last_config_name = "last-run.toml";
+
 void write_last_config(const Config& config);
 // "simplify.tolerance was 0.1, is 0.2" for the settings this stage reads; empty when there are none
 // or nothing is known.

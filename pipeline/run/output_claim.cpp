@@ -41,6 +41,10 @@ const std::filesystem::path& checked_directory(const RunContext& context) {
 
 }  // namespace
 
+void check_claim(const RunContext& context) {
+  if (const auto holder = lock_holder(checked_directory(context))) refuse_other(context, *holder);
+}
+
 OutputClaim::OutputClaim(RunContext& context)
     : context_(context),
       lock_(checked_directory(context), owner_name(context), options_of(context)) {

@@ -21,4 +21,7 @@ class OutputClaim {
   DirectoryLock lock_;
 };
 
+// Throws where OutputClaim would, but takes and changes nothing.
+void check_claim(const RunContext& context);
+
 }  // namespace voxweld

@@ -2,11 +2,8 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <optional>
 #include <set>
 
@@ -15,6 +12,7 @@
 #include "pipeline/executor/error_set.h"
 #include "pipeline/ingest/label_rules.h"
 #include "pipeline/merge/merge_stage.h"
+#include "pipeline/run/checks.h"
 #include "pipeline/run/last_config.h"
 #include "pipeline/run/output_claim.h"
 #include "pipeline/run/stages.h"
@@ -23,71 +21,6 @@
 
 namespace voxweld {
 namespace {
-
-void check_surface(RunContext& context, Stages& stages) {
-  if (stages.top().counts().crossing_edges != 0) return;
-  const Jobs& jobs = stages.jobs();
-  if (const std::size_t edits = context.config.edits.size(); edits > 0)
-    throw InputError(fmt::format(
-        "no surface: after the {} of the config all samples are on one side; leave out or change "
-        "some of the [[edit]] tables",
-        edits == 1 ? "one edit" : fmt::format("{} edits", edits)));
-  if (context.config.input.is_mesh())
-    throw InputError(fmt::format(
-        "{}: no surface: no sample lies inside the mesh; raise input.resolution or lower "
-        "input.cell, which is {:g} now",
-        context.config.input.path.string(), jobs.volume().geometry().spacing.x));
-  const ValueRange range = whole_range(context, jobs.volume());
-  if (context.config.labels.mode != LabelMode::off)
-    throw InputError(fmt::format(
-        "labels.mode: no surface: no sample of {} is of a label that is not left out; the values "
-        "run from {} to {}",
-        context.config.input.path.string(), range.lo, range.hi));
-  if (const auto& label = context.config.surface.label)
-    throw InputError(
-        fmt::format("surface.label = {}: no sample of {} is of that value; they run from {} to {}",
-                    *label, context.config.input.path.string(), range.lo, range.hi));
-  throw InputError(fmt::format(
-      "surface.isovalue = {}: no surface: no sample is {} it. The values of {} run from {} to {}; "
-      "choose one "
-      "between",
-      context.config.surface.isovalue.value(),
-      context.config.surface.inside == SurfaceConfig::Inside::above ? "at or above" : "at or below",
-      context.config.input.path.string(), range.lo, range.hi));
-}
-
-// A directory that cannot be written is better found now than after hours of work. Nothing is made
-// yet: where there is no surface nothing shall be left.
-void check_writable(const std::filesystem::path& directory, const std::string& key) {
-  std::filesystem::path there = directory;
-  std::error_code error;
-  while (!std::filesystem::exists(there, error) && there.has_relative_path())
-    there = there.parent_path();
-  const bool folder = std::filesystem::is_directory(there, error);
-  if (folder && access(there.c_str(), W_OK | X_OK) == 0) return;
-  throw InputError(fmt::format("{} = \"{}\": cannot be written: {}; choose another directory", key,
-                               directory.string(),
-                               folder ? fmt::format("{}: {}", there.string(), std::strerror(errno))
-                                      : fmt::format("{} is not a directory", there.string())));
-}
-
-// How large tiles are is the volume's to say, and output.tile_vertices only bounds it: once they
-// are planned, a run.memory that is too small for one of them is refused before any is made.
-void check_plan(RunContext& context, Stages& stages) {
-  const UnitPlan& plan = stages.plan();
-  std::uint64_t largest = 0;
-  for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
-    largest = std::max(largest, encode_bytes(context.config, plan.largest(unit)));
-  stage_threads(context, encode_memory(context.config, largest));
-  plan_merged(context.config, plan);
-}
-
-// What is to be known before a stage's first unit.
-void check_before(RunContext& context, Stages& stages, Stage stage) {
-  if (stage != Stage::stitch && stage != Stage::encode) return;
-  check_surface(context, stages);
-  check_plan(context, stages);
-}
 
 // Something of the input cannot be read, and that is the user's to mend. What the rest of it is
 // enough for is built meanwhile: when it is mended only the remainder is left to do.
@@ -146,6 +79,7 @@ void run_stages(RunContext& context) {
     ingest_or_build_the_rest(context, stages);
     for (const Stage stage : {Stage::build, Stage::merge, Stage::stitch, Stage::encode}) {
       check_before(context, stages, stage);
+      if (stage == Stage::build) warn_of_idle_edits(stages);
       do_stage(context, stages.open(stage));
     }
   });
@@ -200,8 +134,7 @@ std::string would_run(StageWork& work, const StageLook& look, const std::string&
 void run_all(RunContext& context) {
   const Config asked = context.config;
   std::set<std::string> mended;
-  check_writable(asked.work.directory, "work.directory");
-  check_writable(asked.output.directory, "output.directory");
+  check_directories(asked);
   const OutputClaim claim(context);
   clear_temporaries(asked);
   for (bool done = false; !done;) {
@@ -243,16 +176,23 @@ std::string dry_run(RunContext& context) {
   const auto say = [&](Stage stage, const std::string& what) {
     text += fmt::format("{:<7} {}\n", stage_name(stage), what);
   };
+  check_directories(context.config);
+  check_claim(context);
   Stages stages(context);
+  check_budget(context, stages.jobs());
+  warn_of_large_tiles(context);
   std::optional<Stage> waits_for;
   for (const Stage stage : all_stages) {
     if (waits_for) {
       say(stage, fmt::format("would run: waits for {}", stage_name(*waits_for)));
       continue;
     }
+    check_before(context, stages, stage);
     StageWork& work = stages.open(stage);
+    if (stage == Stage::build) warn_of_idle_edits(stages);
     StageLook look = work.look(context.selection);
     work.prove(context, look);
+    check_work(context, work, look);
     if (look.current()) {
       say(stage, work.current_text());
       continue;

@@ -1,6 +1,7 @@
 #include "pipeline/slurm/task_plan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <unordered_map>
 
 namespace voxweld {
@@ -68,6 +69,20 @@ std::vector<PlannedTask> plan_tasks(std::span<const Unit> units, const TaskPlanR
   std::stable_sort(tasks.begin(), tasks.end(),
                    [](const PlannedTask& a, const PlannedTask& b) { return a.weight > b.weight; });
   return tasks;
+}
+
+std::uint64_t count_even_tasks(std::uint64_t units, double total, const TaskPlanRequest& request) {
+  if (units == 0) return 0;
+  if (request.units_per_task > 0) {
+    const auto per_task = static_cast<std::uint64_t>(request.units_per_task);
+    return units / per_task + (units % per_task != 0 ? 1 : 0);
+  }
+  const double weight = total / static_cast<double>(units);
+  const double target = target_weight(total, request);
+  // One is added while the task's weight and half of it are within the target.
+  const double per_task = weight > 0 ? std::floor(target / weight - 0.5) + 1 : HUGE_VAL;
+  return static_cast<std::uint64_t>(
+      std::ceil(static_cast<double>(units) / std::max(per_task, 1.0)));
 }
 
 UnitSelection task_selection(const std::string& line) {

@@ -29,6 +29,10 @@ struct PlannedTask {
 // The largest task comes first.
 std::vector<PlannedTask> plan_tasks(std::span<const Unit> units, const TaskPlanRequest& request);
 
+// How many tasks that makes of units of the same weight, together `total`, which share nothing. Takes
+// no memory, however many they are.
+std::uint64_t count_even_tasks(std::uint64_t units, double total, const TaskPlanRequest& request);
+
 // The units that a line of task arguments names: a list, a part, or all of them. InputError when
 // the line is none that voxweld wrote.
 UnitSelection task_selection(const std::string& line);

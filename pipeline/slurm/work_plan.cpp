@@ -40,13 +40,7 @@ std::uint64_t product(Index3 v) {
 
 std::uint64_t count_tasks(std::uint64_t units, double cpu_s, const Config& config,
                           std::int64_t slots) {
-  if (units == 0) return 0;
-  std::vector<Unit> all(units);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    all[i].key = i;
-    all[i].weight = cpu_s / static_cast<double>(units);
-  }
-  return plan_tasks(all, task_plan_request(config, slots, 1)).size();
+  return count_even_tasks(units, cpu_s, task_plan_request(config, slots, 1));
 }
 
 void add_used(const Config& config, WorkPlan& plan) {
@@ -91,7 +85,8 @@ WorkPlan plan_work(const RunContext& context, const Jobs& jobs, std::int64_t slo
   const auto whole = [&](auto value) { return static_cast<double>(value) * scale; };
   plan.vertices = whole(look.vertices);
   const double polygons = whole(look.polygons);
-  const std::uint64_t shards = grid.all_shards().size();
+  const std::uint64_t shards =
+      product(grid.shards());  // counted, not listed: there may be billions
   const auto samples = static_cast<double>(product(info.geometry.size));
   const auto bytes = [](double value) { return static_cast<std::uint64_t>(value); };
 
@@ -135,7 +130,8 @@ std::string to_text(const WorkPlan& plan) {
         "Estimated from {} of {} bricks ({}{:.0f} % with a surface) and rates measured "
         "elsewhere:\n",
         plan.sample->bricks, plan.bricks,
-        plan.sample->isovalue ? fmt::format("isovalue {}, ", *plan.sample->isovalue) : "",
+        plan.sample->isovalue ? fmt::format("isovalue {}, ", isovalue_text(*plan.sample->isovalue))
+                              : "",
         100.0 * static_cast<double>(plan.sample->active) /
             static_cast<double>(plan.sample->bricks));
   else

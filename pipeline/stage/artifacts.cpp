@@ -72,6 +72,8 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info,
   build.text(sample_type_name(info.type));
   build.integer(g.size.x).integer(g.size.y).integer(g.size.z);
   vec(build, g.spacing);
+  // Without it keys are those of before there were any.
+  if (!info.scale.identity()) build.text("scale").real(info.scale.slope).real(info.scale.intercept);
   if (labels.rules != nullptr || config.surface.label) build.integer(label_estimate_version);
   if (labels.rules != nullptr) build.hash(hash_of(*labels.rules));
   paths.build_key = build.finish();

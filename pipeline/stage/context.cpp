@@ -1,5 +1,7 @@
 #include "pipeline/stage/context.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -10,6 +12,19 @@ namespace voxweld {
 std::uint64_t program_bytes() {
   constexpr std::uint64_t least = std::uint64_t{40} << 20, slack = std::uint64_t{16} << 20;
   return std::max(least, resident_bytes() + slack);
+}
+
+void warn_of_nans(const Config& config, const NanCount& nans) {
+  if (nans.samples == 0) return;
+  // In the file's own samples.
+  const Index3 shift = config.input.crop ? config.input.crop->lo : Index3{};
+  const Index3 lo = nans.box.lo + shift, hi = nans.box.hi + shift - splat(1);
+  spdlog::warn(
+      "{}: {} {} NaN and count as outside. They lie in the samples {} to {} along x, {} to {} "
+      "along "
+      "y, {} to {} along z; give them numbers if the material goes on there",
+      config.input.path.string(), nans.samples, nans.samples == 1 ? "sample is" : "samples are",
+      lo.x, hi.x, lo.y, hi.y, lo.z, hi.z);
 }
 
 int stage_threads(const RunContext& context, StageMemory memory) {
@@ -33,8 +48,12 @@ void run_stage(RunContext& context, const StageRun& stage, const std::vector<Uni
                int threads, const UnitWork& work) {
   release_free_memory();
   const StageMeter meter;
-  StageStart start{stage.stage, stage.noun, units.size(), 0, stage.reused};
-  for (const Unit& unit : units) start.weight += unit.weight;
+  StageStart start{stage.stage, stage.noun, units.size(), 0,
+                   stage.reused - (stage.apart_reused ? 1 : 0)};
+  for (const Unit& unit : units) {
+    start.weight += unit.weight;
+    if (unit.apart) start.apart = unit.name;
+  }
   StageProgress progress(context.console, context.progress, start);
   StageFigures elsewhere;
   StageMemory memory = stage.memory;

@@ -13,6 +13,7 @@
 #include "pipeline/executor/memory_budget.h"
 #include "pipeline/executor/progress.h"
 #include "pipeline/stage/unit_selection.h"
+#include "storage/types/nan_count.h"
 
 namespace voxweld {
 
@@ -62,6 +63,9 @@ struct RunContext {
 // more once the image module is loaded, which takes 120 MiB.
 std::uint64_t program_bytes();
 
+// Tells the user of NaNs among the samples a stage has read, if there are any: a warning.
+void warn_of_nans(const Config& config, const NanCount& nans);
+
 // One stage's units on the executor, measured and shown; appends to context.reports.
 struct StageRun {
   std::string stage;   // "build"
@@ -71,6 +75,7 @@ struct StageRun {
   // asks by itself (WorkerContext::memory).
   std::function<std::uint64_t(const Unit&)> bytes;
   std::uint64_t reused = 0;
+  bool apart_reused = false;  // one of them is the unit that is apart
   UnitOrder order = UnitOrder::largest_first;
   std::function<bool(const Unit&)> done;  // as RunOptions has them
   std::string identity;

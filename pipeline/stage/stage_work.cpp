@@ -43,6 +43,9 @@ void do_units(RunContext& context, StageWork& work, std::uint64_t units,
   stage.stage = std::string(stage_name(work.stage()));
   stage.noun = work.noun();
   stage.reused = context.selection.count(units) - numbers.size();
+  const std::optional<std::uint64_t> apart = work.apart();
+  stage.apart_reused = apart && context.selection.contains(*apart) &&
+                       !std::binary_search(numbers.begin(), numbers.end(), *apart);
   stage.order = work.order();
   stage.identity = work.identity();
   stage.done = [&](const Unit& unit) { return work.done(unit.key); };
@@ -60,6 +63,7 @@ void do_units(RunContext& context, StageWork& work, std::uint64_t units,
 }  // namespace
 
 void do_stage(RunContext& context, StageWork& work) {
+  if (context.interrupt != nullptr) context.interrupt->check();
   context.selection.check(stage_name(work.stage()), unit_option(work.stage()), work.size());
   StageLook look = work.look(context.selection);
   // Elsewhere the one that does a unit first looks whether it has to.

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "pipeline/config/settings.h"
@@ -39,6 +40,8 @@ class StageWork {
 
   // Units are numbered from 0 in an order that depends on the volume and the config alone.
   virtual std::uint64_t size() const = 0;
+  // The one that people do not count among them, as Unit::apart, where there is one.
+  virtual std::optional<std::uint64_t> apart() const { return std::nullopt; }
   // Their names and weights, in the order of the numbers. Precondition: these ascend.
   virtual std::vector<Unit> units(std::span<const std::uint64_t> numbers) const = 0;
   // Whether the unit's result is there and whole, whoever made it. Thread-safe; reads no samples.
@@ -62,6 +65,8 @@ class StageWork {
   virtual void begin(RunContext&, std::span<const std::uint64_t>, int) {}
   virtual void run(const Unit& unit, WorkerContext& worker) = 0;
   virtual void end(RunContext&) {}
+  // Throws InputError for what open() would refuse; for --dry-run, which opens nothing.
+  virtual void check(const RunContext&, const StageLook&) const {}
   // Before and after all units, in the process that leads: what belongs to the stage as a whole.
   virtual void open(RunContext&, const StageLook&) {}
   virtual void close(RunContext&) {}

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "storage/types/counted_from_zero.h"
+
 namespace voxweld {
 
 double smallest_spacing(const VolumeGeometry& geometry) {
@@ -15,11 +17,7 @@ BrickGrid brick_grid(const Config& config, const VolumeGeometry& geometry) {
 }
 
 VolumeGeometry output_geometry(const VolumeGeometry& geometry, const OutputLattice& lattice) {
-  VolumeGeometry output = geometry;
-  if (moved(lattice, geometry.first).fits_floats()) return output;
-  output.origin = geometry.first;
-  output.first = {};
-  return output;
+  return moved(lattice, geometry.first).fits_floats() ? geometry : counted_from_zero(geometry);
 }
 
 }  // namespace voxweld

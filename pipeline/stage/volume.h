@@ -30,8 +30,8 @@ struct Volume {
 BrickGrid brick_grid(const Config& config, const VolumeGeometry& geometry);
 double smallest_spacing(const VolumeGeometry& geometry);
 
-// That of the files: as it is where floats hold its coordinates on this lattice; else, of meshes
-// far from 0, such that the volume's first sample is at 0 and the rest is left to `origin`.
+// That of the files: as it is where floats hold its coordinates on this lattice; else, of what is
+// far from 0, such that the first sample is at 0 and the rest is left to `origin`.
 VolumeGeometry output_geometry(const VolumeGeometry& geometry, const OutputLattice& lattice);
 
 }  // namespace voxweld

@@ -5,12 +5,43 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "stages/build/hermite_edge.h"
+#include "stages/contouring/inside_test.h"
 #include "stages/contouring/parameters.h"
 #include "storage/types/halo_block.h"
 
 namespace voxweld {
+
+// Doubles do not hold large 64-bit integers, but what such samples are above the integer nearest the
+// isovalue. Of other types the base is 0.
+template <class T>
+inline constexpr bool has_base = std::is_integral_v<T> && sizeof(T) == 8;
+
+template <class T>
+double above_base(T value, T base) {
+  if constexpr (has_base<T>) {
+    using Bits = std::make_unsigned_t<T>;
+    const auto v = static_cast<Bits>(value), b = static_cast<Bits>(base);
+    return value >= base ? static_cast<double>(static_cast<Bits>(v - b))
+                         : -static_cast<double>(static_cast<Bits>(b - v));
+  } else {
+    return static_cast<double>(value);
+  }
+}
+
+template <class T>
+T base_of(const Isovalue& isovalue) {
+  if constexpr (has_base<T>) {
+    // Towards 0: then what the isovalue has more than it is exact.
+    const bool above = isovalue.value < 0;
+    const Isovalue integer = isovalue.rest != 0 ? isovalue : Isovalue(std::trunc(isovalue.value));
+    return make_inside_test<T>(integer, above ? Inside::above : Inside::below).threshold;
+  } else {
+    return 0;
+  }
+}
 
 // A line of samples through one sample: p[0] is the sample, p[k * stride] its k-th neighbour.
 template <class T>
@@ -19,11 +50,19 @@ struct Line {
   std::int64_t stride;
   std::int64_t index;  // of the sample along the axis
   std::int64_t size;   // samples along the axis
-  double operator[](std::int64_t k) const { return static_cast<double>(p[k * stride]); }
+  T base;
+  double operator[](std::int64_t k) const { return above_base(p[k * stride], base); }
 };
 
+// The same with each sample times a power of two.
 template <class T>
-double central_difference(const Line<T>& f) {
+struct ScaledLine : Line<T> {
+  double scale;
+  double operator[](std::int64_t k) const { return Line<T>::operator[](k) * scale; }
+};
+
+template <class Samples>
+double central_difference(const Samples& f) {
   if (f.size < 2) return 0;
   if (f.index > 0 && f.index + 1 < f.size) return 0.5 * (f[1] - f[-1]);
   if (f.size == 2) return f.index == 0 ? f[1] - f[0] : f[0] - f[-1];
@@ -33,11 +72,12 @@ double central_difference(const Line<T>& f) {
 
 // Essentially non-oscillatory (Harten, Engquist, Osher, Chakravarthy, 1987): of the three-point
 // stencils that hold the sample, the one with the smallest second difference. Across a crease the
-// smooth side wins, so the two faces' normals do not mix.
-template <class T>
-double eno_difference(const Line<T>& f) {
+// smooth side wins, so the two faces' normals do not mix. none: what is returned where no second
+// difference is finite.
+template <class Samples>
+double eno_difference(const Samples& f, double none) {
   if (f.size < 3) return central_difference(f);
-  double best = std::numeric_limits<double>::infinity(), slope = 0;
+  double best = std::numeric_limits<double>::infinity(), slope = none;
   const auto offer = [&](double second, double first) {
     if (std::abs(second) < best) {
       best = std::abs(second);
@@ -67,7 +107,10 @@ class EdgeEstimator {
       : block_(block),
         data_(reinterpret_cast<const T*>(block.data)),
         spacing_(parameters.spacing),
-        isovalue_(parameters.surface.isovalue),
+        base_(base_of<T>(parameters.surface.isovalue)),
+        isovalue_(parameters.surface.isovalue.rest != 0
+                      ? 0
+                      : parameters.surface.isovalue.value - static_cast<double>(base_)),
         outward_(parameters.surface.inside == Inside::above ? -1.0 : 1.0),
         eno_(parameters.surface.gradient == Gradient::eno) {}
 
@@ -77,19 +120,20 @@ class EdgeEstimator {
     HermiteEdge result;
     const double out = low_inside ? 1.0 : -1.0;
     const T* low = sample(s);
-    const double v0 = static_cast<double>(*low), v1 = static_cast<double>(low[stride(axis)]);
+    const double v0 = above_base(*low, base_), v1 = above_base(low[stride(axis)], base_);
     double t = (isovalue_ - v0) / (v1 - v0);
+    if constexpr (may_overflow)
+      if (!std::isfinite(v1 - v0)) t = (0.5 * isovalue_ - 0.5 * v0) / (0.5 * v1 - 0.5 * v0);
     if (!std::isfinite(v0) || !std::isfinite(v1) || !std::isfinite(t)) t = 0.5;
     t = std::clamp(t, lowest_crossing, highest_crossing);
     result.t = static_cast<float>(t);
-    Vec3 g;
-    Index3 high = s;
-    ++high[axis];
-    if (eno_)
-      g = t <= 0.5 ? gradient(low, s) : gradient(low + stride(axis), high);
-    else
-      g = gradient(low, s) * (1 - t) + gradient(low + stride(axis), high) * t;
-    const double length = std::sqrt(dot(g, g));
+    Vec3 g = gradient_at(axis, s, t);
+    double length = std::sqrt(dot(g, g));
+    if constexpr (may_overflow)
+      if (!(length > least_length && std::isfinite(length))) {
+        g = gradient_at(axis, s, t, scale_around(axis, s));
+        length = std::sqrt(dot(g, g));
+      }
     if (length > 0 && std::isfinite(length)) {
       for (int a = 0; a < 3; ++a)
         result.normal[static_cast<std::size_t>(a)] = static_cast<float>(outward_ * g[a] / length);
@@ -111,16 +155,59 @@ class EdgeEstimator {
   Vec3 gradient(const T* p, Index3 s) const {
     Vec3 g;
     for (int a = 0; a < 3; ++a) {
-      const Line<T> line{p, stride(a), s[a], block_.size[a]};
-      g[a] = (eno_ ? eno_difference(line) : central_difference(line)) / spacing_[a];
+      const Line<T> line{p, stride(a), s[a], block_.size[a], base_};
+      g[a] = (eno_ ? eno_difference(line, no_difference) : central_difference(line)) / spacing_[a];
     }
     return g;
   }
 
  private:
+  // Differences of doubles may overflow, and their squares sooner: where one has, or has come close
+  // to vanishing, all is done again with the samples scaled to at most 1. Only directions matter.
+  static constexpr bool may_overflow = std::is_same_v<T, double>;
+  static constexpr double least_length = 1e-140;
+  static constexpr double no_difference =
+      may_overflow ? std::numeric_limits<double>::infinity() : 0;
+
+  // Of the crossing at t of the edge along `axis` from sample s. scale: that of the samples, if any.
+  template <class... Scale>
+  Vec3 gradient_at(int axis, Index3 s, double t, Scale... scale) const {
+    const T* low = sample(s);
+    Index3 high = s;
+    ++high[axis];
+    if (eno_)
+      return t <= 0.5 ? gradient(low, s, scale...) : gradient(low + stride(axis), high, scale...);
+    return gradient(low, s, scale...) * (1 - t) + gradient(low + stride(axis), high, scale...) * t;
+  }
+  Vec3 gradient(const T* p, Index3 s, double scale) const {
+    Vec3 g;
+    for (int a = 0; a < 3; ++a) {
+      const ScaledLine<T> line{{p, stride(a), s[a], block_.size[a], base_}, scale};
+      g[a] = (eno_ ? eno_difference(line, 0) : central_difference(line)) / spacing_[a];
+    }
+    return g;
+  }
+
+  // The power of two that makes the largest of the finite samples which the gradients at both ends
+  // read at most 1.
+  double scale_around(int axis, Index3 s) const {
+    double largest = 0;
+    for (Index3 at = s; at[axis] <= s[axis] + 1; ++at[axis])
+      for (int a = 0; a < 3; ++a)
+        for (std::int64_t k = -gradient_halo; k <= gradient_halo; ++k) {
+          if (at[a] + k < 0 || at[a] + k >= block_.size[a]) continue;
+          const double magnitude = std::abs(static_cast<double>(sample(at)[k * stride(a)]));
+          if (std::isfinite(magnitude)) largest = std::max(largest, magnitude);
+        }
+    int exponent = 0;
+    std::frexp(largest, &exponent);
+    return std::ldexp(1.0, std::min(-exponent, 1000));
+  }
+
   const HaloBlock& block_;
   const T* data_;
   Vec3 spacing_;
+  T base_;
   double isovalue_, outward_;
   bool eno_;
 };

@@ -26,11 +26,11 @@ struct InsideTest {
 namespace inside_detail {
 
 template <class T>
-T round_inward(double isovalue, bool above) {
+T round_inward(const Isovalue& isovalue, bool above) {
   if constexpr (std::is_integral_v<T>) {
-    return static_cast<T>(above ? std::ceil(isovalue) : std::floor(isovalue));
+    return static_cast<T>(above ? std::ceil(isovalue.value) : std::floor(isovalue.value));
   } else {
-    T rounded = static_cast<T>(isovalue);
+    T rounded = static_cast<T>(isovalue.value);
     const double back = static_cast<double>(rounded);
     if (above && back < isovalue)
       rounded = std::nextafter(rounded, std::numeric_limits<T>::infinity());
@@ -42,9 +42,9 @@ T round_inward(double isovalue, bool above) {
 
 }  // namespace inside_detail
 
-// Precondition: isovalue is finite.
+// Precondition: isovalue is a number; that of integers is finite.
 template <class T>
-InsideTest<T> make_inside_test(double isovalue, Inside inside) {
+InsideTest<T> make_inside_test(const Isovalue& isovalue, Inside inside) {
   using Limits = std::numeric_limits<T>;
   InsideTest<T> test;
   test.above = inside == Inside::above;
@@ -53,19 +53,26 @@ InsideTest<T> make_inside_test(double isovalue, Inside inside) {
   if constexpr (std::is_integral_v<T>) {
     const double top = static_cast<double>(Limits::max());
     const double bottom = static_cast<double>(Limits::lowest());
-    if (isovalue > top || isovalue >= std::ldexp(1.0, Limits::digits)) {
+    if (isovalue.rest != 0) {
+      const __int128 integer = isovalue.integer();
+      const bool high = integer > Limits::max(), low = integer < Limits::lowest();
+      test.never = (high && test.above) || (low && !test.above);
+      test.threshold = high ? Limits::max() : low ? Limits::lowest() : static_cast<T>(integer);
+      return test;
+    }
+    if (isovalue.value > top || isovalue.value >= std::ldexp(1.0, Limits::digits)) {
       test.never = test.above;
       test.threshold = Limits::max();
       return test;
     }
-    if (isovalue < bottom) {
+    if (isovalue.value < bottom) {
       test.never = !test.above;
       test.threshold = Limits::lowest();
       return test;
     }
   } else {
-    if (std::abs(isovalue) > static_cast<double>(Limits::max())) {
-      const bool high = isovalue > 0;  // only an infinity lies beyond
+    if (std::abs(isovalue.value) > static_cast<double>(Limits::max())) {
+      const bool high = isovalue.value > 0;  // only an infinity lies beyond
       test.threshold = high ? (test.above ? Limits::infinity() : Limits::max())
                             : (test.above ? Limits::lowest() : -Limits::infinity());
       return test;

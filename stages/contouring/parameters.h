@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "storage/types/box.h"
+#include "storage/types/isovalue.h"
 #include "storage/types/material.h"
 #include "storage/types/solid.h"
 
@@ -22,7 +23,7 @@ struct SurfaceParameters {
   // Of a label volume: inside are the samples of this value, and isovalue, inside and gradient are
   // not looked at.
   std::optional<std::uint64_t> label;
-  double isovalue = 0;
+  Isovalue isovalue;  // of the samples as stored (stored_surface.h)
   Inside inside = Inside::above;
   Border border = Border::closed;
   Gradient gradient = Gradient::eno;

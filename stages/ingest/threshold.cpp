@@ -3,11 +3,15 @@
 // the two classes' nearest values, so that an empty stretch of the histogram is cut in its middle.
 #include "stages/ingest/threshold.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <span>
 #include <vector>
 
 #include "stages/ingest/histogram_bins.h"
+#include "storage/types/isovalue.h"
 
 namespace voxweld {
 namespace {
@@ -16,13 +20,15 @@ struct ValueCount {
   double value, count;
 };
 
-std::vector<ValueCount> finite_values(const Histogram& histogram) {
+// Ascending.
+std::vector<ValueCount> finite_values(const Histogram& histogram, const ValueScale& scale) {
   std::vector<ValueCount> values;
   values.reserve(histogram.bins.size());
   for (const HistogramBin& bin : histogram.bins) {
-    const double value = histogram_bin_value(histogram.type, bin.bin);
+    const double value = scale.real(histogram_bin_value(histogram.type, bin.bin));
     if (std::isfinite(value)) values.push_back({value, static_cast<double>(bin.count)});
   }
+  if (scale.slope < 0) std::reverse(values.begin(), values.end());
   return values;
 }
 
@@ -88,16 +94,37 @@ bool is_padding(const ValueCount& extreme, double next, std::span<const ValueCou
 
 }  // namespace
 
-std::optional<Threshold> otsu_threshold(const Histogram& histogram) {
-  return otsu(finite_values(histogram));
+std::optional<Threshold> otsu_threshold(const Histogram& histogram, const ValueScale& scale) {
+  return otsu(finite_values(histogram, scale));
 }
 
-std::optional<double> quantile(const Histogram& histogram, double q) {
-  return quantile_of(finite_values(histogram), q);
+std::optional<double> quantile(const Histogram& histogram, double q, const ValueScale& scale) {
+  return quantile_of(finite_values(histogram, scale), q);
 }
 
-std::optional<IsovalueSuggestion> suggest_isovalue(const Histogram& histogram) {
-  const std::vector<ValueCount> values = finite_values(histogram);
+std::string no_threshold_text(const Histogram& histogram, const ValueScale& scale) {
+  std::vector<HistogramBin> bins = histogram.bins;
+  std::erase_if(bins, [&](const HistogramBin& bin) {
+    return !std::isfinite(histogram_bin_value(histogram.type, bin.bin));
+  });
+  if (bins.empty()) return histogram.bins.empty() ? "are NaN" : "are no finite numbers";
+  const double value = histogram_bin_value(histogram.type, bins.front().bin);
+  if (sample_bytes(histogram.type) <= 2)
+    return fmt::format("have one value, {}", scale.real(value));
+  // A bin's value is its end nearest 0.
+  const std::uint32_t next = value < 0 ? bins.front().bin - 1 : bins.front().bin + 1;
+  const double end = histogram_bin_value(histogram.type, next);
+  const bool integers = histogram.type != SampleType::f32 && histogram.type != SampleType::f64;
+  if (integers && std::abs(end - value) <= 1)
+    return fmt::format("have one value, {}", scale.real(value));
+  const double a = scale.real(value), b = scale.real(end);
+  return fmt::format("have one value or lie too close together for a histogram: from {} to {}",
+                     isovalue_text(std::min(a, b)), isovalue_text(std::max(a, b)));
+}
+
+std::optional<IsovalueSuggestion> suggest_isovalue(const Histogram& histogram,
+                                                   const ValueScale& scale) {
+  const std::vector<ValueCount> values = finite_values(histogram, scale);
   std::span<const ValueCount> rest = values;
   IsovalueSuggestion suggestion;
   if (rest.size() > 2 && is_padding(rest.front(), rest[1].value, rest.subspan(1))) {

@@ -1,9 +1,12 @@
-// Thresholds from histograms. The same histogram gives the same bits, whatever it was merged from.
+// Thresholds from histograms, in the real values that the scale makes of the samples. The same
+// histogram gives the same bits, whatever it was merged from.
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "storage/types/histogram.h"
+#include "storage/types/value_scale.h"
 
 namespace voxweld {
 
@@ -15,11 +18,11 @@ struct Threshold {
 };
 
 // Otsu's threshold over the finite samples; none where they are all in one bin.
-std::optional<Threshold> otsu_threshold(const Histogram& histogram);
+std::optional<Threshold> otsu_threshold(const Histogram& histogram, const ValueScale& scale = {});
 
 // The smallest value that at least a share q of the finite samples does not exceed, to the width of
 // its bin; none where there is no finite sample. Precondition: 0 <= q <= 1.
-std::optional<double> quantile(const Histogram& histogram, double q);
+std::optional<double> quantile(const Histogram& histogram, double q, const ValueScale& scale = {});
 
 struct IsovalueSuggestion {
   Threshold threshold;
@@ -31,6 +34,11 @@ struct IsovalueSuggestion {
 // Otsu's threshold, after leaving out padding: an extreme value that at least 1 % of the samples
 // have, far from all others, when the others have two clear classes of their own. None where
 // otsu_threshold has none.
-std::optional<IsovalueSuggestion> suggest_isovalue(const Histogram& histogram);
+std::optional<IsovalueSuggestion> suggest_isovalue(const Histogram& histogram,
+                                                   const ValueScale& scale = {});
+
+// Why there is no suggestion, after "all samples": "have one value, 7", or what the only bin holds.
+// Precondition: there is none.
+std::string no_threshold_text(const Histogram& histogram, const ValueScale& scale = {});
 
 }  // namespace voxweld

@@ -82,13 +82,13 @@ WoundMesh::WoundMesh(const TriangleMesh& mesh, const VolumeFrame& frame, Hash128
   winding_ = WindingNumber(scaled);
   bool any = false;
   for (const auto& t : scaled.triangles)
-    for (const std::uint32_t corner : t)
-      for (int a = 0; a < 3; ++a) {
-        const double x = scaled.vertices[corner][a] / scale_[a];
-        lo_[a] = any || a > 0 ? std::min(lo_[a], x) : x;
-        hi_[a] = any || a > 0 ? std::max(hi_[a], x) : x;
-        any = any || a == 2;
-      }
+    for (const std::uint32_t corner : t) {
+      Vec3 cells = scaled.vertices[corner];
+      for (int a = 0; a < 3; ++a) cells[a] /= scale_[a];
+      lo_ = any ? min(lo_, cells) : cells;
+      hi_ = any ? max(hi_, cells) : cells;
+      any = true;
+    }
   for (int a = 0; a < 3; ++a) {
     bounds_.lo[a] = lo_[a] * spacing_[a];
     bounds_.hi[a] = hi_[a] * spacing_[a];

@@ -32,9 +32,11 @@ OutputLattice plan_lattice(const LatticeRequest& request) {
   double extent = 0;
   for (int a = 0; a < 3; ++a) {
     // The first lattice point at or below the ring.
-    const double origin = std::floor(-s[a] / lattice.step) * lattice.step;
+    const auto first = static_cast<double>(request.first[a]);
+    const double origin = std::floor((first - 1) * s[a] / lattice.step) * lattice.step;
     lattice.origin[static_cast<std::size_t>(a)] = origin;
-    extent = std::max(extent, static_cast<double>(request.size[a]) * s[a] - origin);
+    extent =
+        std::max(extent, static_cast<double>(request.first[a] + request.size[a]) * s[a] - origin);
   }
   lattice.bits = bits_for(extent, lattice.step);
   if (lattice.bits > max_lattice_bits) {

@@ -12,7 +12,7 @@ Box3 interior(const SnapFrame& frame, CellKey leaf) {
   Box3 box;
   const double h = frame.lattice.step;
   for (int a = 0; a < 3; ++a) {
-    const double first = static_cast<double>(leaf.at[a] * leaf.side());
+    const double first = static_cast<double>(frame.first[a] + leaf.at[a] * leaf.side());
     const double lo = (first - 1) * frame.spacing[a];
     const double hi = (first + static_cast<double>(leaf.side()) - 1) * frame.spacing[a];
     box.lo[a] = static_cast<std::int64_t>(std::floor(lo / h)) + 1;
@@ -26,7 +26,9 @@ Index3 nearest(const SnapFrame& frame, CellKey leaf, const Box3& box,
   Index3 q;
   for (int a = 0; a < 3; ++a) {
     const double side = static_cast<double>(leaf.side());
-    const double centre = ((static_cast<double>(leaf.at[a]) + 0.5) * side - 1) * frame.spacing[a];
+    const double first = static_cast<double>(frame.first[a]) - 1;
+    const double centre =
+        (first + (static_cast<double>(leaf.at[a]) + 0.5) * side) * frame.spacing[a];
     const double p =
         (centre + static_cast<double>(offset[static_cast<std::size_t>(a)])) / frame.lattice.step;
     q[a] = std::clamp(static_cast<std::int64_t>(std::floor(p + 0.5)), box.lo[a], box.hi[a] - 1);

@@ -10,10 +10,11 @@
 
 namespace voxweld {
 
-// Frame of the snap: lattice point u of the volume lies at (u - 1) * spacing.
+// Frame of the snap: lattice point u of the volume lies at (first + u - 1) * spacing.
 struct SnapFrame {
   OutputLattice lattice;
   Vec3 spacing{1, 1, 1};
+  Index3 first{};  // as LatticeRequest has it
 };
 
 // The nearest lattice point strictly inside the leaf's box, so that vertices of different leaves

@@ -22,7 +22,9 @@ std::optional<Hash128> files_stamp(const std::vector<FileRecord>& files,
                                    const std::filesystem::path& output) {
   KeyHasher stamp;
   for (const FileRecord& file : files) {
-    if (!std::filesystem::exists(output / file.path)) return std::nullopt;
+    // A link to itself is no file either.
+    if (std::error_code unknown; !std::filesystem::exists(output / file.path, unknown))
+      return std::nullopt;
     const ReadFile opened(output / file.path);
     if (opened.size() != file.bytes) return std::nullopt;
     const FileState& state = opened.state();

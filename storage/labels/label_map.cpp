@@ -15,6 +15,8 @@
 namespace voxweld {
 namespace {
 
+constexpr std::uint64_t most_told = 3;  // rows whose labels are left out by an empty cell
+
 constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
 
 std::optional<std::uint64_t> whole(std::string_view text) {
@@ -109,6 +111,19 @@ bool next_line(std::string_view text, std::size_t& at, std::string_view& line) {
 
 void LabelMapRows::fail(std::uint64_t line, const std::string& problem) const {
   throw FormatError(fmt::format("{}:{}: {}", path_, line, problem));
+}
+
+void LabelMapRows::warn(std::uint64_t line, const std::string& problem) {
+  warnings_.push_back(fmt::format("{}:{}: {}", path_, line, problem));
+}
+
+void LabelMapRows::warn_left_out(std::uint64_t line, std::size_t column, const LabelRange& labels) {
+  if (++left_out_ > most_told) return;
+  const std::string which = labels.first == labels.last
+                                ? fmt::format("label {} is", labels.first)
+                                : fmt::format("labels {}-{} are", labels.first, labels.last);
+  warn(line, fmt::format("column {} (material) is empty, so {} left out; write -1 if that is meant",
+                         column, which));
 }
 
 LabelRange LabelMapRows::labels(std::string_view cell, std::uint64_t line) const {
@@ -254,6 +269,11 @@ LabelMap LabelMapRows::finish() {
     map.entries.push_back({row.labels.first, row.labels.last, row.own, row.material});
   }
   map.materials = table();
+  map.warnings = std::move(warnings_);
+  if (left_out_ > most_told)
+    map.warnings.push_back(
+        fmt::format("{}: column material is empty in {} more lines, and their labels are left out",
+                    path_, left_out_ - most_told));
   return map;
 }
 

@@ -5,13 +5,13 @@
 // do not matter):
 //   label                a label, or a range "10-20"; needed. Also: id, index, old, value, labelid,
 //                        oldid, labelvalue
-//   material             the material it becomes part of; empty or -1: the label is left out. Where
-//                        there is no such column labels stay what they are. Also: new, newid,
+//   material             the material it becomes part of; -1, or empty with a warning: the label
+//                        is left out. Where there is no such column labels stay what they are. Also: new, newid,
 //                        materialid, target, group
 //   name                 also: labelname, structure, title
 //   color                #rrggbb, or red, green and blue of 0 .. 255: "255,0,0". Also: colour, rgb,
 //                        hex; or columns r, g, b (red, colorr ...)
-//   any other            not looked at
+//   any other            not looked at, with a warning
 // JSON: a list of objects with the keys label, material, name and color, or an object whose keys
 // are labels and whose values are such objects, materials (numbers), names (strings), or null: left
 // out. Numbers may be in quotes; color is "#rrggbb" or [r, g, b]. 3D Slicer's colour tables and
@@ -24,6 +24,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -35,6 +36,7 @@ namespace voxweld {
 struct LabelMap {
   std::vector<MaterialRange> entries;  // ascending, disjoint; labels in none are not named
   MaterialTable materials;
+  std::vector<std::string> warnings;  // "<path>:<line>: ...", of what may be a slip
 };
 
 // Memory: up to label_map_bytes_per_byte for each byte of the file. InputError where there is no

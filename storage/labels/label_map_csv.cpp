@@ -135,7 +135,7 @@ std::string plain(std::string_view cell) {
 // Where each column stands in the header; `none` where it does not.
 class Header {
  public:
-  Header(const CsvReader& reader, const LabelMapRows& rows) : cells_(reader.cells().size()) {
+  Header(const CsvReader& reader, LabelMapRows& rows) : cells_(reader.cells().size()) {
     at_.fill(none);
     for (std::size_t i = 0; i < cells_; ++i) {
       const Column column = column_of(plain(reader.cells()[i]));
@@ -150,6 +150,7 @@ class Header {
                 fmt::format("expected a header row such as label,material,name,color, found '{}'",
                             shown_cell(reader.cells()[0])));
     check_slips(reader, rows);
+    warn_unknown(reader, rows);
     if (at_[color] == 0)
       rows.fail(reader.line(),
                 "the first column is the colour, and lines that begin with # are "
@@ -158,6 +159,8 @@ class Header {
       rows.fail(reader.line(), "expected the columns r, g and b, found some of them");
   }
 
+  // From 1.
+  std::size_t number(Column column) const { return at_[column] + 1; }
   bool has(Column column) const { return at_[column] != none; }
   // Empty where the row ends before.
   std::string_view cell(const CsvReader& reader, Column column) const {
@@ -183,6 +186,20 @@ class Header {
             is_slip_of(plain(title), column_names()[column][0]))
           rows.fail(reader.line(), fmt::format("unknown column '{}'; did you mean {}?",
                                                shown_cell(title), column_names()[column][0]));
+  }
+
+  static void warn_unknown(const CsvReader& reader, LabelMapRows& rows) {
+    std::string unknown;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < reader.cells().size(); ++i) {
+      const std::string_view title = reader.cells()[i];
+      if (trim(title).empty() || column_of(plain(title)) != columns) continue;
+      unknown += fmt::format("{}{} ({})", count++ == 0 ? "" : ", ", i + 1, shown_cell(title));
+    }
+    if (count > 0)
+      rows.warn(reader.line(), fmt::format("column {} {} not looked at; known are label, material, "
+                                           "name, color, r, g and b",
+                                           unknown, count == 1 ? "is" : "are"));
   }
 
   static Column column_of(const std::string& title) {
@@ -211,7 +228,11 @@ void parse_csv_label_map(std::string_view text, LabelMapRows& rows) {
     LabelMapRow row;
     row.line = reader.line();
     row.labels = rows.labels(cell(label), row.line);
-    if (header.has(material)) rows.set_material(cell(material), row);
+    if (header.has(material)) {
+      rows.set_material(cell(material), row);
+      if (trim(cell(material)).empty())
+        rows.warn_left_out(row.line, header.number(material), row.labels);
+    }
     row.name = cell(name);
     if (header.has(red) && !(cell(red).empty() && cell(green).empty() && cell(blue).empty()))
       row.color = {rows.shade(cell(red), row.line), rows.shade(cell(green), row.line),

@@ -33,6 +33,10 @@ class LabelMapRows {
   MaterialColor color(std::string_view cell, std::uint64_t line) const;
   std::uint8_t shade(std::string_view cell, std::uint64_t line) const;  // 0 .. 255
 
+  // Warnings are kept for the map; of those that one slip repeats, the first few are told.
+  void warn(std::uint64_t line, const std::string& problem);
+  void warn_left_out(std::uint64_t line, std::size_t column, const LabelRange& labels);
+
   void reserve(std::size_t rows) { rows_.reserve(rows); }
   void add(LabelMapRow row);
   LabelMap finish();
@@ -51,6 +55,8 @@ class LabelMapRows {
 
   std::string path_;
   std::vector<LabelMapRow> rows_;
+  std::vector<std::string> warnings_;
+  std::uint64_t left_out_ = 0;  // rows
 };
 
 // A cell in messages: short, in one line.

@@ -11,7 +11,7 @@
 //                and the mesh is no 2-manifold where labels meet
 //   frame        {size [x, y, z], spacing, unit, first, origin, direction [3][3], space}: sample i
 //                lies at first + spacing * i in the files, and what lies at p there at origin +
-//                direction * p in the world; first (optional, 0) is 0 but for meshes as input
+//                direction * p in the world; first (optional, 0) is 0 but of crops and meshes
 //   counts       {bricks, active_bricks, collapsed_above_bricks, leaves [per level], vertices,
 //                quads, triangles (polygons), output_triangles = 2 quads + triangles, tiles,
 //                collinear, files, bytes (mesh files, those of the tiles included), labels (with "labels")};
@@ -20,7 +20,9 @@
 //   merged       {"drc": path, "glb": path ...}, by the name of the format, or null
 //   files        [{path, format, role "list", "labels" or "merged", bytes, xxh3_128}]: the list of
 //                tiles, that of labels, and the merged mesh; a tile's files are in its line
-//   input, config, stages, error, made_by   free-form; made_by: program, host, time, Slurm ids
+//   input, config, stages, error, made_by   free-form; input: slope and intercept where they are not
+//                1 and 0 (real values are slope * stored + intercept); made_by: program, host, time,
+//                Slurm ids
 // tiles.jsonl, one object a line:
 //   {label (with "labels" = "each"), tile {level, at [x, y, z]}, vertices, triangles, quads,
 //    polygon_triangles, files [{format, path, bytes, xxh3_128}]}

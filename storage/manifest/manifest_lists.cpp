@@ -48,6 +48,8 @@ nlohmann::json parse_text(const std::string& text, const std::string& where) {
   } catch (const nlohmann::json::parse_error& e) {
     throw FormatError(fmt::format("{}: not JSON: error at byte {} of {}: truncated or damaged",
                                   where, e.byte, text.size()));
+  } catch (const nlohmann::json::out_of_range&) {
+    throw FormatError(where + ": not JSON: a number in it is too large: damaged");
   }
 }
 

@@ -9,18 +9,19 @@ namespace voxweld {
 namespace {
 
 constexpr std::array<char, 4> kind = {'s', 'p', 'o', 'l'};
-constexpr std::uint32_t version = 3;
+constexpr std::uint32_t version = 4;
 enum Section : std::uint64_t { facts_section = 1, texts_section = 2, files_section = 3 };
 
 struct SpoolFacts {
   Index3 size;
-  Vec3 spacing, origin;
+  Vec3 spacing, origin, first;
   std::array<Vec3, 3> direction;
   Hash128 data_hash;
   std::uint64_t type, access, largest_decode;
+  double slope, intercept;
   std::uint64_t files, warnings;  // how many of each follow in the texts
 };
-static_assert(sizeof(SpoolFacts) == 18 * 8 + 16 + 5 * 8);
+static_assert(sizeof(SpoolFacts) == 21 * 8 + 16 + 7 * 8);
 static_assert(std::is_trivially_copyable_v<SpoolFacts>);
 
 void put_text(std::vector<std::byte>& out, const std::string& text) {
@@ -57,11 +58,14 @@ SpoolFacts facts_of(const SpoolRecord& record) {
   return {geometry.size,
           geometry.spacing,
           geometry.origin,
+          geometry.first,
           geometry.direction,
           record.data_hash,
           static_cast<std::uint64_t>(record.info.type),
           static_cast<std::uint64_t>(record.info.access),
           record.info.largest_decode,
+          record.info.scale.slope,
+          record.info.scale.intercept,
           record.info.files.size(),
           record.info.warnings.size()};
 }
@@ -71,11 +75,13 @@ void apply_facts(const SpoolFacts& facts, SpoolRecord& record) {
   geometry.size = facts.size;
   geometry.spacing = facts.spacing;
   geometry.origin = facts.origin;
+  geometry.first = facts.first;
   geometry.direction = facts.direction;
   record.data_hash = facts.data_hash;
   record.info.type = static_cast<SampleType>(facts.type);
   record.info.access = static_cast<Access>(facts.access);
   record.info.largest_decode = facts.largest_decode;
+  record.info.scale = value_scale(facts.slope, facts.intercept);
 }
 
 }  // namespace

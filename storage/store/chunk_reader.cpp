@@ -17,6 +17,9 @@ namespace {
 constexpr std::uint64_t most_cached_files = 32;
 constexpr std::uint64_t most_cached_bytes = std::uint64_t{16} << 20;
 
+// More than any codec makes of one byte: what says it is larger is not worth its memory.
+constexpr std::uint64_t best_chunk_ratio = std::uint64_t{1} << 17;
+
 std::size_t cached_files(const ZarrArray& array) {
   return array.sharded ? static_cast<std::size_t>(std::clamp<std::uint64_t>(
                              most_cached_bytes / array.index_bytes(), 1, most_cached_files))
@@ -163,6 +166,10 @@ bool ChunkReader::load_chunk(const Shard& shard, Index3 chunk, Buffers& buffers)
   if (entry.length > most)
     damaged(shard.file->path(),
             fmt::format("its chunk has {} bytes, at most {} expected", entry.length, most));
+  if (form.bytes / best_chunk_ratio > entry.length)
+    damaged(shard.file->path(),
+            fmt::format("its chunk has {} bytes, too few for the {} it decodes to", entry.length,
+                        form.bytes));
   buffers.encoded.resize(entry.length);
   buffers.chunk.resize(form.bytes);
   read_bytes(shard, entry.offset, buffers.encoded);

@@ -6,6 +6,7 @@
 
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
+#include "storage/types/counted_from_zero.h"
 
 namespace voxweld {
 namespace {
@@ -86,7 +87,8 @@ ZarrArray StoreLayout::zarr() const {
   zarr.chunk = splat(parameters.chunk);
   zarr.sharded = true;
   zarr.codecs = store_codecs(parameters, type);
-  zarr.geometry = geometry;
+  zarr.geometry = counted_from_zero(geometry);  // other programs know no `first`
+  zarr.scale = scale;
   return zarr;
 }
 
@@ -126,7 +128,7 @@ StoreLayout read_store_layout(const std::filesystem::path& array,
   const ZarrArray zarr = read_zarr_array(array);
   if (!zarr.geometry)
     throw FormatError(file + ": not a brick store (no \"voxweld\" in its attributes)");
-  StoreLayout layout{array, records, zarr.type, *zarr.geometry, {}};
+  StoreLayout layout{array, records, zarr.type, *zarr.geometry, {}, zarr.scale};
   layout.parameters.chunk = zarr.chunk.x;
   layout.parameters.shard = zarr.file.x;
   const auto& compressor = zarr.codecs.compressor;

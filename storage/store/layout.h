@@ -34,6 +34,7 @@ struct StoreLayout {
   SampleType type = SampleType::u8;
   VolumeGeometry geometry;
   StoreParameters parameters;
+  ValueScale scale = {};  // of the samples, which are as the input stores them
 
   Index3 shard_grid() const;    // shards a side
   std::int64_t chunks() const;  // inner chunks a side of a shard

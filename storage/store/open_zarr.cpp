@@ -13,6 +13,7 @@ class ZarrSource final : public SampleSource {
     const ReadFile metadata(array.path / "zarr.json");
     info_.format = "zarr";
     info_.type = array.type;
+    info_.scale = array.scale;
     info_.access = Access::box;
     info_.largest_decode = reader_.largest_decode();
     info_.files.push_back({metadata.path(), metadata.state()});

@@ -24,6 +24,7 @@ VolumeInfo describe(const StoreLayout& layout, std::uint64_t largest_decode) {
   info.format = "zarr";
   info.type = layout.type;
   info.geometry = layout.geometry;
+  info.scale = layout.scale;
   info.access = Access::box;
   info.largest_decode = largest_decode;
   info.files.push_back({metadata.path(), metadata.state()});

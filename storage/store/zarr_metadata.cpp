@@ -52,6 +52,11 @@ std::uint64_t ZarrArray::index_bytes() const {
          static_cast<std::uint64_t>(index.checksums) * 4;
 }
 
+double ZarrArray::files() const {
+  const Index3 grid = divide(size + file - splat(1), file);
+  return static_cast<double>(grid.x) * static_cast<double>(grid.y) * static_cast<double>(grid.z);
+}
+
 fs::path ZarrArray::file_path(Index3 at) const {
   std::string key = v2_keys ? "" : "c";
   for (int axis = rank - 1; axis >= 0; --axis) {

@@ -48,10 +48,12 @@ struct ZarrArray {
 
   // Set where the attributes hold voxweld's own description.
   std::optional<VolumeGeometry> geometry;
+  ValueScale scale;
 
   ChunkForm form() const;
   Index3 chunks_in_file() const;
   std::uint64_t index_bytes() const;  // on disk, checksums included
+  double files() const;               // as many as there are, or might be
   std::filesystem::path file_path(Index3 file_index) const;
 };
 

@@ -338,6 +338,8 @@ void parse_geometry(const JsonField& root, ZarrArray& array) {
     if (!(geometry.spacing[axis] > 0) || !std::isfinite(geometry.spacing[axis]))
       own.at("spacing").refuse("positive numbers expected, " + own.at("spacing").shown());
   array.geometry = geometry;
+  if (own.has("slope") && own.has("intercept"))
+    array.scale = value_scale(own.at("slope").real(), own.at("intercept").real());
 }
 
 }  // namespace
@@ -354,7 +356,11 @@ ZarrArray parse_zarr_array(const std::string& text, const std::filesystem::path&
   try {
     document = Json::parse(text, check_depth);
   } catch (const nlohmann::json::exception& error) {
-    throw FormatError(file + ": not valid JSON: " + error.what());
+    // Without the library's own name of the error, which stands before it in brackets.
+    const std::string said = error.what();
+    const std::size_t name_end = said.find("] ");
+    throw FormatError(file + ": not valid JSON: " +
+                      (name_end == std::string::npos ? said : said.substr(name_end + 2)));
   }
   const JsonField root(document, file, "");
   check_version(root);

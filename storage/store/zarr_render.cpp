@@ -49,16 +49,20 @@ Json sharding_codec(const ZarrArray& array) {
 }
 
 // The order of the vectors' parts is x, y, z, unlike that of shape: said in the file itself.
-Json own_attributes(const VolumeGeometry& geometry) {
+Json own_attributes(const VolumeGeometry& geometry, const ValueScale& scale) {
   Json direction = Json::array();
   for (const Vec3& axis : geometry.direction) direction.push_back(vector(axis));
-  return {{"version", 1},
-          {"component_order", "x, y, z"},
-          {"spacing", vector(geometry.spacing)},
-          {"origin", vector(geometry.origin)},
-          {"direction", std::move(direction)},
-          {"unit", geometry.unit},
-          {"space", geometry.space}};
+  Json own = {{"version", 1},
+              {"component_order", "x, y, z"},
+              {"spacing", vector(geometry.spacing)},
+              {"origin", vector(geometry.origin)},
+              {"direction", std::move(direction)},
+              {"unit", geometry.unit},
+              {"space", geometry.space}};
+  if (scale.identity()) return own;
+  own["slope"] = scale.slope;
+  own["intercept"] = scale.intercept;
+  return own;
 }
 
 }  // namespace
@@ -74,7 +78,8 @@ std::string render_zarr_array(const ZarrArray& array) {
       {"chunk_key_encoding", {{"name", "default"}, {"configuration", {{"separator", "/"}}}}},
       {"fill_value", 0},
       {"codecs", Json::array({sharding_codec(array)})},
-      {"attributes", {{"voxweld", own_attributes(array.geometry.value_or(VolumeGeometry{}))}}},
+      {"attributes",
+       {{"voxweld", own_attributes(array.geometry.value_or(VolumeGeometry{}), array.scale)}}},
       {"dimension_names", Json::array({"z", "y", "x"})}};
   const std::string unsealed = document.dump();
   document["attributes"]["voxweld"]["checksum"] = to_hex(hash_bytes(as_bytes(unsealed)));

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <charconv>
 #include <csignal>
+#include <cstring>
 #include <optional>
 #include <random>
 #include <system_error>
@@ -122,9 +123,26 @@ std::optional<FileState> file_state(const std::filesystem::path& path) {
   return state_of(status);
 }
 
+namespace {
+
+// What the user has to mend is said as such; a missing file has its own ways.
+[[noreturn]] void throw_unreadable(const std::string& path, int error) {
+  if (error == EACCES || error == EPERM)
+    throw InputError(fmt::format(
+        "{}: cannot be read: {}: change the permissions of the file, or of the folders it is in",
+        path, std::strerror(error)));
+  if (error == ELOOP)
+    throw InputError(
+        fmt::format("{}: cannot be read: its symbolic links form a loop: correct them", path));
+  throw_errno("open", path, error);
+}
+
+}  // namespace
+
 ReadFile::ReadFile(const std::filesystem::path& path) : path_(path.string()) {
-  fd_ = open(path_.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd_ < 0) throw_errno("open", path_, errno);
+  // To open a FIFO would wait for a writer otherwise; of regular files it makes no difference.
+  fd_ = open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (fd_ < 0) throw_unreadable(path_, errno);
   struct stat status {};
   if (fstat(fd_, &status) != 0) {
     const int error = errno;
@@ -133,7 +151,7 @@ ReadFile::ReadFile(const std::filesystem::path& path) : path_(path.string()) {
   }
   if (!S_ISREG(status.st_mode)) {
     close(fd_);
-    throw StorageError("cannot read " + path_ + ": not a regular file");
+    throw InputError(path_ + ": not a regular file: name one that is");
   }
   state_ = state_of(status);
 }

@@ -1,4 +1,4 @@
-// Checked file access. Every call either does all it says or throws StorageError naming the path.
+// Checked file access: all that is asked, or an error that names the path (error.h says which).
 #pragma once
 
 #include <cstddef>

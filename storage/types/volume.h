@@ -15,6 +15,7 @@
 #include "storage/types/box.h"
 #include "storage/types/file_state.h"
 #include "storage/types/sample_type.h"
+#include "storage/types/value_scale.h"
 
 namespace voxweld {
 
@@ -27,8 +28,8 @@ struct VolumeGeometry {
   Vec3 origin{0, 0, 0};   // world position of output coordinate (0, 0, 0), in `unit`
   // direction[a]: the world direction (unit vector) of increasing index along axis a.
   std::array<Vec3, 3> direction{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
-  // Output coordinates of sample (0, 0, 0): 0 of volumes; of a mesh as input what makes the
-  // output's coordinates the mesh's own, a multiple of any step the output's lattice may have.
+  // Output coordinates of sample (0, 0, 0): 0, or of a crop those it has in the whole volume. Of a
+  // mesh as input they make the output's the mesh's own, multiples of any step of its lattice.
   Vec3 first{0, 0, 0};
   std::string unit;   // "mm", "um", "nm", "m" ...; empty when the file does not say
   std::string space;  // world convention where known: "LPS", "RAS" ...; else empty
@@ -39,7 +40,7 @@ enum class Access : std::uint8_t {
   box,     // any box, from any thread
   rows,    // whole rows of a slice, in bands
   slice,   // whole slices in any order (a compressed slice is one unit)
-  stream,  // whole slices in increasing z only (one compressed stream)
+  stream,  // whole slices, or bands of rows of large ones, rising only (one compressed stream)
 };
 constexpr const char* access_name(Access access) {
   constexpr const char* names[] = {"box", "rows", "slice", "stream"};
@@ -56,6 +57,7 @@ struct VolumeInfo {
   std::string format;  // as its reader is called, "nrrd"; "mesh" or "empty" of solids alone
   SampleType type = SampleType::u8;
   VolumeGeometry geometry;
+  ValueScale scale;  // from the samples as stored to the file's real values
   Access access = Access::box;
   // The largest piece the reader must hold decoded at once, in bytes, beyond the caller's buffer.
   std::uint64_t largest_decode = 0;
@@ -79,8 +81,8 @@ class SampleSource {
 
   // Fills `out` with the samples of `box`, native byte order, x fastest, tightly packed.
   // Preconditions: box not empty and inside [0, size); out holds box.count() samples. Access::slice
-  // and stream take boxes of whole rows only (x full); stream takes whole slices with z rising
-  // from call to call.
+  // and stream take boxes of whole rows only (x full); stream takes whole slices, of large ones
+  // (large_slice_bytes) bands of rows too, and these rising from call to call.
   // Access::box may be called from many threads at once; the others from one at a time.
   // Throws FormatError for truncated or corrupt data, StorageError when the system fails.
   virtual void read(const Box3& box, std::byte* out) const = 0;
@@ -108,6 +110,20 @@ constexpr ValueRange merge(const ValueRange& a, const ValueRange& b) {
   }
   merged.any_nan = a.any_nan || b.any_nan;
   return merged;
+}
+
+// What makes the samples no labels, which are integers as they are stored: a clause behind the
+// file's name. Empty where they may be.
+std::string no_labels_text(const VolumeInfo& info);
+
+// The range in real values of samples of that range.
+inline ValueRange real_range(const ValueRange& stored, const ValueScale& scale) {
+  ValueRange real = stored;
+  if (stored.empty) return real;
+  const double a = scale.real(stored.lo), b = scale.real(stored.hi);
+  real.lo = std::min(a, b);
+  real.hi = std::max(a, b);
+  return real;
 }
 
 // A source that can also tell ranges (the brick store). Conservative: may cover more than the box.

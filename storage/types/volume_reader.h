@@ -29,6 +29,8 @@ struct InputSpec {
   RawPieces raw{};
   std::optional<Box3> crop{};     // samples to keep, half-open, in the file's own indices
   std::optional<Vec3> spacing{};  // replaces what the file says; positive
+  // Headers may name data files anywhere, not only in their own folder and below.
+  bool follow = false;
   std::string unit{};  // when given, renames the unit of spacing and origin, converts nothing
 };
 

@@ -60,6 +60,31 @@ std::string settle_raw(const ReadFile& file, DataLayout::Part& part, const DataL
   return {};
 }
 
+// Deflate makes at most this many bytes of one: a header that announces more is wrong, and to find
+// that out by reading would take as long as it likes.
+constexpr std::uint64_t best_deflate_ratio = 1032;
+
+void check_deflated_size(const ReadFile& file, const DataLayout::Part& part, std::uint64_t needed) {
+  const std::uint64_t stored = file.size() - part.offset;
+  if (needed / best_deflate_ratio <= stored) return;
+  throw FormatError(fmt::format(
+      "{}: truncated: the header announces {} bytes of samples, but the file's {} compressed bytes "
+      "hold at most {}: get a complete copy or correct the sizes",
+      file.path(), needed, stored, stored * best_deflate_ratio));
+}
+
+// Each number takes a digit. Of the separators the one who reads knows more.
+void check_text_size(const ReadFile& file, const DataLayout::Part& part, const DataLayout& layout,
+                     std::uint64_t samples) {
+  const std::uint64_t offset = part.offset + static_cast<std::uint64_t>(layout.skip_bytes);
+  const std::uint64_t rest = file.size() - std::min(file.size(), offset);
+  if (rest >= samples) return;
+  throw FormatError(fmt::format(
+      "{}: truncated: the header announces {} samples, but the {} bytes of text from byte {} on "
+      "hold fewer: get a complete copy or correct the sizes",
+      file.path(), samples, rest, offset));
+}
+
 std::string settle_deflated(const ReadFile& file, const DataLayout::Part& part,
                             const DataLayout& layout, std::uint64_t bytes) {
   std::vector<std::byte> head(static_cast<std::size_t>(
@@ -70,6 +95,7 @@ std::string settle_deflated(const ReadFile& file, const DataLayout::Part& part,
         "{}: the header announces compressed samples from byte {} on, but there is no gzip or zlib "
         "stream there: correct the encoding, the offset or the file",
         file.path(), part.offset));
+  check_deflated_size(file, part, bytes + static_cast<std::uint64_t>(layout.skip_bytes));
   // A gzip file ends with its decoded size modulo 2^32 (of the last member, where several are
   // joined, so that it can only hint).
   std::byte size_bytes[4];
@@ -104,12 +130,29 @@ std::uint64_t checked_volume_bytes(Index3 size, SampleType type, const std::stri
   return bytes;
 }
 
+std::filesystem::path named_data_file(const InputSpec& spec, const std::string& name,
+                                      const std::string& where) {
+  const std::filesystem::path named = name, header = spec.path;
+  const std::filesystem::path plain = named.lexically_normal();
+  const bool outside = named.is_absolute() || (!plain.empty() && *plain.begin() == "..");
+  if (outside && !spec.follow)
+    throw FormatError(fmt::format(
+        "{}: the header names {}, a data file {}: put the file beside the header and name it so, "
+        "or "
+        "allow it with input.follow = true (--follow)",
+        where, name, named.is_absolute() ? "by an absolute path" : "outside the header's folder"));
+  return header.parent_path() / named;
+}
+
 void require_input_file(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_regular_file(path, ignored)) return;
-  throw InputError(
-      fmt::format("{}: {}: correct the path", path.string(),
-                  std::filesystem::exists(path, ignored) ? "not a regular file" : "no such file"));
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (std::filesystem::is_regular_file(status)) return;
+  throw InputError(fmt::format("{}: {}: correct the path", path.string(),
+                               std::filesystem::exists(status) ? "not a regular file"
+                               : status.type() == std::filesystem::file_type::not_found
+                                   ? "no such file"
+                                   : error.message()));
 }
 
 void require_inside(const Box3& box, const VolumeInfo& info) {
@@ -128,9 +171,10 @@ std::unique_ptr<SampleSource> open_layout(VolumeInfo info, DataLayout layout) {
   std::size_t alike = 0;
   for (DataLayout::Part& part : layout.parts) {
     if (std::error_code ignored; !std::filesystem::is_regular_file(part.path, ignored))
-      throw FormatError(
-          fmt::format("{}: the data file {} is not there: put it there or correct the name",
-                      layout.named_by, part.path.string()));
+      throw FormatError(fmt::format(
+          "{}: the data file {} is {}: put it there or correct the name", layout.named_by,
+          part.path.string(),
+          std::filesystem::exists(part.path, ignored) ? "not a regular file" : "not there"));
     const ReadFile file(part.path);
     note_file(file, info.files);
     skip_lines(file, part);
@@ -138,6 +182,8 @@ std::unique_ptr<SampleSource> open_layout(VolumeInfo info, DataLayout layout) {
     if (layout.encoding == DataEncoding::raw) said = settle_raw(file, part, layout, bytes);
     if (layout.encoding == DataEncoding::deflated)
       said = settle_deflated(file, part, layout, bytes);
+    if (layout.encoding == DataEncoding::text)
+      check_text_size(file, part, layout, bytes / sample_bytes(info.type));
     if (said.empty()) continue;
     if (note.empty())
       note = std::move(said);

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "storage/types/volume.h"
+#include "storage/types/volume_reader.h"
 
 namespace voxweld {
 
@@ -37,9 +37,18 @@ struct DataLayout {
   std::string named_by;
 };
 
+// Of a stream whose slices are larger, bands of rows are read, so that no slice is held whole.
+inline constexpr std::uint64_t large_slice_bytes = std::uint64_t{64} << 20;
+
 // Bytes of all samples. FormatError "<where>: ..." unless every size is positive and the product
 // fits 62 bits.
 std::uint64_t checked_volume_bytes(Index3 size, SampleType type, const std::string& where);
+
+// The data file that the header spec.path names at `where`. FormatError where its name is an
+// absolute path or leads out of the header's folder, unless spec.follow: who writes a header must
+// not choose which of the reader's files are read. Symbolic links are the user's own business.
+std::filesystem::path named_data_file(const InputSpec& spec, const std::string& name,
+                                      const std::string& where);
 
 // InputError unless `path` is a regular file.
 void require_input_file(const std::filesystem::path& path);
@@ -53,8 +62,8 @@ std::unique_ptr<SampleSource> open_layout(VolumeInfo info, DataLayout layout);
 // The two kinds of source behind open_layout, which has settled and checked the layout before.
 // Raw samples: any box, from any thread (Access::box).
 std::unique_ptr<SampleSource> make_raw_source(VolumeInfo info, const DataLayout& layout);
-// Deflated or text samples: whole slices with z rising; a lower z starts again at the first sample
-// (Access::stream).
+// Deflated or text samples: whole slices, or bands of rows of one, rising; a lower one starts again
+// at the first sample (Access::stream).
 std::unique_ptr<SampleSource> make_stream_source(VolumeInfo info, const DataLayout& layout);
 
 // Throws std::logic_error unless the box is not empty and inside the volume: a bug of the caller.

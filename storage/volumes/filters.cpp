@@ -40,15 +40,15 @@ class CropSource final : public SampleSource {
     VolumeGeometry& geometry = info_.geometry;
     const Index3 full = geometry.size;
     for (int axis = 0; axis < 3; ++axis)
-      geometry.origin =
-          geometry.origin + geometry.direction[static_cast<std::size_t>(axis)] *
-                                (geometry.spacing[axis] * static_cast<double>(crop.lo[axis]));
+      geometry.first[axis] += geometry.spacing[axis] * static_cast<double>(crop.lo[axis]);
     geometry.size = crop.size();
     const auto width = static_cast<std::int64_t>(sample_bytes(info_.type));
     const std::int64_t row = full.x * width;
-    band_rows_ = info_.access == Access::rows
-                     ? std::clamp<std::int64_t>(band_bytes / row, 1, full.y)
-                     : full.y;
+    by_rows_ =
+        info_.access == Access::rows ||
+        (info_.access == Access::stream &&
+         static_cast<std::uint64_t>(row) > large_slice_bytes / static_cast<std::uint64_t>(full.y));
+    band_rows_ = by_rows_ ? std::clamp<std::int64_t>(band_bytes / row, 1, full.y) : full.y;
     whole_ = crop.size().x == full.x && (crop.size().y == full.y || info_.access == Access::rows);
     if (info_.access == Access::box) whole_ = true;
     if (!whole_) info_.largest_decode += static_cast<std::uint64_t>(band_rows_ * row);
@@ -71,9 +71,8 @@ class CropSource final : public SampleSource {
   std::byte* read_slice(const Box3& wanted, std::int64_t z, std::byte* out) const {
     const Index3 full = source_->info().geometry.size;
     const auto width = static_cast<std::int64_t>(sample_bytes(info_.type));
-    const bool rows = info_.access == Access::rows;
-    const std::int64_t y_end = rows ? wanted.hi.y : full.y;
-    std::int64_t y = rows ? wanted.lo.y : 0;
+    const std::int64_t y_end = by_rows_ ? wanted.hi.y : full.y;
+    std::int64_t y = by_rows_ ? wanted.lo.y : 0;
     for (; y < y_end; y += band_rows_) {
       const Box3 band{{0, y, z}, {full.x, std::min(y + band_rows_, y_end), z + 1}};
       band_.resize(static_cast<std::size_t>(band.count() * width));
@@ -89,7 +88,8 @@ class CropSource final : public SampleSource {
   std::shared_ptr<SampleSource> source_;
   Box3 crop_;
   VolumeInfo info_;
-  bool whole_ = true;  // the source takes the boxes of the crop as they are
+  bool whole_ = true;     // the source takes the boxes of the crop as they are
+  bool by_rows_ = false;  // else it gives whole slices only
   std::int64_t band_rows_ = 1;
   mutable std::vector<std::byte> band_;  // used by one thread at a time: access is not box
 };

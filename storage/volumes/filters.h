@@ -9,8 +9,8 @@
 
 namespace voxweld {
 
-// The samples of `box` alone; they keep their place in the world (the origin moves along). Same
-// access as the source; of a source read by rows, slices or stream, up to one slice is held beside
+// The samples of `box` alone. They keep their coordinates (geometry.first is of the box's lowest
+// sample) and so their place in the world. Same access as the source; of a source read by rows, slices or stream, up to one slice is held beside
 // the caller's buffer, and info().largest_decode says so.
 // InputError unless the box is not empty and inside the volume.
 std::unique_ptr<SampleSource> crop_source(std::shared_ptr<SampleSource> source, const Box3& box);

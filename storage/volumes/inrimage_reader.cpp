@@ -132,8 +132,9 @@ void read_geometry(const HeaderFields& fields, VolumeInfo& info) {
     geometry.size[axis] = fields.integer(size);
     if (geometry.size[axis] < 1) fields.reject(size, "a positive size");
     if (const HeaderField* step = fields.find(steps[axis])) {
-      geometry.spacing[axis] = number(fields, *step);
-      if (geometry.spacing[axis] <= 0) fields.reject(*step, "a positive number");
+      const auto value = parse_real(step->value);
+      if (!value) fields.reject(*step, "a number");
+      geometry.spacing[axis] = sound_spacing(*value, fields.where(*step), info);
     } else {
       info.warnings.push_back(fmt::format("{}: no {}: taken as 1", fields.path(), steps[axis]));
     }
@@ -145,12 +146,18 @@ void read_geometry(const HeaderFields& fields, VolumeInfo& info) {
   }
 }
 
-// Like a slope: samples are read as stored.
-void warn_of_scale(const HeaderFields& fields, VolumeInfo& info) {
+// "2**-3": real values are the stored ones times that.
+void read_inr_scale(const HeaderFields& fields, VolumeInfo& info) {
   const HeaderField* scale = fields.find("SCALE");
-  if (scale != nullptr && !scale->value.empty() && scale->value != "2**0")
+  if (scale == nullptr || scale->value.empty()) return;
+  const std::string_view text = scale->value;
+  const auto power = text.starts_with("2**") ? parse_integer(text.substr(3)) : std::nullopt;
+  if (power && *power >= -1000 && *power <= 1000)
+    info.scale = value_scale(std::ldexp(1.0, static_cast<int>(*power)), 0);
+  else
     info.warnings.push_back(
-        fmt::format("{}: {}: the header scales values: ignored, the isovalue is in stored units",
+        fmt::format("{}: {}: expected a power of two such as 2**-3: ignored, values are taken as "
+                    "stored",
                     fields.where(*scale), scale->value));
 }
 
@@ -179,7 +186,7 @@ std::unique_ptr<SampleSource> open_inrimage(const InputSpec& spec) {
   info.files.push_back({file.path(), file.state()});
   info.type = inr_type(fields);
   read_geometry(fields, info);
-  warn_of_scale(fields, info);
+  read_inr_scale(fields, info);
   DataLayout layout;
   layout.parts = {{path, 0, 0}};
   layout.encoding = compressed ? DataEncoding::deflated : DataEncoding::raw;

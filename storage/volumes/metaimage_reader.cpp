@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "storage/support/error.h"
@@ -109,8 +110,9 @@ void read_meta_geometry(const HeaderFields& fields, std::size_t dims, VolumeInfo
   else
     info.warnings.push_back(fields.path() + ": no ElementSpacing: taken as 1 1 1");
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (spacing != nullptr && !(spacings[axis] > 0 && std::isfinite(spacings[axis])))
-      fields.reject(*spacing, "positive numbers");
+    if (spacing != nullptr)
+      spacings[axis] = sound_spacing(
+          spacings[axis], fmt::format("{}: axis {}", fields.where(*spacing), axis), info);
     steps[axis] = steps[axis] * (spacings[axis] / length(steps[axis]));
   }
   set_axes(info, steps, matrix != nullptr ? fields.where(*matrix) : fields.path());
@@ -132,15 +134,17 @@ bool flag(const HeaderFields& fields, std::string_view key, bool otherwise) {
   return field != nullptr ? fields.boolean(*field) : otherwise;
 }
 
-// Like a slope and intercept: samples are read as stored.
-void warn_scaled(const HeaderFields& fields, VolumeInfo& info) {
-  for (const auto& [key, neutral] : {std::pair{"ElementToIntensityFunctionSlope", 1.0},
-                                     std::pair{"ElementToIntensityFunctionOffset", 0.0}})
-    if (const HeaderField* field = fields.find(key);
-        field != nullptr && parse_real(trim(field->value)) != neutral)
-      info.warnings.push_back(
-          fmt::format("{}: {}: the header scales values: ignored, the isovalue is in stored units",
-                      fields.where(*field), field->value));
+// Real values are slope * stored + offset.
+void read_meta_scale(const HeaderFields& fields, VolumeInfo& info) {
+  const auto number = [&](const char* key, double otherwise) {
+    const HeaderField* field = fields.find(key);
+    return field == nullptr
+               ? otherwise
+               : parse_real(trim(field->value)).value_or(std::numeric_limits<double>::quiet_NaN());
+  };
+  info.scale = sound_scale(number("ElementToIntensityFunctionSlope", 1),
+                           number("ElementToIntensityFunctionOffset", 0),
+                           fields.path() + ": ElementToIntensityFunction", info);
 }
 
 std::vector<std::string> data_names(const MetaText& text, const std::vector<std::int64_t>& sizes) {
@@ -201,9 +205,10 @@ void check_compressed_size(const HeaderFields& fields, const DataLayout& layout,
                                         fields.where(*field), field->value, actual));
 }
 
-DataLayout lay_out(const MetaText& text, const std::filesystem::path& path, VolumeInfo& info,
+DataLayout lay_out(const MetaText& text, const InputSpec& spec, VolumeInfo& info,
                    const std::vector<std::int64_t>& sizes) {
   const HeaderFields& fields = text.fields;
+  const std::filesystem::path path = spec.path;
   const HeaderField& data_file = fields.require("ElementDataFile");
   DataLayout layout;
   layout.named_by = fields.where(data_file);
@@ -223,7 +228,7 @@ DataLayout lay_out(const MetaText& text, const std::filesystem::path& path, Volu
     layout.parts = {{path, text.data_offset, 0}};
   } else {
     for (const std::string& name : data_names(text, sizes))
-      layout.parts.push_back({path.parent_path() / name, 0, 0});
+      layout.parts.push_back({named_data_file(spec, name, layout.named_by), 0, 0});
   }
   read_header_size(fields, local, layout);
   if (layout.encoding == DataEncoding::deflated) check_compressed_size(fields, layout, info);
@@ -262,8 +267,8 @@ std::unique_ptr<SampleSource> open_metaimage(const InputSpec& spec) {
   const std::vector<std::int64_t> sizes = meta_sizes(fields);
   info.geometry.size = {sizes[0], sizes[1], sizes[2]};
   read_meta_geometry(fields, sizes.size(), info);
-  warn_scaled(fields, info);
-  DataLayout layout = lay_out(text, path, info, sizes);
+  read_meta_scale(fields, info);
+  DataLayout layout = lay_out(text, spec, info, sizes);
   return open_layout(std::move(info), std::move(layout));
 }
 

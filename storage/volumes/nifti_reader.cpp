@@ -94,14 +94,8 @@ Affine from_qform(const NiftiHeader& header, Vec3 spacing) {
 Vec3 pixdim_spacing(const NiftiHeader& header, const std::string& path, VolumeInfo& info) {
   Vec3 spacing;
   for (int axis = 0; axis < 3; ++axis) {
-    const double value = header.pixdim[static_cast<std::size_t>(axis) + 1];
-    if (!std::isfinite(value))
-      throw FormatError(fmt::format("{}: pixdim[{}]: expected a positive spacing, found {}", path,
-                                    axis + 1, value));
-    spacing[axis] = value == 0 ? 1 : std::abs(value);
-    if (value <= 0)
-      info.warnings.push_back(fmt::format("{}: pixdim[{}] is {}: spacing taken as {}", path,
-                                          axis + 1, value, spacing[axis]));
+    spacing[axis] = sound_spacing(header.pixdim[static_cast<std::size_t>(axis) + 1],
+                                  fmt::format("{}: pixdim[{}]", path, axis + 1), info);
   }
   return spacing;
 }
@@ -143,14 +137,9 @@ std::string unit_name(std::int32_t units) {
   }
 }
 
-void warn_scaled(const NiftiHeader& header, const std::string& path, VolumeInfo& info) {
-  const bool scaled = std::isfinite(header.slope) && std::isfinite(header.inter) &&
-                      header.slope != 0 && (header.slope != 1 || header.inter != 0);
-  if (scaled)
-    info.warnings.push_back(fmt::format(
-        "{}: the header scales values: real = {} * stored + {}. The isovalue is in stored "
-        "units: isovalue = (real - {}) / {}",
-        path, header.slope, header.inter, header.inter, header.slope));
+// A slope of 0 is the format's way to say that nothing is scaled.
+void read_nifti_scale(const NiftiHeader& header, const std::string& path, VolumeInfo& info) {
+  info.scale = sound_scale(header.slope, header.inter, path + ": scl_slope, scl_inter", info);
 }
 
 std::vector<std::byte> read_header_bytes(const ReadFile& file, bool& compressed) {
@@ -275,7 +264,7 @@ std::unique_ptr<SampleSource> open_nifti(const InputSpec& spec) {
   info.geometry.size = {header->dim[1], header->dim[2], header->dim[3]};
   info.geometry.unit = unit_name(header->units);
   read_geometry(*header, name, info);
-  warn_scaled(*header, name, info);
+  read_nifti_scale(*header, name, info);
   if (header->bitpix != static_cast<std::int32_t>(8 * sample_bytes(info.type)))
     info.warnings.push_back(fmt::format("{}: bitpix is {} but datatype {} has {} bits: ignored",
                                         name, header->bitpix, header->datatype,

@@ -130,13 +130,9 @@ void read_spacings(const HeaderFields& fields, const NrrdAxes& axes, VolumeInfo&
   const std::vector<double> spacings = fields.reals(*field, axes.sizes.size());
   std::array<Vec3, 3> steps{};
   for (std::size_t a = 0; a < 3; ++a) {
-    double spacing = spacings[axes.spatial[a]];
-    if (std::isnan(spacing)) {
-      info.warnings.push_back(
-          fmt::format("{}: nan on axis {}: taken as 1", fields.where(*field), axes.spatial[a]));
-      spacing = 1;
-    }
-    steps[a][static_cast<int>(a)] = spacing;
+    steps[a][static_cast<int>(a)] =
+        sound_spacing(spacings[axes.spatial[a]],
+                      fmt::format("{}: axis {}", fields.where(*field), axes.spatial[a]), info);
   }
   set_axes(info, steps, fields.where(*field));
   const HeaderField* units = fields.find("units");

@@ -99,9 +99,10 @@ bool is_pattern(const std::string& value) {
   return words.size() >= 2 && words[0].find('%') != std::string::npos;
 }
 
-void lay_out_parts(const NrrdText& text, const NrrdAxes& axes, const std::filesystem::path& path,
+void lay_out_parts(const NrrdText& text, const NrrdAxes& axes, const InputSpec& spec,
                    DataLayout& layout) {
   const HeaderFields& fields = text.fields;
+  const std::filesystem::path path = spec.path;
   const HeaderField* data_file = fields.find("data file");
   const HeaderField* line_skip = fields.find("line skip");
   const std::int64_t lines = line_skip != nullptr ? fields.integer(*line_skip) : 0;
@@ -119,7 +120,7 @@ void lay_out_parts(const NrrdText& text, const NrrdAxes& axes, const std::filesy
   else if (is_pattern(data_file->value))
     names = pattern_names(fields, *data_file, axes);
   for (const std::string& name : names)
-    layout.parts.push_back({path.parent_path() / name, 0, skip});
+    layout.parts.push_back({named_data_file(spec, name, layout.named_by), 0, skip});
 }
 
 void read_byte_skip(const HeaderFields& fields, DataLayout& layout) {
@@ -163,7 +164,7 @@ std::unique_ptr<SampleSource> open_nrrd(const InputSpec& spec) {
   DataLayout layout;
   layout.encoding = nrrd_encoding(text.fields);
   layout.byte_order = nrrd_byte_order(text.fields, info.type, layout.encoding);
-  lay_out_parts(text, axes, path, layout);
+  lay_out_parts(text, axes, spec, layout);
   read_byte_skip(text.fields, layout);
   return open_layout(std::move(info), std::move(layout));
 }

@@ -171,9 +171,12 @@ class StreamSource final : public SampleSource {
   void read(const Box3& box, std::byte* out) const override {
     require_inside(box, info_);
     const Index3 size = info_.geometry.size;
-    if (box.size().x != size.x || box.size().y != size.y)
-      throw std::logic_error("a compressed volume is read by whole slices");
-    const std::uint64_t begin = static_cast<std::uint64_t>(box.lo.z) * slice_bytes_;
+    const bool slices = box.size().y == size.y;
+    if (box.size().x != size.x || (!slices && box.size().z != 1))
+      throw std::logic_error("a compressed volume is read by whole slices or rows of one");
+    const std::uint64_t row = static_cast<std::uint64_t>(size.x) * width_;
+    const std::uint64_t begin = static_cast<std::uint64_t>(box.lo.z) * slice_bytes_ +
+                                static_cast<std::uint64_t>(box.lo.y) * row;
     if (broken_ || begin < position_) restart();
     // Until the read has ended well, the stream stands nowhere known.
     broken_ = true;
@@ -181,8 +184,7 @@ class StreamSource final : public SampleSource {
     while (position_ < begin)
       advance(std::span(skipped).first(
           static_cast<std::size_t>(std::min<std::uint64_t>(begin - position_, skipped.size()))));
-    advance(
-        {out, static_cast<std::size_t>(slice_bytes_ * static_cast<std::uint64_t>(box.size().z))});
+    advance({out, static_cast<std::size_t>(box.count()) * width_});
     broken_ = false;
   }
 

@@ -30,7 +30,7 @@ ModelVolume load_model(const std::filesystem::path& config,
   const VolumeInfo& info = source->info();
   std::optional<Solid> solid;
   if (mesh) solid = mesh->solid();
-  model.parameters = contour_parameters(model.config, info.geometry, solid,
+  model.parameters = contour_parameters(model.config, info, solid,
                                         chosen_labels(model.config, read_labels_map(model.config)));
   model.empty = model.config.input.is_empty();
   model.volume.type = info.type;

@@ -60,7 +60,7 @@ row() {
     return 0
   fi
   [ "$small" = no ] || return 0
-  "$build/voxweld" render "$models/$1.mesh" -o "$out/model_$1.png" "${pixels[@]}" >>"$log"
+  "$build/voxweld" render "$models/$1.mesh" -o "$out/model_$1.png" --force "${pixels[@]}" >>"$log"
 }
 skip() { printf '%s: left out: %s\n' "$1" "$2" | tee -a "$out/skipped"; }
 
@@ -71,7 +71,7 @@ settings() {
 }
 
 phantom() { # KIND CELLS: a sampled one, and its config
-  "$build/voxweld" phantom "$1" --size $(($2 - 1)) -o "$models/phantom_$1.nrrd" >>"$log"
+  "$build/voxweld" phantom "$1" --size $(($2 - 1)) -o "$models/phantom_$1.nrrd" --force >>"$log"
   printf '[input]\npath = "phantom_%s.nrrd"\n[surface]\nisovalue = 32767.5\ninside = "below"\n' "$1" |
     settings "phantom_$1"
 }

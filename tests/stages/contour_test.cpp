@@ -103,7 +103,7 @@ TEST(Contour, WithoutSimplificationItIsTheReferenceQuadForQuad) {
     const MemoryVolume volume = noise({17, 16, 19}, seed);
     ContourParameters p = parameters(100 + 20 * seed);
     p.simplify.enabled = false;
-    const auto grid = signs(volume, p.surface.isovalue);
+    const auto grid = signs(volume, p.surface.isovalue.value);
     const auto reference = testing::reference_dual(grid);
     std::vector<Quad> expected;
     for (const auto& quad : reference.quads) {

@@ -66,6 +66,39 @@ TEST(ContourVolume, TilesJoinedAreTheOneTile) {
   EXPECT_EQ(joined.positions, testing::weld_tiles(cut.tiles).vertices) << "ids are places";
 }
 
+// Doubles do not hold such samples, but what they are above the isovalue.
+TEST(ContourVolume, OfLarge64BitIntegersIsThatOfSmallOnes) {
+  const auto ball = [](Index3 at) {
+    const auto d = at - Index3{9, 10, 11};
+    return 300 - (d.x * d.x + d.y * d.y + d.z * d.z);
+  };
+  const Index3 size{20, 20, 22};
+  const auto mesh = [&](const testing::MemoryVolume& volume, const Isovalue& isovalue) {
+    ContourParameters p;
+    p.surface.isovalue = isovalue;
+    return join_tiles(contour_volume(volume, p).tiles);
+  };
+  const TileMesh small =
+      mesh(testing::MemoryVolume::made<std::int32_t>(size, SampleType::i32, ball), 255);
+  ASSERT_FALSE(small.triangles.empty());
+  for (const std::int64_t base : {std::int64_t{1} << 62, -(std::int64_t{1} << 60)}) {
+    const TileMesh large =
+        mesh(testing::MemoryVolume::made<std::int64_t>(size, SampleType::i64,
+                                                       [&](Index3 at) { return base + ball(at); }),
+             Isovalue::of(base + 255));
+    EXPECT_EQ(large.positions, small.positions) << base;
+    EXPECT_EQ(large.triangles, small.triangles) << base;
+    EXPECT_EQ(large.normals, small.normals) << base;
+  }
+  const std::uint64_t base = std::uint64_t{1} << 63;
+  const TileMesh highest =
+      mesh(testing::MemoryVolume::made<std::uint64_t>(
+               size, SampleType::u64,
+               [&](Index3 at) { return base + static_cast<std::uint64_t>(ball(at) + 3000); }),
+           Isovalue::of(base + 3255));
+  EXPECT_EQ(highest.positions, small.positions);
+}
+
 TEST(ContourVolume, OptionsReachTheMesh) {
   const testing::MemoryVolume volume = noise({20, 20, 20});
   ContourOptions options{4, 1024, 0.01};

@@ -72,6 +72,18 @@ TEST(WoundMesh, SidesAreThoseOfTheWindingNumber) {
   }
 }
 
+// Its box is the mesh's own on all axes: it does not reach to 0 on any.
+TEST(WoundMesh, BoundsAreThoseOfTheTrianglesAlone) {
+  for (const Vec3 lo : {Vec3{3, 5, 7}, Vec3{-11, -13, -12}}) {
+    const TriangleMesh mesh = box_mesh(lo, lo + Vec3{4, 2, 3});
+    const WoundMesh wound(mesh, {{20, 20, 20}, {1, 0.5, 2}}, {});
+    for (int a = 0; a < 3; ++a) {
+      EXPECT_NEAR(wound.bounds().lo[a], lo[a], 1e-5) << a;
+      EXPECT_NEAR(wound.bounds().hi[a], (lo + Vec3{4, 2, 3})[a], 1e-5) << a;
+    }
+  }
+}
+
 // A box without its top: across the hole the number is 1/2 in the plane of its rim.
 TEST(WoundMesh, FlatHolesCloseFlat) {
   TriangleMesh mesh = box_mesh({3.3, 4.4, 2.2}, {17.6, 15.7, 13.4});

@@ -12,7 +12,7 @@ TEST(CommandLine, EverySubcommandExplainsItself) {
   const ProgramResult all = run_voxweld({"--help"});
   EXPECT_EQ(all.exit_code, 0);
   for (const char* name : {"run", "ingest", "build", "merge", "stitch", "encode", "edit", "init",
-                           "info", "verify", "render", "export", "phantom", "settings"}) {
+                           "info", "verify", "render", "export", "phantom", "settings", "clean"}) {
     EXPECT_THAT(all.out, HasSubstr(std::string("\n  ") + name + " "));
     const ProgramResult help = run_voxweld({name, "--help"});
     EXPECT_EQ(help.exit_code, 0) << name;
@@ -60,6 +60,33 @@ TEST(CommandLine, SettingsInAllThreeForms) {
   EXPECT_THAT(run_voxweld({"settings", "--example"}).out, HasSubstr("[surface]"));
   EXPECT_TRUE(
       nlohmann::json::parse(run_voxweld({"settings", "--json"}).out, nullptr, false).is_object());
+}
+
+TEST(CommandLine, SettingsOfOneKeyOrTable) {
+  const std::string all = run_voxweld({"settings"}).out;
+  const std::string key = run_voxweld({"settings", "simplify.tolerance"}).out;
+  EXPECT_THAT(key, ::testing::StartsWith("[simplify] How far to simplify it.\n  tolerance: "));
+  EXPECT_THAT(key, HasSubstr("default: 0.1; re-runs: build"));
+  EXPECT_THAT(key, ::testing::Not(HasSubstr("metric")));
+  const std::string table = run_voxweld({"settings", "surface"}).out;
+  EXPECT_THAT(table, HasSubstr("\n  isovalue: "));
+  EXPECT_THAT(all, HasSubstr(table));
+  EXPECT_THAT(run_voxweld({"settings", "directory"}).out,
+              ::testing::AllOf(HasSubstr("[work]"), HasSubstr("[output]")));
+  EXPECT_THAT(run_voxweld({"settings", "edit.radius"}).out, HasSubstr("\n  radius: "));
+  expect_refused({"settings", "surface.isovalu"},
+                 {"no table and no key of the config is called \"surface.isovalu\"",
+                  "did you mean surface.isovalue?", "`voxweld settings` lists all"});
+  expect_refused({"settings", "polish"}, {"called \"polish\"; `voxweld settings` lists all"});
+}
+
+TEST(CommandLine, WhatInfoKnowsIsShort) {
+  const Workplace place;
+  write_bytes(place.at("a.txt"), "no volume");
+  const ProgramResult result = run_voxweld({"info", place.at("a.txt")});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("a.txt: a file of an unknown kind; info knows volumes (nrrd"));
+  EXPECT_LT(result.err.size(), place.at("a.txt").size() + 220);
 }
 
 TEST(CommandLine, NamesTheFormatsOfTheTable) {

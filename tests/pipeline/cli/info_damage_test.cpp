@@ -39,7 +39,8 @@ TEST_F(InfoOfDamage, UnknownFilesGetTheListOfKnownOnes) {
   write_bytes(place.at("notes.txt"), "hello");
   write_bytes(place.at("empty"), "");
   for (const char* name : {"notes.txt", "empty"})
-    expect_refused({"info", place.at(name)}, {name, "unknown", "nrrd", ".octree", "manifest.json"});
+    expect_refused({"info", place.at(name)},
+                   {name, "unknown", "nrrd", ".drc", "all that a run writes"});
   std::filesystem::create_directories(place.at("folder"));
   expect_refused({"info", place.at("folder")}, {"folder", "unknown", "no images", "nifti"});
 }

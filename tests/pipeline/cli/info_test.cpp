@@ -159,7 +159,7 @@ TEST(Info, CountsLabelsWhenAsked) {
   }
   expect_refused({"info", place.phantom("scene.nrrd"), "--labels", "--size", "24", "24", "6",
                   "--type", "float32"},
-                 {"--labels: labels are integers, the samples of", "are float32"});
+                 {"--labels: labels are integers as they are stored", "has samples of float32"});
 }
 
 TEST(Info, TakesTheLayoutOfRawFiles) {

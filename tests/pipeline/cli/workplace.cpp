@@ -7,7 +7,8 @@
 namespace voxweld::testing {
 
 std::string Workplace::phantom(const std::string& name, int size) const {
-  run({"phantom", "gyroid", "--size", std::to_string(size), "--type", "uint8", "-o", at(name)});
+  run({"phantom", "gyroid", "--size", std::to_string(size), "--type", "uint8", "-o", at(name),
+       "--force"});
   return at(name);
 }
 

@@ -23,8 +23,9 @@ const std::vector<WrongKey> wrong_edit_keys = testing::read_wrong_keys(R"table(
 sphere op: "add", "subtract", "intersect" or "replace" (default: "add")
   "substract" (a string); did you mean "subtract"? | "Add" (a string); did you mean "add"?
   "xor" (a string) | 1
-sphere material: an integer of at least 0 (default: none; between labels add and replace need it)
-  -1 | 1.5 | "7" (a string); write numbers without quotes
+sphere material: an integer of at least 0, in quotes above 9223372036854775807 (default: none; \
+between labels add and replace need it)
+  -1 | 1.5 | "7-9" (a string)
 sphere shape: "sphere", "box", "cylinder", "cone", "torus", "plane" or "mesh"
   "ball" (a string) | "Spere" (a string); did you mean "sphere"? | ["box"] (a list of 1)
 sphere center: three finite numbers: [x, y, z]

@@ -64,6 +64,7 @@ std::string type_text(const Rule& rule) {
           [](const NameRule&) { return "string"; }, [](const TimeLimitRule&) { return "string"; },
           [](const OptionListRule&) { return "list of strings"; },
           [](const LineListRule&) { return "list of strings"; },
+          [](const LabelRule&) { return "integer or string"; },
           [](const LabelListRule& r) { return r.words.empty() ? "list" : "string or list"; }},
       rule);
 }

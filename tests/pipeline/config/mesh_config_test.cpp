@@ -46,10 +46,13 @@ TEST(MeshConfig, ResolutionOrCellAndNotBoth) {
 }
 
 TEST(MeshConfig, WhatVolumesTakeMeshesDoNot) {
-  const std::pair<const char*, const char*> wrong[] = {
-      {"input.crop", "[0, 0, 0, 8, 8, 8]"}, {"input.spacing", "1"},
-      {"input.size", "[8, 8, 8]"},          {"input.type", "\"int8\""},
-      {"input.endian", "\"big\""},          {"input.header_bytes", "4"}};
+  const std::pair<const char*, const char*> wrong[] = {{"input.crop", "[0, 0, 0, 8, 8, 8]"},
+                                                       {"input.spacing", "1"},
+                                                       {"input.size", "[8, 8, 8]"},
+                                                       {"input.type", "\"int8\""},
+                                                       {"input.endian", "\"big\""},
+                                                       {"input.header_bytes", "4"},
+                                                       {"input.follow", "true"}};
   for (const auto& [key, value] : wrong) {
     const std::string message = error_of(mesh_config(std::string(key) + " = " + value + "\n"));
     EXPECT_THAT(message, StartsWith("/data/scan.toml:3:"));

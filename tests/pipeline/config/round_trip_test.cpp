@@ -58,6 +58,7 @@ InputConfig any_input() {
   }
   if (chance()) in.spacing = Vec3{any_positive(), any_positive(), any_positive()};
   if (chance()) in.unit = *rc::gen::element<std::string>("m", "cm", "mm", "um", "nm", "angstrom");
+  in.follow = chance();
   const bool raw = in.format == "raw";
   if (raw || (in.format == "auto" && chance())) {
     in.size = Index3{*extent, *extent, *extent};
@@ -162,8 +163,8 @@ SurfaceConfig any_surface() {
   if (chance()) surface.isovalue = any_nonzero();
   surface.inside = any_of<SurfaceConfig::Inside>(2);
   if (surface.inside == SurfaceConfig::Inside::above && chance()) {
-    surface.label = *rc::gen::inRange<std::uint64_t>(0, std::uint64_t{1} << 63);
-    surface.isovalue = static_cast<double>(*surface.label);
+    surface.label = *rc::gen::inRange<std::uint64_t>(0, ~std::uint64_t{0});
+    surface.isovalue = Isovalue::of(*surface.label);
   }
   surface.border = any_of<SurfaceConfig::Border>(2);
   surface.gradient = any_of<SurfaceConfig::Gradient>(2);
@@ -231,6 +232,7 @@ format = "auto"
 # type: none; raw files need it
 endian = "little"
 header_bytes = 0
+follow = false
 # resolution: none; meshes need it, or input.cell
 # cell: none; meshes need it, or input.resolution
 margin = 1

@@ -37,6 +37,7 @@ const std::map<std::string, KeyChange>& key_changes() {
       {"input.type", {"\"int8\"", {ingest, build}}},
       {"input.endian", {"\"big\"", {ingest, build}}},
       {"input.header_bytes", {"1", {ingest, build}}},
+      {"input.follow", {"true", {}}},
       {"input.resolution", {"100", {build, merge, stitch}}},
       {"input.cell", {"0.25", {build, merge, stitch}}},
       {"input.margin", {"3", {build, merge, stitch}}},

@@ -84,9 +84,12 @@ TEST(StructureError, MissingKeys) {
       "/data/scan.toml: missing key input.path (expected a path in quotes): The volume: a "
       "file, a directory of slices or a Zarr array; or a closed triangle mesh in an .stl, .off, "
       ".obj or .ply file. What it holds decides what is done again, not its name.");
-  EXPECT_EQ(error_of("[input]\npath = \"a\"\n"),
-            "/data/scan.toml: missing key surface.isovalue (expected a finite number or \"otsu\"): "
-            "The sample value the surface runs through; \"otsu\" chooses it from the histogram.");
+  EXPECT_EQ(
+      error_of("[input]\npath = \"a\"\n"),
+      "/data/scan.toml: missing key surface.isovalue (expected a finite number or \"otsu\"): "
+      "The value the surface runs through; \"otsu\" chooses it from the histogram. Where the "
+      "file has a slope and an intercept it is a real value, such as HU, not a stored number. "
+      "Integers above 9223372036854775807 are written in quotes.");
   EXPECT_THAT(error_of(""), StartsWith("/data/scan.toml: missing key input.path"));
 }
 

@@ -35,7 +35,7 @@ input.unit: "m", "cm", "mm", "um", "nm" or "angstrom" (default: as the file says
   "MM" (a string); did you mean "mm"? | 1
 input.size: a list of 3 integers from 1 to 524287 (default: none; raw files and empty space need \
 it)
-  [0, 1, 1] (a list of 3) | [1, 1, 1, 1] (a list of 4) | "1x1x1" (a string)
+  [0, 1, 1] (a list of 3) | [1, 1, 1, 1] (a list of 4) | "1by1by1" (a string)
 input.type: "uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32" \
 or "float64" (default: none; raw files need it)
   "uint12" (a string); did you mean "uint16"? | 16
@@ -62,8 +62,10 @@ work.shard: a power of two from 1 to 16 (default: 4)
   0 | 3; the nearest are 2 and 4 | 32
 work.copy: "auto", true or false (default: "auto")
   "always" (a string) | "false" (a string); write false without quotes | 0
-surface.label: an integer of at least 0 (default: none: the surface is at the isovalue)
-  -1 | 7.5 | "7" (a string); write numbers without quotes
+surface.label: an integer of at least 0, in quotes above 9223372036854775807 (default: none: the \
+surface is at the isovalue)
+  -1 | 7.5 | "7-9" (a string) | "18446744073709551615" (a string); labels end at \
+18446744073709551614
 labels.mode: "off", "each" or "shared" (default: "off")
   "every" (a string) | true (a boolean)
 labels.select: "all", "mapped" or a list of labels and ranges such as [1, 5, "10-20"] (default: \
@@ -95,6 +97,7 @@ surface.border: "closed" or "open" (default: "closed")
   "close" (a string); did you mean "closed"? | true (a boolean)
 surface.gradient: "eno" or "central" (default: "eno")
   "centre" (a string); did you mean "central"? | 2
+input.follow: true or false (default: false)
 simplify.enabled: true or false (default: true)
 output.tiles: true or false (default: true)
 output.normals: true or false (default: true)

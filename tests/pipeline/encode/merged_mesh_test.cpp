@@ -45,7 +45,8 @@ TEST(MergedMesh, IsAUnitAmongTheTilesWhereMemoryHoldsBoth) {
   scene.encode(job);
   const StageReport& report = scene.context().reports.back();
   EXPECT_GT(report.ran, 2u);
-  EXPECT_THAT(scene.shown(), HasSubstr(fmt::format("encode: {} meshes\n", report.ran)));
+  EXPECT_THAT(scene.shown(),
+              HasSubstr(fmt::format("encode: {} tiles and the merged mesh\n", report.ran - 1)));
 }
 
 TEST(MergedMesh, IsMadeAloneWhereMemoryDoesNotHoldBoth) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cerrno>
+#include <filesystem>
 #include <functional>
 #include <new>
 
@@ -41,6 +42,17 @@ TEST(ErrorSet, ExitCodeIsTheUsersOnlyWhenAllAre) {
   record(mixed, 1, wrong_input);
   record(mixed, 2, [] { throw StorageError("cannot read"); });
   EXPECT_EQ(caught(mixed).exit_code(), 1);
+}
+
+TEST(ErrorSet, WhatTheFileSystemRefusesIsNoUnexpectedError) {
+  ErrorCollector errors;
+  record(errors, 1, [] {
+    throw std::filesystem::filesystem_error(
+        "status", "a.drc", std::make_error_code(std::errc::too_many_symbolic_link_levels));
+  });
+  record(errors, 2, wrong_input);
+  EXPECT_THAT(caught(errors).what(),
+              testing::HasSubstr("cannot use a.drc: Too many levels of symbolic links"));
 }
 
 TEST(ErrorSet, NamesTheDamagedArtifactsSortedAndOnce) {

@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <thread>
+
+#include "pipeline/executor/log.h"
+#include "pipeline/executor/prompt_stop.h"
 
 namespace voxweld {
 namespace {
@@ -52,6 +57,30 @@ void press_twice() {
 TEST(InterruptDeathTest, ASecondCtrlCExitsAtOnce) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(press_twice(), testing::ExitedWithCode(130), "Ctrl-C again stops at once");
+}
+
+// As in a library's call that asks nobody.
+void work_on_after_a_stop() {
+  set_up_logging(LogLevel::info, Console::standard_error());
+  InterruptFlag flag;
+  const PromptStop prompt(flag, 0.05);
+  flag.request();
+  std::this_thread::sleep_for(std::chrono::seconds(20));
+  std::exit(0);
+}
+
+TEST(InterruptDeathTest, AStopEndsWorkThatAsksNobody) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EXIT(work_on_after_a_stop(), testing::ExitedWithCode(1), "interrupted; what is finished");
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));
+}
+
+TEST(Interrupt, WorkThatEndsInTimeIsNotStopped) {
+  InterruptFlag flag, never;
+  { const PromptStop prompt(never, 0); }
+  const PromptStop prompt(flag, 60);
+  flag.request();
 }
 
 }  // namespace

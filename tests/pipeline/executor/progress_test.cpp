@@ -99,6 +99,46 @@ TEST(Progress, BarIsCutToTheTerminal) {
   EXPECT_EQ(screen.take(), "\r\x1b[Kbuild    [         ");
 }
 
+// The merged mesh is no tile, and may take as long as all of them.
+TEST(Progress, NamesTheUnitThatIsApart) {
+  Screen screen(false);
+  StageProgress progress(screen.console, screen.settings,
+                         {"encode", "tiles", 3, 8, 0, "merged mesh"});
+  EXPECT_EQ(screen.take(), "encode: 2 tiles and the merged mesh\n");
+  screen.now += 1;
+  progress.unit_done(2);
+  EXPECT_EQ(screen.take(), "");
+  progress.unit_done(2);
+  EXPECT_EQ(screen.take(), "encode: merged mesh\n");
+  screen.now += 7;
+  progress.refresh();
+  EXPECT_EQ(screen.take(), "encode: merged mesh (50%) after 8.0 s, 0.2 tiles/s, 8.0 s left\n");
+  progress.unit_done(4, true);
+  progress.finish(figures_of(9));
+  EXPECT_EQ(screen.take(),
+            "encode         2 tiles         9.0 s   0.2 tiles/s  peak 210.0 MiB  and the merged "
+            "mesh\n");
+}
+
+TEST(Progress, ShowsTheUnitThatIsApartInTheBar) {
+  Screen screen(true);
+  StageProgress progress(screen.console, screen.settings,
+                         {"encode", "tiles", 2, 0, 5, "merged mesh"});
+  EXPECT_THAT(screen.take(), HasSubstr("  0%  0/1 tiles"));
+  screen.now += 1;
+  progress.unit_done(1);
+  EXPECT_THAT(screen.take(), HasSubstr(" 50%  merged mesh  1.0 tiles/s"));
+}
+
+TEST(Progress, CountsOneAsOne) {
+  EXPECT_EQ(counted(1, "tiles"), "1 tile");
+  EXPECT_EQ(counted(2, "tiles"), "2 tiles");
+  EXPECT_EQ(counted(0, "meshes"), "0 meshes");
+  EXPECT_EQ(counted(1, "meshes"), "1 mesh");
+  EXPECT_EQ(counted(1, "batches"), "1 batch");
+  EXPECT_EQ(counted(1, "vertices"), "1 vertex");
+}
+
 TEST(Progress, DisabledSaysNothing) {
   for (const bool terminal : {false, true}) {
     Screen screen(terminal);

@@ -62,6 +62,17 @@ TEST(Verify, TilesOfAnySizeAndNoMergedMesh) {
   }
 }
 
+TEST(Verify, EndsWhereAStopIsAskedFor) {
+  const testing::TempDirectory directory;
+  torus_output().write(directory.path());
+  InterruptFlag stop;
+  VerifyOptions options;
+  options.interrupt = &stop;
+  EXPECT_TRUE(verify_output(directory.path(), options).good());
+  stop.request();
+  EXPECT_THROW(verify_output(directory.path(), options), Interrupted);
+}
+
 TEST(Verify, MissingTriangleIsACrack) {
   OutputDirectory output = torus_output();
   output.damage = of_tile(5, without_last_triangle);

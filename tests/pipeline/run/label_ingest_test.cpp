@@ -189,7 +189,7 @@ TEST(LabelIngest, WhatCannotBeIsRefused) {
   refused({}, ": 2 samples are 18446744073709551615, the first in slice 12; that number");
   RawVolume real{{8, 8, 8}, SampleType::f32, std::vector<std::byte>(8 * 8 * 8 * 4), 0};
   expect_refused(Scene(real).command("ingest", each_label),
-                 "labels.mode = \"each\": labels are integers, the samples of");
+                 "labels.mode = \"each\": labels are integers as they are stored");
 }
 
 TEST(LabelIngest, WarnsOfWhatIsNotLookedAt) {

@@ -159,7 +159,7 @@ TEST(MeshInput, FarFromZero) {
   EXPECT_EQ(frame.at("first"), (nlohmann::json{0, 0, 0}));
   expect_extent(moved_mesh(result, origin), lo, hi, 0.003);
   EXPECT_NEAR(volume_of(result), 8 * 6 * 5 - 2.05 * 1.05 * 1.05, 0.1);
-  EXPECT_THAT(space.scene().run().err, HasSubstr("which is frame.origin in the manifest"));
+  EXPECT_THAT(space.scene().run().err, HasSubstr("which is in frame.origin of the manifest"));
 }
 
 TEST(MeshInput, RefusedMeshes) {

@@ -80,7 +80,7 @@ TEST(OutputOwner, KeepsOtherConfigsOutWhileItRuns) {
                     program_path().string(), other.string(), said.string(), said.string())}});
   VOXWELD_EXPECT_DONE(scene.run());
   EXPECT_THAT(text_of_file(said), AllOf(HasSubstr("is writing it for " + scene.config().string()),
-                                   HasSubstr("exit 2")));
+                                        HasSubstr("exit 2")));
   EXPECT_EQ(difference(scene.clean_tree(), output_tree(scene.output())), "");
 }
 

@@ -93,6 +93,12 @@ TEST_F(AssetRecordTest, OtherBytesAreNot) {
   EXPECT_FALSE(is_current());
 }
 
+TEST_F(AssetRecordTest, LinksToThemselvesAreNot) {
+  fs::remove(file());
+  fs::create_symlink(file().filename(), file());
+  EXPECT_FALSE(is_current());
+}
+
 TEST_F(AssetRecordTest, FilesThatWereNotThereYetAreComparedByHash) {
   AssetRecord record = *read_asset_record(path());
   fs::remove(file());

@@ -34,6 +34,7 @@ class CountingSource final : public SampleSource {
     info_.geometry.direction[1] = {0, 0, 1};
     info_.geometry.unit = "mm";
     info_.geometry.space = "LPS";
+    info_.scale = {-0.5, 1024};
     info_.access = access;
     info_.largest_decode = decode;
     info_.files = {{"a.tif", 10, 20}, {"b.tif", 30, 40}};
@@ -93,6 +94,7 @@ TEST(Spool, KeepsTheFactsAndDecodesEachRowOnce) {
   EXPECT_EQ(info.geometry.direction, source.info().geometry.direction);
   EXPECT_EQ(info.geometry.unit, "mm");
   EXPECT_EQ(info.geometry.space, "LPS");
+  EXPECT_EQ(info.scale, (ValueScale{-0.5, 1024}));
   ASSERT_EQ(info.files.size(), 2U);
   EXPECT_EQ(info.files[1].path, "b.tif");
   EXPECT_EQ(info.files[1].state.mtime_ns, 40);

@@ -177,6 +177,29 @@ TEST(LabelMap, ErrorsNameTheLine) {
               HasSubstr(".csv:5: expected"));
 }
 
+TEST(LabelMap, WarnsOfEmptyMaterials) {
+  EXPECT_THAT(parse("label,name,material\n1,a,2\n\n5,b,\n6,c,-1\n7-9,d, \n").warnings,
+              ::testing::ElementsAre(
+                  "/data/labels.csv:4: column 3 (material) is empty, so label 5 is left out; write "
+                  "-1 if that is meant",
+                  "/data/labels.csv:6: column 3 (material) is empty, so labels 7-9 are left out; "
+                  "write -1 if that is meant"));
+  const auto many = parse("label,material\n1,\n2,\n3,\n4,\n5,\n6,1\n").warnings;
+  ASSERT_EQ(many.size(), 4U);
+  EXPECT_EQ(many.back(),
+            "/data/labels.csv: column material is empty in 2 more lines, and their labels are left "
+            "out");
+  EXPECT_TRUE(parse("label,name,color\n1,,\n2,,\n").warnings.empty());
+}
+
+TEST(LabelMap, WarnsOfUnknownColumns) {
+  EXPECT_THAT(parse("label,metarials\n1,2\n").warnings,
+              ::testing::ElementsAre("/data/labels.csv:1: column 2 (metarials) is not looked at; "
+                                     "known are label, material, name, color, r, g and b"));
+  EXPECT_THAT(parse("# x\nvoxels;id;name;note\n9;1;a;b\n").warnings,
+              ::testing::ElementsAre(HasSubstr(":2: column 1 (voxels), 4 (note) are not looked")));
+}
+
 TEST(LabelMap, ErrorsOfTheHeader) {
   EXPECT_THAT(error_of(""), StartsWith("/data/labels.csv:1: expected a header row such as"));
   EXPECT_THAT(error_of("1,2,liver\n"), HasSubstr(":1: expected a header row such as label,"));

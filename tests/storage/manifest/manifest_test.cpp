@@ -112,6 +112,14 @@ TEST(Manifest, RefusesEveryTruncation) {
   EXPECT_THROW(read_manifest(directory / "none.json"), StorageError);
 }
 
+TEST(Manifest, RefusesNumbersThatNoDoubleHolds) {
+  const testing::TempDirectory directory;
+  const auto path = directory / "manifest.json";
+  write_whole_file(path, as_bytes("{\"counts\": 1e999}"), Durability::rename_only);
+  EXPECT_THAT(testing::error_text<FormatError>([&] { read_manifest(path); }),
+              AllOf(HasSubstr("manifest.json"), HasSubstr("a number in it is too large")));
+}
+
 TEST(TileList, ReadsBackLinesAndNamesBadOnes) {
   const TileRecord a{{}, {3, {1, 0, 7}}, 10, 20, 9, 2, {{"tiles/a.drc", "drc", "", 99, "ab"}}};
   const TileRecord b{12, {0, {5, 6, 7}}, 1, 2, 1, 0, {}};

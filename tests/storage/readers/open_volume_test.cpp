@@ -100,7 +100,8 @@ TEST(OpenVolume, OverridesAndCropApply) {
   const VolumeGeometry& geometry = source->info().geometry;
   EXPECT_EQ(geometry.size, (Index3{2, 4, 2}));
   EXPECT_EQ(geometry.spacing, (Vec3{2, 3, 4}));
-  EXPECT_EQ(geometry.origin, (Vec3{2, 0, 8}));  // in the overridden spacing
+  EXPECT_EQ(geometry.origin, Vec3{});
+  EXPECT_EQ(geometry.first, (Vec3{2, 0, 8}));  // in the overridden spacing
   EXPECT_EQ(geometry.unit, "um");
   EXPECT_EQ(read_box(*source, {{}, {2, 4, 2}}), volume.box(*spec.crop));
   spec.crop = Box3{{1, 0, 2}, {4, 4, 4}};

@@ -346,7 +346,7 @@ TEST_F(MadeZarr, WhatIsNotSupportedIsRefusedByName) {
   expect_refused(metadata, "fill_value");
   write_whole_file(array() / "zarr.json", as_bytes("{\"zarr_format\": 3,"),
                    Durability::rename_only);
-  EXPECT_THAT(refusal(array()), HasSubstr("not valid JSON"));
+  EXPECT_THAT(refusal(array()), HasSubstr("not valid JSON: parse error at line 1"));
   const std::string deep = std::string(1000000, '[') + std::string(1000000, ']');
   write_whole_file(array() / "zarr.json", as_bytes(deep), Durability::rename_only);
   EXPECT_THAT(refusal(array()), HasSubstr("64 deep"));

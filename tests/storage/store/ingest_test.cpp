@@ -163,6 +163,42 @@ TEST(SuggestIsovalue, LeavesPaddingOut) {
   EXPECT_EQ(padded->threshold.value, plain->threshold.value);
 }
 
+TEST(SuggestIsovalue, IsInRealValues) {
+  const std::vector<std::int16_t> values = {-5, 1, 1, 8};
+  const Histogram histogram = testing::histogram_of(SampleType::i16, raw(values));
+  EXPECT_EQ(quantile(histogram, 0, {2, -1024}), -1034);
+  EXPECT_EQ(quantile(histogram, 1, {2, -1024}), -1008);
+  EXPECT_EQ(quantile(histogram, 0, {-2, 0}), -16);
+  EXPECT_EQ(quantile(histogram, 0.5, {-2, 0}), -2);
+  EXPECT_EQ(quantile(histogram, 1, {-2, 0}), 10);
+  auto scan = two_materials();
+  scan.insert(scan.end(), 8000, -2000);
+  const Histogram padded = testing::histogram_of(SampleType::i16, raw(scan));
+  const auto stored = suggest_isovalue(padded);
+  for (const double slope : {0.5, -0.5}) {
+    const auto real = suggest_isovalue(padded, {slope, 100});
+    ASSERT_TRUE(real.has_value());
+    EXPECT_EQ(real->padding, slope * -2000 + 100);
+    EXPECT_NEAR(real->threshold.value, slope * stored->threshold.value + 100, 1);
+  }
+}
+
+TEST(SuggestIsovalue, SaysWhyThereIsNone) {
+  const std::vector<std::int16_t> same(10, 7);
+  EXPECT_EQ(no_threshold_text(testing::histogram_of(SampleType::i16, raw(same)), {2, 1}),
+            "have one value, 15");
+  std::vector<std::uint64_t> large;
+  for (std::uint64_t i = 0; i < 1000; ++i) large.push_back((std::uint64_t{1} << 60) + i);
+  const Histogram one_bin = testing::histogram_of(SampleType::u64, raw(large));
+  EXPECT_FALSE(suggest_isovalue(one_bin));
+  EXPECT_EQ(no_threshold_text(one_bin),
+            "have one value or lie too close together for a histogram: from 1152921504606846976 to "
+            "1153484454560268288");
+  const std::vector<float> infinite(4, INFINITY);
+  EXPECT_EQ(no_threshold_text(testing::histogram_of(SampleType::f32, raw(infinite))),
+            "are no finite numbers");
+}
+
 TEST(SuggestIsovalue, KeepsAMaskedBackground) {
   std::mt19937 random(1);
   std::vector<std::int16_t> values(9000, 0);

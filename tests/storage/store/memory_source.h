@@ -78,8 +78,12 @@ inline MemorySource random_source(SampleType type, Index3 size, unsigned seed) {
 
 inline StoreLayout layout_for(const SampleSource& source, const std::filesystem::path& array,
                               const StoreParameters& parameters) {
-  return {array, default_records_directory(array), source.info().type, source.info().geometry,
-          parameters};
+  return {array,
+          default_records_directory(array),
+          source.info().type,
+          source.info().geometry,
+          parameters,
+          source.info().scale};
 }
 
 inline constexpr Hash128 some_key{11, 22};

@@ -104,6 +104,19 @@ TEST(Store, GeometrySurvivesExactly) {
   }
 }
 
+TEST(Store, KeepsSlopeAndIntercept) {
+  const TempDirectory directory;
+  const auto source = random_source(SampleType::i16, {5, 6, 7}, 1);
+  StoreLayout layout = layout_for(source, directory / "a.zarr", {8, 16});
+  write_store(layout, source);
+  EXPECT_EQ(read_text_file(layout.array / "zarr.json").find("slope"), std::string::npos);
+  layout.array = directory / "b.zarr";
+  layout.scale = {-0.1, 1024};
+  write_store(layout, source);
+  EXPECT_EQ(StoreSource(layout.array, layout.records).info().scale, layout.scale);
+  EXPECT_EQ(open_zarr(layout.array)->info().scale, layout.scale);
+}
+
 // Of a record without its end, which says who wrote it when (artifact/container.h).
 std::vector<std::byte> contents(const std::filesystem::path& file) {
   std::vector<std::byte> bytes = read_whole_file(file);

@@ -1,3 +1,4 @@
+#include "storage/types/counted_from_zero.h"
 #include "storage/volumes/filters.h"
 #include "tests/storage/volumes/known_volume.h"
 
@@ -52,7 +53,7 @@ TEST(Crop, EveryAccess) {
   }
 }
 
-TEST(Crop, KeepsThePlaceInTheWorld) {
+TEST(Crop, KeepsItsCoordinatesAndSoItsPlaceInTheWorld) {
   const KnownVolume volume = make_volume(SampleType::u8, {9, 8, 7});
   VolumeGeometry geometry = geometry_of(volume.size);
   geometry.spacing = {2, 3, 4};
@@ -60,7 +61,11 @@ TEST(Crop, KeepsThePlaceInTheWorld) {
   geometry.direction = {Vec3{0, 1, 0}, Vec3{-1, 0, 0}, Vec3{0, 0, 1}};
   const auto source = std::make_shared<StrictSource>(volume, Access::box, geometry);
   const auto crop = crop_source(source, {{1, 2, 3}, {5, 6, 7}});
-  EXPECT_EQ(crop->info().geometry.origin, (Vec3{100 - 6, 200 + 2, 300 + 12}));
+  EXPECT_EQ(crop->info().geometry.origin, geometry.origin);
+  EXPECT_EQ(crop->info().geometry.first, (Vec3{2, 6, 12}));
+  const VolumeGeometry alone = counted_from_zero(crop->info().geometry);
+  EXPECT_EQ(alone.origin, (Vec3{100 - 6, 200 + 2, 300 + 12}));
+  EXPECT_EQ(alone.first, Vec3{});
   EXPECT_EQ(crop->info().geometry.size, (Index3{4, 4, 4}));
   EXPECT_EQ(crop->info().geometry.spacing, geometry.spacing);
 }

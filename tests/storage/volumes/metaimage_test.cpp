@@ -164,8 +164,27 @@ TEST(MetaImage, WarnsOfWhatItOverlooks) {
                    deflated(volume.stored(), Wrapper::zlib));
   expect_volume(*source, volume);
   EXPECT_THAT(source->info().warnings,
-              ::testing::ElementsAre(HasSubstr("-1024"), HasSubstr("little-endian assumed"),
-                                     HasSubstr("says 77")));
+              ::testing::ElementsAre(HasSubstr("little-endian assumed"), HasSubstr("says 77")));
+  EXPECT_EQ(source->info().scale, (ValueScale{1, -1024}));
+}
+
+TEST(MetaImage, GivesSlopeAndIntercept) {
+  const VolumeFolder directory;
+  const KnownVolume volume = make_volume(SampleType::u16, {3, 4, 5});
+  const auto opened = [&](const std::string& slope) {
+    return directory
+        .open("a.mha", to_bytes(metaimage_header(volume,
+                                                 "ElementByteOrderMSB = False\n"
+                                                 "ElementToIntensityFunctionSlope = " +
+                                                     slope + "\n",
+                                                 "LOCAL")) +
+                           volume.stored())
+        ->info();
+  };
+  EXPECT_EQ(opened("0.25").scale, (ValueScale{0.25, 0}));
+  EXPECT_TRUE(opened("0").scale.identity());
+  EXPECT_THAT(opened("nan").warnings,
+              ::testing::ElementsAre(AllOf(HasSubstr("by nan"), HasSubstr("as stored"))));
 }
 
 TEST(MetaImage, TruncatedDataAreRefused) {
@@ -204,7 +223,7 @@ TEST(MetaImage, BadHeadersAreNamedWithTheirLine) {
   refused("DimSize", "no equals sign", {"a.mha:3: expected 'Key = Value'"});
   refused("ElementType", "", {"no field 'ElementType'"});
   refused("ElementType", "ElementType = MET_UCHAR_ARRAY", {"one number a sample"});
-  refused("ElementSpacing", "ElementSpacing = 1 -1 1", {"positive numbers"});
+  refused("ElementSpacing", "ElementSpacing = 1 1", {"3 numbers"});
   refused("ElementNumberOfChannels", "ElementNumberOfChannels = 3", {"3 channels a sample"});
   refused("Offset", "TransformMatrix = 1 0 0 1 0 0 0 0 1", {"one plane"});
   refused("Offset", "TransformMatrix = 0 0 0 1 0 0 0 0 1", {"not zero"});
