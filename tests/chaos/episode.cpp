@@ -137,6 +137,7 @@ void Episode::run_together(std::vector<Run> runs, const std::function<void()>& m
     if (runs[i].signal != 0 && !processes[i].wait_for(runs[i].after_s))
       processes[i].send(runs[i].signal);
   std::vector<ProcessEnd> ends;
+  ends.reserve(processes.size());
   for (WatchedProcess& process : processes) ends.push_back(process.wait({60}));
   in_force_.insert(input_now());
   judge(runs, ends);

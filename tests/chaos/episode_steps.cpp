@@ -94,18 +94,16 @@ std::string Episode::input_change_command() {
   if (old != no_content) write_bytes(kept, clean_.bytes(old));
   // What it may be read as, however the command ends.
   in_force_.insert(other);
+  const std::string overwrite = R"(dd if="$2" of="$1" conv=notrunc status=none)";
   const std::vector<std::string> commands = {
-      "dd if=\"$2\" of=\"$1\" conv=notrunc status=none",
-      "touch -r \"$1\" \"$1.t\"; dd if=\"$2\" of=\"$1\" conv=notrunc status=none; touch -r "
-      "\"$1.t\" "
-      "\"$1\"; rm \"$1.t\"",
+      overwrite, R"(touch -r "$1" "$1.t"; )" + overwrite + R"(; touch -r "$1.t" "$1"; rm "$1.t")",
       "cp \"$2\" \"$1.new\"; mv \"$1.new\" \"$1\"", "touch -r \"$1\" \"$2\"; mv \"$2\" \"$1\"",
       "truncate -s 30000 \"$1\"", "cat \"$2\" >> \"$1\"", "rm \"$1\"", "touch \"$1\"",
       "touch -d 2001-01-01 \"$1\"",
       // There and back.
-      "dd if=\"$2\" of=\"$1\" conv=notrunc status=none; (sleep 0.02; dd if=\"$3\" of=\"$1\" "
-      "conv=notrunc status=none) >/dev/null 2>&1 &",
-      "dd if=\"$2\" of=\"$1\" bs=1000 skip=20 seek=20 count=20 conv=notrunc status=none"};
+      overwrite +
+          R"(; (sleep 0.02; dd if="$3" of="$1" conv=notrunc status=none) >/dev/null 2>&1 &)",
+      R"(dd if="$2" of="$1" bs=1000 skip=20 seek=20 count=20 conv=notrunc status=none)"};
   const std::string& command = pick_from(random_, commands);
   return fmt::format("set -- '{}' '{}' '{}'; [ -f \"$1\" ] || exit 0; {}", input().string(),
                      with.string(), kept.string(), command);

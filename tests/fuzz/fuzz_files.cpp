@@ -96,7 +96,7 @@ class Fuzzer {
 
   // A fresh copy of the specimen. Times stay: they are in what a run remembers.
   fs::path copy_of(const Specimen& specimen, std::size_t job) const {
-    const fs::path folder = case_folder(job);
+    fs::path folder = case_folder(job);
     fs::remove_all(folder);
     fs::create_directories(folder.parent_path());
     fs::copy(specimen.folder, folder, fs::copy_options::recursive);
@@ -152,7 +152,7 @@ class Fuzzer {
     command.insert(command.end(), words.begin(), words.end());
     const ProcessLimits limits{longest_s, is_run(words), options_.memory_mib << 20};
     const fs::path capture = folder.parent_path() / "said";
-    const ProcessEnd end = run_watched(command, folder, capture, limits);
+    ProcessEnd end = run_watched(command, folder, capture, limits);
     stopped = end.asked && complaint_of(end, false).empty() && end.exit_code == 1;
     return end;
   }
@@ -201,7 +201,7 @@ class Fuzzer {
   }
 
   fs::path keep(std::uint64_t index, std::size_t job, const CaseResult& result) const {
-    const fs::path kept = options_.keep / fmt::format("seed{}-case{}", options_.seed, index);
+    fs::path kept = options_.keep / fmt::format("seed{}-case{}", options_.seed, index);
     std::error_code ignored;
     fs::remove_all(kept, ignored);
     fs::create_directories(options_.keep);

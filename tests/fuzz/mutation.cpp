@@ -124,8 +124,8 @@ std::string replace_number(std::string& bytes, Random& random) {
   if (numbers.empty()) return turn_bits(bytes, random);
   const auto [begin, end] = pick_from(random, numbers);
   const std::string& text = pick_from(random, extreme_texts);
-  const std::string what = fmt::format("{} at {} becomes {}", bytes.substr(begin, end - begin),
-                                       begin, text.empty() ? "nothing" : text);
+  std::string what = fmt::format("{} at {} becomes {}", bytes.substr(begin, end - begin), begin,
+                                 text.empty() ? "nothing" : text);
   bytes.replace(begin, end - begin, text);
   return what;
 }
@@ -326,8 +326,8 @@ std::string mutate_file(const fs::path& path, const std::string& other, Random& 
   }
   std::string bytes = bytes_of_file(path);
   const bool packed = bytes.size() > 2 && bytes[0] == '\x1f' && bytes[1] == '\x8b';
-  const std::string what = packed && pick(random, 2) == 0 ? mutate_inside(bytes, other, random)
-                                                          : mutate_bytes(bytes, other, random);
+  std::string what = packed && pick(random, 2) == 0 ? mutate_inside(bytes, other, random)
+                                                    : mutate_bytes(bytes, other, random);
   write_bytes(path, bytes);
   return what;
 }

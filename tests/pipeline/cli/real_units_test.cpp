@@ -67,7 +67,7 @@ class RealUnits : public ::testing::Test {
     return {read_bytes(place.at(name + ".mesh/mesh.drc")), result.err,
             nlohmann::json::parse(read_bytes(place.at(name + ".mesh/manifest.json")))};
   }
-  const Workplace place;
+  Workplace place;
 };
 
 TEST_F(RealUnits, IsovaluesAreReal) {
