@@ -7,6 +7,7 @@
 #include "stages/encode/glb_format.h"
 #include "storage/support/byte_order.h"
 #include "storage/support/error.h"
+#include "storage/support/refused_text.h"
 
 namespace voxweld {
 namespace {
@@ -17,6 +18,7 @@ std::uint32_t get_u32(std::span<const std::byte> bytes, std::size_t at) {
   return load_as<std::uint32_t>(bytes.data(), at, std::endian::little);
 }
 
+// NOLINTNEXTLINE(bugprone-exception-escape): to move a Json throws nothing
 struct GlbChunks {
   Json json;
   std::span<const std::byte> bin;
@@ -63,7 +65,7 @@ auto with_json(const std::string& where, Read read) {
   try {
     return read();
   } catch (const Json::exception& e) {
-    throw FormatError(where + ": glTF of another shape than expected: " + e.what());
+    throw FormatError(where + ": glTF of another shape than expected: " + json_problem(e));
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "storage/store/zarr_json.h"
 #include "storage/store/zarr_metadata.h"
+#include "storage/support/refused_text.h"
 
 namespace voxweld {
 namespace {
@@ -356,11 +357,7 @@ ZarrArray parse_zarr_array(const std::string& text, const std::filesystem::path&
   try {
     document = Json::parse(text, check_depth);
   } catch (const nlohmann::json::exception& error) {
-    // Without the library's own name of the error, which stands before it in brackets.
-    const std::string said = error.what();
-    const std::size_t name_end = said.find("] ");
-    throw FormatError(file + ": not valid JSON: " +
-                      (name_end == std::string::npos ? said : said.substr(name_end + 2)));
+    throw FormatError(file + ": not valid JSON: " + json_problem(error));
   }
   const JsonField root(document, file, "");
   check_version(root);
