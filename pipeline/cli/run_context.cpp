@@ -56,7 +56,8 @@ RunContext make_context(Program& program, const RunArguments& arguments, Executo
   RunContext context;
   context.config = load_config(arguments.config, arguments.overrides);
   context.config_file = std::filesystem::canonical(arguments.config);
-  context.config_result = result_of_file(arguments);
+  context.config_result =
+      arguments.overrides.empty() ? result_hash(context.config) : result_of_file(arguments);
   context.force = arguments.force;
   // On a cluster many tasks read what one has read: the brick store is made for that.
   if (context.config.run.executor == RunConfig::Executor::slurm &&
@@ -93,8 +94,7 @@ void run_where_asked(Program& program, RunContext& context) {
 void print_summary(const RunContext& context, bool json) {
   const std::filesystem::path& output = context.config.output.directory;
   if (json) {
-    const auto bytes = read_whole_file(output / manifest_name);
-    fmt::print("{}", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    fmt::print("{}", read_text_file(output / manifest_name));
     return;
   }
   const Manifest manifest = read_manifest(output / manifest_name);

@@ -50,10 +50,9 @@ std::filesystem::path owner_of(const std::filesystem::path& output) {
 
 // A manifest of ours that is damaged has at least its name in it, or is cut short before that.
 bool is_of_voxweld(const std::filesystem::path& manifest) {
-  const std::vector<std::byte> bytes = read_whole_file(manifest);
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string text = read_text_file(manifest);
   constexpr std::string_view begins = "{\n  \"format\": \"voxweld";
-  return begins.starts_with(text) || text.find("voxweld") != std::string_view::npos;
+  return begins.starts_with(text) || text.find("voxweld") != std::string::npos;
 }
 
 }  // namespace

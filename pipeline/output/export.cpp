@@ -88,8 +88,4 @@ void write_exported(const std::filesystem::path& path, const std::string& text,
   file.commit(Durability::fsync);
 }
 
-void export_mesh(const DecodedMesh& mesh, const std::filesystem::path& path) {
-  write_exported(path, exported_mesh(mesh, path));
-}
-
 }  // namespace voxweld

@@ -23,7 +23,4 @@ std::string exported_mesh(const DecodedMesh& mesh, const std::filesystem::path& 
 void write_exported(const std::filesystem::path& path, const std::string& text,
                     const InterruptFlag* interrupt = nullptr);
 
-// All of it.
-void export_mesh(const DecodedMesh& mesh, const std::filesystem::path& path);
-
 }  // namespace voxweld

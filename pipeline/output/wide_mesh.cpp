@@ -249,8 +249,4 @@ std::string exported_wide_mesh(const WideMesh& mesh, const fs::path& path) {
                                : stl(mesh);
 }
 
-void export_wide_mesh(const WideMesh& mesh, const fs::path& path) {
-  write_exported(path, exported_wide_mesh(mesh, path));
-}
-
 }  // namespace voxweld

@@ -36,7 +36,5 @@ WideMesh load_wide_mesh(const std::filesystem::path& path, const ExportOptions& 
 // has floats. Labels go into a .ply only: of each face, as `label` (on its inner side) and
 // `label_outside`; -1 is the space around the volume.
 std::string exported_wide_mesh(const WideMesh& mesh, const std::filesystem::path& path);
-// Through a temporary name.
-void export_wide_mesh(const WideMesh& mesh, const std::filesystem::path& path);
 
 }  // namespace voxweld

@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <span>
 
 #include "pipeline/encode/encode_stage.h"
 #include "pipeline/stage/artifacts.h"
 #include "stages/solids/solid.h"
+#include "stages/solids/volume_frame.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -149,13 +151,13 @@ void warn_of_idle_edits(Stages& stages) {
   stages.open(Stage::build);
   const BuildJob& job = stages.jobs().build();
   const VolumeGeometry& geometry = job.volume.geometry();
-  const Vec3 s = geometry.spacing;
-  const Index3 last = geometry.size - splat(1);
-  const Bounds samples{{},
-                       {s.x * static_cast<double>(last.x), s.y * static_cast<double>(last.y),
-                        s.z * static_cast<double>(last.z)}};
-  for (std::size_t i = 0; i < job.parameters.edits.size(); ++i) {
-    const Edit& edit = job.parameters.edits[i];
+  const VolumeFrame frame{geometry.size, geometry.spacing};
+  const Bounds samples{{}, frame.place_of_sample(geometry.size - splat(1))};
+  // A mesh that is the input comes before those of the config.
+  const std::span<const Edit> edits =
+      std::span(job.parameters.edits).subspan(job.volume.solid ? 1 : 0);
+  for (std::size_t i = 0; i < edits.size(); ++i) {
+    const Edit& edit = edits[i];
     if (edit_reaches(edit, samples)) continue;
     spdlog::warn(
         "edit {} changes nothing: {} the volume, whose samples run from {} to {}; correct its "

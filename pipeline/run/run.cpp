@@ -16,6 +16,7 @@
 #include "pipeline/run/last_config.h"
 #include "pipeline/run/output_claim.h"
 #include "pipeline/run/stages.h"
+#include "pipeline/stage/file_layout.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 
@@ -94,9 +95,7 @@ void clear_temporaries(const Config& config) {
     remove_stale_temporaries(config.output.directory / folder, true);
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(config.work.directory, error))
-    for (const Stage stage : all_stages)
-      if (entry.path().filename().string().starts_with(std::string(stage_name(stage)) + "-"))
-        remove_stale_temporaries(entry.path(), true);
+    if (stage_of_folder(entry.path())) remove_stale_temporaries(entry.path(), true);
 }
 
 // Removes what failed its checks, so that the next pass makes it again. Throws the error itself

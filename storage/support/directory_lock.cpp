@@ -31,8 +31,7 @@ std::string lock_text(const std::string& owner) {
 // Empty where there is none.
 std::string read_text(const fs::path& path) {
   try {
-    const auto bytes = read_whole_file(path);
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    return read_text_file(path);
   } catch (const Error&) {
     return {};
   }

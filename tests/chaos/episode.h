@@ -78,6 +78,8 @@ class Episode {
   void work_step();
   void damage_step();
   void stage_step();
+  void on_small_disk(const std::string& size, const std::function<void()>& f);
+  void run_and_check();
   void full_disk_step();
   void read_only_step();
   void move_step();

@@ -208,39 +208,41 @@ void Episode::unmount_small() {
   mounted_ = false;
 }
 
-void Episode::full_disk_step() {
-  if (!mount_small(fmt::format("{}k", 16 << pick(random_, 6)))) return;
+// The work or the output of one config, whichever it is, while f is called.
+void Episode::on_small_disk(const std::string& size, const std::function<void()>& f) {
+  if (!mount_small(size)) return;
   const Config before = configs_[1];
-  const bool work = pick(random_, 2) == 0;
-  (work ? configs_[1].work : configs_[1].output) = "disk/run";
+  (pick(random_, 2) == 0 ? configs_[1].work : configs_[1].output) = "disk/run";
   write_config(configs_[1]);
-  run_together({random_run(1)});
-  check_output(configs_[1].output, outputs_[configs_[1].output]);
-  mount("tmpfs", (place_ / "disk").c_str(), "tmpfs", MS_REMOUNT, "size=64m");
-  run_together({random_run(1)});
-  check_output(configs_[1].output, outputs_[configs_[1].output]);
+  f();
   unmount_small();
   outputs_.erase("disk/run");
   configs_[1] = before;
   write_config(before);
 }
 
+void Episode::run_and_check() {
+  run_together({random_run(1)});
+  check_output(configs_[1].output, outputs_[configs_[1].output]);
+}
+
+void Episode::full_disk_step() {
+  on_small_disk(fmt::format("{}k", 16 << pick(random_, 6)), [&] {
+    run_and_check();
+    mount("tmpfs", (place_ / "disk").c_str(), "tmpfs", MS_REMOUNT, "size=64m");
+    run_and_check();
+  });
+}
+
 void Episode::read_only_step() {
-  if (!mount_small("64m")) return;
-  const Config before = configs_[1];
-  (pick(random_, 2) == 0 ? configs_[1].work : configs_[1].output) = "disk/run";
-  write_config(configs_[1]);
-  if (pick(random_, 2) == 0) run_together({random_run(1)});
-  for (const unsigned long flags : {0UL + (MS_REMOUNT | MS_RDONLY), 0UL + MS_REMOUNT}) {
-    mount("tmpfs", (place_ / "disk").c_str(), "tmpfs", flags, "size=64m");
-    if (pick(random_, 2) == 0) say("    the input: " + change_input());
-    run_together({random_run(1)});
-    check_output(configs_[1].output, outputs_[configs_[1].output]);
-  }
-  unmount_small();
-  outputs_.erase("disk/run");
-  configs_[1] = before;
-  write_config(before);
+  on_small_disk("64m", [&] {
+    if (pick(random_, 2) == 0) run_together({random_run(1)});
+    for (const unsigned long flags : {0UL + (MS_REMOUNT | MS_RDONLY), 0UL + MS_REMOUNT}) {
+      mount("tmpfs", (place_ / "disk").c_str(), "tmpfs", flags, "size=64m");
+      if (pick(random_, 2) == 0) say("    the input: " + change_input());
+      run_and_check();
+    }
+  });
 }
 
 // The whole folder gets another name.

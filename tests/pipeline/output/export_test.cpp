@@ -28,6 +28,14 @@ ReadMesh read_back(const std::filesystem::path& path) {
   return mesh;
 }
 
+void export_mesh(const DecodedMesh& mesh, const std::filesystem::path& path) {
+  write_exported(path, exported_mesh(mesh, path));
+}
+
+void export_wide_mesh(const WideMesh& mesh, const std::filesystem::path& path) {
+  write_exported(path, exported_wide_mesh(mesh, path));
+}
+
 DecodedMesh decoded_torus() {
   const TileMesh torus = testing::make_torus({}, testing::small_lattice());
   return decode_draco(encode_draco(torus, {.normals = false}).bytes);

@@ -121,6 +121,16 @@ TEST(MeshInput, NeitherPartitionNorStagesMatter) {
   EXPECT_EQ(difference(expected, output_tree(space.scene().output("parts"))), "");
 }
 
+TEST(MeshInput, EditsWithoutEffectAreCountedFromTheConfigsFirst) {
+  const MeshInputScene space;
+  write_off(space.at("a.off"), dented_ball({}, 10, 3));
+  space.set(space.at("a.off"), "resolution = 20",
+            "[[edit]]\nop = \"subtract\"\nshape = \"sphere\"\ncenter = [500, 0, 0]\nradius = 3\n");
+  const ProgramResult run = space.scene().run();
+  VOXWELD_EXPECT_DONE(run);
+  EXPECT_THAT(run.err, HasSubstr("edit 1 changes nothing: it lies outside the volume"));
+}
+
 TEST(MeshInput, WhatIsInTheFileCountsNotItsNameOrTime) {
   const MeshInputScene space;
   TriangleMesh mesh = dented_ball({}, 10, 3);
