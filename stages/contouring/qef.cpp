@@ -84,18 +84,43 @@ void solve_edge(const Plain& p, int axis, double cut, double* x) {
   if (s > cut) x[axis] += inner(p.r[axis], c) / s;
 }
 
-struct Best {
-  double x[3]{};
-  double energy = 0;
-  bool any = false;
-  void offer(const Plain& p, const double* candidate) {
-    const double e = energy_at(p, candidate);
-    if (any && !(e < energy)) return;
-    std::copy(candidate, candidate + 3, x);
-    energy = e;
-    any = true;
+// Where planes leave a line of minima on the box's border, its ends and what lies between them
+// differ by rounding alone. Then the one nearest the mass point is taken: an end can lie far from
+// all crossings, outside the surface.
+class Candidates {
+ public:
+  explicit Candidates(const Plain& p) : p_(p) {}
+  void offer(const double* x) {
+    Candidate& to = all_[count_++];
+    to.energy = energy_at(p_, x);
+    for (int a = 0; a < 3; ++a) {
+      to.x[a] = x[a];
+      to.from_mass += (x[a] - p_.mass[a]) * (x[a] - p_.mass[a]);
+    }
   }
+  struct Candidate {
+    double x[3]{};
+    double energy = 0, from_mass = 0;
+  };
+  // slack: the change of distance, the root of an energy, that rounding makes.
+  const Candidate& best(double slack) const {
+    const Candidate* best = all_.data();
+    for (std::size_t i = 1; i < count_; ++i)
+      if (all_[i].energy < best->energy) best = &all_[i];
+    const double limit = std::sqrt(best->energy) + slack, equal = limit * limit;
+    for (std::size_t i = 0; i < count_; ++i)
+      if (all_[i].energy <= equal && all_[i].from_mass < best->from_mass) best = &all_[i];
+    return *best;
+  }
+
+ private:
+  const Plain& p_;
+  std::array<Candidate, 18> all_{};  // six faces, twelve edges
+  std::size_t count_ = 0;
 };
+
+// Of a stored factor after many merges, in units of what it is multiplied with.
+constexpr double float_noise = 1e-5;
 
 std::array<const QefKernels*, 3> widest_first() {
   return {qef_kernels_avx512(), qef_kernels_avx2(), &qef_kernels_base()};
@@ -158,7 +183,7 @@ void constrain_lane(const FactorBatch& factor, std::size_t lane, Vec3 half, doub
   const double cut = largest * threshold * threshold;
   const auto clamped_mass = [&](int axis) { return std::clamp(p.mass[axis], -h[axis], h[axis]); };
 
-  Best best;
+  Candidates candidates(p);
   for (int axis = 0; axis < 3; ++axis)
     for (const double side : {-1.0, 1.0}) {
       const int u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -167,7 +192,7 @@ void constrain_lane(const FactorBatch& factor, std::size_t lane, Vec3 half, doub
       x[u] = clamped_mass(u);
       x[v] = clamped_mass(v);
       solve_face(p, u, v, cut, x);
-      if (std::abs(x[u]) <= h[u] && std::abs(x[v]) <= h[v]) best.offer(p, x);
+      if (std::abs(x[u]) <= h[u] && std::abs(x[v]) <= h[v]) candidates.offer(x);
     }
   for (int axis = 0; axis < 3; ++axis)
     for (int corner = 0; corner < 4; ++corner) {
@@ -178,8 +203,10 @@ void constrain_lane(const FactorBatch& factor, std::size_t lane, Vec3 half, doub
       x[v] = (corner & 2) != 0 ? h[v] : -h[v];
       solve_edge(p, axis, cut, x);
       x[axis] = std::clamp(x[axis], -h[axis], h[axis]);
-      best.offer(p, x);
+      candidates.offer(x);
     }
+  const double slack = float_noise * std::sqrt(factor.planes[lane] * squared(h));
+  const Candidates::Candidate& best = candidates.best(slack);
   for (std::size_t a = 0; a < 3; ++a) solution.x[a][lane] = best.x[a];
   solution.energy[lane] = best.energy;
 }

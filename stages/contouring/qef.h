@@ -76,7 +76,7 @@ void load_lane(const Qef& qef, std::size_t lane, FactorBatch& factor);
 
 // Replaces the solution of one lane by the minimiser over the box |x| <= half on each axis, where
 // it lies outside: exact over the box's faces, edges and corners, each solved with the same
-// threshold.
+// threshold; where many are equal but for rounding, the one nearest the mass point.
 void constrain_lane(const FactorBatch& factor, std::size_t lane, Vec3 half, double threshold,
                     SolutionBatch& solution);
 

@@ -30,7 +30,7 @@ namespace voxweld {
 
 inline constexpr std::array<char, 4> label_shard_kind = {'o', 'c', 't', 'l'};
 // Goes up whenever the bytes that build makes of labels change: format or mathematics.
-inline constexpr std::uint32_t label_shard_version = 3;
+inline constexpr std::uint32_t label_shard_version = 4;
 
 struct PieceKey {
   Material material = exterior;

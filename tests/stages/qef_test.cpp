@@ -60,6 +60,13 @@ PlaneBatch batch_of(const std::vector<Planes>& sets) {
   return batch;
 }
 
+double norm(Vec3 v) {
+  return std::sqrt(dot(v, v));
+}
+Vec3 unit(Vec3 v) {
+  return v * (1 / norm(v));
+}
+
 TEST(Qef, FactorHasTheEnergyOfThePlanes) {
   std::mt19937 random(1);
   std::vector<Planes> sets;
@@ -193,6 +200,44 @@ TEST(Qef, ConstrainedMinimumIsTheBestOfAFineSearch) {
       EXPECT_LE(std::abs(solution.x[a][0]), half[static_cast<int>(a)]);
   }
   EXPECT_GT(outside, 50);
+}
+
+// Two planes meet in a line. Where it passes through the box, but not at its point nearest the mass
+// point, both its ends have no energy at all.
+TEST(Qef, OfALineOfMinimaTheEndNearestTheMassPointIsTaken) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> u(-0.5, 0.5);
+  const Vec3 half{0.5, 0.5, 0.5};
+  int of_two_ends = 0;
+  for (int round = 0; round < 3000; ++round) {
+    const Vec3 through{u(random), u(random), u(random)};
+    Vec3 normal[2];
+    for (Vec3& n : normal) n = unit(Vec3{u(random), u(random), u(random)});
+    const Vec3 along = unit(cross(normal[0], normal[1]));
+    Planes planes;
+    for (int i = 0; i < 4; ++i) {  // crossings gathered at one place, away from the line
+      const Vec3 n = normal[i % 2];
+      const Vec3 at = through + along * 1.5 + cross(n, along) * (0.1 * u(random));
+      planes.normal.push_back({n.x, n.y, n.z});
+      planes.point.push_back({at.x, at.y, at.z});
+    }
+    FactorBatch factor;
+    SolutionBatch solution;
+    qef_kernels().reduce(batch_of({planes}), factor);
+    load_lane(store_lane(factor, 0), 0, factor);  // with the rounding of an artifact
+    qef_kernels().solve(factor, 1e-4, solution);
+    constrain_lane(factor, 0, half, 1e-4, solution);
+    const Vec3 x{solution.x[0][0], solution.x[1][0], solution.x[2][0]};
+    // Where the line leaves the box towards the crossings.
+    double end = 1e9;
+    for (int a = 0; a < 3; ++a)
+      if (along[a] != 0)
+        end = std::min(end, (std::copysign(0.5, along[a]) - through[a]) / along[a]);
+    if (norm(cross(normal[0], normal[1])) < 0.2) continue;
+    ++of_two_ends;
+    EXPECT_LT(norm(x - (through + along * end)), 1e-3) << round;
+  }
+  EXPECT_GT(of_two_ends, 2000);
 }
 
 }  // namespace

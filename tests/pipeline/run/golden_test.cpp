@@ -80,17 +80,17 @@ class Goldens : public ::testing::Test {
 std::unique_ptr<Scene> Goldens::scene_;
 
 TEST_F(Goldens, Build) {
-  expect_recorded({"build", 7, "cf9c24e5198e38e7d189270a5e03064e"}, shard_version,
+  expect_recorded({"build", 8, "28371be002158ebd3eec69113f7bbc0a"}, shard_version,
                   hash_of(work(".octree"), shard_kind, shard_version));
 }
 
 TEST_F(Goldens, Merge) {
-  expect_recorded({"merge", 6, "84d4bf43f791bb5506f365ad9402b6c3"}, top_version,
+  expect_recorded({"merge", 6, "c6d3f380eb26526542057371ff18dc5e"}, top_version,
                   hash_of(work(".tree"), top_kind, top_version));
 }
 
 TEST_F(Goldens, Stitch) {
-  expect_recorded({"stitch", 5, "7e17f328b6b4db97b03552756621f445"}, tile_version,
+  expect_recorded({"stitch", 5, "51731b4190a3a5dbdfa266f1d2b0819f"}, tile_version,
                   hash_of(work(".tile"), tile_kind, tile_version));
 }
 
@@ -100,7 +100,7 @@ TEST_F(Goldens, Encode) {
   auto files = files_ending(scene_->output(), ".drc");
   const auto glb = files_ending(scene_->output(), ".glb");
   files.insert(files.end(), glb.begin(), glb.end());
-  expect_recorded({"encode", 2, "1da4564afe0a5e249794e3aac34b9d94"}, encode_version,
+  expect_recorded({"encode", 2, "0b91fa433390899f9925a90aed67bac9"}, encode_version,
                   hash_of(files));
 }
 
@@ -169,17 +169,17 @@ INSTANTIATE_TEST_SUITE_P(
                     label_shard_version,
                     build_version(label_shard_version),
                     top_version | label_top_version << 16,
-                    {Golden{"build of each label", 70302, "9df9f739f162531aab6c2a8b50c65005"},
-                     {"merge of each label", 65542, "5fcac116c2fbef19372014586dc56bd1"},
-                     {"stitch of each label", 5, "7d75c734c0dbd97ad44f30c8346ac30f"},
-                     {"encode of each label", 2, "38ff357442240d0603474d87ddb6a867"}}},
+                    {Golden{"build of each label", 80402, "4a45c37b63c53b26e865285d6e907386"},
+                     {"merge of each label", 65542, "292f538bcfb77494899f07780d50b344"},
+                     {"stitch of each label", 5, "bfb21ed88b048cf5310bea3e247ca9f5"},
+                     {"encode of each label", 2, "141590bccb677d852b82a4e68563a1e8"}}},
         LabelGolden{"shared",
                     shard_kind,
                     shard_version,
                     build_version(0),
                     top_version,
-                    {Golden{"build of shared labels", 70002, "5183b262e2845a0853b6a4cdee6abac1"},
-                     {"merge of shared labels", 6, "7993018ea81671249ffa7cba113f8312"},
+                    {Golden{"build of shared labels", 80002, "8581d5ffae904ec72435202a13867e53"},
+                     {"merge of shared labels", 6, "5332e3867d4fd96a90b9053de460dbb0"},
                      {"stitch of shared labels", 5, "72c25daa7b77660f1e8f39a59e9770d5"},
                      {"encode of shared labels", 2, "fd0cca0c691305fa8d98734ec337ab36"}}}),
     [](const auto& each) { return each.param.mode; });

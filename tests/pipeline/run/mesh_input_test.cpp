@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <fstream>
+#include <numbers>
 
 #include "stages/solids/mesh_boundary.h"
 #include "storage/meshes/mesh_file.h"
@@ -95,6 +97,48 @@ TEST(MeshInput, EditsAreInItsCoordinates) {
   EXPECT_THAT(cut.err, HasSubstr("edit 1 adds a solid that reaches"));
   EXPECT_NEAR(volume_with(pin, "margin = 20"), all + 2 * 2 * 4, 0.3);
   EXPECT_THAT(space.scene().run().err, ::testing::Not(HasSubstr("edit 1 adds")));
+}
+
+// A ring of teeth, turned with its height: flat below and above, with edges at all angles.
+TriangleMesh helical_gear(Vec3 size, int teeth, double turn) {  // size: inner, outer radius, height
+  constexpr int around_a_tooth = 8, on_the_tooth = 3, layers = 4;
+  const int around = teeth * around_a_tooth;
+  TriangleMesh mesh;
+  for (int layer = 0; layer <= layers; ++layer)
+    for (int i = 0; i < around; ++i) {
+      const double radius = i % around_a_tooth < on_the_tooth ? size.y : size.x;
+      const double angle = 2 * std::numbers::pi * i / around + turn * layer / layers;
+      mesh.vertices.push_back(
+          {radius * std::cos(angle), radius * std::sin(angle), size.z * layer / layers});
+    }
+  const auto at = [&](int layer, int i) {
+    return static_cast<std::uint32_t>(layer * around + i % around);
+  };
+  for (int layer = 0; layer < layers; ++layer)
+    for (int i = 0; i < around; ++i) {
+      mesh.triangles.push_back({at(layer, i), at(layer, i + 1), at(layer + 1, i + 1)});
+      mesh.triangles.push_back({at(layer, i), at(layer + 1, i + 1), at(layer + 1, i)});
+    }
+  const auto below = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.push_back({0, 0, 0});
+  mesh.vertices.push_back({0, 0, size.z});
+  for (int i = 0; i < around; ++i) {
+    mesh.triangles.push_back({below, at(0, i + 1), at(0, i)});
+    mesh.triangles.push_back({below + 1, at(layers, i), at(layers, i + 1)});
+  }
+  return mesh;
+}
+
+// Of planes that meet in a line outside a cell's faces one end of it was taken: half a cell off.
+TEST(MeshInput, NoVertexOfAGearLiesBelowItsFlatBottom) {
+  const MeshInputScene space;
+  constexpr double height = 16.204008272302865, outer = 33.687143774591625;
+  write_off(space.at("gear.off"), helical_gear({30, outer, height}, 12, 0.2749426381032505));
+  space.set(space.at("gear.off"), "resolution = 140", "[simplify]\ntolerance = 0.02\n");
+  const double cell = 2 * outer / 140;
+  const Bounds extent = bounds_of(space.result());
+  EXPECT_GT(extent.lo.z, -0.05 * cell);
+  EXPECT_LT(extent.hi.z, height + 0.05 * cell);
 }
 
 TEST(MeshInput, NeitherPartitionNorStagesMatter) {
