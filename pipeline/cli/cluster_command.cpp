@@ -13,6 +13,7 @@
 #include "pipeline/slurm/slurm_status.h"
 #include "pipeline/slurm/work_plan.h"
 #include "storage/support/error.h"
+#include "storage/support/json_text.h"
 
 namespace voxweld {
 namespace {
@@ -50,7 +51,7 @@ int submit(Program& program, const ClusterArguments& arguments) {
                      {"job", step.job},
                      {"tasks", step.tasks},
                      {"folder", step.folder.string()}});
-    fmt::print("{}\n", out.dump(2));
+    fmt::print("{}\n", json_text(out, 2));
     return 0;
   }
   for (const SubmittedStep& step : steps)
@@ -59,14 +60,21 @@ int submit(Program& program, const ClusterArguments& arguments) {
   return 0;
 }
 
+// Of a run on the cluster, or, where nothing was ever sent there, of the config's own executor.
+RunContext status_context(Program& program, const RunArguments& arguments, Executor& executor) {
+  RunContext context = make_context(program, arguments, executor);
+  if (known_arrays(context.config).empty()) return context;
+  return cluster_context(program, arguments, executor);
+}
+
 int show_status(Program& program, const ClusterArguments& arguments) {
   LocalExecutor here;
   SlurmClient client = make_client(program);
   for (;;) {
-    RunContext context = cluster_context(program, arguments.run, here);
+    RunContext context = status_context(program, arguments.run, here);
     const RunStatus status = run_status(context, client);
     if (arguments.json)
-      fmt::print("{}\n", to_json(status).dump(2));
+      fmt::print("{}\n", json_text(to_json(status), 2));
     else
       fmt::print("{}", to_text(status));
     std::fflush(stdout);
@@ -102,7 +110,7 @@ int show_plan(Program& program, const ClusterArguments& arguments) {
   } catch (const Error&) {  // a plan can be made where there is no cluster
   }
   const WorkPlan plan = plan_work(context, jobs, std::max<std::int64_t>(slots, 1));
-  fmt::print("{}", arguments.json ? to_json(plan).dump(2) + "\n" : to_text(plan));
+  fmt::print("{}", arguments.json ? json_text(to_json(plan), 2) + "\n" : to_text(plan));
   return 0;
 }
 

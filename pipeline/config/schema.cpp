@@ -8,6 +8,7 @@
 
 #include "pipeline/config/edit_settings.h"
 #include "pipeline/config/settings.h"
+#include "storage/support/json_text.h"
 
 namespace voxweld {
 namespace {
@@ -261,7 +262,7 @@ std::string config_schema_json() {
                        {"then", {{"required", Json::array({"edit"})}}},
                        {"else", otherwise},
                        {"properties", std::move(tables)}};
-  return schema.dump(2) + "\n";
+  return json_text(schema, 2) + "\n";
 }
 
 }  // namespace voxweld

@@ -6,6 +6,7 @@
 
 #include "pipeline/executor/memory_budget.h"
 #include "pipeline/info/info.h"
+#include "storage/support/json_text.h"
 
 namespace voxweld {
 namespace {
@@ -25,8 +26,8 @@ std::string scalar(const std::string& key, const InfoDocument& value) {
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (value.is_number_float()) return fmt::format("{}", value.get<double>());
   if (ends_with_bytes(key))
-    return fmt::format("{} ({})", value.dump(), readable_bytes(value.get<double>()));
-  return value.dump();
+    return fmt::format("{} ({})", json_text(value), readable_bytes(value.get<double>()));
+  return json_text(value);
 }
 
 std::string list(const std::string& key, const InfoDocument& values) {
@@ -95,8 +96,7 @@ std::string to_text(const InfoDocument& document) {
 }
 
 std::string to_json_text(const InfoDocument& document) {
-  // Names of files may be any bytes; what is not UTF-8 is replaced rather than refused.
-  return document.dump(2, ' ', false, InfoDocument::error_handler_t::replace) + "\n";
+  return json_text(document, 2) + "\n";
 }
 
 }  // namespace voxweld

@@ -4,6 +4,7 @@
 
 #include "pipeline/executor/progress.h"
 #include "pipeline/output/verify.h"
+#include "storage/support/json_text.h"
 
 namespace voxweld {
 
@@ -36,7 +37,7 @@ std::string to_json_text(const VerifyReport& r) {
                                 {"problem_count", r.problem_count},
                                 {"problems", std::move(problems)}};
   if (r.labels > 0) out["labels"] = r.labels;
-  return out.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return json_text(out) + "\n";
 }
 
 }  // namespace voxweld

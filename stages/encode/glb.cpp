@@ -14,6 +14,7 @@
 #include "stages/encode/glb_format.h"
 #include "stages/encode/label_colour.h"
 #include "storage/support/error.h"
+#include "storage/support/json_text.h"
 
 namespace voxweld {
 namespace {
@@ -163,7 +164,7 @@ void put_u32(std::vector<std::byte>& out, std::uint64_t value) {
 }
 
 std::vector<std::byte> wrap(const std::vector<Part>& parts, const GlbParameters& parameters) {
-  std::string text = document(parts, parameters).dump();
+  std::string text = json_text(document(parts, parameters));
   text.resize(padded(text.size()), ' ');
   std::size_t bin = 0;
   for (const Part& part : parts) bin += padded(part.mesh->bytes.size());

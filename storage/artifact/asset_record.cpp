@@ -5,6 +5,7 @@
 #include "storage/artifact/container.h"
 #include "storage/support/error.h"
 #include "storage/support/hash_file.h"
+#include "storage/support/json_text.h"
 
 namespace voxweld {
 namespace {
@@ -108,7 +109,7 @@ void write_asset_record(const std::filesystem::path& path, const AssetRecord& re
       {"vertices", record.vertices},   {"triangles", record.triangles},
       {"quads", record.quads},         {"polygon_triangles", record.polygon_triangles},
       {"collinear", record.collinear}, {"files", files}};
-  const std::string text = body.dump();
+  const std::string text = json_text(body);
   ArtifactWriter writer(path, {asset_kind, asset_version, record.key});
   writer.section(body_section, as_bytes(text));
   if (!record.labels.empty()) {

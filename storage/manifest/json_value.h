@@ -9,6 +9,7 @@
 
 #include "storage/manifest/manifest.h"
 #include "storage/support/error.h"
+#include "storage/support/json_text.h"
 
 namespace voxweld {
 
@@ -21,7 +22,7 @@ class JsonValue {
   [[noreturn]] void wrong(const std::string& expected) const {
     throw FormatError(fmt::format("{}: {} is {}, expected {}", where_,
                                   key_.empty() ? "the document" : "\"" + key_ + "\"",
-                                  shortened(value_.dump()), expected));
+                                  shortened(json_text(value_)), expected));
   }
   bool has(const char* key) const { return value_.is_object() && value_.contains(key); }
   bool is_null() const { return value_.is_null(); }

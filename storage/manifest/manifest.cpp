@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "storage/manifest/json_value.h"
+#include "storage/support/json_text.h"
 
 namespace voxweld {
 namespace {
@@ -134,7 +135,7 @@ void write_manifest(const Manifest& manifest, const std::filesystem::path& path,
     if (manifest.*section != nullptr) out[key] = *(manifest.*section);
   out["files"] = ordered_json::array();
   for (const FileRecord& file : manifest.files) out["files"].push_back(to_json(file));
-  write_whole_file(path, as_bytes(out.dump(2) + "\n"), durability);
+  write_whole_file(path, as_bytes(json_text(out, 2) + "\n"), durability);
 }
 
 Manifest read_manifest(const std::filesystem::path& path) {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include "storage/support/json_text.h"
 
 #include "storage/manifest/json_value.h"
 
@@ -63,7 +64,7 @@ std::string to_json_line(const TileRecord& record) {
   out["polygon_triangles"] = record.polygon_triangles;
   out["files"] = ordered_json::array();
   for (const FileRecord& file : record.files) out["files"].push_back(to_json(file));
-  return out.dump() + "\n";
+  return json_text(out) + "\n";
 }
 
 TileRecord parse_tile_record(const std::string& line, const std::string& where) {
@@ -101,7 +102,7 @@ std::string to_json_line(const LabelRecord& record) {
     out["bounds"] = ordered_json{to_json(record.bounds->lo), to_json(record.bounds->hi)};
   out["tiles"] = record.tiles;
   out["files"] = record.files;
-  return out.dump() + "\n";
+  return json_text(out) + "\n";
 }
 
 LabelRecord parse_label_record(const std::string& line, const std::string& where) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "storage/support/error.h"
+#include "storage/support/json_text.h"
 
 namespace voxweld {
 
@@ -25,7 +26,7 @@ class JsonField {
                                      : fmt::format("{}: {}: {}", file_, where_, what));
   }
   std::string shown() const {  // the value, cut to what fits a message
-    std::string text = value_.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+    std::string text = json_ascii_text(value_);
     if (text.size() > 60) text = text.substr(0, 57) + "...";
     return text;
   }

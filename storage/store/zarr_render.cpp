@@ -4,6 +4,7 @@
 #include "storage/store/zarr_metadata.h"
 #include "storage/support/file_io.h"
 #include "storage/support/hash.h"
+#include "storage/support/json_text.h"
 
 namespace voxweld {
 namespace {
@@ -81,9 +82,9 @@ std::string render_zarr_array(const ZarrArray& array) {
       {"attributes",
        {{"voxweld", own_attributes(array.geometry.value_or(VolumeGeometry{}), array.scale)}}},
       {"dimension_names", Json::array({"z", "y", "x"})}};
-  const std::string unsealed = document.dump();
+  const std::string unsealed = json_text(document);
   document["attributes"]["voxweld"]["checksum"] = to_hex(hash_bytes(as_bytes(unsealed)));
-  return document.dump(2) + "\n";
+  return json_text(document, 2) + "\n";
 }
 
 }  // namespace voxweld

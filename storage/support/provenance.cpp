@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "storage/support/host.h"
+#include "storage/support/json_text.h"
 
 namespace voxweld {
 namespace {
@@ -46,7 +47,7 @@ std::string provenance_json() {
   if (!kernels.empty()) made["kernels"] = kernels;
   if (!config_fingerprint.empty()) made["config"] = config_fingerprint;
   if (const nlohmann::json ids = slurm_ids(); !ids.empty()) made["slurm"] = ids;
-  return made.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  return json_ascii_text(made);
 }
 
 }  // namespace voxweld

@@ -193,7 +193,14 @@ void read_nrrd_geometry(const HeaderFields& fields, const NrrdAxes& axes, Volume
   VolumeGeometry& geometry = info.geometry;
   geometry.size = {axes.sizes[axes.spatial[0]], axes.sizes[axes.spatial[1]],
                    axes.sizes[axes.spatial[2]]};
-  if (const HeaderField* space = fields.find("space")) geometry.space = space_name(space->value);
+  if (const HeaderField* space = fields.find("space")) {
+    const bool is_text =
+        std::ranges::all_of(space->value, [](char c) { return c >= ' ' && c <= '~'; });
+    if (is_text)
+      geometry.space = space_name(space->value);
+    else
+      info.warnings.push_back(fields.where(*space) + ": is not ASCII text and is ignored");
+  }
   const std::vector<AxisVector> vectors = axis_directions(fields, axes.sizes.size());
   if (vectors.empty()) {
     read_spacings(fields, axes, info);

@@ -126,7 +126,7 @@ LabelsConfig any_labels() {
 
 OutputConfig any_output() {
   OutputConfig output;
-  output.directory = any_path();
+  output.directory = any_path() / "meshes";  // where neither the input lies nor the work
   using Formats = std::vector<std::string>;
   output.formats = *rc::gen::element(Formats{"drc"}, Formats{"glb"}, Formats{"drc", "glb"});
   output.merged = any_of<OutputConfig::Merged>(3);

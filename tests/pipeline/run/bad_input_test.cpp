@@ -67,6 +67,25 @@ TEST(BadInput, AMissingConfig) {
   expect_refused(result, "no-such-config.toml");
 }
 
+// Linux names files by any bytes; the manifest is UTF-8.
+TEST(BadInput, NamesThatAreNotUtf8AreNone) {
+  const Scene scene(ball_volume(24));
+  VOXWELD_EXPECT_DONE(scene.run());
+  const Tree expected = output_tree(scene.output());
+  const fs::path odd = scene.directory() / "caf\xe9";
+  fs::create_directories(odd);
+  for (const fs::path& file : {scene.config(), scene.volume()})
+    fs::rename(file, odd / file.filename());
+  VOXWELD_EXPECT_DONE(run_voxweld({"run", odd / scene.config().filename()}));
+  const fs::path output = odd / scene.output().filename();
+  EXPECT_EQ(difference(expected, output_tree(output)), "");
+  VOXWELD_EXPECT_DONE(run_voxweld({"verify", output}));
+  for (const Settings& asks : {Settings{"info", output.string(), "--json"},
+                               {"plan", (odd / scene.config().filename()).string(), "--json"},
+                               {"status", (odd / scene.config().filename()).string(), "--json"}})
+    VOXWELD_EXPECT_DONE(run_voxweld(asks));
+}
+
 TEST(BadInput, ATruncatedVolume) {
   const Scene scene(ball_volume(16));
   fs::resize_file(scene.volume(), 16 * 16 * 16 - 1);

@@ -168,6 +168,9 @@ TEST(Nrrd, GeometryFromSpacings) {
   made = info("odd field: 3\nspace: 3D-left-handed\nspace directions: (1,0,0) (0.5,1,0) (0,0,1)\n");
   EXPECT_THAT(made.warnings,
               ::testing::ElementsAre(HasSubstr("unknown field"), HasSubstr("not perpendicular")));
+  made = info("space: left-\xff\xffior\n");
+  EXPECT_EQ(made.geometry.space, "");
+  EXPECT_THAT(made.warnings, ::testing::ElementsAre(HasSubstr("not ASCII text")));
 }
 
 TEST(Nrrd, AxesOfSizeOneFallAway) {
