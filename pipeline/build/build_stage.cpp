@@ -131,12 +131,10 @@ class BuildWork final : public StageWork {
     builder(worker).build(shards_[unit.key], worker);
   }
   void end(RunContext& context) override {
-    NanCount nans;
     for (const auto& builder : builders_) {
       context.bricks += builder->bricks();
-      nans.add(builder->nans());
+      context.nans.add(builder->nans());
     }
-    warn_of_nans(context.config, nans);
     builders_.clear();
     if (context.bricks.kept > 0)
       spdlog::info("of these shards' bricks {} were built and {} kept: no edit of theirs changed",

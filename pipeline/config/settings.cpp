@@ -30,10 +30,10 @@ constexpr Stages ingest_and_build = {Stage::ingest, Stage::build};
 // with them (a higher tolerance may leave every brick as it was), so merge's key names them too.
 constexpr Stages collapse = {Stage::build, Stage::merge};
 // Octrees and root records are relative to the cell, so their bytes need not change with the
-// spacing; the lengths merge and stitch work with do.
-constexpr Stages lengths = {Stage::ingest, Stage::build, Stage::merge, Stage::stitch};
-// The spacing of a mesh's lattice, and where it begins, which is in the files' coordinates.
-constexpr Stages mesh_lengths = {Stage::build, Stage::merge, Stage::stitch};
+// spacing; the lengths merge and stitch work with do. Samples are the same with any spacing: ingest
+// writes no more than the store's metadata anew. Of a mesh, also where its lattice begins, which is
+// in the files' coordinates.
+constexpr Stages lengths = {Stage::build, Stage::merge, Stage::stitch};
 // The open result is the closed one less some polygons, and those are made in stitch.
 constexpr Stages border = {Stage::build, Stage::stitch};
 
@@ -89,7 +89,7 @@ std::vector<Setting> input_settings() {
            "as the file says, else 1"},
           binding::member(in, &In::spacing, SpacingRule{}), lengths),
       row({"input", "unit", "Unit of the spacing. Overrides the file's.", "as the file says"},
-          binding::unit(), {Stage::ingest, Stage::encode}),
+          binding::unit(), encode),
       row({"input", "size",
            "Raw files and empty space: samples along [x, y, z], x fastest in the file.",
            "none; raw files and empty space need it"},
@@ -110,14 +110,14 @@ std::vector<Setting> input_settings() {
            "counted.",
            "none; meshes need it, or input.cell"},
           binding::member(in, &In::resolution, IntegerRule{least_resolution, most_resolution}),
-          mesh_lengths),
+          lengths),
       row({"input", "cell", "Meshes only: the side of a cell, in the mesh's own unit.",
            "none; meshes need it, or input.resolution"},
-          binding::member(in, &In::cell, PositiveNumberRule{}), mesh_lengths),
+          binding::member(in, &In::cell, PositiveNumberRule{}), lengths),
       row({"input", "margin",
            "Meshes only: cells of empty space around the mesh's bounds, and half a cell more. "
            "Solids that [[edit]] adds need room there."},
-          binding::member(in, &In::margin, IntegerRule{1, 65536}), mesh_lengths),
+          binding::member(in, &In::margin, IntegerRule{1, 65536}), lengths),
       row({"input", "close",
            "Meshes only: \"no\" refuses one that is not closed; \"winding\" closes its holes, and "
            "makes one of what overlaps: inside is where its triangles wind around at least half "

@@ -37,18 +37,16 @@ void each_planned(const EncodeJob& job, const UnitPlan& plan, bool merged,
       for (const std::string& ending : endings) f(mesh.stem + ending);
 }
 
-// That nothing is in the way which no run has written. Precondition: none of the units is there.
-void check_strangers(const EncodeJob& job, const UnitPlan& plan, bool merged) {
+// That nothing is in the way which no run is known to have written. Precondition: none of the units
+// is there.
+void check_strangers(const EncodeJob& job) {
   if (has_run(job.output) || !std::filesystem::exists(job.output)) return;
-  const auto check = [&](const std::string& name) {
-    if (!std::filesystem::exists(job.output / name)) return;
+  each_of_our_form(job.output, [&](const std::string& name) {
     throw InputError(fmt::format(
         "{}: is in the way, and no run of voxweld is known to have written it; choose another "
         "output.directory, or give --force to write over it",
         (job.output / name).string()));
-  };
-  check(tiles_name);
-  each_planned(job, plan, merged, check);
+  });
 }
 
 Hash128 planned_key(const EncodeJob& job, const TopArtifact& top, bool merged) {
@@ -216,8 +214,7 @@ StageMemory EncodeStage::memory(std::span<const std::uint64_t> numbers) {
 void EncodeStage::check(const RunContext& context, const StageLook& look) const {
   if (context.force || look.missing.empty()) return;
   check_owner(job_.output, context.config_file);
-  if (look.missing.size() == context.selection.count(look.units))
-    check_strangers(job_, plan_, merged_.write);
+  if (look.missing.size() == context.selection.count(look.units)) check_strangers(job_);
 }
 
 void EncodeStage::open(RunContext& context, const StageLook& look) {

@@ -2,34 +2,58 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "stages/encode/mesh_writers.h"
 #include "storage/artifact/unfinished_note.h"
 #include "storage/manifest/manifest.h"
 #include "storage/support/error.h"
+#include "storage/support/file_io.h"
+#include "storage/support/hash_file.h"
 
 namespace voxweld {
 namespace {
 
-void add_listed(const std::filesystem::path& output, FileNames& names) {
-  for (const FileRecord& file : read_manifest(output / manifest_name).files) names.add(file.path);
-  if (!std::filesystem::exists(output / tiles_name)) return;
+// Whether a run gives a file such a name that its manifest lists.
+bool is_beside_manifest(const std::string& name) {
+  return name == tiles_name || name == labels_name ||
+         std::ranges::any_of(mesh_writers(), [&](const MeshWriter& writer) {
+           return name == "mesh" + std::string(writer.ending);
+         });
+}
+
+// Whether the lists are as they were written: what a damaged one names may be anything.
+bool add_listed(const std::filesystem::path& output, FileNames& names) {
+  const Manifest manifest = read_manifest(output / manifest_name);
+  bool sound = true;
+  for (const FileRecord& file : manifest.files) {
+    names.add(file.path);
+    sound = sound && is_beside_manifest(file.path);
+  }
+  const auto list = std::ranges::find(manifest.files, tiles_name, &FileRecord::path);
+  if (list == manifest.files.end() || !std::filesystem::exists(output / tiles_name) ||
+      to_hex(hash_file(ReadFile(output / tiles_name))) != list->xxh3_128)
+    return false;
   TileListReader tiles(output / tiles_name);
   while (const auto tile = tiles.next())
     for (const FileRecord& file : tile->files) names.add(file.path);
+  return sound;
 }
 
 std::filesystem::path note_path(const std::filesystem::path& output) {
   return output / unfinished_name;
 }
 
-void add_noted(const std::filesystem::path& output, FileNames& names) {
-  if (!std::filesystem::exists(note_path(output))) return;
+// Whether the note is as it was written, or there is none.
+bool add_noted(const std::filesystem::path& output, FileNames& names) {
+  if (!std::filesystem::exists(note_path(output))) return true;
   try {
     each_unfinished(note_path(output), [&](std::string_view name) { names.add(name); });
   } catch (const DamagedArtifact&) {
-    return;  // what it named stays; nothing else depends on it
+    return false;
   }
+  return true;
 }
 
 // The config whose run wrote what the directory holds; empty where that is not told.
@@ -56,6 +80,25 @@ bool is_of_voxweld(const std::filesystem::path& manifest) {
 }
 
 }  // namespace
+
+void each_of_our_form(const std::filesystem::path& output,
+                      const std::function<void(const std::string&)>& f) {
+  const auto offer = [&](const std::string& name) {
+    if (std::filesystem::exists(output / name)) f(name);
+  };
+  for (const MeshWriter& writer : mesh_writers()) offer("mesh" + std::string(writer.ending));
+  offer(tiles_name);
+  offer(labels_name);
+  for (const char* folder : {"tiles", "labels"}) {
+    if (!std::filesystem::is_directory(output / folder)) continue;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(output / folder)) {
+      const std::string stem = entry.path().stem().string();
+      if (stem.find_first_not_of("0123456789-") == std::string::npos &&
+          writer_of_ending(mesh_writers(), entry.path().extension().string()) != nullptr)
+        f(entry.path().lexically_relative(output).generic_string());
+    }
+  }
+}
 
 bool has_begun(const std::filesystem::path& output, Hash128 key) {
   if (std::filesystem::exists(output / manifest_name) ||
@@ -97,13 +140,17 @@ bool has_run(const std::filesystem::path& output) {
 }
 
 void add_files_of_earlier_runs(const std::filesystem::path& output, FileNames& names) {
+  bool all_listed = true;
   try {
-    if (std::filesystem::exists(output / manifest_name)) add_listed(output, names);
-  } catch (const FormatError&) {   // what it names beyond that stays
+    if (std::filesystem::exists(output / manifest_name)) all_listed = add_listed(output, names);
+  } catch (const FormatError&) {
+    all_listed = !is_of_voxweld(output / manifest_name);
   } catch (const StorageError&) {  // another task has just taken it away, after noting its names
     if (std::filesystem::exists(output / manifest_name)) throw;
   }
-  add_noted(output, names);
+  const bool all_noted = add_noted(output, names);
+  if (!all_listed || !all_noted || !has_run(output))
+    each_of_our_form(output, [&](const std::string& name) { names.add(name); });
 }
 
 void begin_output(const std::filesystem::path& output, const UnfinishedHead& head, FileNames& names,

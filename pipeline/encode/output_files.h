@@ -1,7 +1,8 @@
 // Which files of an output directory are ours: those its manifest lists, and while encode is at
 // work, when there is no manifest, those of its `unfinished.files`
 // (storage/artifact/unfinished_note.h). So a run that follows a killed one
-// still knows what to clear away.
+// still knows what to clear away. Where these are damaged or gone, all files of the names that runs
+// give count as ours, once the run may write into the directory at all.
 #pragma once
 
 #include <filesystem>
@@ -11,6 +12,10 @@
 #include "storage/support/file_names.h"
 
 namespace voxweld {
+
+// Calls f with the names of those files in the directory that have the names of a run's.
+void each_of_our_form(const std::filesystem::path& output,
+                      const std::function<void(const std::string&)>& f);
 
 // Adds what earlier runs wrote or were about to write. Somebody else's manifest lists nothing of
 // ours.

@@ -10,12 +10,13 @@
 #include <string_view>
 
 #include "pipeline/executor/interrupt.h"
+#include "pipeline/executor/resources.h"
+#include "storage/types/nan_count.h"
 
 namespace voxweld {
 
 class MemoryPool;
 class StageProgress;
-struct StageFigures;
 
 using StageName = std::string_view;  // "ingest", "build" ...
 
@@ -34,6 +35,12 @@ enum class UnitOrder {
   as_given,       // for sources that can only be read forwards
 };
 
+// What other processes say of the units that they ran.
+struct Elsewhere {
+  StageFigures figures;  // cpu_s, and the largest peak_resident
+  NanCount nans;         // among the samples they read
+};
+
 struct RunOptions {
   int threads = 1;  // at least 1
   UnitOrder order = UnitOrder::largest_first;
@@ -49,9 +56,8 @@ struct RunOptions {
   // What the units share, for work that knows only on its way what it takes. Null: nothing is
   // shared.
   std::shared_ptr<MemoryPool> memory;
-  // Where an executor whose units run in other processes adds what its processes took: cpu_s, and
-  // the largest peak_resident.
-  StageFigures* elsewhere = nullptr;
+  // Where an executor whose units run in other processes adds what these report.
+  Elsewhere* elsewhere = nullptr;
 };
 
 // What a unit's work is given of the place it runs in.

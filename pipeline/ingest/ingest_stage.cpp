@@ -85,8 +85,7 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder,
   IngestJob job;
   job.folder = folder;
   const std::vector<InputFile> besides = files_besides(config);
-  const Hash128 parameters = parameter_hash(config, Stage::ingest);
-  const auto known = recorded_input(folder, parameters);
+  const auto known = recorded_input(folder, input_record_key(config));
   if (known) {
     job.info = *known;
   } else {
@@ -103,7 +102,7 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder,
   job.files.insert(job.files.end(), besides.begin(), besides.end());
   check_coordinates(info.geometry,
                     config.input.path.empty() ? "input.spacing" : config.input.path.string());
-  job.parameters = parameters;
+  job.parameters = parameter_hash(config, Stage::ingest);
   job.stamp = files_stamp(job, 0, info.files.size());
   job.file_per_slice = info.access == Access::slice && !config.input.crop &&
                        static_cast<std::int64_t>(info.files.size()) == info.geometry.size.z;

@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "pipeline/config/settings.h"
 #include "storage/spool/spool_record.h"
 #include "storage/support/error.h"
 
@@ -27,20 +28,27 @@ Hash128 folders_state(const VolumeInfo& info) {
 
 }  // namespace
 
-void record_input(const std::filesystem::path& folder, Hash128 parameters, const VolumeInfo& info) {
+Hash128 input_record_key(const Config& config) {
+  KeyHasher key;
+  key.hash(parameter_hash(config, Stage::ingest)).text(config.input.unit);
+  if (config.input.spacing)
+    for (int a = 0; a < 3; ++a) key.real((*config.input.spacing)[a]);
+  return key.finish();
+}
+
+void record_input(const std::filesystem::path& folder, Hash128 key, const VolumeInfo& info) {
   SpoolRecord record;
-  record.key = parameters;
+  record.key = key;
   record.data_hash = folders_state(info);
   record.info = info;
   write_spool_record(record_name(folder), record);
 }
 
-std::optional<VolumeInfo> recorded_input(const std::filesystem::path& folder, Hash128 parameters) {
+std::optional<VolumeInfo> recorded_input(const std::filesystem::path& folder, Hash128 key) {
   if (!std::filesystem::exists(spool_record_path(record_name(folder)))) return std::nullopt;
   try {
     const SpoolRecord record = read_spool_record(record_name(folder));
-    if (record.key != parameters || record.data_hash != folders_state(record.info))
-      return std::nullopt;
+    if (record.key != key || record.data_hash != folders_state(record.info)) return std::nullopt;
     for (const InputFile& file : record.info.files)
       if (file_state(file.path) != file.state) return std::nullopt;
     return record.info;

@@ -191,7 +191,7 @@ class ShardIngest final : public StageWork {
  public:
   ShardIngest(const Config& config, const IngestJob& job)
       : job_(job),
-        parameters_(parameter_hash(config, Stage::ingest)),
+        record_key_(input_record_key(config)),
         layout_(store_layout(config, job)),
         shards_(shards_of(layout_)),
         counted_(needs_no_counts(job)) {}
@@ -236,7 +236,7 @@ class ShardIngest final : public StageWork {
     if (job_.copy && !store_metadata_is_current(layout_)) write_store_metadata(layout_);
     // From here on no other process has to look at every slice to know what they are.
     if (context.selection.all() && job_.input && job_.input->info().access != Access::box)
-      record_input(job_.folder, parameters_, job_.info);
+      record_input(job_.folder, record_key_, job_.info);
   }
   void begin(RunContext& context, std::span<const std::uint64_t> missing, int threads) override {
     if (missing.empty()) return;
@@ -249,9 +249,7 @@ class ShardIngest final : public StageWork {
   }
   void end(RunContext& context) override {
     work_.reset();
-    NanCount nans;
-    for (const auto& worker : workers_) nans.add(worker->nans);
-    warn_of_nans(context.config, nans);
+    for (const auto& worker : workers_) context.nans.add(worker->nans);
     workers_.clear();
   }
   void close(RunContext& context) override {
@@ -263,7 +261,7 @@ class ShardIngest final : public StageWork {
 
  private:
   const IngestJob& job_;
-  const Hash128 parameters_;
+  const Hash128 record_key_;
   const StoreLayout layout_;
   const std::vector<Index3> shards_;
   bool counted_;

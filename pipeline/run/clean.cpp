@@ -1,5 +1,7 @@
 #include "pipeline/run/clean.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 
@@ -99,6 +101,17 @@ std::vector<fs::path> ours_in(const fs::path& directory, bool all) {
   return paths;
 }
 
+// A run of another config that shares the directory may be at work; those named here have ended.
+void refuse_at_work(const Place& place) {
+  for (const fs::path& path : ours_in(place.directory, false))
+    if (const auto holder = lock_holder(path))
+      throw InputError(fmt::format(
+          "work.directory = \"{}\": process {} on {} is at work in {} for {}; wait until that run "
+          "has ended",
+          place.directory.string(), holder->process, holder->host, path.filename().string(),
+          holder->owner));
+}
+
 CleanReport clean_place(const Place& place, const CleanOptions& options) {
   CleanReport report{place.directory, {}, 0, {}};
   std::set<fs::path> used;
@@ -149,8 +162,10 @@ std::vector<CleanReport> clean(std::span<const std::unique_ptr<RunContext>> conf
                                const CleanOptions& options) {
   std::vector<std::unique_ptr<OutputClaim>> claims;
   if (!options.dry_run) claims = claims_of(configs);
+  const std::vector<Place> places = places_of(configs);
+  if (!options.dry_run) std::ranges::for_each(places, refuse_at_work);
   std::vector<CleanReport> reports;
-  for (const Place& place : places_of(configs)) reports.push_back(clean_place(place, options));
+  for (const Place& place : places) reports.push_back(clean_place(place, options));
   return reports;
 }
 

@@ -41,6 +41,7 @@ TaskReport task_report(const RunContext& context, const std::string& stage,
     task.cpu_s += report.figures.cpu_s;
     task.peak_resident = std::max(task.peak_resident, report.figures.peak_resident);
   }
+  task.nans = context.nans;
   task.provenance = provenance_json();
   return task;
 }

@@ -16,6 +16,7 @@
 #include "pipeline/run/last_config.h"
 #include "pipeline/run/output_claim.h"
 #include "pipeline/run/stages.h"
+#include "pipeline/run/work_claim.h"
 #include "pipeline/stage/file_layout.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
@@ -33,6 +34,7 @@ void build_what_is_there(RunContext& context, Stages& stages) {
   spdlog::warn("{} of {} shards of the input cannot be read; building what the others allow",
                look.missing.size(), look.units);
   StageWork& build = stages.open(Stage::build);
+  const WorkClaim claim(context, stages.jobs().build().folder);
   stages.jobs().build_what_is_there();
   do_stage(context, build);
 }
@@ -78,7 +80,10 @@ void run_stages(RunContext& context) {
   warn_of_large_tiles(context);
   on_steady_input(stages, [&] {
     ingest_or_build_the_rest(context, stages);
+    stages.open(Stage::build);
+    const WorkClaim claim(context, stages.jobs().build().folder);
     for (const Stage stage : {Stage::build, Stage::merge, Stage::stitch, Stage::encode}) {
+      claim.check();
       check_before(context, stages, stage);
       if (stage == Stage::build) warn_of_idle_edits(stages);
       do_stage(context, stages.open(stage));
@@ -153,7 +158,16 @@ void run_all(RunContext& context) {
 void run_one(RunContext& context, Stage stage) {
   Stages stages(context);
   check_budget(context, stages.jobs());
+  // Tasks that do shares work beside each other, for a run that has claimed all.
+  const bool whole = context.selection.all() && !context.inputs_checked;
+  std::optional<OutputClaim> output_claim;
+  std::optional<WorkClaim> work_claim;
+  if (stage == Stage::encode && context.selection.all()) output_claim.emplace(context);
   for (const Stage before : all_stages) {
+    if (before == Stage::build && whole) {
+      stages.open(Stage::build);
+      work_claim.emplace(context, stages.jobs().build().folder);
+    }
     if (before == stage) break;
     if (context.inputs_checked || is_current(context, stages, before)) continue;
     throw InputError(
@@ -161,9 +175,8 @@ void run_one(RunContext& context, Stage stage) {
                     "`voxweld {} CONFIG` first, or `voxweld run CONFIG` for all",
                     stage_name(stage), stage_name(before), stage_name(before)));
   }
-  std::optional<OutputClaim> claim;  // tasks that do shares write beside each other
-  if (stage == Stage::encode && context.selection.all()) claim.emplace(context);
   on_steady_input(stages, [&] {
+    if (work_claim) work_claim->check();
     StageWork& work = stages.open(stage);
     check_before(context, stages, stage);
     do_stage(context, work);

@@ -266,9 +266,10 @@ class StageOnSlurm {
           report = read_task_report(path);
         }
         if (!report) continue;
-        options_.elsewhere->cpu_s += report->cpu_s;
-        options_.elsewhere->peak_resident =
-            std::max(options_.elsewhere->peak_resident, report->peak_resident);
+        Elsewhere& there = *options_.elsewhere;
+        there.figures.cpu_s += report->cpu_s;
+        there.figures.peak_resident = std::max(there.figures.peak_resident, report->peak_resident);
+        there.nans.add(report->nans);
       }
   }
 

@@ -55,7 +55,7 @@ void run_stage(RunContext& context, const StageRun& stage, const std::vector<Uni
     if (unit.apart) start.apart = unit.name;
   }
   StageProgress progress(context.console, context.progress, start);
-  StageFigures elsewhere;
+  Elsewhere elsewhere;
   StageMemory memory = stage.memory;
   memory.base_bytes += program_bytes();
   const auto pool = std::make_shared<MemoryPool>(units_share(context, memory, threads));
@@ -75,8 +75,9 @@ void run_stage(RunContext& context, const StageRun& stage, const std::vector<Uni
   context.executor->run_units(stage.stage, units, within, options);
   StageFigures figures = meter.read();
   if (!context.executor->in_process()) {
-    figures.cpu_s = elsewhere.cpu_s;
-    figures.peak_resident = elsewhere.peak_resident;
+    figures.cpu_s = elsewhere.figures.cpu_s;
+    figures.peak_resident = elsewhere.figures.peak_resident;
+    context.nans.add(elsewhere.nans);
   }
   progress.finish(figures);
   context.reports.push_back({stage.stage, units.size() + stage.reused, units.size(), figures});

@@ -55,6 +55,7 @@ struct RunContext {
       false;  // the stages before are known to be complete: no look at all of them
   std::vector<StageReport> reports;
   BrickReport bricks;
+  NanCount nans;  // among the samples that the stage under way has read, here or elsewhere
 
   MemoryBudget budget() const { return {config.run.memory}; }
 };

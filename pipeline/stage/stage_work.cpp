@@ -70,7 +70,9 @@ void do_stage(RunContext& context, StageWork& work) {
   if (context.executor->in_process()) work.prove(context, look);
   const std::vector<std::uint64_t> numbers = look.to_do();
   work.open(context, look);
+  context.nans = {};
   if (look.units > 0) do_units(context, work, look.units, numbers);
+  warn_of_nans(context.config, context.nans);
   if (context.selection.all()) work.close(context);
 }
 

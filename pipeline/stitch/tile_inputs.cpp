@@ -25,6 +25,8 @@ std::shared_ptr<const Artifact> OpenShards<Artifact>::of_brick(Index3 brick) {
   const Index3 shard = job_.grid.shard_of(brick);
   return open_.get(morton_encode(shard), [&] {
     auto file = std::make_shared<const Artifact>(shard_artifact_path(job_, shard));
+    if (file->key() != shard_key(job_, shard))
+      throw DamagedArtifact(file->path(), "is of other parameters");
     if (file->content_hash() != merged_hash(shard))
       throw DamagedArtifact(top_path_,
                             "was merged from another " + file->path() + " than is there");

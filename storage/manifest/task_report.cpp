@@ -4,6 +4,7 @@
 
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
+#include "storage/support/json_text.h"
 
 namespace voxweld {
 namespace {
@@ -24,6 +25,21 @@ TaskFailure failure_of(const nlohmann::json& document) {
   return failure;
 }
 
+nlohmann::json numbers_of(Index3 v) {
+  return nlohmann::json::array({v.x, v.y, v.z});
+}
+Index3 index_of(const nlohmann::json& v) {
+  return {v.at(0), v.at(1), v.at(2)};
+}
+
+nlohmann::json to_json(const NanCount& nans) {
+  return {
+      {"samples", nans.samples}, {"lo", numbers_of(nans.box.lo)}, {"hi", numbers_of(nans.box.hi)}};
+}
+NanCount nans_of(const nlohmann::json& document) {
+  return {document.at("samples"), {index_of(document.at("lo")), index_of(document.at("hi"))}};
+}
+
 }  // namespace
 
 void write_task_report(const std::filesystem::path& path, const TaskReport& report) {
@@ -36,10 +52,10 @@ void write_task_report(const std::filesystem::path& path, const TaskReport& repo
       {"cpu_seconds", report.cpu_s},
       {"peak_resident_bytes", report.peak_resident},
       {"exit_code", report.exit_code},
+      {"nans", to_json(report.nans)},
       {"failures", std::move(failures)},
       {"made_by", nlohmann::json::parse(report.provenance, nullptr, false)}};
-  const std::string text =
-      document.dump(1, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
+  const std::string text = json_ascii_text(document, 1) + "\n";
   write_whole_file(path, as_bytes(text), Durability::rename_only);
 }
 
@@ -56,9 +72,10 @@ std::optional<TaskReport> read_task_report(const std::filesystem::path& path) {
     report.cpu_s = document.at("cpu_seconds");
     report.peak_resident = document.at("peak_resident_bytes");
     report.exit_code = document.at("exit_code");
+    if (document.contains("nans")) report.nans = nans_of(document.at("nans"));
     for (const auto& failure : document.at("failures"))
       report.failures.push_back(failure_of(failure));
-    report.provenance = document.at("made_by").dump();
+    report.provenance = json_text(document.at("made_by"));
     return report;
   } catch (const Error&) {
     return std::nullopt;

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "storage/types/nan_count.h"
+
 namespace voxweld {
 
 struct TaskFailure {
@@ -23,6 +25,7 @@ struct TaskReport {
   double wall_s = 0;
   double cpu_s = 0;                 // of all its threads
   std::uint64_t peak_resident = 0;  // bytes
+  NanCount nans;                    // among the samples it read
   int exit_code = 0;
   std::vector<TaskFailure> failures;  // none when it did all
   std::string provenance;

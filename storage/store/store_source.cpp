@@ -9,10 +9,15 @@
 namespace voxweld {
 namespace {
 
-// Every size is checked before the reader divides by it; the array on disk must be this one.
+// Every size is checked before the reader divides by it; the array on disk must be this one. It may
+// say another spacing or unit: those are the config's, and another config may share the samples.
 const StoreLayout& checked(const StoreLayout& layout) {
   check_layout(layout);
-  if (read_text_file(layout.array / "zarr.json") != render_zarr_array(layout.zarr()))
+  StoreLayout there = read_store_layout(layout.array, layout.records);
+  const Index3 size = there.geometry.size;
+  there.geometry = layout.geometry;
+  if (size != layout.geometry.size ||
+      render_zarr_array(there.zarr()) != render_zarr_array(layout.zarr()))
     throw DamagedArtifact((layout.array / "zarr.json").string(),
                           "is not the array this run wrote; ingest again");
   return layout;

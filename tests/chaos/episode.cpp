@@ -16,6 +16,17 @@ void pause(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
+// A change of the input that was set going may still write there.
+void remove_wholly(const fs::path& path) {
+  std::error_code error;
+  for (int i = 0; i < 100; ++i) {
+    fs::remove_all(path, error);
+    if (!error) return;
+    pause(0.01);
+  }
+  throw fs::filesystem_error("cannot remove", path, error);
+}
+
 // Turned away before it wrote anything.
 bool was_turned_away(const ProcessEnd& end) {
   return end.exit_code == 2 && (end.err.find("is writing it for") != std::string::npos ||
@@ -36,8 +47,8 @@ Episode::Episode(const fs::path& program, const fs::path& root, CleanRuns& clean
       configs_{{"a.toml", "a.mesh", "a.work"},
                {"b.toml", "b.mesh", "a.work"},
                {"c.toml", "a.mesh", "c.work"}} {
-  fs::remove_all(root / "place");
-  fs::remove_all(root / "moved");
+  remove_wholly(root / "place");
+  remove_wholly(root / "moved");
   fs::create_directories(place_);
   clean_.begin(static_cast<InputKind>(pick(random_, 3)));
   put_input(clean_.made(random_));
@@ -191,9 +202,10 @@ void Episode::check_output(const std::string& name, Output& output) {
     }
     return wrong(fmt::format("{} after exit code 0 is of no clean run: {}", name, difference));
   }
-  // The last command failed. What still looks like a result must be one. The lock of one that was
-  // killed stays until the next run.
+  // The last command failed. What still looks like a result must be one. One that was killed leaves
+  // its lock, and at its very end its note, until the next run.
   found.erase("voxweld.lock");
+  found.erase("unfinished.files");
   if (!found.contains("manifest")) return;
   ++tally_.trees;
   for (auto origin = output.history.rbegin(); origin != output.history.rend(); ++origin) {

@@ -86,13 +86,27 @@ shape = "mesh"
 path = "part.stl"
 center = [11, 5, 7]
 END
+# A slab of NaNs: bytes of all ones.
+"$voxweld" phantom sphere --size 64 --type float32 -o holes.nrrd >/dev/null
+size=$(stat -c %s holes.nrrd)
+head -c 20000 /dev/zero | tr '\0' '\377' |
+  dd of=holes.nrrd bs=1 seek=$((size - 64 * 64 * 4 * 34)) conv=notrunc status=none
+config holes <<'END'
+[input]
+path = "holes.nrrd"
+[surface]
+isovalue = 0
+END
 step "the inputs"
 
-for scene in each shared edited mesh; do
+for scene in each shared edited mesh holes; do
   on "$scene" "$scene" run --set run.executor=slurm || fail "$scene: the run on the cluster"
   same "$scene" "$scene"
   step "$scene: the same bytes as a local run"
 done
+[ "$(grep -c 'NaN' "$data/holes.run.log")" = 1 ] && grep -q '5000 samples are NaN' "$data/holes.run.log" ||
+  fail "holes: the tasks' NaNs are not summed up"
+step "holes: the tasks' NaNs are summed up"
 
 # Another edit, and a node that dies while it is worked in.
 for scene in each shared edited mesh; do

@@ -1,6 +1,7 @@
 #include "tests/fuzz/mutation.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -312,18 +313,36 @@ std::string mutate_bytes(std::string& bytes, const std::string& other, Random& r
   }
 }
 
-std::string mutate_file(const fs::path& path, const std::string& other, Random& random) {
-  const std::size_t how = pick(random, 60);
-  if (how < 4) {
-    fs::remove(path);
-    if (how == 0) fs::create_directory(path);
-    if (how == 1) fs::create_symlink(path.filename(), path);
-    if (how == 2) fs::create_symlink("/dev/null", path);
-    return how == 0   ? "a folder in its place"
-           : how == 1 ? "a link to itself in its place"
-           : how == 2 ? "a link to /dev/null in its place"
-                      : "removed";
+namespace {
+
+// What is there is no file of bytes any more.
+std::string replace_by_no_file(const fs::path& path, Random& random) {
+  fs::remove(path);
+  switch (pick(random, 6)) {
+    case 0:
+      fs::create_directory(path);
+      return "a folder in its place";
+    case 1:
+      fs::create_symlink(path.filename(), path);
+      return "a link to itself in its place";
+    case 2:
+      fs::create_symlink("/dev/null", path);
+      return "a link to /dev/null in its place";
+    case 3:
+      fs::create_symlink("/dev/zero", path);
+      return "a link to /dev/zero in its place";
+    case 4:
+      mkfifo(path.c_str(), 0600);
+      return "a FIFO in its place";
+    default:
+      return "removed";
   }
+}
+
+}  // namespace
+
+std::string mutate_file(const fs::path& path, const std::string& other, Random& random) {
+  if (pick(random, 12) == 0) return replace_by_no_file(path, random);
   std::string bytes = bytes_of_file(path);
   const bool packed = bytes.size() > 2 && bytes[0] == '\x1f' && bytes[1] == '\x8b';
   std::string what = packed && pick(random, 2) == 0 ? mutate_inside(bytes, other, random)

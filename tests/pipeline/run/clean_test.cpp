@@ -122,5 +122,17 @@ TEST(Clean, LeavesARunUnderWayAlone) {
   EXPECT_EQ(names_in(scene.work()), before);
 }
 
+TEST(Clean, LeavesTheWorkOfAnotherConfigUnderWayAlone) {
+  const Scene scene("sphere", 24);
+  VOXWELD_EXPECT_DONE(scene.run({"simplify.tolerance=0.5"}));
+  const std::set<std::string> before = names_in(scene.work());
+  const fs::path build =
+      files_ending(scene.work(), ".octree").at(0).parent_path().parent_path().parent_path();
+  ASSERT_TRUE(build.filename().string().starts_with("build-")) << build;
+  const DirectoryLock lock(build, "/elsewhere/other.toml", {});
+  expect_refused(run_voxweld(clean({scene.config()})), "for /elsewhere/other.toml");
+  EXPECT_EQ(names_in(scene.work()), before);
+}
+
 }  // namespace
 }  // namespace voxweld::testing

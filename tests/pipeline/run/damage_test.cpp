@@ -129,6 +129,30 @@ TEST(Damage, OfTheNoteOfAnUnfinishedOutputChangesNothing) {
   }
 }
 
+// A run that writes other files clears away those of the one before, also where the list that names
+// them is damaged.
+TEST(Damage, OfAListOfFilesLeavesNoneBehind) {
+  const Scene scene("porous", 48);
+  const Settings other = small_work + Settings{"output.tile_vertices=1024", "output.merged=false"};
+  VOXWELD_EXPECT_DONE(scene.run(other));
+  const Tree clean = output_tree(scene.output());
+  for (const auto& [list, part, changed] :
+       {std::array<std::string, 3>{"manifest.json", "\"lattice\"", "\"lettice\""},
+        {"manifest.json", "mesh.glb", "mesh.gmb"},
+        {"tiles.jsonl", "-0.glb", "-0.gmb"},
+        {"tiles.jsonl", "{", ""}}) {
+    SCOPED_TRACE(list + changed);
+    VOXWELD_EXPECT_DONE(scene.run(small_work));
+    std::ofstream(scene.output() / "tiles" / "notes.txt") << "mine";
+    std::string text = text_of_file(scene.output() / list);
+    text.replace(text.find(part), part.size(), changed);
+    write_whole_file(scene.output() / list, as_bytes(text), Durability::rename_only);
+    VOXWELD_EXPECT_DONE(scene.run(other));
+    EXPECT_TRUE(fs::remove(scene.output() / "tiles" / "notes.txt"));
+    EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
+  }
+}
+
 // Many places of many files at once.
 TEST(Damage, EverywhereIsMended) {
   const Scene scene("porous", 40);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "storage/manifest/task_report.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "tests/pipeline/run/scene.h"
@@ -75,6 +76,16 @@ TEST(Numbers, NansInsideAnObjectAreWarnedOfOnce) {
                 "x, 15 to 32 along y, 20 to 20 along z");
     expect_good(scene.output(copy + 5));
   }
+  // A task of a cluster reports its own to whoever started it.
+  NanCount nans;
+  for (const char* part : {"0/2", "1/2"}) {
+    const fs::path report = scene.directory() / "report.json";
+    VOXWELD_EXPECT_DONE(scene.command_with("build", {"work.brick=16", "work.shard=1"},
+                                           {"--part", part, "--report", report.string()}));
+    nans.add(read_task_report(report)->nans);
+  }
+  EXPECT_EQ(nans.samples, 360U);
+  EXPECT_EQ(nans.box, (Box3{{10, 15, 20}, {30, 33, 21}}));
   const ProgramResult cropped = scene.run_in("cropped", {"input.crop=[12, 0, 0, 40, 40, 40]"});
   expect_says(cropped, "324 samples are NaN");
   expect_says(cropped, "12 to 29 along x");

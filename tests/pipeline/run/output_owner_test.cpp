@@ -6,6 +6,7 @@
 #include <fstream>
 #include <thread>
 
+#include "tests/pipeline/run/edit_scene.h"
 #include "tests/pipeline/run/scene.h"
 
 namespace voxweld::testing {
@@ -105,11 +106,52 @@ TEST(OutputOwner, RunsOfOneConfigWaitForEachOther) {
   }
 }
 
+// Their edits differ, so each replaces shards of the other: the one that comes later waits.
+TEST(OutputOwner, RunsWithOtherEditsWaitForTheShardsTheyShare) {
+  const Scene scene("sphere", 32);
+  const auto edited = [&](const std::string& name, Vec3 at) {
+    const fs::path path = scene.directory() / (name + ".toml");
+    fs::copy_file(scene.config(), path);
+    std::ofstream(path, std::ios::app)
+        << fmt::format("\n[work]\ndirectory = '{}'\n[output]\ndirectory = '{}.mesh'\n{}",
+                       scene.work().string(), name, ball("subtract", at, 6));
+    return path;
+  };
+  const fs::path one = edited("one", {22, 16, 16}), other = edited("other", {10, 16, 16});
+  VOXWELD_EXPECT_DONE(run_voxweld({"run", one}));
+  const Tree of_one = output_tree(scene.directory() / "one.mesh");
+  VOXWELD_EXPECT_DONE(run_voxweld({"run", other}));
+  const Tree of_other = output_tree(scene.directory() / "other.mesh");
+  ASSERT_NE(difference(of_one, of_other), "");
+  for (const char* moment : {".octree", "rename /scene.work/merge", ".tile"}) {
+    SCOPED_TRACE(moment);
+    for (const char* name : {"one.mesh", "other.mesh"}) fs::remove_all(scene.directory() / name);
+    VOXWELD_EXPECT_DONE(run_voxweld({"run", other}));
+    fs::remove_all(scene.directory() / "other.mesh");
+    const fs::path said = scene.directory() / "said";
+    {
+      const Environment meanwhile =
+          watched(scene, {{"VOXWELD_POINTS_NTH", "1"},
+                          {"VOXWELD_POINTS_WITH", moment},
+                          {"VOXWELD_POINTS_DO",
+                           fmt::format("unset LD_PRELOAD; '{}' run '{}' >'{}' 2>&1 & sleep 1",
+                                       program_path().string(), other.string(), said.string())}});
+      VOXWELD_EXPECT_DONE(run_voxweld({"run", one}));
+    }
+    EXPECT_EQ(difference(of_one, output_tree(scene.directory() / "one.mesh")), "");
+    for (int i = 0; i < 300 && !fs::exists(scene.directory() / "other.mesh" / "manifest.json"); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    EXPECT_EQ(difference(of_other, output_tree(scene.directory() / "other.mesh")), "");
+    EXPECT_THAT(text_of_file(said), HasSubstr("at work on the same shards for " + one.string()));
+  }
+}
+
 TEST(OutputOwner, FilesThatNoRunWroteAreInTheWay) {
-  for (const char* name : {"mesh.drc", "mesh.glb", "tiles.jsonl", "manifest.json"}) {
+  for (const char* name :
+       {"mesh.drc", "mesh.glb", "tiles.jsonl", "manifest.json", "tiles/8-0-0-0.glb"}) {
     SCOPED_TRACE(name);
     const Scene scene("sphere", 24);
-    fs::create_directories(scene.output());
+    fs::create_directories(scene.output() / "tiles");
     std::ofstream(scene.output() / name) << "somebody's own";
     expect_refused_by(scene.run(), {(scene.output() / name).filename(), "--force"});
     EXPECT_EQ(text_of_file(scene.output() / name), "somebody's own");

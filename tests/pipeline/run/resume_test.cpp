@@ -72,6 +72,18 @@ TEST(Resume, TheManifestIsPrintedAsJson) {
   EXPECT_EQ(nlohmann::json::parse(first.out), manifest_of(scene.output()));
 }
 
+// Also where nothing was ever sent to a cluster.
+TEST(Resume, StatusSaysWhetherALocalRunIsFinished) {
+  const Scene scene("porous", 32);
+  VOXWELD_EXPECT_DONE(scene.run());
+  const ProgramResult done = scene.command("status", {});
+  EXPECT_EQ(done.exit_code, 0) << done.out;
+  EXPECT_NE(done.out.find("finished"), std::string::npos) << done.out;
+  const ProgramResult changed = scene.command("status", {"surface.isovalue=100"});
+  EXPECT_EQ(changed.exit_code, 1) << changed.out;
+  EXPECT_NE(changed.out.find("not finished"), std::string::npos) << changed.out;
+}
+
 TEST(Resume, AChangedSettingRunsItsStageAndThoseAfter) {
   const Scene scene("porous", 48);
   const auto with = [](const std::string& setting) { return copied_store + Settings{setting}; };
@@ -87,6 +99,32 @@ TEST(Resume, AChangedSettingRunsItsStageAndThoseAfter) {
                    "output.normals was true, is false");
   expect_runs_from(scene, copied_store, with("output.formats=[\"glb\"]"), "encode",
                    "output.formats was");
+}
+
+// Samples are the same with any spacing. The store's metadata say the new one.
+TEST(Resume, AnotherSpacingOrUnitCopiesNothing) {
+  const Scene scene("porous", 48);
+  VOXWELD_EXPECT_DONE(scene.run(copied_store));
+  for (const auto& [setting, first] :
+       {std::pair<std::string, std::string>{"input.spacing=[1, 2, 3]", "build"},
+        {"input.unit=nm", "encode"}}) {
+    SCOPED_TRACE(setting);
+    const Settings settings = copied_store + Settings{setting};
+    EXPECT_NE(dry_run(scene, settings).at("ingest").find("zarr.json"), std::string::npos);
+    VOXWELD_EXPECT_DONE(scene.run(settings));
+    Units ran = units_run(scene.output());
+    EXPECT_EQ(ran["ingest"], 0u);
+    EXPECT_EQ(ran["build"] > 0, first == "build");
+    EXPECT_GT(ran["encode"], 0u);
+    EXPECT_EQ(difference(scene.clean_tree(settings), output_tree(scene.output())), "");
+    const auto stores = files_ending(scene.work(), "zarr.json");
+    ASSERT_EQ(stores.size(), 1U);
+    const auto own = nlohmann::json::parse(text_of_file(stores[0])).at("attributes").at("voxweld");
+    EXPECT_EQ(own.at("spacing"),
+              (first == "build" ? nlohmann::json{1, 2, 3} : nlohmann::json{1, 1, 1}));
+    EXPECT_EQ(own.at("unit"), first == "build" ? "" : "nm");
+    VOXWELD_EXPECT_DONE(scene.run(copied_store));
+  }
 }
 
 TEST(Resume, AChangedChunkOfTheStoreRebuildsNothing) {
