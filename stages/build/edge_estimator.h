@@ -61,13 +61,20 @@ struct ScaledLine : Line<T> {
   double operator[](std::int64_t k) const { return Line<T>::operator[](k) * scale; }
 };
 
+// From the differences to the next sample and to the one behind it. Of differences, not of samples:
+// where all are the same this is 0, and not what rounding leaves of their multiples.
+inline double one_sided(double near, double far) {
+  return 0.5 * (3 * near - far);
+}
+
 template <class Samples>
 double central_difference(const Samples& f) {
   if (f.size < 2) return 0;
   if (f.index > 0 && f.index + 1 < f.size) return 0.5 * (f[1] - f[-1]);
   if (f.size == 2) return f.index == 0 ? f[1] - f[0] : f[0] - f[-1];
   // Three points, one-sided: second order up to the border.
-  return f.index == 0 ? 0.5 * (4 * f[1] - 3 * f[0] - f[2]) : 0.5 * (3 * f[0] - 4 * f[-1] + f[-2]);
+  return f.index == 0 ? one_sided(f[1] - f[0], f[2] - f[1])
+                      : one_sided(f[0] - f[-1], f[-1] - f[-2]);
 }
 
 // Essentially non-oscillatory (Harten, Engquist, Osher, Chakravarthy, 1987): of the three-point
@@ -87,15 +94,15 @@ double eno_difference(const Samples& f, double none) {
   const double f0 = f[0];
   if (f.index > 0 && f.index + 1 < f.size) {
     const double lo = f[-1], hi = f[1];
-    offer(hi - 2 * f0 + lo, 0.5 * (hi - lo));
+    offer((hi - f0) - (f0 - lo), 0.5 * (hi - lo));
   }
   if (f.index > 1) {
-    const double near = f[-1], far = f[-2];
-    offer(f0 - 2 * near + far, 0.5 * (3 * f0 - 4 * near + far));
+    const double near = f0 - f[-1], far = f[-1] - f[-2];
+    offer(near - far, one_sided(near, far));
   }
   if (f.index + 2 < f.size) {
-    const double near = f[1], far = f[2];
-    offer(far - 2 * near + f0, 0.5 * (4 * near - 3 * f0 - far));
+    const double near = f[1] - f0, far = f[2] - f[1];
+    offer(far - near, one_sided(near, far));
   }
   return slope;
 }

@@ -45,6 +45,25 @@ TEST(HugeValues, DoublesUpToTheirLimitGiveTheSameSurface) {
     }
 }
 
+// Where all samples are the same there is no slope, though their multiples are rounded.
+TEST(HugeValues, TwoValuesGiveOneSurfaceWhateverTheyAre) {
+  for (const Gradient gradient : {Gradient::eno, Gradient::central}) {
+    const VolumeContour plain = contour_of(1, 1e9, gradient);
+    ASSERT_FALSE(plain.tiles.empty());
+    for (const double factor : {0.1, 0.3, 1.0 / 3, 1e30, 1.7e308}) {
+      SCOPED_TRACE(factor);
+      const VolumeContour found = contour_of(factor, 1e9, gradient);
+      ASSERT_EQ(plain.tiles.size(), found.tiles.size());
+      for (std::size_t i = 0; i < plain.tiles.size(); ++i) {
+        ASSERT_EQ(plain.tiles[i].positions.size(), found.tiles[i].positions.size());
+        for (std::size_t v = 0; v < plain.tiles[i].positions.size(); ++v)
+          for (std::size_t a = 0; a < 3; ++a)
+            EXPECT_NEAR(plain.tiles[i].positions[v][a], found.tiles[i].positions[v][a], 2);
+      }
+    }
+  }
+}
+
 // What is not a finite number has no say in crossings and normals beside it.
 TEST(HugeValues, InfiniteSamplesAreFarInsideOrOutside) {
   constexpr double infinity = std::numeric_limits<double>::infinity();

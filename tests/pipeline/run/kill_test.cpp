@@ -225,5 +225,37 @@ TEST(Kill, TemporaryFilesOfDeadProcessesGo) {
   for (const auto& file : others) EXPECT_TRUE(fs::exists(file)) << file;
 }
 
+// Ctrl-C while meshes are read, drawn, converted or checked: no result, and no long wait for it.
+TEST(Interrupted, WhatReadsMeshesEndsSoonAndLeavesNothing) {
+  const Scene scene("gyroid", 96);
+  VOXWELD_EXPECT_DONE(scene.run({"output.tile_vertices=20000"}));
+  const fs::path made = scene.directory() / "made";
+  const auto in = [&](const char* name) { return (made / name).string(); };
+  for (const Arguments& command :
+       {Arguments{"verify", scene.output().string()},
+        {"render", scene.output().string(), "-o", in("a.png"), "--width", "2000"},
+        {"export", (scene.output() / "mesh.drc").string(), "-o", in("a.obj")},
+        {"export", scene.output().string(), "--weld", "-o", in("a.ply")}}) {
+    SCOPED_TRACE(command.front() + command.back());
+    fs::create_directories(made);
+    const ProgramResult whole = run_voxweld(command);
+    VOXWELD_EXPECT_DONE(whole);
+    int interrupted = 0;
+    for (int part = 1; part < 8 && interrupted < 2; ++part) {
+      fs::remove_all(made);
+      fs::create_directories(made);
+      const double after_s = whole.seconds * part / 8;
+      const ProgramResult result = run_voxweld(command, Stop{SIGINT, after_s});
+      if (result.exit_code == 0 || result.exit_code == 128 + SIGINT) continue;  // too late or early
+      ++interrupted;
+      EXPECT_EQ(result.exit_code, 1);
+      expect_says(result, "error: interrupted");
+      EXPECT_LT(result.seconds, after_s + 3);
+      EXPECT_TRUE(fs::is_empty(made));
+    }
+    EXPECT_GT(interrupted, 0);
+  }
+}
+
 }  // namespace
 }  // namespace voxweld::testing
