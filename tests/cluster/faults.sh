@@ -11,8 +11,6 @@ doze() {
   sleep "$dozed"
 }
 
-driver_lives() { kill -0 "$driver" 2>/dev/null; }
-
 # A task's process dies of signal 9, with its Slurm and its node in good health.
 inject_kill() {
   roll 1 "$nodes"
@@ -87,9 +85,9 @@ inject_hold() {
   what="task ${tasks[rolled]}"
 }
 
-# One of those that strike a task, a node or a process.
+# One of those that strike a task, a node or a process, or change what the run is of.
 inject_mixed() {
-  local kinds=(kill crash partition controller driver)
+  local kinds=(kill crash partition controller driver input config)
   roll 0 $((${#kinds[@]} - 1))
   local kind=${kinds[rolled]}
   "inject_$kind" && what="$kind: $what"
@@ -115,17 +113,12 @@ starve() {
   esac
 }
 
-# What a driver says that gives up: the last error and what belongs to it.
-failure_text() { tac "$log" | sed '/error: /q' | tac; }
-
-# is_clear KIND: whether the driver's last words say what to do about it.
+# is_clear KIND TEXT: whether a run's last words say what to do about it.
 is_clear() {
-  local text
-  text=$(failure_text)
   case $1 in
-    disk) grep -qi 'no space left\|is full' <<<"$text" ;;
-    hold) grep -q 'held\|Held' <<<"$text" ;;
-    memory) grep -q 'slurm\.mem\|run\.memory' <<<"$text" ;;
-    *) grep -q 'error: ' <<<"$text" ;;
+    disk) grep -qi 'no space left\|is full' <<<"$2" ;;
+    hold) grep -q 'held\|Held' <<<"$2" ;;
+    memory) grep -q 'slurm\.mem\|run\.memory' <<<"$2" ;;
+    *) grep -q 'error: ' <<<"$2" ;;
   esac
 }
