@@ -50,6 +50,9 @@ struct RunOptions {
   // in other processes knows what is left. Asked from several threads, and not at all by one that
   // runs them itself.
   std::function<bool(const Unit&)> done;
+  // Throws where going on is of no use, since the input is no longer what it was. Such an executor
+  // asks it where units are said to be done and their results are not there. May be empty.
+  std::function<void()> check_input;
   // What names the stage's work for such an executor: the same for the same parameters, and no
   // other. Empty: nothing of an earlier process is taken over.
   std::string identity;

@@ -59,16 +59,36 @@ void clear_temporaries_of_tasks(const Config& config, const Jobs& jobs) {
   remove_needless_temporaries(config.output.directory, false);
 }
 
+// While it lives, executors can ask whether the input has changed.
+class InputWatch {
+ public:
+  InputWatch(RunContext& context, Stages& stages) : context_(context), stages_(stages) {
+    context_.check_input = [this] { check(); };
+  }
+  ~InputWatch() { context_.check_input = nullptr; }
+  InputWatch(const InputWatch&) = delete;
+  InputWatch& operator=(const InputWatch&) = delete;
+
+  void check() {
+    if (changed_file(stages_.jobs().ingest())) stages_.check_input();
+  }
+
+ private:
+  RunContext& context_;
+  Stages& stages_;
+};
+
 // Calls work. Where that fails because the input has changed under it, that is what is said.
 template <class F>
-void on_steady_input(Stages& stages, F&& work) {
+void on_steady_input(RunContext& context, Stages& stages, F&& work) {
+  InputWatch watch(context, stages);
   try {
     work();
   } catch (const Interrupted&) {
     throw;
   } catch (const std::exception& error) {
     spdlog::debug("{}", error.what());
-    if (changed_file(stages.jobs().ingest())) stages.check_input();
+    watch.check();
     throw;
   }
 }
@@ -78,7 +98,7 @@ void run_stages(RunContext& context) {
   Stages stages(context);
   check_budget(context, stages.jobs());
   warn_of_large_tiles(context);
-  on_steady_input(stages, [&] {
+  on_steady_input(context, stages, [&] {
     ingest_or_build_the_rest(context, stages);
     stages.open(Stage::build);
     const WorkClaim claim(context, stages.jobs().build().folder);
@@ -175,7 +195,7 @@ void run_one(RunContext& context, Stage stage) {
                     "`voxweld {} CONFIG` first, or `voxweld run CONFIG` for all",
                     stage_name(stage), stage_name(before), stage_name(before)));
   }
-  on_steady_input(stages, [&] {
+  on_steady_input(context, stages, [&] {
     if (work_claim) work_claim->check();
     StageWork& work = stages.open(stage);
     check_before(context, stages, stage);

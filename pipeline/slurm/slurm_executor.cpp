@@ -223,10 +223,12 @@ class StageOnSlurm {
     end.slurm_state = slurm_state;
     if (!flight.units.empty()) {
       const double now = steady_seconds();
-      if (!flight.over_since) flight.over_since = now;
+      const bool first_look = !flight.over_since;
+      if (first_look) flight.over_since = now;
       // What a task wrote may not be seen here at once.
       const bool may_come = end.report ? end.report->exit_code == 0
                                        : slurm_state.empty() || slurm_state == "COMPLETED";
+      if (may_come && first_look) check_input();
       if (may_come && now - *flight.over_since < setup_.visible_after_s) return;
       if (!end.report) end.last_words = last_words(flight.folder.log_path(flight.job, flight.task));
       if (!end.report || end.report->exit_code != 2)
@@ -250,6 +252,17 @@ class StageOnSlurm {
     } catch (const Error& error) {
       spdlog::warn("{}: tasks that nobody waits for may be left in the queue: {}", stage_,
                    error.what());
+    }
+  }
+
+  // A task that began after the input had changed has made what we do not wait for.
+  void check_input() {
+    if (!options_.check_input) return;
+    try {
+      options_.check_input();
+    } catch (const Error&) {
+      take_from_queue();
+      throw;
     }
   }
 

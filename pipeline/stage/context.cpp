@@ -65,6 +65,7 @@ void run_stage(RunContext& context, const StageRun& stage, const std::vector<Uni
   options.progress = &progress;
   options.interrupt = context.interrupt;
   options.done = stage.done;
+  options.check_input = context.check_input;
   options.identity = stage.identity;
   options.memory = pool;
   options.elsewhere = &elsewhere;

@@ -53,6 +53,7 @@ struct RunContext {
   UnitSelection selection;  // the units to do, where this is one task of several
   bool inputs_checked =
       false;  // the stages before are known to be complete: no look at all of them
+  std::function<void()> check_input;  // as RunOptions has it
   std::vector<StageReport> reports;
   BrickReport bricks;
   NanCount nans;  // among the samples that the stage under way has read, here or elsewhere

@@ -39,7 +39,6 @@ class SlurmExecutorTest : public ::testing::Test {
     std::vector<Unit> units;
     for (std::uint64_t key = 0; key < 4; ++key)
       units.push_back({key, fmt::format("shard {}", key)});
-    RunOptions options;
     options.identity = "build-1";
     options.done = [=, this](const Unit&) {
       return slurm.calls_of("squeue") >= done_after_squeues;
@@ -60,6 +59,7 @@ class SlurmExecutorTest : public ::testing::Test {
   FakeSlurm slurm;
   TempDirectory temp;
   SlurmSetup setup;
+  RunOptions options;
 };
 
 TEST_F(SlurmExecutorTest, SubmitsAndWrites) {
@@ -115,6 +115,26 @@ TEST_F(SlurmExecutorTest, AJobWhoseIdIsGivenAgainIsLost) {
   slurm.program("sbatch", "echo '101|0|RUNNING|n1|other|None' >\"$dir/queue\"; echo 101");
   EXPECT_THAT(failure(), HasSubstr("its task was lost"));
   EXPECT_EQ(slurm.calls_of("scancel"), 0U);
+}
+
+// Nor is it waited for that the results come to be seen.
+TEST_F(SlurmExecutorTest, NothingIsTriedAgainOnAnInputThatHasChanged) {
+  setup.visible_after_s = 1e6;
+  setup.config.slurm.retries = 3;
+  slurm.program("sbatch", R"(for word in "$@"; do
+  case $word in --job-name=*) name=${word#*=} ;; esac
+done
+printf '101|0|COMPLETED|n1|%s|None\n101|1|PENDING||%s|None\n' "$name" "$name" >"$dir/queue"
+echo 101)");
+  options.check_input = [] { throw InputError("scan.raw has changed"); };
+  EXPECT_THAT(failure(), HasSubstr("scan.raw has changed"));
+  EXPECT_EQ(slurm.calls_of("sbatch"), 1U);
+  EXPECT_THAT(slurm.calls().back(), StartsWith("scancel --state=PENDING"));
+}
+
+TEST_F(SlurmExecutorTest, AnInputIsLookedAtOnlyWhereResultsAreMissing) {
+  options.check_input = [] { throw InputError("scan.raw has changed"); };
+  EXPECT_NO_THROW(run(1));
 }
 
 }  // namespace
