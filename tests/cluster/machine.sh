@@ -305,5 +305,6 @@ remove_machines() {
     wait_for 30 "the processes of $name to end" killed_all_of "$name"
     ip netns del "$name"
   done
-  [ ! -e "/sys/class/net/$tag" ] || ip link del "$tag"
+  # The head's end of it takes it along, a moment later.
+  [ ! -e "/sys/class/net/$tag" ] || ip link del "$tag" 2>/dev/null || [ ! -e "/sys/class/net/$tag" ]
 }
