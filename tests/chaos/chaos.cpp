@@ -23,18 +23,27 @@ struct Options {
   std::uint64_t steps = 10000, seed = 1;
   double seconds = 0;  // 0: as long as it takes
   std::int64_t only_episode = -1;
+  bool cluster = false;
 };
 
 constexpr const char* usage =
-    "usage: chaos PROGRAM [--steps N] [--seed S] [--seconds T] [--episode N] [--keep FOLDER]\n";
+    "usage: chaos PROGRAM [--steps N] [--seed S] [--seconds T] [--episode N] [--keep FOLDER] "
+    "[--cluster]\n";
 
 Options parse(int argc, char** argv) {
   Options options;
-  if (argc < 2 || argc % 2 != 0 || argv[1][0] == '-') throw std::invalid_argument(usage);
+  if (argc < 2 || argv[1][0] == '-') throw std::invalid_argument(usage);
   options.program = fs::absolute(argv[1]);
   options.keep = fs::temp_directory_path() / "voxweld-chaos-failures";
   for (int i = 2; i < argc; i += 2) {
-    const std::string name = argv[i], value = argv[i + 1];
+    const std::string name = argv[i];
+    if (name == "--cluster") {
+      options.cluster = true;
+      --i;  // it has no value
+      continue;
+    }
+    if (i + 1 == argc) throw std::invalid_argument(usage);
+    const std::string value = argv[i + 1];
     if (name == "--steps")
       options.steps = std::stoull(value);
     else if (name == "--seed")
@@ -76,6 +85,7 @@ int run_chaos(int argc, char** argv) {
   setrlimit(RLIMIT_CORE, &no_core);
   std::string root = (fs::temp_directory_path() / "voxweld-chaos-XXXXXX").string();
   if (mkdtemp(root.data()) == nullptr) throw std::runtime_error("cannot make a temporary folder");
+  const Surroundings surroundings{options.program, root, options.cluster};
   CleanRuns clean(options.program, fs::path(root) / "clean");
   Tally tally;
   const auto begin = Clock::now();
@@ -85,7 +95,7 @@ int run_chaos(int argc, char** argv) {
   for (std::uint64_t number = 0; go_on(); ++number) {
     if (options.only_episode >= 0 && number < static_cast<std::uint64_t>(options.only_episode))
       continue;
-    Episode episode(options.program, root, clean, options.seed * 1000003 + number, tally);
+    Episode episode(surroundings, clean, options.seed * 1000003 + number, tally);
     for (std::uint64_t step = 0; step < steps_an_episode && go_on(); ++step)
       if (!episode.step()) {
         keep(options, number, episode);
@@ -96,6 +106,7 @@ int run_chaos(int argc, char** argv) {
       break;
     }
   }
+  clear_queue(surroundings);
   std::error_code ignored;
   fs::remove_all(root, ignored);
   fmt::print(
@@ -103,6 +114,7 @@ int run_chaos(int argc, char** argv) {
       "input changed), {} killed; {} outputs compared, {} failures\n",
       tally.steps, tally.commands, since(begin), options.seed, tally.done, tally.refused,
       tally.changed_under_way, tally.killed, tally.trees, tally.failures.size());
+  if (options.cluster) fmt::print("  {:5} commands on the cluster\n", tally.on_cluster);
   for (const auto& [kind, count] : tally.kinds) fmt::print("  {:5} x {}\n", count, kind);
   return tally.failures.empty() ? 0 : 1;
 }

@@ -35,11 +35,12 @@ bool was_turned_away(const ProcessEnd& end) {
 
 }  // namespace
 
-Episode::Episode(const fs::path& program, const fs::path& root, CleanRuns& clean,
-                 std::uint64_t seed, Tally& tally)
-    : program_(program),
-      root_(root),
-      place_(root / "place"),
+Episode::Episode(const Surroundings& surroundings, CleanRuns& clean, std::uint64_t seed,
+                 Tally& tally)
+    : surroundings_(surroundings),
+      program_(surroundings.program),
+      root_(surroundings.root),
+      place_(root_ / "place"),
       clean_(clean),
       random_(seed),
       tally_(tally),
@@ -47,8 +48,9 @@ Episode::Episode(const fs::path& program, const fs::path& root, CleanRuns& clean
       configs_{{"a.toml", "a.mesh", "a.work"},
                {"b.toml", "b.mesh", "a.work"},
                {"c.toml", "a.mesh", "c.work"}} {
-  remove_wholly(root / "place");
-  remove_wholly(root / "moved");
+  clear_queue(surroundings_);
+  remove_wholly(root_ / "place");
+  remove_wholly(root_ / "moved");
   fs::create_directories(place_);
   clean_.begin(static_cast<InputKind>(pick(random_, 3)));
   put_input(clean_.made(random_));
@@ -124,7 +126,23 @@ Episode::Run Episode::random_run(std::size_t config) {
   if (pick(random_, 4) == 0) set("work.shard=2");
   if (pick(random_, 4) == 0) set("run.threads=1");
   if (pick(random_, 6) == 0) run.words.push_back("--force");
+  // A disk that is mounted here is not mounted on the nodes.
+  if (surroundings_.cluster && !mounted_ && pick(random_, 3) == 0) send_to_cluster(run);
   return run;
+}
+
+void Episode::send_to_cluster(Run& run) {
+  run.on_cluster = true;
+  for (const std::string& setting :
+       {std::string("run.executor=slurm"), std::string("run.memory=400MiB"),
+        std::string("slurm.cpus_per_task=1"),
+        fmt::format("slurm.shards_per_task={}", 6 + pick(random_, 12))})
+    run.words.insert(run.words.end(), {"--set", setting});
+}
+
+double Episode::random_moment(const Run& run) {
+  const double slice_s = run.on_cluster ? 0.1 : 0.002;  // an array's tasks take seconds to start
+  return slice_s * static_cast<double>(pick(random_, 60));
 }
 
 void Episode::run_together(std::vector<Run> runs, const std::function<void()>& meanwhile) {
@@ -141,6 +159,7 @@ void Episode::run_together(std::vector<Run> runs, const std::function<void()>& m
                     runs[i].signal == 0 ? ""
                                         : fmt::format("  # signal {} after {} s", runs[i].signal,
                                                       runs[i].after_s)));
+    tally_.on_cluster += runs[i].on_cluster ? 1 : 0;
     processes.emplace_back(command, place_, root_ / fmt::format("said{}", i), runs[i].variables);
   }
   if (meanwhile) meanwhile();
@@ -149,7 +168,9 @@ void Episode::run_together(std::vector<Run> runs, const std::function<void()>& m
       processes[i].send(runs[i].signal);
   std::vector<ProcessEnd> ends;
   ends.reserve(processes.size());
-  for (WatchedProcess& process : processes) ends.push_back(process.wait({60}));
+  const bool on_cluster =
+      std::any_of(runs.begin(), runs.end(), [](const Run& run) { return run.on_cluster; });
+  for (WatchedProcess& process : processes) ends.push_back(process.wait({on_cluster ? 120.0 : 60}));
   in_force_.insert(input_now());
   judge(runs, ends);
 }
@@ -239,7 +260,7 @@ void Episode::stop_step() {
   const int signal = pick_from(random_, signals);
   if (pick(random_, 2) == 0) {
     run.signal = signal;
-    run.after_s = 0.002 * static_cast<double>(pick(random_, 60));
+    run.after_s = random_moment(run);
   } else {
     const std::vector<std::string> with = {
         "rename /place/a.work", "rename /place/a.mesh", ".octree", ".tile", ".drc", "removal",
@@ -262,7 +283,7 @@ void Episode::together_step() {
     runs.push_back(random_run(same ? first : pick(random_, configs_.size())));
   if (pick(random_, 4) == 0) {
     runs.front().signal = SIGKILL;
-    runs.front().after_s = 0.002 * static_cast<double>(pick(random_, 60));
+    runs.front().after_s = random_moment(runs.front());
     runs.front().may_die = true;
   }
   run_together(runs);
@@ -275,7 +296,7 @@ void Episode::change_under_way_step() {
     say("    without earlier work");
   }
   if (pick(random_, 3) == 0) {
-    const double after_s = 0.002 * static_cast<double>(pick(random_, 40));
+    const double after_s = random_moment(run);
     run_together({run}, [&] {
       pause(after_s);
       say("    after " + std::to_string(after_s) + " s: " + change_input());

@@ -15,14 +15,14 @@ struct Tally {
   std::map<std::string, std::uint64_t> kinds;  // of steps
   std::uint64_t steps = 0, commands = 0, done = 0, refused = 0, killed = 0;
   std::uint64_t changed_under_way = 0;  // refused since the input changed
+  std::uint64_t on_cluster = 0;         // commands whose work went there
   std::uint64_t trees = 0;              // outputs compared with clean runs
   std::vector<std::string> failures;
 };
 
 class Episode {
  public:
-  Episode(const std::filesystem::path& program, const std::filesystem::path& root, CleanRuns& clean,
-          std::uint64_t seed, Tally& tally);
+  Episode(const Surroundings& surroundings, CleanRuns& clean, std::uint64_t seed, Tally& tally);
   ~Episode();
   Episode(const Episode&) = delete;
   Episode& operator=(const Episode&) = delete;
@@ -52,9 +52,12 @@ class Episode {
     double after_s = 0;
     std::size_t variant = 0;  // when it began
     bool may_die = false;     // a signal is sent, from here or from within
+    bool on_cluster = false;
   };
 
   Run random_run(std::size_t config);
+  void send_to_cluster(Run& run);
+  double random_moment(const Run& run);  // in seconds from its start, while it may be under way
   void run_together(std::vector<Run> runs, const std::function<void()>& meanwhile = {});
   void judge(const std::vector<Run>& runs, const std::vector<ProcessEnd>& ends);
   void check_output(const std::string& name, Output& output);
@@ -86,6 +89,7 @@ class Episode {
   bool mount_small(const std::string& size);
   void unmount_small();
 
+  const Surroundings surroundings_;
   std::filesystem::path program_, root_, place_;
   CleanRuns& clean_;
   Random random_;

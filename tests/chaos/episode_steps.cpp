@@ -247,6 +247,7 @@ void Episode::read_only_step() {
 
 // The whole folder gets another name.
 void Episode::move_step() {
+  clear_queue(surroundings_);  // tasks go on where all was
   const fs::path to = root_ / (place_.filename() == "place" ? "moved" : "place");
   fs::rename(place_, to);
   place_ = to;

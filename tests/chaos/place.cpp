@@ -90,6 +90,16 @@ std::string tree_difference(const OutputTree& expected, const OutputTree& found)
   return text;
 }
 
+void clear_queue(const Surroundings& surroundings) {
+  if (!surroundings.cluster) return;
+  const std::string command =
+      "scancel --user=\"$(id -un)\"; until queue=$(squeue -h) && [ -z \"$queue\" ]; do sleep 0.2; "
+      "done";
+  const ProcessEnd end =
+      run_watched({"/bin/sh", "-c", command}, surroundings.root, surroundings.root / "queue", {20});
+  if (end.timed_out) throw std::runtime_error("the cluster's queue does not get empty: " + end.err);
+}
+
 CleanRuns::CleanRuns(const fs::path& program, const fs::path& folder)
     : program_(program), folder_(folder) {}
 

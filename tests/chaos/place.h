@@ -22,6 +22,16 @@ std::string tree_difference(const OutputTree& expected, const OutputTree& found)
 // Settings that change the result.
 extern const std::vector<std::string> variants;
 
+// Where chaos is: the program, the folder below which all happens, and whether runs may go to the
+// Slurm cluster that the environment names.
+struct Surroundings {
+  std::filesystem::path program, root;
+  bool cluster = false;
+};
+
+// Takes from the cluster's queue what runs have left there, and waits until no task is alive.
+void clear_queue(const Surroundings& surroundings);
+
 enum class InputKind { raw, nrrd, nrrd_gzip };
 
 // The bytes of an input file, told by a number. One that is not there: -1.
