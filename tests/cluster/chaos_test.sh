@@ -22,7 +22,7 @@ install_program "$data"
 cp "$build/commit_points.so" "$data/bin" # tasks are killed at their commits as well
 eval "$(CPUS=2 "$cluster" start)"
 step "a cluster of three nodes"
+ok=yes # an episode that fails tells its own story
 
 TMPDIR=$data "$build/chaos" "$voxweld" --cluster --keep "$keep" "${options[@]}"
 step "careless use"
-ok=yes

@@ -80,15 +80,23 @@ wrong() {
   result=lost
 }
 
-# hold_to MESH ORIGIN...: an output directory must be of a clean run of one of these, and whole.
+# verify MESH [OPTION...]
+verify() {
+  local mesh=$1
+  shift
+  "$voxweld" verify "$place/$mesh" "$@" >"$folder/verify" 2>&1 ||
+    wrong "verify $mesh $*: $(tail -n 3 "$folder/verify" | paste -sd ';')"
+}
+
+# hold_to MESH ORIGIN...: an output directory must be of a clean run of one of these, and whole. The
+# input and the config may have changed since.
 hold_to() {
   local mesh=$1 origin hash
   shift
   hash=$(mesh_hash "$place/$mesh")
   for origin in "$@"; do
     [ "$hash" = "${reference[$origin]}" ] || continue
-    "$voxweld" verify "$place/$mesh" >"$folder/verify" 2>&1 ||
-      wrong "$mesh: verify: $(tail -n 1 "$folder/verify")"
+    verify "$mesh" --no-origin
     return 0
   done
   for origin in "${!reference[@]}"; do
@@ -194,8 +202,10 @@ one_run() {
   injected[$kind]=$((injected[$kind] + struck))
   count_left_files
   calm_down
-  # What was left in the queue has not written into it either.
-  [ "$result" = lost ] || hold_to mesh "$input_now.$config_now"
+  if [ "$result" != lost ]; then # nor has what was left in the queue written into it
+    hold_to mesh "$input_now.$config_now"
+    verify mesh
+  fi
   tell_result
   rm -rf "$place"
 }
