@@ -52,7 +52,7 @@ Episode::Episode(const Surroundings& surroundings, CleanRuns& clean, std::uint64
   remove_wholly(root_ / "place");
   remove_wholly(root_ / "moved");
   fs::create_directories(place_);
-  clean_.begin(static_cast<InputKind>(pick(random_, 3)));
+  clean_.begin(static_cast<InputKind>(pick(random_, input_kinds)));
   put_input(clean_.made(random_));
   for (const Config& config : configs_) write_config(config);
   outputs_["a.mesh"];

@@ -118,7 +118,7 @@ void Episode::config_step() {
   Config& config = pick_from(random_, std::vector<std::size_t>{0, 0, 1, 2}) == 0
                        ? configs_[0]
                        : configs_[1 + pick(random_, 2)];
-  config.variant = pick(random_, variants.size());
+  config.variant = pick(random_, clean_.variants());
   write_config(config);
   say(fmt::format("    {} becomes variant {}", config.name, config.variant));
   if (pick(random_, 2) == 0)

@@ -2,20 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <span>
 
 #include "storage/support/file_io.h"
 #include "storage/support/hash.h"
-#include "tests/support/deflated.h"
 
 namespace voxweld::testing {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int side = 40;
 
 // Without what differs from run to run, and the partition's counts.
 std::string manifest_essence(const std::string& text) {
@@ -28,37 +24,11 @@ std::string manifest_essence(const std::string& text) {
   return manifest.dump();
 }
 
-// A ball with waves on it.
-std::string ball_samples(double radius, double waves, double height) {
-  std::string samples;
-  for (int z = 0; z < side; ++z)
-    for (int y = 0; y < side; ++y)
-      for (int x = 0; x < side; ++x) {
-        const double dx = x - 19.5, dy = y - 19.5, dz = z - 19.5;
-        const double far = std::sqrt(dx * dx + dy * dy + dz * dz);
-        const double wave = height * std::sin(waves * dx) * std::cos(waves * dy + dz * waves);
-        const double value = 128 + 12 * (radius + wave - far);
-        samples.push_back(static_cast<char>(
-            static_cast<unsigned char>(std::clamp(std::round(value), 0.0, 255.0))));
-      }
-  return samples;
-}
-
 std::string hash_text(const std::string& bytes) {
   return to_hex(hash_bytes(std::as_bytes(std::span(bytes))));
 }
 
 }  // namespace
-
-const std::vector<std::string> variants = {
-    "[surface]\nisovalue = 128\n[simplify]\ntolerance = 0.1\n",
-    "[surface]\nisovalue = 100\n[simplify]\ntolerance = 0.1\n",
-    "[surface]\nisovalue = 128\n[simplify]\ntolerance = 0.4\n",
-    "[surface]\nisovalue = 128\ninside = \"below\"\n",
-    "[surface]\nisovalue = 128\nborder = \"open\"\ninside = \"below\"\n",
-    "[surface]\nisovalue = 128\n[[edit]]\nop = \"subtract\"\nshape = \"box\"\n"
-    "center = [19, 19, 19]\nsize = [8, 9, 60]\n",
-};
 
 OutputTree tree_of(const fs::path& output) {
   OutputTree tree;
@@ -110,10 +80,6 @@ void CleanRuns::begin(InputKind kind) {
   trees_.clear();
 }
 
-std::string CleanRuns::input_name() const {
-  return kind_ == InputKind::raw ? "v.raw" : "v.nrrd";
-}
-
 Content CleanRuns::known(const std::string& bytes) {
   const auto [found, added] = numbers_.emplace(bytes, static_cast<Content>(contents_.size()));
   if (added) contents_.push_back(bytes);
@@ -121,33 +87,16 @@ Content CleanRuns::known(const std::string& bytes) {
 }
 
 Content CleanRuns::made(Random& random) {
-  const double radius = 10 + static_cast<double>(pick(random, 7));
-  const std::string samples = ball_samples(radius, 0.2 + 0.1 * static_cast<double>(pick(random, 4)),
-                                           static_cast<double>(pick(random, 3)));
-  if (kind_ == InputKind::raw) return known(samples);
-  const bool gzip = kind_ == InputKind::nrrd_gzip;
-  std::string file = fmt::format(
-      "NRRD0004\ntype: uint8\ndimension: 3\nsizes: {0} {0} {0}\nspacings: 1 1 1\nencoding: {1}\n\n",
-      side, gzip ? "gzip" : "raw");
-  if (gzip) {
-    const auto packed = deflated(std::as_bytes(std::span(samples)), Wrapper::gzip);
-    file.append(reinterpret_cast<const char*>(packed.data()), packed.size());
-  } else {
-    file += samples;
-  }
-  return known(file);
+  return known(random_input(kind_, random));
 }
 
 std::string CleanRuns::config_text(std::size_t variant, const std::string& output,
                                    const std::string& work) const {
-  const std::string layout =
-      kind_ == InputKind::raw
-          ? fmt::format("format = \"raw\"\ntype = \"uint8\"\nsize = [{0}, {0}, {0}]\n", side)
-          : "";
+  const Variant& own = variants_of(kind_)[variant];
   return fmt::format(
       "[input]\npath = \"{}\"\n{}[output]\ndirectory = \"{}\"\ntile_vertices = 1024\n[work]\n"
       "directory = \"{}\"\nbrick = 16\nshard = 1\nchunk = 16\n[run]\nthreads = 2\n{}",
-      input_name(), layout, output, work, variants[variant]);
+      input_name(), own.input, output, work, own.tables);
 }
 
 const std::optional<OutputTree>& CleanRuns::tree(Content content, std::size_t variant) {

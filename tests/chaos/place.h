@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/chaos/inputs.h"
 #include "tests/fuzz/mutation.h"
 #include "tests/support/watched_process.h"
 
@@ -19,9 +20,6 @@ using OutputTree = std::map<std::string, std::string>;
 OutputTree tree_of(const std::filesystem::path& output);
 std::string tree_difference(const OutputTree& expected, const OutputTree& found);
 
-// Settings that change the result.
-extern const std::vector<std::string> variants;
-
 // Where chaos is: the program, the folder below which all happens, and whether runs may go to the
 // Slurm cluster that the environment names.
 struct Surroundings {
@@ -31,8 +29,6 @@ struct Surroundings {
 
 // Takes from the cluster's queue what runs have left there, and waits until no task is alive.
 void clear_queue(const Surroundings& surroundings);
-
-enum class InputKind { raw, nrrd, nrrd_gzip };
 
 // The bytes of an input file, told by a number. One that is not there: -1.
 using Content = int;
@@ -45,7 +41,8 @@ class CleanRuns {
 
   void begin(InputKind kind);  // forgets all
   InputKind kind() const { return kind_; }
-  std::string input_name() const;
+  std::string input_name() const { return input_file_name(kind_); }
+  std::size_t variants() const { return variants_of(kind_).size(); }
   Content known(const std::string& bytes);
   const std::string& bytes(Content content) const {
     return contents_.at(static_cast<std::size_t>(content));
