@@ -53,6 +53,7 @@ Episode::Episode(const Surroundings& surroundings, CleanRuns& clean, std::uint64
   remove_wholly(root_ / "moved");
   fs::create_directories(place_);
   clean_.begin(static_cast<InputKind>(pick(random_, input_kinds)));
+  clean_.write_others(place_);
   put_input(clean_.made(random_));
   for (const Config& config : configs_) write_config(config);
   outputs_["a.mesh"];
@@ -88,6 +89,8 @@ bool Episode::step() {
   ++tally_.steps;
   ++tally_.kinds[kind];
   say(fmt::format("- {}", kind));
+  // Without an input there is little to be seen.
+  if (!fs::is_regular_file(input()) && pick(random_, 3) == 0) say("    " + change_input());
   (this->*act)();
   for (auto& [name, output] : outputs_) check_output(name, output);
   return !failed_;

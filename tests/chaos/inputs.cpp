@@ -29,6 +29,7 @@ std::string samples_of(F&& f) {
 // A ball with waves on it.
 struct Ball {
   double radius, waves, height;
+  Ball() : radius(14), waves(0.3), height(2) {}
   explicit Ball(Random& random)
       : radius(10 + static_cast<double>(pick(random, 7))),
         waves(0.2 + 0.1 * static_cast<double>(pick(random, 4))),
@@ -49,8 +50,7 @@ std::string nrrd(const std::string& samples, bool gzip) {
 }
 
 // Four labels that meet in the middle, in nothing.
-std::string labels(const Ball& ball, Random& random) {
-  const double tilt = 0.1 * static_cast<double>(pick(random, 8));
+std::string labels(const Ball& ball, double tilt) {
   return samples_of([&](double x, double y, double z) {
     if (ball.inside(x, y, z) < 0) return 0.0;
     return 1.0 + (x + tilt * y > 0 ? 1 : 0) + (z - tilt * x > 2 ? 2 : 0);
@@ -85,6 +85,21 @@ std::string off(const Ball& ball) {
   return text;
 }
 
+std::string values(const Ball& ball) {
+  return samples_of([&](double x, double y, double z) { return 128 + 12 * ball.inside(x, y, z); });
+}
+
+// Which labels are one material, by chance.
+std::string label_map(Random& random) {
+  std::string text = "label,name,material,color\n";
+  for (int label = 1; label <= 4; ++label)
+    text += fmt::format("{},piece {},{},#{:02x}80ff\n", label, pick(random, 3), 1 + pick(random, 4),
+                        pick(random, 256));
+  return text;
+}
+
+constexpr std::size_t half_the_samples = std::size_t{side} * side * side / 2;
+
 std::vector<Variant> with_layout(std::vector<Variant> variants) {
   for (Variant& variant : variants)
     variant.input =
@@ -97,27 +112,60 @@ const std::string box_away =
 const std::string ball_away =
     "[[edit]]\nop = \"subtract\"\nshape = \"sphere\"\ncenter = [3, 4, 5]\nradius = 6\n";
 
+std::string solid_at(const std::string& op, const std::string& center) {
+  return fmt::format("[[edit]]\nop = \"{}\"\nshape = \"mesh\"\npath = \"v.off\"\ncenter = {}\n", op,
+                     center);
+}
+
 }  // namespace
 
-std::string input_file_name(InputKind kind) {
+const InputFiles& files_of(InputKind kind) {
+  static const InputFiles raw = {"v.raw", "v.raw", {}};
+  static const InputFiles nrrd = {"v.nrrd", "v.nrrd", {}};
+  static const InputFiles mesh = {"v.off", "v.off", {}};
+  static const InputFiles two_files = {
+      "v.raw",
+      "v.nhdr",
+      {{"v.nhdr", fmt::format("NRRD0004\ntype: uint8\ndimension: 3\nsizes: {0} {0} {0}\nencoding: "
+                              "raw\ndata file: LIST 3\nu.raw\nv.raw\n",
+                              side)},
+       {"u.raw", values(Ball()).substr(0, half_the_samples)}}};
+  static const InputFiles map = {"v.csv", "u.raw", {{"u.raw", labels(Ball(), 0.3)}}};
+  static const InputFiles solid = {"v.off", "u.raw", {{"u.raw", values(Ball())}}};
   switch (kind) {
     case InputKind::raw:
     case InputKind::labels:
-      return "v.raw";
+      return raw;
+    case InputKind::two_files:
+      return two_files;
+    case InputKind::label_map:
+      return map;
     case InputKind::mesh:
-      return "v.off";
+      return mesh;
+    case InputKind::solid:
+      return solid;
     default:
-      return "v.nrrd";
+      return nrrd;
   }
 }
 
 std::string random_input(InputKind kind, Random& random) {
   const Ball ball(random);
-  if (kind == InputKind::labels) return labels(ball, random);
-  if (kind == InputKind::mesh) return off(ball);
-  const std::string samples =
-      samples_of([&](double x, double y, double z) { return 128 + 12 * ball.inside(x, y, z); });
-  return kind == InputKind::raw ? samples : nrrd(samples, kind == InputKind::nrrd_gzip);
+  switch (kind) {
+    case InputKind::raw:
+      return values(ball);
+    case InputKind::two_files:
+      return values(ball).substr(half_the_samples);
+    case InputKind::labels:
+      return labels(ball, 0.1 * static_cast<double>(pick(random, 8)));
+    case InputKind::label_map:
+      return label_map(random);
+    case InputKind::mesh:
+    case InputKind::solid:
+      return off(ball);
+    default:
+      return nrrd(values(ball), kind == InputKind::nrrd_gzip);
+  }
 }
 
 const std::vector<Variant>& variants_of(InputKind kind) {
@@ -129,6 +177,21 @@ const std::vector<Variant>& variants_of(InputKind kind) {
       {"", "[surface]\nisovalue = 128\nborder = \"open\"\ninside = \"below\"\n"},
       {"", "[surface]\nisovalue = 128\n" + box_away}};
   static const std::vector<Variant> of_raw = with_layout(of_values);
+  static const std::vector<Variant> of_maps = with_layout(
+      {{"", "[labels]\nmode = \"each\"\nmap = \"v.csv\"\n"},
+       {"", "[labels]\nmode = \"each\"\nmap = \"v.csv\"\nselect = [1, 2]\n"},
+       {"", "[labels]\nmode = \"each\"\nmap = \"v.csv\"\n[simplify]\ntolerance = 0.3\n"},
+       {"", "[labels]\nmode = \"shared\"\nmap = \"v.csv\"\n"},
+       {"", "[labels]\nmode = \"shared\"\nmap = \"v.csv\"\nmin_voxels = 2000\n"},
+       {"", "[labels]\nmode = \"shared\"\nmap = \"v.csv\"\n" + box_away}});
+  static const std::vector<Variant> of_solids = with_layout(
+      {{"", "[surface]\nisovalue = 128\n" + solid_at("subtract", "[19, 25, 19]")},
+       {"", "[surface]\nisovalue = 128\n" + solid_at("add", "[19, 25, 19]")},
+       {"", "[surface]\nisovalue = 128\n" + solid_at("subtract", "[12, 19, 19]")},
+       {"", "[surface]\nisovalue = 100\n" + solid_at("intersect", "[19, 25, 19]")},
+       {"", "[surface]\nisovalue = 128\n" + solid_at("subtract", "[19, 25, 19]") + box_away},
+       {"", "[surface]\nisovalue = 128\n[simplify]\ntolerance = 0.4\n" +
+                solid_at("add", "[12, 19, 19]")}});
   static const std::vector<Variant> of_labels =
       with_layout({{"", "[labels]\nmode = \"each\"\n"},
                    {"", "[labels]\nmode = \"each\"\nselect = [1, 4]\n"},
@@ -148,6 +211,10 @@ const std::vector<Variant>& variants_of(InputKind kind) {
       return of_raw;
     case InputKind::labels:
       return of_labels;
+    case InputKind::label_map:
+      return of_maps;
+    case InputKind::solid:
+      return of_solids;
     case InputKind::mesh:
       return of_meshes;
     default:

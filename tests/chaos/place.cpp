@@ -86,6 +86,10 @@ Content CleanRuns::known(const std::string& bytes) {
   return found->second;
 }
 
+void CleanRuns::write_others(const fs::path& folder) const {
+  for (const auto& [name, bytes] : files_of(kind_).others) write_bytes(folder / name, bytes);
+}
+
 Content CleanRuns::made(Random& random) {
   return known(random_input(kind_, random));
 }
@@ -96,7 +100,7 @@ std::string CleanRuns::config_text(std::size_t variant, const std::string& outpu
   return fmt::format(
       "[input]\npath = \"{}\"\n{}[output]\ndirectory = \"{}\"\ntile_vertices = 1024\n[work]\n"
       "directory = \"{}\"\nbrick = 16\nshard = 1\nchunk = 16\n[run]\nthreads = 2\n{}",
-      input_name(), own.input, output, work, own.tables);
+      files_of(kind_).path, own.input, output, work, own.tables);
 }
 
 const std::optional<OutputTree>& CleanRuns::tree(Content content, std::size_t variant) {
@@ -104,6 +108,7 @@ const std::optional<OutputTree>& CleanRuns::tree(Content content, std::size_t va
   if (!added || content == no_content) return found->second;
   fs::remove_all(folder_);
   fs::create_directories(folder_);
+  write_others(folder_);
   write_bytes(folder_ / input_name(), bytes(content));
   write_bytes(folder_ / "clean.toml", config_text(variant, "clean.mesh", "clean.work"));
   const ProcessEnd run =

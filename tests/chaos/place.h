@@ -41,7 +41,9 @@ class CleanRuns {
 
   void begin(InputKind kind);  // forgets all
   InputKind kind() const { return kind_; }
-  std::string input_name() const { return input_file_name(kind_); }
+  std::string input_name() const { return files_of(kind_).changing; }
+  // Those of the input that stay as they are.
+  void write_others(const std::filesystem::path& folder) const;
   std::size_t variants() const { return variants_of(kind_).size(); }
   Content known(const std::string& bytes);
   const std::string& bytes(Content content) const {
