@@ -8,6 +8,7 @@
 #include "pipeline/phantom/write.h"
 #include "stages/ingest/statistics.h"
 #include "storage/store/shard_writer.h"
+#include "storage/store/zarr_metadata.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -54,7 +55,7 @@ void write_zarr(const SampleSource& source, const std::filesystem::path& path) {
 // A Zarr array is a folder: only one that is an array is written over.
 void check_place(const OutputFile& output) {
   const std::filesystem::path path = output.path;
-  const bool array = std::filesystem::exists(path / "zarr.json");
+  const bool array = holds_zarr_array(path);
   if (phantom_format(path) == PhantomFormat::zarr && array && output.force) return;
   if (phantom_format(path) == PhantomFormat::zarr && array)
     throw InputError(output.path +

@@ -30,6 +30,10 @@ std::string compression_text(const ZarrArray& array) {
       return fmt::format("blosc {} level {}", c.cname, c.level);
     case CompressorKind::zstd:
       return fmt::format("zstd level {}", c.level);
+    case CompressorKind::bz2:
+      return fmt::format("bz2 level {}", c.level);
+    case CompressorKind::lz4:
+      return "lz4";
     case CompressorKind::gzip:
       break;
   }
@@ -102,7 +106,7 @@ InfoDocument describe_volume(const InfoOptions& options) {
   const VolumeInfo& info = source->info();
   InfoDocument document = new_document("volume", options.input.path);
   add_volume_facts(document, info, options.verbose);
-  if (info.format == "zarr" && fs::exists(fs::path(options.input.path) / "zarr.json")) {
+  if (info.format == "zarr" && holds_zarr_array(options.input.path)) {
     const ZarrArray array = read_zarr_array(options.input.path);
     document["zarr"] = {{"chunk", facts_of(array.chunk)},
                         {"file", facts_of(array.file)},

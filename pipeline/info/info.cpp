@@ -10,6 +10,7 @@
 #include "storage/manifest/manifest.h"
 #include "storage/meshes/mesh_file.h"
 #include "storage/spool/spool_record.h"
+#include "storage/store/zarr_metadata.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 
@@ -27,12 +28,12 @@ std::string known_kinds() {
   throw FormatError(fmt::format("{}: {}; {}", path, why, known_kinds()));
 }
 
-// The array's folder when the file is a chunk of a Zarr array: somewhere above lies its zarr.json.
+// The array's folder when the file is a chunk of a Zarr array: somewhere above lies its metadata.
 fs::path array_above(const fs::path& path) {
   constexpr int most_levels = 5;  // c/z/y/x
   fs::path folder = fs::absolute(path).lexically_normal().parent_path();
   for (int level = 0; level < most_levels && folder.has_filename(); ++level) {
-    if (fs::exists(folder / "zarr.json")) return folder;
+    if (holds_zarr_array(folder)) return folder;
     folder = folder.parent_path();
   }
   return {};
@@ -73,7 +74,7 @@ bool holds_images(const fs::path& path) {
 
 InfoDocument describe_directory(const fs::path& path, const InfoOptions& options) {
   if (fs::exists(path / manifest_name)) return describe_output(path / manifest_name, options);
-  if (fs::exists(path / "zarr.json")) return describe_array(path, options);
+  if (holds_zarr_array(path)) return describe_array(path, options);
   if (is_stage_directory(path)) return describe_stage_directory(path, options);
   if (is_work_directory(path)) return describe_work_directory(path, options);
   try {
@@ -96,7 +97,7 @@ std::optional<InfoDocument> describe_by_name(const fs::path& path, const InfoOpt
   if (name == labels_name) return describe_label_list(path, options);
   if (extension == ".toml") return describe_config(path);
   if (fs::exists(spool_record_path(path))) return describe_spool(path, options);
-  if (name == "zarr.json") return describe_array(array_above(path), options);
+  if (name == "zarr.json" || name == ".zarray") return describe_array(array_above(path), options);
   if (is_zarr_chunk(path)) {
     if (const fs::path array = array_above(path); !array.empty()) {
       InfoDocument document = file_document("zarr_chunk", path);

@@ -195,14 +195,26 @@ void ChunkReader::each_row(const Box3& part, const Target& target, const F& f) c
 
 void ChunkReader::copy_chunk(const Box3& chunk, const Target& target,
                              const Buffers& buffers) const {
-  const auto each = static_cast<std::int64_t>(sample_bytes(array_.type));
+  const std::size_t each = sample_bytes(array_.type);
   const Box3 part = intersect(chunk, target.box);
   const Index3 side = chunk.size();
-  const auto row = static_cast<std::size_t>(part.size().x * each);
+  Index3 stride;
+  std::int64_t next = static_cast<std::int64_t>(each);
+  for (const int axis : array_.order) {
+    stride[axis] = next;
+    next *= side[axis];
+  }
+  const std::int64_t count = part.size().x;
   each_row(part, target, [&](Index3 at, std::byte* out) {
     const Index3 from = at - chunk.lo;
-    std::memcpy(out, buffers.chunk.data() + ((from.z * side.y + from.y) * side.x + from.x) * each,
-                row);
+    const std::byte* in =
+        buffers.chunk.data() + from.z * stride.z + from.y * stride.y + from.x * stride.x;
+    if (array_.order[0] == 0) {
+      std::memcpy(out, in, static_cast<std::size_t>(count) * each);
+      return;
+    }
+    for (std::int64_t i = 0; i < count; ++i, in += stride.x, out += each)
+      std::memcpy(out, in, each);
   });
 }
 

@@ -1,7 +1,9 @@
 #include "storage/store/codec.h"
 
 #include <blosc.h>
+#include <bzlib.h>
 #include <fmt/format.h>
+#include <lz4.h>
 #include <zlib.h>
 #include <zstd.h>
 
@@ -95,6 +97,38 @@ class Inflater {
   bool stuck_ = false;
 };
 
+// numcodecs': the decoded size in four bytes, little-endian, and one block.
+std::string lz4_decode(std::span<const std::byte> encoded, std::span<std::byte> out) {
+  constexpr std::size_t size_bytes = 4;
+  if (encoded.size() < size_bytes) return "lz4: truncated";
+  std::uint32_t size = 0;
+  std::memcpy(&size, encoded.data(), size_bytes);
+  to_native(reinterpret_cast<std::byte*>(&size), 1, size_bytes, std::endian::little);
+  if (size != out.size()) return fmt::format("lz4 holds {} bytes, {} expected", size, out.size());
+  const auto block = encoded.subspan(size_bytes);
+  constexpr std::size_t most = std::numeric_limits<int>::max();
+  if (block.size() > most || out.size() > most) return "lz4: more than 2^31 bytes in one block";
+  const int got = LZ4_decompress_safe(reinterpret_cast<const char*>(block.data()),
+                                      reinterpret_cast<char*>(out.data()),
+                                      static_cast<int>(block.size()), static_cast<int>(out.size()));
+  if (got < 0 || static_cast<std::size_t>(got) != out.size()) return "lz4: damaged";
+  return {};
+}
+
+std::string bz2_decode(std::span<const std::byte> encoded, std::span<std::byte> out) {
+  constexpr std::size_t most = std::numeric_limits<unsigned>::max();
+  if (encoded.size() > most || out.size() > most) return "bz2: more than 2^32 bytes in one chunk";
+  auto size = static_cast<unsigned>(out.size());
+  // Its types predate const.
+  auto* in = const_cast<char*>(reinterpret_cast<const char*>(encoded.data()));
+  const int code = BZ2_bzBuffToBuffDecompress(reinterpret_cast<char*>(out.data()), &size, in,
+                                              static_cast<unsigned>(encoded.size()), 0, 0);
+  if (code == BZ_OUTBUFF_FULL) return "bz2 holds more bytes than expected";
+  if (code == BZ_UNEXPECTED_EOF) return "bz2: truncated";
+  if (code != BZ_OK) return fmt::format("bz2: damaged (error {})", code);
+  return size == out.size() ? "" : fmt::format("bz2 ends {} bytes short", out.size() - size);
+}
+
 std::string decompress(const Compressor& compressor, std::span<const std::byte> encoded,
                        std::span<std::byte> out) {
   switch (compressor.kind) {
@@ -102,6 +136,10 @@ std::string decompress(const Compressor& compressor, std::span<const std::byte> 
       return blosc_decode(encoded, out);
     case CompressorKind::zstd:
       return zstd_decode(encoded, out);
+    case CompressorKind::bz2:
+      return bz2_decode(encoded, out);
+    case CompressorKind::lz4:
+      return lz4_decode(encoded, out);
     case CompressorKind::gzip:
       break;
   }

@@ -10,8 +10,8 @@
 
 namespace voxweld {
 
-enum class CompressorKind : std::uint8_t { blosc, zstd, gzip };
-enum class Shuffle : std::uint8_t { none = 0, byte = 1, bit = 2 };  // blosc's own numbers
+enum class CompressorKind : std::uint8_t { blosc, zstd, gzip, bz2, lz4 };  // gzip: zlib too
+enum class Shuffle : std::uint8_t { none = 0, byte = 1, bit = 2 };         // blosc's own numbers
 
 struct Compressor {
   CompressorKind kind = CompressorKind::blosc;
@@ -41,7 +41,7 @@ std::uint64_t largest_encoded_chunk(const CodecChain& chain, ChunkForm form);
 
 // Replaces `encoded` by the encoded chunk. Writes little-endian chains of blosc, zstd or no
 // compressor only. The same samples give the same bytes in every process.
-// Preconditions: samples.size() == form.bytes <= 2^30; !chain.big_endian; not gzip.
+// Preconditions: samples.size() == form.bytes <= 2^30; !chain.big_endian; blosc or zstd.
 void encode_chunk(const CodecChain& chain, ChunkForm form, std::span<const std::byte> samples,
                   std::vector<std::byte>& encoded);
 

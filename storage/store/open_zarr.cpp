@@ -10,7 +10,7 @@ namespace {
 class ZarrSource final : public SampleSource {
  public:
   explicit ZarrSource(const ZarrArray& array) : reader_(array, Ownership::theirs) {
-    const ReadFile metadata(array.path / "zarr.json");
+    const ReadFile metadata(array.path / array.metadata);
     info_.format = "zarr";
     info_.type = array.type;
     info_.scale = array.scale;
@@ -53,7 +53,7 @@ std::unique_ptr<SampleSource> open_zarr(const std::filesystem::path& directory) 
 }
 
 VolumeReader zarr_reader() {
-  return {"zarr", "a Zarr v3 directory", test_zarr,
+  return {"zarr", "a Zarr directory", test_zarr,
           [](const InputSpec& spec) { return open_zarr(spec.path); }};
 }
 

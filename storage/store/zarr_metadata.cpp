@@ -20,19 +20,17 @@ bool present(const fs::path& path) {
 
 [[noreturn]] void refuse_directory(const fs::path& directory) {
   const std::string name = directory.string();
+  const std::string expected = "; a Zarr array is a directory with a zarr.json or .zarray";
   std::error_code ignored;
-  if (!present(directory))
-    throw InputError(name + ": no such directory; a Zarr array is a directory with a zarr.json");
-  if (!fs::is_directory(directory, ignored))
-    throw InputError(name + ": is a file; a Zarr array is a directory with a zarr.json");
-  for (const char* v2 : {".zarray", ".zgroup", ".zmetadata"})
-    if (present(directory / v2))
-      throw FormatError(fmt::format(
-          "{}: Zarr v2 is not supported yet ({} found, zarr.json expected); convert it to Zarr v3",
-          name, v2));
+  if (!present(directory)) throw InputError(name + ": no such directory" + expected);
+  if (!fs::is_directory(directory, ignored)) throw InputError(name + ": is a file" + expected);
+  if (present(directory / ".zgroup"))
+    throw InputError(name +
+                     ": is a group, not an array (.zgroup found); name the directory of an " +
+                     "array inside it");
   if (present(directory / "attributes.json"))
     throw FormatError(name + ": N5 is not supported (attributes.json found, zarr.json expected)");
-  throw InputError(name + ": no zarr.json in it; name the directory of a Zarr v3 array");
+  throw InputError(name + ": no zarr.json or .zarray in it; name the directory of a Zarr array");
 }
 
 }  // namespace
@@ -66,10 +64,20 @@ fs::path ZarrArray::file_path(Index3 at) const {
   return path / key;
 }
 
+bool holds_zarr_array(const fs::path& directory) {
+  return present(directory / "zarr.json") || present(directory / ".zarray");
+}
+
 ZarrArray read_zarr_array(const fs::path& directory) {
-  const fs::path file = directory / "zarr.json";
-  if (!present(file)) refuse_directory(directory);
-  return parse_zarr_array(read_text_file(file), directory);
+  if (present(directory / "zarr.json"))
+    return parse_zarr_array(read_text_file(directory / "zarr.json"), directory);
+  if (present(directory / ".zarray"))
+    return parse_zarr_v2_array(read_text_file(directory / ".zarray"), directory);
+  refuse_directory(directory);
+}
+
+std::array<int, 3> columns_first(int rank) {
+  return rank == 3 ? std::array{2, 1, 0} : std::array{1, 0, 2};
 }
 
 }  // namespace voxweld

@@ -1,6 +1,8 @@
-// The zarr.json of one Zarr v3 array, and where the array's chunks lie.
-// Specification: "Zarr core specification, version 3.0", with the codecs bytes, blosc, zstd, gzip,
-// crc32c, transpose (identity only) and sharding_indexed.
+// The metadata of one Zarr array (zarr.json of version 3, .zarray of version 2), and where the
+// array's chunks lie.
+// Specifications: "Zarr core specification, version 3.0", with the codecs bytes, blosc, zstd, gzip,
+// crc32c, transpose and sharding_indexed; "Zarr storage specification, version 2", with the
+// compressors blosc, zlib, gzip, bz2, zstd and lz4 and no filters.
 #pragma once
 
 #include <array>
@@ -33,12 +35,14 @@ struct ShardIndexEntry {
 
 // All extents are x, y, z; Zarr's are z, y, x. A two-dimensional array is a volume of one slice.
 struct ZarrArray {
-  std::filesystem::path path;  // the array's directory, which holds zarr.json
+  std::filesystem::path path;  // the array's directory, which holds the metadata
+  const char* metadata = "zarr.json";
   int rank = 3;
   SampleType type = SampleType::u8;
   Index3 size;   // samples a side
   Index3 file;   // samples a side that one file holds (the chunk grid)
   Index3 chunk;  // samples a side of what is encoded as one piece; divides `file`
+  std::array<int, 3> order{0, 1, 2};  // the axes of a chunk's samples, the fastest first
   bool sharded = false;
   ShardIndexForm index;
   CodecChain codecs;
@@ -57,12 +61,19 @@ struct ZarrArray {
   std::filesystem::path file_path(Index3 file_index) const;
 };
 
+// Whether there is an array's metadata in the directory.
+bool holds_zarr_array(const std::filesystem::path& directory);
 // Throws InputError where `directory` is no directory or holds no Zarr array, FormatError where it
 // is of a version, type, rank or codec that is not supported, naming it.
 ZarrArray read_zarr_array(const std::filesystem::path& directory);
 
 // The same from the text of a zarr.json. `directory` is for the messages and for file_path.
 ZarrArray parse_zarr_array(const std::string& text, const std::filesystem::path& directory);
+// The same from the text of a .zarray.
+ZarrArray parse_zarr_v2_array(const std::string& text, const std::filesystem::path& directory);
+
+// The order of Fortran: the last of Zarr's axes is the slowest.
+std::array<int, 3> columns_first(int rank);
 
 // The text of zarr.json: the same for the same array. Arrays with one compressor, little-endian,
 // default keys only. `geometry` goes into the attributes, with a checksum over the whole document.

@@ -1,21 +1,18 @@
 // zarr.json -> ZarrArray. Everything the array says is either understood or refused by name.
 #include <algorithm>
-#include <bit>
-#include <charconv>
+#include <array>
 #include <cmath>
-#include <cstring>
-#include <limits>
 #include <string_view>
-#include <type_traits>
+#include <utility>
 
+#include "storage/store/zarr_fields.h"
 #include "storage/store/zarr_json.h"
 #include "storage/store/zarr_metadata.h"
-#include "storage/support/refused_text.h"
 
 namespace voxweld {
 namespace {
 
-constexpr std::int64_t largest_extent = std::int64_t{1} << 40;
+using Json = nlohmann::ordered_json;
 
 void check_version(const JsonField& root) {
   const JsonField version = root.at("zarr_format");
@@ -23,7 +20,6 @@ void check_version(const JsonField& root) {
     root.refuse(
         "this is an early draft of Zarr v3 (zr3), which is not Zarr v3 and is not supported; "
         "convert it to Zarr v3");
-  if (version.value() == 2) root.refuse("Zarr v2 is not supported yet; convert it to Zarr v3");
   if (version.value() != 3)
     version.refuse("3 expected, " + version.shown() + " found: unknown version of Zarr");
 }
@@ -72,89 +68,6 @@ SampleType parse_data_type(const JsonField& root) {
   return *type;
 }
 
-// Zarr's extents, slowest first, as x, y, z.
-Index3 parse_extents(const JsonField& field, int rank) {
-  const auto extents = field.elements();
-  if (static_cast<int>(extents.size()) != rank)
-    field.refuse(fmt::format("{} extents expected, {} found", rank, field.shown()));
-  Index3 result = splat(1);
-  for (int axis = 0; axis < rank; ++axis)
-    result[axis] = extents[static_cast<std::size_t>(rank - 1 - axis)].integer(1, largest_extent);
-  return result;
-}
-
-void check_size(const JsonField& field, Index3 extents, SampleType type) {
-  std::int64_t bytes = static_cast<std::int64_t>(sample_bytes(type));
-  for (int axis = 0; axis < 3; ++axis)
-    if (__builtin_mul_overflow(bytes, extents[axis], &bytes))
-      field.refuse(field.shown() + " is more than 2^63 bytes");
-}
-
-int parse_rank(const JsonField& root) {
-  const JsonField shape = root.at("shape");
-  const std::size_t rank = shape.elements().size();
-  if (rank != 2 && rank != 3)
-    shape.refuse(fmt::format(
-        "{} dimensions are not supported, 3 (z, y, x) expected; extract one volume first", rank));
-  return static_cast<int>(rank);
-}
-
-template <class T>
-using BitsOf = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
-
-template <class T>
-T parse_special_fill(const JsonField& field) {
-  const std::string text = field.text();
-  if (text == "NaN") return std::numeric_limits<T>::quiet_NaN();
-  if (text == "Infinity") return std::numeric_limits<T>::infinity();
-  if (text == "-Infinity") return -std::numeric_limits<T>::infinity();
-  if (text.size() == 2 + 2 * sizeof(T) && text.starts_with("0x")) {
-    BitsOf<T> bits = 0;
-    const auto [end, error] = std::from_chars(text.data() + 2, text.data() + text.size(), bits, 16);
-    if (error == std::errc() && end == text.data() + text.size()) return std::bit_cast<T>(bits);
-  }
-  field.refuse(fmt::format(
-      "a number, \"NaN\", \"Infinity\", \"-Infinity\" or \"0x\" and {} digits expected, {} found",
-      2 * sizeof(T), field.shown()));
-}
-
-template <class T>
-T parse_whole_fill(const JsonField& field) {
-  const auto& value = field.value();
-  const auto wrong = [&] {
-    field.refuse(fmt::format("an integer from {} to {} expected, {} found",
-                             std::numeric_limits<T>::min(), std::numeric_limits<T>::max(),
-                             field.shown()));
-  };
-  if (value.is_number_unsigned()) {
-    const auto v = value.get<std::uint64_t>();
-    if (v > static_cast<std::uint64_t>(std::numeric_limits<T>::max())) wrong();
-    return static_cast<T>(v);
-  }
-  if (!value.is_number_integer()) wrong();
-  const auto v = value.get<std::int64_t>();  // negative: others are unsigned
-  if (std::is_unsigned_v<T> ? v < 0 : v < static_cast<std::int64_t>(std::numeric_limits<T>::min()))
-    wrong();
-  return static_cast<T>(v);
-}
-
-// Numbers, "NaN", "Infinity", "-Infinity" and hexadecimal bit patterns; one sample in native byte
-// order.
-std::array<std::byte, 8> parse_fill_value(const JsonField& field, SampleType type) {
-  std::array<std::byte, 8> fill{};
-  dispatch_sample_type(type, [&](auto tag) {
-    using T = typename decltype(tag)::type;
-    T value{};
-    if constexpr (std::is_floating_point_v<T>)
-      value =
-          field.value().is_number() ? static_cast<T>(field.real()) : parse_special_fill<T>(field);
-    else
-      value = parse_whole_fill<T>(field);
-    std::memcpy(fill.data(), &value, sizeof value);
-  });
-  return fill;
-}
-
 void parse_keys(const JsonField& root, ZarrArray& array) {
   const JsonField encoding = root.at("chunk_key_encoding");
   const std::string name = encoding.at("name").text();
@@ -183,16 +96,22 @@ bool parse_endian(const JsonField& codec, SampleType type) {
   return text == "big";
 }
 
-void check_transpose(const JsonField& codec, int rank) {
-  const JsonField order = codec.at("configuration").at("order");
-  if (order.value() == "C") return;
-  const auto axes = order.elements();
-  bool identity = static_cast<int>(axes.size()) == rank;
-  for (std::size_t i = 0; i < axes.size(); ++i)
-    identity = identity && axes[i].value() == static_cast<int>(i);
-  if (!identity)
-    order.refuse("transposed chunks are not supported, " + order.shown() +
-                 " found; rewrite the array in C order");
+// The axes of the transposed array, the fastest first, as x, y, z (0, 1, 2).
+std::array<int, 3> parse_transpose(const JsonField& codec, int rank) {
+  std::array<int, 3> order{0, 1, 2};
+  const JsonField field = codec.at("configuration").at("order");
+  if (field.value() == "C") return order;
+  if (field.value() == "F") return columns_first(rank);
+  const auto axes = field.elements();
+  std::array<bool, 3> seen{};
+  bool sound = static_cast<int>(axes.size()) == rank;
+  for (std::size_t i = 0; sound && i < axes.size(); ++i) {
+    const auto axis = static_cast<int>(axes[i].integer(0, rank - 1));
+    sound = !std::exchange(seen[static_cast<std::size_t>(axis)], true);
+    order[axes.size() - 1 - i] = rank - 1 - axis;
+  }
+  if (!sound) field.refuse(fmt::format("each of the {} axes once expected", rank));
+  return order;
 }
 
 Compressor parse_compressor(const JsonField& codec, const std::string& name) {
@@ -221,14 +140,15 @@ Compressor parse_compressor(const JsonField& codec, const std::string& name) {
 }
 
 // The codecs of one chunk: [transpose] bytes [crc32c ...] [compressor] [crc32c ...].
-CodecChain parse_chain(std::span<const JsonField> codecs, const ZarrArray& array,
-                       const JsonField& list) {
+CodecChain parse_chain(std::span<const JsonField> codecs, ZarrArray& array, const JsonField& list) {
   CodecChain chain;
   bool bytes = false;
   for (const JsonField& codec : codecs) {
     const std::string name = codec.value().is_string() ? codec.text() : codec.at("name").text();
     if (name == "transpose" && !bytes) {
-      check_transpose(codec, array.rank);
+      if (array.order != std::array{0, 1, 2})
+        codec.refuse("a second \"transpose\" is not supported");
+      array.order = parse_transpose(codec, array.rank);
     } else if (name == "bytes" && !bytes) {
       chain.big_endian = parse_endian(codec, array.type);
       bytes = true;
@@ -286,16 +206,14 @@ void parse_codecs(const JsonField& root, ZarrArray& array) {
     return;
   }
   for (auto before = codecs.begin(); before != shard; ++before)
-    if (named(*before, "transpose"))
-      check_transpose(*before, array.rank);
-    else
+    if (!named(*before, "transpose") || parse_transpose(*before, array.rank) != std::array{0, 1, 2})
       before->refuse("the codec before \"sharding_indexed\" is not supported: " + before->shown());
   if (shard + 1 != codecs.end())
     (shard + 1)->refuse("a codec after \"sharding_indexed\" is not supported: " +
                         (shard + 1)->shown());
   const JsonField configuration = shard->at("configuration");
   const JsonField chunk = configuration.at("chunk_shape");
-  array.chunk = parse_extents(chunk, array.rank);
+  array.chunk = zarr_extents(chunk, array.rank);
   for (int axis = 0; axis < 3; ++axis)
     if (array.file[axis] % array.chunk[axis] != 0)
       chunk.refuse(chunk.shown() + " does not divide the shard's shape");
@@ -303,17 +221,6 @@ void parse_codecs(const JsonField& root, ZarrArray& array) {
   const JsonField inner = configuration.at("codecs");
   array.codecs = parse_chain(inner.elements(), array, inner);
   parse_index(configuration, array);
-}
-
-// A chunk is decoded whole. What fits this may still be over the caller's budget, who is told by
-// largest_decode; what does not is no real array.
-void check_chunk_size(const JsonField& root, const ZarrArray& array) {
-  constexpr std::uint64_t most = std::uint64_t{1} << 40;
-  if (array.form().bytes > most)
-    root.refuse(
-        fmt::format("one chunk takes {} bytes decoded, at most 2^40 are supported; rewrite "
-                    "the array with smaller chunks",
-                    array.form().bytes));
 }
 
 Vec3 parse_vector(const JsonField& field) {
@@ -347,38 +254,27 @@ void parse_geometry(const JsonField& root, ZarrArray& array) {
 
 ZarrArray parse_zarr_array(const std::string& text, const std::filesystem::path& directory) {
   const std::string file = (directory / "zarr.json").string();
-  using Json = nlohmann::ordered_json;
-  Json document;
-  // Copying and printing a value recurse: a document made to be deep must not exhaust the stack.
-  const auto check_depth = [&](int depth, Json::parse_event_t, Json&) {
-    if (depth > 64) throw FormatError(file + ": nested more than 64 deep, which no zarr.json is");
-    return true;
-  };
-  try {
-    document = Json::parse(text, check_depth);
-  } catch (const nlohmann::json::exception& error) {
-    throw FormatError(file + ": not valid JSON: " + json_problem(error));
-  }
+  const Json document = parse_zarr_document(text, file);
   const JsonField root(document, file, "");
   check_version(root);
   check_node(root);
   check_fields(root);
   ZarrArray array;
   array.path = directory;
-  array.rank = parse_rank(root);
+  array.rank = zarr_rank(root.at("shape"));
   array.type = parse_data_type(root);
-  array.size = parse_extents(root.at("shape"), array.rank);
-  check_size(root.at("shape"), array.size, array.type);
+  array.size = zarr_extents(root.at("shape"), array.rank);
+  check_zarr_size(root.at("shape"), array.size, array.type);
   const JsonField grid = root.at("chunk_grid");
   if (grid.at("name").value() != "regular")
     grid.refuse("\"regular\" expected, " + grid.at("name").shown() + " found: not supported");
   const JsonField shape = grid.at("configuration").at("chunk_shape");
-  array.file = parse_extents(shape, array.rank);
-  check_size(shape, array.file, array.type);
+  array.file = zarr_extents(shape, array.rank);
+  check_zarr_size(shape, array.file, array.type);
   parse_keys(root, array);
-  array.fill = parse_fill_value(root.at("fill_value"), array.type);
+  array.fill = zarr_fill_value(root.at("fill_value"), array.type);
   parse_codecs(root, array);
-  check_chunk_size(root, array);
+  check_zarr_chunk(root, array);
   parse_geometry(root, array);
   return array;
 }

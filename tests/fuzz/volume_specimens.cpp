@@ -131,6 +131,22 @@ void write_zarr(const fs::path& folder) {
       }
 }
 
+// Of version 2, with zlib, in Fortran order.
+void write_zarr_v2(const fs::path& folder) {
+  fs::create_directories(folder);
+  write_bytes(
+      folder / ".zarray",
+      fmt::format(R"({{"zarr_format": 2, "shape": [{0}, {1}, {2}], "chunks": [{0}, {1}, {2}],
+"dtype": "<i2", "order": "F", "compressor": {{"id": "zlib", "level": 6}}, "fill_value": 0,
+"filters": null, "dimension_separator": "."}}
+)",
+                  size_x, size_y, size_z));
+  // The same samples as one chunk of an array whose axes are x, y, z.
+  write_bytes(
+      folder / "0.0.0",
+      packed(as_string(samples<std::int16_t>(0, size_z, 0, size_y, 0, size_x)), Wrapper::zlib));
+}
+
 std::vector<TiffPage> tiff_pages() {
   std::vector<TiffPage> pages;
   for (int z = 0; z < size_z; ++z) {
@@ -235,6 +251,9 @@ std::vector<Specimen> write_volumes(const fs::path& program, const fs::path& roo
   Specimen zarr = to.begin("zarr");
   write_zarr(zarr.folder / "v.zarr");
   to.finish(std::move(zarr), "v.zarr");
+  Specimen zarr_v2 = to.begin("zarr-v2");
+  write_zarr_v2(zarr_v2.folder / "v.zarr");
+  to.finish(std::move(zarr_v2), "v.zarr");
   Specimen sharded = to.begin("zarr-sharded");
   const ProcessEnd made = run_watched(
       {program.string(), "phantom", "sphere", "--size", "20", "--type", "uint8", "-o", "v.zarr"},

@@ -86,17 +86,15 @@ TEST(ForeignZarr, RealArraysItDoesNotReadAreRefusedByName) {
   EXPECT_THAT(refusal(data / "v3_zarr_python/array_bz2.zarr"), HasSubstr("numcodecs.bz2"));
   EXPECT_THAT(refusal(data / "v3_zarr_python/array_fletcher32.zarr"), HasSubstr("fletcher32"));
   EXPECT_THAT(refusal(data / "v3/array_pcodec.zarr"), HasSubstr("pcodec"));
-  EXPECT_THAT(refusal(data / "v3/array_none_transpose.zarr"), HasSubstr("transposed"));
   EXPECT_THAT(refusal(data / "v3/cities.zarr"), HasSubstr("not supported"));
   EXPECT_THAT(refusal(data / "hierarchy.zarr"), HasSubstr("is a group"));
-  EXPECT_THAT(refusal(data / "v2/array_none_C.zarr"), HasSubstr("Zarr v2 is not supported yet"));
 }
 
 TEST(ForeignZarr, EarlyDraftsAndOtherVersionsAreRefusedByName) {
   VOXWELD_NEEDS_SHARED_DATA("zarr/zarr_implementations");
   const auto data = shared_data("zarr/zarr_implementations/examples");
   EXPECT_THAT(refusal(data / "zarrita.zr3"), HasSubstr("zr3"));
-  EXPECT_THAT(refusal(data / "zarr.zr/raw"), HasSubstr("Zarr v2"));
+  EXPECT_THAT(refusal(data / "zarr.zr"), HasSubstr("is a group"));
   EXPECT_THAT(refusal(data / "z5py.n5"), HasSubstr("N5"));
   EXPECT_THAT(refusal(data), HasSubstr("no zarr.json"));
   EXPECT_THAT(refusal(data / "none"), HasSubstr("no such directory"));
@@ -316,7 +314,7 @@ TEST_F(MadeZarr, WhatIsNotSupportedIsRefusedByName) {
     metadata[Json::json_pointer(pointer)] = value;
     expect_refused(metadata, part);
   };
-  refuse("/zarr_format", 2, "Zarr v2");
+  refuse("/zarr_format", 2, "zarr_format: 3 expected, 2 found");
   refuse("/zarr_format", 4, "zarr_format: 3 expected, 4 found");
   refuse("/node_type", "group", "is a group");
   refuse("/data_type", "complex64", "complex64");

@@ -1,0 +1,268 @@
+// Zarr arrays of version 2, and chunks whose samples are in another order.
+#include <bzlib.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <lz4.h>
+
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "storage/store/codec.h"
+#include "storage/store/open_zarr.h"
+#include "storage/support/error.h"
+#include "storage/support/file_io.h"
+#include "tests/storage/store/memory_source.h"
+#include "tests/support/deflated.h"
+#include "tests/support/temp_directory.h"
+
+namespace voxweld {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using testing::read_box;
+using testing::shared_data;
+using Json = nlohmann::json;
+using Bytes = std::vector<std::byte>;
+
+template <class T>
+std::vector<T> samples_of(const SampleSource& source) {
+  const Bytes bytes = read_box(source, {{}, source.info().geometry.size});
+  std::vector<T> values(bytes.size() / sizeof(T));
+  std::memcpy(values.data(), bytes.data(), bytes.size());
+  return values;
+}
+
+std::string refusal_of(const std::filesystem::path& path) {
+  try {
+    samples_of<std::byte>(*open_zarr(path));
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit_code(), 2);
+    EXPECT_THAT(error.what(), HasSubstr(path.string()));
+    return error.what();
+  }
+  return "accepted";
+}
+
+// Real arrays ------------------------------------------------------------------------------------
+
+TEST(ZarrV2, ArraysOfZarrsAndTransposedOnes) {
+  VOXWELD_NEEDS_SHARED_DATA("zarr/zarrs/data");
+  std::vector<float> expected(100);
+  std::iota(expected.begin(), expected.end(), 0.0f);
+  for (const char* name :
+       {"v2/array_none_C", "v2/array_none_F", "v2/array_blosc_C", "v2/array_blosc_F",
+        "v2/array_bz2_C", "v2/array_gzip_C", "v2/array_zstd_C", "v3/array_none_transpose",
+        "v3/array_blosc_transpose"}) {
+    const auto source = open_zarr(shared_data("zarr/zarrs/data") / (std::string(name) + ".zarr"));
+    EXPECT_EQ(source->info().geometry.size, (Index3{10, 10, 1})) << name;
+    EXPECT_EQ(samples_of<float>(*source), expected) << name;
+  }
+}
+
+TEST(ZarrV2, RealArraysItDoesNotReadAreRefusedByName) {
+  VOXWELD_NEEDS_SHARED_DATA("zarr/zarrs/data");
+  const auto data = shared_data("zarr/zarrs/data");
+  EXPECT_THAT(refusal_of(data / "v2/array_zfpy_C.zarr"), HasSubstr("\"zfpy\" is not supported"));
+  EXPECT_THAT(refusal_of(data / "v2/array_pcodec_C.zarr"), HasSubstr("pcodec"));
+  EXPECT_THAT(refusal_of(data / "zarr_python_compat/fletcher32.zarr"), HasSubstr("fletcher32"));
+}
+
+TEST(ZarrV2, OneImageByManyWriters) {
+  VOXWELD_NEEDS_SHARED_DATA("zarr/zarr_implementations");
+  const auto examples = shared_data("zarr/zarr_implementations/examples/zarr.zr");
+  const auto expected = samples_of<std::uint8_t>(*open_zarr(examples / "raw"));
+  ASSERT_EQ(expected.size(), 512U * 512 * 3);
+  for (const char* codec : {"gzip", "zlib", "blosc"})
+    EXPECT_EQ(samples_of<std::uint8_t>(*open_zarr(examples / codec)), expected) << codec;
+}
+
+// Arrays made here -------------------------------------------------------------------------------
+
+Json metadata_of(const char* dtype, const char* order) {
+  return {{"zarr_format", 2},      {"shape", {3, 2, 5}}, {"chunks", {2, 2, 4}},
+          {"dtype", dtype},        {"order", order},     {"compressor", nullptr},
+          {"fill_value", nullptr}, {"filters", nullptr}};
+}
+
+Bytes zlib(std::span<const std::byte> raw) {
+  return testing::deflated(raw, testing::Wrapper::zlib);
+}
+Bytes gzip(std::span<const std::byte> raw) {
+  return testing::deflated(raw, testing::Wrapper::gzip);
+}
+Bytes lz4(std::span<const std::byte> raw) {
+  Bytes out(4 + static_cast<std::size_t>(LZ4_compressBound(static_cast<int>(raw.size()))));
+  const auto size = static_cast<std::uint32_t>(raw.size());
+  std::memcpy(out.data(), &size, 4);
+  const int made = LZ4_compress_default(
+      reinterpret_cast<const char*>(raw.data()), reinterpret_cast<char*>(out.data() + 4),
+      static_cast<int>(raw.size()), static_cast<int>(out.size() - 4));
+  out.resize(4 + static_cast<std::size_t>(made));
+  return out;
+}
+Bytes bz2(std::span<const std::byte> raw) {
+  Bytes out(raw.size() * 2 + 600);
+  auto size = static_cast<unsigned>(out.size());
+  Bytes copy(raw.begin(), raw.end());
+  EXPECT_EQ(BZ2_bzBuffToBuffCompress(reinterpret_cast<char*>(out.data()), &size,
+                                     reinterpret_cast<char*>(copy.data()),
+                                     static_cast<unsigned>(copy.size()), 9, 0, 0),
+            BZ_OK);
+  out.resize(size);
+  return out;
+}
+Bytes by_codec(CompressorKind kind, std::span<const std::byte> raw, std::size_t sample) {
+  CodecChain chain;
+  chain.compressor = Compressor{.kind = kind};
+  Bytes out;
+  encode_chunk(chain, {raw.size(), sample}, raw, out);
+  return out;
+}
+
+struct Packing {
+  Json compressor;
+  std::function<Bytes(std::span<const std::byte>)> pack;
+};
+
+class MadeZarrV2 : public ::testing::Test {
+ protected:
+  std::filesystem::path array() const { return directory_ / "a.zarr"; }
+  void write(const Json& metadata) const {
+    write_whole_file(array() / ".zarray", as_bytes(metadata.dump()), Durability::rename_only);
+  }
+  // The sample at z, y, x is 100 z + 10 y + x; chunk (1, 0, 1) is left out.
+  template <class T>
+  void write_chunks(const Json& metadata, const Packing& packing) const {
+    const bool big = metadata.at("dtype").get<std::string>()[0] == '>';
+    const bool columns = metadata.at("order") == "F";
+    const std::string separator = metadata.value("dimension_separator", ".");
+    for (int cz = 0; cz < 2; ++cz)
+      for (int cx = 0; cx < 2; ++cx) {
+        if (cz == 1 && cx == 1) continue;
+        Bytes raw(16 * sizeof(T));
+        for (int z = 0; z < 2; ++z)
+          for (int y = 0; y < 2; ++y)
+            for (int x = 0; x < 4; ++x) {
+              const T value = static_cast<T>(100 * (2 * cz + z) + 10 * y + 4 * cx + x);
+              const int at = columns ? z + 2 * (y + 2 * x) : x + 4 * (y + 2 * z);
+              auto* to = raw.data() + static_cast<std::size_t>(at) * sizeof(T);
+              std::memcpy(to, &value, sizeof(T));
+              if (big) std::reverse(to, to + sizeof(T));
+            }
+        const std::string key =
+            std::to_string(cz) + separator + "0" + separator + std::to_string(cx);
+        write_whole_file(array() / key, packing.pack(raw), Durability::rename_only);
+      }
+  }
+  template <class T>
+  void expect_samples(T fill) const {
+    const auto source = open_zarr(array());
+    EXPECT_EQ(source->info().geometry.size, (Index3{5, 2, 3}));
+    const auto values = samples_of<T>(*source);
+    ASSERT_EQ(values.size(), 30U);
+    for (int z = 0; z < 3; ++z)
+      for (int y = 0; y < 2; ++y)
+        for (int x = 0; x < 5; ++x)
+          EXPECT_EQ(values[static_cast<std::size_t>((z * 2 + y) * 5 + x)],
+                    z == 2 && x == 4 ? fill : static_cast<T>(100 * z + 10 * y + x))
+              << z << y << x;
+    // Part of it, across chunks.
+    const Bytes part = read_box(*source, {{3, 1, 1}, {5, 2, 2}});
+    T two[2];
+    std::memcpy(two, part.data(), sizeof two);
+    EXPECT_EQ(two[0], static_cast<T>(113));
+    EXPECT_EQ(two[1], static_cast<T>(114));
+  }
+
+  const testing::TempDirectory directory_;
+};
+
+TEST_F(MadeZarrV2, EveryCompressorOrderAndSeparator) {
+  const std::vector<Packing> packings = {
+      {nullptr, [](auto raw) { return Bytes(raw.begin(), raw.end()); }},
+      {{{"id", "zlib"}, {"level", 1}}, zlib},
+      {{{"id", "gzip"}, {"level", 1}}, gzip},
+      {{{"id", "bz2"}, {"level", 1}}, bz2},
+      {{{"id", "lz4"}, {"acceleration", 1}}, lz4},
+      {{{"id", "zstd"}, {"level", 1}},
+       [](auto raw) { return by_codec(CompressorKind::zstd, raw, 2); }},
+      {{{"id", "blosc"}, {"cname", "lz4"}, {"clevel", 5}, {"shuffle", 1}, {"blocksize", 0}},
+       [](auto raw) { return by_codec(CompressorKind::blosc, raw, 2); }}};
+  for (const Packing& packing : packings)
+    for (const char* order : {"C", "F"})
+      for (const char* separator : {".", "/"}) {
+        SCOPED_TRACE(packing.compressor.dump() + order + separator);
+        std::filesystem::remove_all(array());
+        Json metadata = metadata_of("<i2", order);
+        metadata["compressor"] = packing.compressor;
+        metadata["dimension_separator"] = separator;
+        metadata["fill_value"] = -7;
+        write(metadata);
+        write_chunks<std::int16_t>(metadata, packing);
+        expect_samples<std::int16_t>(-7);
+      }
+}
+
+TEST_F(MadeZarrV2, EveryTypeAndByteOrder) {
+  const auto check = [&]<class T>(T, std::vector<const char*> dtypes) {
+    for (const char* dtype : dtypes) {
+      SCOPED_TRACE(dtype);
+      std::filesystem::remove_all(array());
+      const Json metadata = metadata_of(dtype, "F");
+      write(metadata);
+      write_chunks<T>(metadata, {nullptr, [](auto raw) { return Bytes(raw.begin(), raw.end()); }});
+      expect_samples<T>(0);  // no fill value is said
+    }
+  };
+  check(std::uint8_t{}, {"|u1", "<u1", "|b1"});
+  check(std::int8_t{}, {"|i1"});
+  check(std::uint16_t{}, {"<u2", ">u2"});
+  check(std::int32_t{}, {"<i4", ">i4"});
+  check(std::uint64_t{}, {"<u8", ">u8"});
+  check(float{}, {"<f4", ">f4"});
+  check(double{}, {"<f8", ">f8"});
+}
+
+TEST_F(MadeZarrV2, WhatItDoesNotReadIsNamed) {
+  const auto expect_refused = [&](const char* key, const Json& value, const char* part) {
+    Json metadata = metadata_of("<i2", "C");
+    metadata[key] = value;
+    write(metadata);
+    EXPECT_THAT(refusal_of(array()), AllOf(HasSubstr(".zarray"), HasSubstr(part)));
+  };
+  expect_refused("zarr_format", 3, "2 expected, 3 found");
+  expect_refused("dtype", "<f2", "\"<f2\" is not supported");
+  expect_refused("dtype", "|i2", "\"|i2\" is not supported");
+  expect_refused("dtype", "<c8", "\"<c8\" is not supported");
+  expect_refused("dtype", Json::array({Json::array({"a", "<i2"})}), "is not supported");
+  expect_refused("order", "K", "\"C\" or \"F\" expected");
+  expect_refused("dimension_separator", "-", "\"/\" or \".\" expected");
+  expect_refused("filters", Json::array({{{"id", "delta"}, {"dtype", "<i2"}}}),
+                 "filters are not supported, {");
+  expect_refused("compressor", {{"id", "lzma"}}, "the compressor \"lzma\" is not supported");
+  expect_refused("shape", {2, 3, 2, 5}, "4 dimensions are not supported");
+  expect_refused("chunks", {2, 5}, "3 extents expected");
+  expect_refused("chunks", {0, 2, 4}, "chunks[0]: an integer from 1");
+  expect_refused("fill_value", "x", "fill_value: an integer from -32768 to 32767 expected");
+  Json metadata = metadata_of("<i2", "C");
+  metadata.erase("compressor");
+  write(metadata);
+  EXPECT_THAT(refusal_of(array()), HasSubstr("no \"compressor\" in it"));
+}
+
+TEST_F(MadeZarrV2, DamagedChunksAreNamed) {
+  for (const char* id : {"zlib", "bz2", "lz4", "zstd", "blosc"}) {
+    SCOPED_TRACE(id);
+    Json metadata = metadata_of("<i2", "C");
+    metadata["compressor"] = {{"id", id}};
+    write(metadata);
+    for (const std::size_t size : {0U, 3U, 4U, 30U}) {
+      write_whole_file(array() / "0.0.0", Bytes(size, std::byte{0x5a}), Durability::rename_only);
+      EXPECT_THAT(refusal_of(array()), HasSubstr("0.0.0"));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace voxweld
