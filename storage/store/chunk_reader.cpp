@@ -158,7 +158,9 @@ bool ChunkReader::load_chunk(const Shard& shard, Index3 chunk, Buffers& buffers)
   ShardIndexEntry entry{0, shard.file->size()};
   if (array_.sharded) {
     const Index3 grid = array_.chunks_in_file(), in = chunk - multiply(shard.at, grid);
-    entry = shard.index[static_cast<std::size_t>((in.z * grid.y + in.y) * grid.x + in.x)];
+    std::int64_t at = 0;
+    for (const int axis : array_.axes) at = at * grid[axis] + in[axis];
+    entry = shard.index[static_cast<std::size_t>(at)];
     if (entry.offset == ShardIndexEntry::missing) return false;
   }
   const ChunkForm form = array_.form();

@@ -1,6 +1,7 @@
 #include "storage/store/open_zarr.h"
 
 #include "storage/store/chunk_reader.h"
+#include "storage/store/ome_zarr.h"
 #include "storage/store/zarr_metadata.h"
 #include "storage/support/file_io.h"
 
@@ -23,7 +24,7 @@ class ZarrSource final : public SampleSource {
       info_.warnings.push_back(metadata.path() +
                                ": says no spacing; 1 x 1 x 1 is assumed, set it in the config");
     info_.geometry.size = array.size;
-    if (array.rank == 2)
+    if (array.axes.size() == 2)
       info_.warnings.push_back(metadata.path() +
                                ": has two dimensions; read as a volume of one slice");
   }
@@ -49,7 +50,8 @@ Match test_zarr(const InputProbe& probe) {
 }  // namespace
 
 std::unique_ptr<SampleSource> open_zarr(const std::filesystem::path& directory) {
-  return std::make_unique<ZarrSource>(read_zarr_array(directory));
+  const auto image = full_resolution_of(directory);
+  return std::make_unique<ZarrSource>(read_zarr_array(image.value_or(directory)));
 }
 
 VolumeReader zarr_reader() {

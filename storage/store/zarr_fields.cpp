@@ -1,9 +1,13 @@
 #include "storage/store/zarr_fields.h"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <type_traits>
 
 #include "storage/support/refused_text.h"
@@ -52,6 +56,12 @@ T parse_whole_fill(const JsonField& field) {
   return static_cast<T>(v);
 }
 
+std::string lower_case(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
 }  // namespace
 
 nlohmann::ordered_json parse_zarr_document(const std::string& text, const std::string& file) {
@@ -68,14 +78,59 @@ nlohmann::ordered_json parse_zarr_document(const std::string& text, const std::s
   }
 }
 
-Index3 zarr_extents(const JsonField& field, int rank) {
+std::vector<int> zarr_axes(const JsonField& shape, const std::vector<std::string>& names) {
+  const std::size_t rank = shape.elements().size();
+  if (rank != 2 && rank != 3)
+    shape.refuse(fmt::format(
+        "{} dimensions are not supported, 3 (z, y, x) expected; extract one volume first", rank));
+  std::vector<int> axes, usual;
+  bool spatial = names.size() == rank, other = false;
+  for (std::size_t d = 0; d < rank; ++d) usual.push_back(static_cast<int>(rank - 1 - d));
+  for (const std::string& name : names) {
+    const std::string lower = lower_case(name);
+    const bool known = lower == "x" || lower == "y" || lower == "z";
+    const int axis = known ? lower[0] - 'x' : 0;
+    spatial = spatial && known && std::ranges::find(axes, axis) == axes.end() &&
+              axis < static_cast<int>(rank);
+    other = other || lower == "c" || lower == "t" || lower == "channel" || lower == "time";
+    axes.push_back(axis);
+  }
+  if (spatial) return axes;
+  if (other)
+    shape.refuse(
+        fmt::format("the dimensions are {}, of which not all are x, y and z: extract one "
+                    "volume first",
+                    fmt::join(names, ", ")));
+  return usual;
+}
+
+Index3 zarr_extents(const JsonField& field, const std::vector<int>& axes) {
   const auto extents = field.elements();
-  if (static_cast<int>(extents.size()) != rank)
-    field.refuse(fmt::format("{} extents expected, {} found", rank, field.shown()));
+  if (extents.size() != axes.size())
+    field.refuse(fmt::format("{} extents expected, {} found", axes.size(), field.shown()));
   Index3 result = splat(1);
-  for (int axis = 0; axis < rank; ++axis)
-    result[axis] = extents[static_cast<std::size_t>(rank - 1 - axis)].integer(1, largest_extent);
+  for (std::size_t d = 0; d < axes.size(); ++d)
+    result[axes[d]] = extents[d].integer(1, largest_extent);
   return result;
+}
+
+std::array<int, 3> order_of(const std::vector<int>& axes, const std::vector<int>& slowest_first) {
+  std::array<int, 3> order{0, 1, 2};  // of two dimensions the third is z
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    order[i] = axes[static_cast<std::size_t>(slowest_first[axes.size() - 1 - i])];
+  return order;
+}
+
+std::vector<int> rows_first(std::size_t rank) {
+  std::vector<int> dimensions(rank);
+  std::iota(dimensions.begin(), dimensions.end(), 0);
+  return dimensions;
+}
+
+std::vector<int> columns_first(std::size_t rank) {
+  std::vector<int> dimensions = rows_first(rank);
+  std::ranges::reverse(dimensions);
+  return dimensions;
 }
 
 void check_zarr_size(const JsonField& field, Index3 extents, SampleType type) {
@@ -83,14 +138,6 @@ void check_zarr_size(const JsonField& field, Index3 extents, SampleType type) {
   for (int axis = 0; axis < 3; ++axis)
     if (__builtin_mul_overflow(bytes, extents[axis], &bytes))
       field.refuse(field.shown() + " is more than 2^63 bytes");
-}
-
-int zarr_rank(const JsonField& shape) {
-  const std::size_t rank = shape.elements().size();
-  if (rank != 2 && rank != 3)
-    shape.refuse(fmt::format(
-        "{} dimensions are not supported, 3 (z, y, x) expected; extract one volume first", rank));
-  return static_cast<int>(rank);
 }
 
 std::array<std::byte, 8> zarr_fill_value(const JsonField& field, SampleType type) {

@@ -4,6 +4,7 @@
 
 #include <system_error>
 
+#include "storage/store/ome_zarr.h"
 #include "storage/store/zarr_json.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
@@ -57,7 +58,7 @@ double ZarrArray::files() const {
 
 fs::path ZarrArray::file_path(Index3 at) const {
   std::string key = v2_keys ? "" : "c";
-  for (int axis = rank - 1; axis >= 0; --axis) {
+  for (const int axis : axes) {
     if (!key.empty()) key += separator;
     key += std::to_string(at[axis]);
   }
@@ -69,15 +70,12 @@ bool holds_zarr_array(const fs::path& directory) {
 }
 
 ZarrArray read_zarr_array(const fs::path& directory) {
+  if (!holds_zarr_array(directory)) refuse_directory(directory);
+  const auto image = ome_dataset_of(directory);
+  const OmeDataset* of_group = image ? &*image : nullptr;
   if (present(directory / "zarr.json"))
-    return parse_zarr_array(read_text_file(directory / "zarr.json"), directory);
-  if (present(directory / ".zarray"))
-    return parse_zarr_v2_array(read_text_file(directory / ".zarray"), directory);
-  refuse_directory(directory);
-}
-
-std::array<int, 3> columns_first(int rank) {
-  return rank == 3 ? std::array{2, 1, 0} : std::array{1, 0, 2};
+    return parse_zarr_array(read_text_file(directory / "zarr.json"), directory, of_group);
+  return parse_zarr_v2_array(read_text_file(directory / ".zarray"), directory, of_group);
 }
 
 }  // namespace voxweld

@@ -20,6 +20,8 @@
 
 namespace voxweld {
 
+struct OmeDataset;
+
 // How the index of a sharding_indexed file is stored.
 struct ShardIndexForm {
   bool at_end = true;
@@ -33,11 +35,11 @@ struct ShardIndexEntry {
   std::uint64_t offset = missing, length = missing;
 };
 
-// All extents are x, y, z; Zarr's are z, y, x. A two-dimensional array is a volume of one slice.
+// All extents are x, y, z. A two-dimensional array is a volume of one slice.
 struct ZarrArray {
   std::filesystem::path path;  // the array's directory, which holds the metadata
   const char* metadata = "zarr.json";
-  int rank = 3;
+  std::vector<int> axes{2, 1, 0};  // which of x, y, z (0, 1, 2) each of Zarr's dimensions is
   SampleType type = SampleType::u8;
   Index3 size;   // samples a side
   Index3 file;   // samples a side that one file holds (the chunk grid)
@@ -50,7 +52,7 @@ struct ZarrArray {
   char separator = '/';
   std::array<std::byte, 8> fill{};  // one sample, native byte order
 
-  // Set where the attributes hold voxweld's own description.
+  // Set where the attributes hold voxweld's own description, or a group above is an OME-Zarr image.
   std::optional<VolumeGeometry> geometry;
   ValueScale scale;
 
@@ -68,12 +70,12 @@ bool holds_zarr_array(const std::filesystem::path& directory);
 ZarrArray read_zarr_array(const std::filesystem::path& directory);
 
 // The same from the text of a zarr.json. `directory` is for the messages and for file_path.
-ZarrArray parse_zarr_array(const std::string& text, const std::filesystem::path& directory);
+// image: what an OME-Zarr group above says of the array, if there is one.
+ZarrArray parse_zarr_array(const std::string& text, const std::filesystem::path& directory,
+                           const OmeDataset* image = nullptr);
 // The same from the text of a .zarray.
-ZarrArray parse_zarr_v2_array(const std::string& text, const std::filesystem::path& directory);
-
-// The order of Fortran: the last of Zarr's axes is the slowest.
-std::array<int, 3> columns_first(int rank);
+ZarrArray parse_zarr_v2_array(const std::string& text, const std::filesystem::path& directory,
+                              const OmeDataset* image = nullptr);
 
 // The text of zarr.json: the same for the same array. Arrays with one compressor, little-endian,
 // default keys only. `geometry` goes into the attributes, with a checksum over the whole document.

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "storage/store/ome_zarr.h"
 #include "storage/store/zarr_fields.h"
 #include "storage/store/zarr_json.h"
 #include "storage/store/zarr_metadata.h"
@@ -68,6 +69,17 @@ SampleType parse_data_type(const JsonField& root) {
   return *type;
 }
 
+// Empty where not all have one.
+std::vector<std::string> dimension_names(const JsonField& root) {
+  std::vector<std::string> names;
+  if (!root.has("dimension_names") || root.at("dimension_names").value().is_null()) return names;
+  for (const JsonField& name : root.at("dimension_names").elements()) {
+    if (name.value().is_null()) return {};
+    names.push_back(name.text());
+  }
+  return names;
+}
+
 void parse_keys(const JsonField& root, ZarrArray& array) {
   const JsonField encoding = root.at("chunk_key_encoding");
   const std::string name = encoding.at("name").text();
@@ -96,22 +108,19 @@ bool parse_endian(const JsonField& codec, SampleType type) {
   return text == "big";
 }
 
-// The axes of the transposed array, the fastest first, as x, y, z (0, 1, 2).
-std::array<int, 3> parse_transpose(const JsonField& codec, int rank) {
-  std::array<int, 3> order{0, 1, 2};
+// The dimensions of the transposed array, slowest first.
+std::vector<int> parse_transpose(const JsonField& codec, std::size_t rank) {
   const JsonField field = codec.at("configuration").at("order");
-  if (field.value() == "C") return order;
+  if (field.value() == "C") return rows_first(rank);
   if (field.value() == "F") return columns_first(rank);
-  const auto axes = field.elements();
-  std::array<bool, 3> seen{};
-  bool sound = static_cast<int>(axes.size()) == rank;
-  for (std::size_t i = 0; sound && i < axes.size(); ++i) {
-    const auto axis = static_cast<int>(axes[i].integer(0, rank - 1));
-    sound = !std::exchange(seen[static_cast<std::size_t>(axis)], true);
-    order[axes.size() - 1 - i] = rank - 1 - axis;
-  }
-  if (!sound) field.refuse(fmt::format("each of the {} axes once expected", rank));
-  return order;
+  std::vector<int> dimensions;
+  for (const JsonField& element : field.elements())
+    dimensions.push_back(static_cast<int>(element.integer(0, static_cast<int>(rank) - 1)));
+  std::vector<int> sorted = dimensions;
+  std::ranges::sort(sorted);
+  if (sorted != rows_first(rank))
+    field.refuse(fmt::format("each of the {} dimensions once expected", rank));
+  return dimensions;
 }
 
 Compressor parse_compressor(const JsonField& codec, const std::string& name) {
@@ -142,13 +151,14 @@ Compressor parse_compressor(const JsonField& codec, const std::string& name) {
 // The codecs of one chunk: [transpose] bytes [crc32c ...] [compressor] [crc32c ...].
 CodecChain parse_chain(std::span<const JsonField> codecs, ZarrArray& array, const JsonField& list) {
   CodecChain chain;
-  bool bytes = false;
+  bool bytes = false, transposed = false;
+  array.order = order_of(array.axes, rows_first(array.axes.size()));
   for (const JsonField& codec : codecs) {
     const std::string name = codec.value().is_string() ? codec.text() : codec.at("name").text();
     if (name == "transpose" && !bytes) {
-      if (array.order != std::array{0, 1, 2})
-        codec.refuse("a second \"transpose\" is not supported");
-      array.order = parse_transpose(codec, array.rank);
+      if (transposed) codec.refuse("a second \"transpose\" is not supported");
+      transposed = true;
+      array.order = order_of(array.axes, parse_transpose(codec, array.axes.size()));
     } else if (name == "bytes" && !bytes) {
       chain.big_endian = parse_endian(codec, array.type);
       bytes = true;
@@ -206,14 +216,15 @@ void parse_codecs(const JsonField& root, ZarrArray& array) {
     return;
   }
   for (auto before = codecs.begin(); before != shard; ++before)
-    if (!named(*before, "transpose") || parse_transpose(*before, array.rank) != std::array{0, 1, 2})
+    if (!named(*before, "transpose") ||
+        parse_transpose(*before, array.axes.size()) != rows_first(array.axes.size()))
       before->refuse("the codec before \"sharding_indexed\" is not supported: " + before->shown());
   if (shard + 1 != codecs.end())
     (shard + 1)->refuse("a codec after \"sharding_indexed\" is not supported: " +
                         (shard + 1)->shown());
   const JsonField configuration = shard->at("configuration");
   const JsonField chunk = configuration.at("chunk_shape");
-  array.chunk = zarr_extents(chunk, array.rank);
+  array.chunk = zarr_extents(chunk, array.axes);
   for (int axis = 0; axis < 3; ++axis)
     if (array.file[axis] % array.chunk[axis] != 0)
       chunk.refuse(chunk.shown() + " does not divide the shard's shape");
@@ -252,7 +263,8 @@ void parse_geometry(const JsonField& root, ZarrArray& array) {
 
 }  // namespace
 
-ZarrArray parse_zarr_array(const std::string& text, const std::filesystem::path& directory) {
+ZarrArray parse_zarr_array(const std::string& text, const std::filesystem::path& directory,
+                           const OmeDataset* image) {
   const std::string file = (directory / "zarr.json").string();
   const Json document = parse_zarr_document(text, file);
   const JsonField root(document, file, "");
@@ -261,20 +273,21 @@ ZarrArray parse_zarr_array(const std::string& text, const std::filesystem::path&
   check_fields(root);
   ZarrArray array;
   array.path = directory;
-  array.rank = zarr_rank(root.at("shape"));
+  array.axes = zarr_axes(root.at("shape"), image ? image->axes : dimension_names(root));
   array.type = parse_data_type(root);
-  array.size = zarr_extents(root.at("shape"), array.rank);
+  array.size = zarr_extents(root.at("shape"), array.axes);
   check_zarr_size(root.at("shape"), array.size, array.type);
   const JsonField grid = root.at("chunk_grid");
   if (grid.at("name").value() != "regular")
     grid.refuse("\"regular\" expected, " + grid.at("name").shown() + " found: not supported");
   const JsonField shape = grid.at("configuration").at("chunk_shape");
-  array.file = zarr_extents(shape, array.rank);
+  array.file = zarr_extents(shape, array.axes);
   check_zarr_size(shape, array.file, array.type);
   parse_keys(root, array);
   array.fill = zarr_fill_value(root.at("fill_value"), array.type);
   parse_codecs(root, array);
   check_zarr_chunk(root, array);
+  if (image) array.geometry = geometry_of(*image, array);
   parse_geometry(root, array);
   return array;
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "storage/store/ome_zarr.h"
 #include "storage/store/zarr_fields.h"
 #include "storage/store/zarr_json.h"
 #include "storage/store/zarr_metadata.h"
@@ -55,7 +56,8 @@ void parse_order(const JsonField& root, ZarrArray& array) {
   const std::string text = order.text();
   if (text != "C" && text != "F")
     order.refuse("\"C\" or \"F\" expected, " + order.shown() + " found");
-  if (text == "F") array.order = columns_first(array.rank);
+  const std::size_t rank = array.axes.size();
+  array.order = order_of(array.axes, text == "F" ? columns_first(rank) : rows_first(rank));
 }
 
 void parse_keys(const JsonField& root, ZarrArray& array) {
@@ -71,7 +73,8 @@ void parse_keys(const JsonField& root, ZarrArray& array) {
 
 }  // namespace
 
-ZarrArray parse_zarr_v2_array(const std::string& text, const std::filesystem::path& directory) {
+ZarrArray parse_zarr_v2_array(const std::string& text, const std::filesystem::path& directory,
+                              const OmeDataset* image) {
   const std::string file = (directory / ".zarray").string();
   const nlohmann::ordered_json document = parse_zarr_document(text, file);
   const JsonField root(document, file, "");
@@ -80,11 +83,11 @@ ZarrArray parse_zarr_v2_array(const std::string& text, const std::filesystem::pa
   ZarrArray array;
   array.path = directory;
   array.metadata = ".zarray";
-  array.rank = zarr_rank(root.at("shape"));
+  array.axes = zarr_axes(root.at("shape"), image ? image->axes : std::vector<std::string>());
   parse_dtype(root, array);
-  array.size = zarr_extents(root.at("shape"), array.rank);
+  array.size = zarr_extents(root.at("shape"), array.axes);
   check_zarr_size(root.at("shape"), array.size, array.type);
-  array.file = array.chunk = zarr_extents(root.at("chunks"), array.rank);
+  array.file = array.chunk = zarr_extents(root.at("chunks"), array.axes);
   check_zarr_size(root.at("chunks"), array.file, array.type);
   parse_order(root, array);
   parse_keys(root, array);
@@ -99,6 +102,7 @@ ZarrArray parse_zarr_v2_array(const std::string& text, const std::filesystem::pa
   if (!root.at("compressor").value().is_null())
     array.codecs.compressor = parse_compressor(root.at("compressor"));
   check_zarr_chunk(root, array);
+  if (image) array.geometry = geometry_of(*image, array);
   return array;
 }
 

@@ -131,9 +131,16 @@ void write_zarr(const fs::path& folder) {
       }
 }
 
-// Of version 2, with zlib, in Fortran order.
-void write_zarr_v2(const fs::path& folder) {
+// A group of OME-Zarr whose one array is of version 2, with zlib, in Fortran order.
+void write_ome_zarr(const fs::path& group) {
+  const fs::path folder = group / "0";
   fs::create_directories(folder);
+  write_bytes(group / ".zgroup", "{\"zarr_format\": 2}\n");
+  write_bytes(group / ".zattrs", R"({"multiscales": [{"version": "0.4", "axes": [
+{"name": "x", "type": "space", "unit": "millimeter"}, {"name": "y", "type": "space"},
+{"name": "z", "type": "space"}], "datasets": [{"path": "0", "coordinateTransformations": [
+{"type": "scale", "scale": [1, 1.5, 2]}, {"type": "translation", "translation": [1, 2, 3]}]}]}]}
+)");
   write_bytes(
       folder / ".zarray",
       fmt::format(R"({{"zarr_format": 2, "shape": [{0}, {1}, {2}], "chunks": [{0}, {1}, {2}],
@@ -251,9 +258,9 @@ std::vector<Specimen> write_volumes(const fs::path& program, const fs::path& roo
   Specimen zarr = to.begin("zarr");
   write_zarr(zarr.folder / "v.zarr");
   to.finish(std::move(zarr), "v.zarr");
-  Specimen zarr_v2 = to.begin("zarr-v2");
-  write_zarr_v2(zarr_v2.folder / "v.zarr");
-  to.finish(std::move(zarr_v2), "v.zarr");
+  Specimen ome_zarr = to.begin("zarr-ome");
+  write_ome_zarr(ome_zarr.folder / "v.zarr");
+  to.finish(std::move(ome_zarr), "v.zarr");
   Specimen sharded = to.begin("zarr-sharded");
   const ProcessEnd made = run_watched(
       {program.string(), "phantom", "sphere", "--size", "20", "--type", "uint8", "-o", "v.zarr"},

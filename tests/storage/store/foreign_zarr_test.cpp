@@ -183,6 +183,22 @@ Bytes big_endian(Bytes data, std::size_t each) {
   return data;
 }
 
+TEST_F(MadeZarr, DimensionsAreTakenByName) {
+  Json metadata = plain_metadata();
+  metadata["dimension_names"] = {"x", "z", "y"};
+  write_metadata(metadata);
+  const auto source = open_zarr(array());
+  EXPECT_EQ(source->info().geometry.size, (Index3{3, 5, 2}));
+  EXPECT_EQ(read_all<std::int16_t>(*source), std::vector<std::int16_t>(30, -7));
+  metadata["dimension_names"] = {"time", "y", "x"};
+  expect_refused(metadata, "the dimensions are time, y, x");
+  for (const Json& names : {Json({"a", "b", "c d"}), Json({nullptr, "y", "x"}), Json(nullptr)}) {
+    metadata["dimension_names"] = names;
+    write_metadata(metadata);
+    EXPECT_EQ(open_zarr(array())->info().geometry.size, (Index3{5, 2, 3})) << names;
+  }
+}
+
 TEST_F(MadeZarr, EveryChainOfCodecs) {
   const Json little = codec("bytes", {{"endian", "little"}});
   const Json big = codec("bytes", {{"endian", "big"}});

@@ -264,5 +264,95 @@ TEST_F(MadeZarrV2, DamagedChunksAreNamed) {
   }
 }
 
+// Groups of images -------------------------------------------------------------------------------
+
+// The name says which axis a dimension is: read in another order the volume would be mirrored.
+TEST_F(MadeZarrV2, AxesOfAnOmeGroupAreTakenByName) {
+  const auto group = [&](const Json& axes, const Json& steps, const char* path = "a.zarr") {
+    const Json attributes = {
+        {"multiscales",
+         Json::array({{{"version", "0.4"},
+                       {"axes", axes},
+                       {"datasets",
+                        Json::array({{{"path", path}, {"coordinateTransformations", steps}}})}}})}};
+    write_whole_file(directory_ / ".zattrs", as_bytes(attributes.dump()), Durability::rename_only);
+  };
+  const auto axis = [](const char* name, const char* unit) {
+    return Json{{"name", name}, {"type", "space"}, {"unit", unit}};
+  };
+  const Json steps = Json::array({{{"type", "scale"}, {"scale", {4, 5, 6}}},
+                                  {{"type", "translation"}, {"translation", {-1, 0, 2.5}}}});
+  const Json metadata = metadata_of("<i2", "F");
+  write(metadata);
+  write_chunks<std::int16_t>(metadata,
+                             {nullptr, [](auto raw) { return Bytes(raw.begin(), raw.end()); }});
+  group({axis("z", "micrometer"), axis("y", "micrometer"), axis("x", "micrometer")}, steps);
+  for (const auto& named : {array(), directory_.path()}) {
+    const auto source = open_zarr(named);
+    EXPECT_EQ(source->info().geometry.spacing, (Vec3{6, 5, 4}));
+    EXPECT_EQ(source->info().geometry.origin, (Vec3{2.5, 0, -1}));
+    EXPECT_EQ(source->info().geometry.unit, "um");
+    EXPECT_TRUE(source->info().warnings.empty());
+    EXPECT_EQ(samples_of<std::int16_t>(*source)[7], 12);  // z 0, y 1, x 2
+  }
+  group({axis("x", "meter"), axis("y", "meter"), axis("z", "micrometer")}, steps);
+  const auto turned = open_zarr(array());
+  EXPECT_EQ(turned->info().geometry.size, (Index3{3, 2, 5}));
+  EXPECT_EQ(turned->info().geometry.spacing, (Vec3{4, 5, 6}));
+  EXPECT_EQ(turned->info().geometry.unit, "");  // they differ
+  const auto values = samples_of<std::int16_t>(*turned);
+  for (int z = 0; z < 4; ++z)
+    for (int x = 0; x < 3; ++x)
+      EXPECT_EQ(values[static_cast<std::size_t>((z * 2 + 1) * 3 + x)], 100 * x + 10 + z);
+
+  group({"c", "y", "x"}, steps);
+  EXPECT_THAT(refusal_of(array()), HasSubstr("the dimensions are c, y, x, of which not all"));
+  group({"z", "y", "x"}, Json::array({{{"type", "scale"}, {"scale", {4, 0, 6}}}}));
+  EXPECT_THAT(refusal_of(array()), HasSubstr("a scale of 0"));
+  group({"z", "y", "x"}, Json::array({{{"type", "affine"}, {"affine", {1}}}}));
+  EXPECT_THAT(refusal_of(directory_.path()), HasSubstr("\"scale\" or \"translation\" expected"));
+  group({"z", "y", "x"}, steps, "../else");
+  EXPECT_THAT(refusal_of(directory_.path()), HasSubstr("a path inside the group expected"));
+}
+
+// Version 0.5 has it in the attributes of the group's zarr.json.
+TEST_F(MadeZarrV2, AnOmeGroupOfVersion3IsOpenedToo) {
+  const Json group = {
+      {"zarr_format", 3},
+      {"node_type", "group"},
+      {"attributes",
+       {{"ome",
+         {{"version", "0.5"},
+          {"multiscales",
+           Json::array({{{"axes", Json::array({{{"name", "z"}}, {{"name", "y"}}, {{"name", "x"}}})},
+                         {"datasets", Json::array({{{"path", "s0"}}, {{"path", "s1"}}})},
+                         {"coordinateTransformations",
+                          Json::array({{{"type", "scale"}, {"scale", {2, 2, 3}}}})}}})}}}}}};
+  write_whole_file(directory_ / "zarr.json", as_bytes(group.dump()), Durability::rename_only);
+  write_whole_file(
+      directory_ / "s0" / "zarr.json",
+      as_bytes(std::string(
+          R"({"zarr_format": 3, "node_type": "array", "shape": [3, 2, 5], "data_type": "uint8",
+"chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [3, 2, 5]}}, "fill_value": 4,
+"chunk_key_encoding": {"name": "default"}, "codecs": [{"name": "bytes"}], "attributes": {}})")),
+      Durability::rename_only);
+  const auto source = open_zarr(directory_.path());
+  EXPECT_EQ(source->info().geometry.size, (Index3{5, 2, 3}));
+  EXPECT_EQ(source->info().geometry.spacing, (Vec3{3, 2, 2}));
+  EXPECT_EQ(samples_of<std::uint8_t>(*source), std::vector<std::uint8_t>(30, 4));
+}
+
+TEST(ZarrV2, ARealOmeGroup) {
+  VOXWELD_NEEDS_SHARED_DATA("zarr/mni152_axial.ome.zarr");
+  const auto group = shared_data("zarr/mni152_axial.ome.zarr");
+  const auto source = open_zarr(group);
+  const VolumeGeometry& geometry = source->info().geometry;
+  EXPECT_EQ(geometry.size, (Index3{207, 256, 1}));  // x, y, z by name
+  EXPECT_NEAR(geometry.spacing.x, 0.737463116645813, 1e-12);
+  EXPECT_NEAR(geometry.origin.y, -110.76253509521484, 1e-9);
+  const auto coarse = open_zarr(group / "scale2/nibabel_converted_image");
+  EXPECT_NEAR(coarse->info().geometry.spacing.x, 2.949852466583252, 1e-12);
+}
+
 }  // namespace
 }  // namespace voxweld
