@@ -1,5 +1,6 @@
 // Zarr arrays of version 2, and chunks whose samples are in another order.
 #include <bzlib.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <lz4.h>
@@ -120,6 +121,11 @@ Bytes by_codec(CompressorKind kind, std::span<const std::byte> raw, std::size_t 
   return out;
 }
 
+template <class T>
+T value_at(std::int64_t z, std::int64_t y, std::int64_t x) {
+  return static_cast<T>(100 * z + 10 * y + x);
+}
+
 struct Packing {
   Json compressor;
   std::function<Bytes(std::span<const std::byte>)> pack;
@@ -131,7 +137,7 @@ class MadeZarrV2 : public ::testing::Test {
   void write(const Json& metadata) const {
     write_whole_file(array() / ".zarray", as_bytes(metadata.dump()), Durability::rename_only);
   }
-  // The sample at z, y, x is 100 z + 10 y + x; chunk (1, 0, 1) is left out.
+  // With value_at; chunk (1, 0, 1) is left out.
   template <class T>
   void write_chunks(const Json& metadata, const Packing& packing) const {
     const bool big = metadata.at("dtype").get<std::string>()[0] == '>';
@@ -144,14 +150,13 @@ class MadeZarrV2 : public ::testing::Test {
         for (int z = 0; z < 2; ++z)
           for (int y = 0; y < 2; ++y)
             for (int x = 0; x < 4; ++x) {
-              const T value = static_cast<T>(100 * (2 * cz + z) + 10 * y + 4 * cx + x);
+              const T value = value_at<T>(2 * cz + z, y, 4 * cx + x);
               const int at = columns ? z + 2 * (y + 2 * x) : x + 4 * (y + 2 * z);
-              auto* to = raw.data() + static_cast<std::size_t>(at) * sizeof(T);
+              std::byte* to = &raw[static_cast<std::size_t>(at) * sizeof(T)];
               std::memcpy(to, &value, sizeof(T));
               if (big) std::reverse(to, to + sizeof(T));
             }
-        const std::string key =
-            std::to_string(cz) + separator + "0" + separator + std::to_string(cx);
+        const std::string key = fmt::format("{0}{1}0{1}{2}", cz, separator, cx);
         write_whole_file(array() / key, packing.pack(raw), Durability::rename_only);
       }
   }
@@ -165,7 +170,7 @@ class MadeZarrV2 : public ::testing::Test {
       for (int y = 0; y < 2; ++y)
         for (int x = 0; x < 5; ++x)
           EXPECT_EQ(values[static_cast<std::size_t>((z * 2 + y) * 5 + x)],
-                    z == 2 && x == 4 ? fill : static_cast<T>(100 * z + 10 * y + x))
+                    z == 2 && x == 4 ? fill : value_at<T>(z, y, x))
               << z << y << x;
     // Part of it, across chunks.
     const Bytes part = read_box(*source, {{3, 1, 1}, {5, 2, 2}});
@@ -205,7 +210,7 @@ TEST_F(MadeZarrV2, EveryCompressorOrderAndSeparator) {
 }
 
 TEST_F(MadeZarrV2, EveryTypeAndByteOrder) {
-  const auto check = [&]<class T>(T, std::vector<const char*> dtypes) {
+  const auto check = [&]<class T>(T, const std::vector<const char*>& dtypes) {
     for (const char* dtype : dtypes) {
       SCOPED_TRACE(dtype);
       std::filesystem::remove_all(array());
