@@ -5,6 +5,7 @@
 #include "pipeline/config/settings.h"
 #include "storage/spool/spool_record.h"
 #include "storage/support/error.h"
+#include "storage/support/file_io.h"
 
 namespace voxweld {
 namespace {

@@ -165,6 +165,7 @@ std::vector<CleanReport> clean(std::span<const std::unique_ptr<RunContext>> conf
   const std::vector<Place> places = places_of(configs);
   if (!options.dry_run) std::ranges::for_each(places, refuse_at_work);
   std::vector<CleanReport> reports;
+  reports.reserve(places.size());
   for (const Place& place : places) reports.push_back(clean_place(place, options));
   return reports;
 }

@@ -2,6 +2,8 @@
 // run ends in the clean bytes, or says what is wrong and ends in none.
 #include <fmt/format.h>
 
+#include <fstream>
+
 #include "storage/support/file_io.h"
 #include "tests/pipeline/run/scene.h"
 

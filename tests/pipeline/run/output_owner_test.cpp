@@ -96,6 +96,7 @@ TEST(OutputOwner, RunsOfOneConfigWaitForEachOther) {
     std::vector<ProgramResult> results(4);
     {
       std::vector<std::jthread> at_once;
+      at_once.reserve(results.size());
       for (ProgramResult& result : results)
         at_once.emplace_back([&] { result = scene.run(settings); });
     }
@@ -110,7 +111,7 @@ TEST(OutputOwner, RunsOfOneConfigWaitForEachOther) {
 TEST(OutputOwner, RunsWithOtherEditsWaitForTheShardsTheyShare) {
   const Scene scene("sphere", 32);
   const auto edited = [&](const std::string& name, Vec3 at) {
-    const fs::path path = scene.directory() / (name + ".toml");
+    fs::path path = scene.directory() / (name + ".toml");
     fs::copy_file(scene.config(), path);
     std::ofstream(path, std::ios::app)
         << fmt::format("\n[work]\ndirectory = '{}'\n[output]\ndirectory = '{}.mesh'\n{}",
