@@ -147,6 +147,10 @@ template <class Record>
 ListReader<Record>::ListReader(const std::filesystem::path& path)
     : path_(path.string()), stream_(path) {
   if (!stream_) throw_errno("open", path_, errno);
+  // A device may never end.
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored))
+    throw FormatError(path_ + ": not a regular file");
 }
 
 template <class Record>

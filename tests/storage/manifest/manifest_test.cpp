@@ -134,6 +134,8 @@ TEST(TileList, ReadsBackLinesAndNamesBadOnes) {
               AllOf(HasSubstr("tiles.jsonl line 3"), HasSubstr("\"tile\"")));
   EXPECT_EQ(reader.next(), std::nullopt);
   EXPECT_THROW(TileListReader(directory / "none"), StorageError);
+  std::filesystem::create_symlink("/dev/zero", directory / "endless");
+  EXPECT_THROW(TileListReader(directory / "endless"), FormatError);
 }
 
 }  // namespace
