@@ -8,6 +8,7 @@
 #include "storage/spool/spool.h"
 #include "storage/spool/spool_record.h"
 #include "storage/store/layout.h"
+#include "storage/store/ome_zarr.h"
 #include "storage/store/shard_record.h"
 #include "storage/store/store_source.h"
 #include "storage/support/error.h"
@@ -107,7 +108,7 @@ InfoDocument describe_volume(const InfoOptions& options) {
   InfoDocument document = new_document("volume", options.input.path);
   add_volume_facts(document, info, options.verbose);
   if (info.format == "zarr" && holds_zarr_array(options.input.path)) {
-    const ZarrArray array = read_zarr_array(options.input.path);
+    const ZarrArray array = read_foreign_array(options.input.path);
     document["zarr"] = {{"chunk", facts_of(array.chunk)},
                         {"file", facts_of(array.file)},
                         {"compression", compression_text(array)}};

@@ -123,6 +123,12 @@ std::optional<fs::path> full_resolution_of(const fs::path& group) {
   return group / within;
 }
 
+ZarrArray read_foreign_array(const fs::path& directory) {
+  const fs::path array = full_resolution_of(directory).value_or(directory);
+  const auto image = ome_dataset_of(array);
+  return read_zarr_array(array, image ? &*image : nullptr);
+}
+
 std::optional<VolumeGeometry> geometry_of(const OmeDataset& image, const ZarrArray& array) {
   if (image.scale.size() != array.axes.size()) return std::nullopt;
   VolumeGeometry geometry;

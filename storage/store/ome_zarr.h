@@ -23,6 +23,9 @@ struct OmeDataset {
 std::optional<OmeDataset> ome_dataset_of(const std::filesystem::path& array);
 // The first array of the first image of a group; nothing where the directory is none with images.
 std::optional<std::filesystem::path> full_resolution_of(const std::filesystem::path& group);
+// The array in the directory, or of a group with images its full resolution, with what groups above
+// say of it. Errors as read_zarr_array and the two above.
+ZarrArray read_foreign_array(const std::filesystem::path& directory);
 // Size as the array's; nothing where the group says no scale.
 std::optional<VolumeGeometry> geometry_of(const OmeDataset& image, const ZarrArray& array);
 

@@ -50,8 +50,7 @@ Match test_zarr(const InputProbe& probe) {
 }  // namespace
 
 std::unique_ptr<SampleSource> open_zarr(const std::filesystem::path& directory) {
-  const auto image = full_resolution_of(directory);
-  return std::make_unique<ZarrSource>(read_zarr_array(image.value_or(directory)));
+  return std::make_unique<ZarrSource>(read_foreign_array(directory));
 }
 
 VolumeReader zarr_reader() {

@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "storage/support/refused_text.h"
+#include "storage/support/text_fields.h"
 
 namespace voxweld {
 namespace {
@@ -56,12 +57,6 @@ T parse_whole_fill(const JsonField& field) {
   return static_cast<T>(v);
 }
 
-std::string lower_case(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
 }  // namespace
 
 nlohmann::ordered_json parse_zarr_document(const std::string& text, const std::string& file) {
@@ -87,7 +82,7 @@ std::vector<int> zarr_axes(const JsonField& shape, const std::vector<std::string
   bool spatial = names.size() == rank, other = false;
   for (std::size_t d = 0; d < rank; ++d) usual.push_back(static_cast<int>(rank - 1 - d));
   for (const std::string& name : names) {
-    const std::string lower = lower_case(name);
+    const std::string lower = voxweld::lower(name);
     const bool known = lower == "x" || lower == "y" || lower == "z";
     const int axis = known ? lower[0] - 'x' : 0;
     spatial = spatial && known && std::ranges::find(axes, axis) == axes.end() &&

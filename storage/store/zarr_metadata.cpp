@@ -4,7 +4,6 @@
 
 #include <system_error>
 
-#include "storage/store/ome_zarr.h"
 #include "storage/store/zarr_json.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
@@ -69,13 +68,11 @@ bool holds_zarr_array(const fs::path& directory) {
   return present(directory / "zarr.json") || present(directory / ".zarray");
 }
 
-ZarrArray read_zarr_array(const fs::path& directory) {
+ZarrArray read_zarr_array(const fs::path& directory, const OmeDataset* image) {
   if (!holds_zarr_array(directory)) refuse_directory(directory);
-  const auto image = ome_dataset_of(directory);
-  const OmeDataset* of_group = image ? &*image : nullptr;
   if (present(directory / "zarr.json"))
-    return parse_zarr_array(read_text_file(directory / "zarr.json"), directory, of_group);
-  return parse_zarr_v2_array(read_text_file(directory / ".zarray"), directory, of_group);
+    return parse_zarr_array(read_text_file(directory / "zarr.json"), directory, image);
+  return parse_zarr_v2_array(read_text_file(directory / ".zarray"), directory, image);
 }
 
 }  // namespace voxweld

@@ -66,11 +66,11 @@ struct ZarrArray {
 // Whether there is an array's metadata in the directory.
 bool holds_zarr_array(const std::filesystem::path& directory);
 // Throws InputError where `directory` is no directory or holds no Zarr array, FormatError where it
-// is of a version, type, rank or codec that is not supported, naming it.
-ZarrArray read_zarr_array(const std::filesystem::path& directory);
+// is of a version, type, rank or codec that is not supported, naming it. image: what an OME-Zarr group above says of the array, if there is one.
+ZarrArray read_zarr_array(const std::filesystem::path& directory,
+                          const OmeDataset* image = nullptr);
 
 // The same from the text of a zarr.json. `directory` is for the messages and for file_path.
-// image: what an OME-Zarr group above says of the array, if there is one.
 ZarrArray parse_zarr_array(const std::string& text, const std::filesystem::path& directory,
                            const OmeDataset* image = nullptr);
 // The same from the text of a .zarray.

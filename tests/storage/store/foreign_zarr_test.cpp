@@ -12,7 +12,7 @@
 #include "storage/store/open_zarr.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
-#include "tests/storage/store/memory_source.h"
+#include "tests/storage/store/zarr_reading.h"
 #include "tests/support/deflated.h"
 #include "tests/support/temp_directory.h"
 
@@ -21,30 +21,13 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using testing::read_all;
 using testing::read_box;
+using testing::refusal;
 using testing::shared_data;
 using testing::TempDirectory;
 using Json = nlohmann::json;
 using Bytes = std::vector<std::byte>;
-
-template <class T>
-std::vector<T> read_all(const SampleSource& source) {
-  const Bytes bytes = read_box(source, {{}, source.info().geometry.size});
-  std::vector<T> values(bytes.size() / sizeof(T));
-  std::memcpy(values.data(), bytes.data(), bytes.size());
-  return values;
-}
-
-std::string refusal(const std::filesystem::path& path) {
-  try {
-    read_all<std::byte>(*open_zarr(path));
-  } catch (const Error& error) {
-    EXPECT_EQ(error.exit_code(), 2);
-    EXPECT_THAT(error.what(), HasSubstr(path.string()));
-    return error.what();
-  }
-  return "accepted";
-}
 
 // Real arrays ------------------------------------------------------------------------------------
 

@@ -12,7 +12,7 @@
 #include "storage/store/open_zarr.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
-#include "tests/storage/store/memory_source.h"
+#include "tests/storage/store/zarr_reading.h"
 #include "tests/support/deflated.h"
 #include "tests/support/temp_directory.h"
 
@@ -21,29 +21,12 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using testing::read_all;
 using testing::read_box;
+using testing::refusal;
 using testing::shared_data;
 using Json = nlohmann::json;
 using Bytes = std::vector<std::byte>;
-
-template <class T>
-std::vector<T> samples_of(const SampleSource& source) {
-  const Bytes bytes = read_box(source, {{}, source.info().geometry.size});
-  std::vector<T> values(bytes.size() / sizeof(T));
-  std::memcpy(values.data(), bytes.data(), bytes.size());
-  return values;
-}
-
-std::string refusal_of(const std::filesystem::path& path) {
-  try {
-    samples_of<std::byte>(*open_zarr(path));
-  } catch (const Error& error) {
-    EXPECT_EQ(error.exit_code(), 2);
-    EXPECT_THAT(error.what(), HasSubstr(path.string()));
-    return error.what();
-  }
-  return "accepted";
-}
 
 // Real arrays ------------------------------------------------------------------------------------
 
@@ -57,25 +40,25 @@ TEST(ZarrV2, ArraysOfZarrsAndTransposedOnes) {
         "v3/array_blosc_transpose"}) {
     const auto source = open_zarr(shared_data("zarr/zarrs/data") / (std::string(name) + ".zarr"));
     EXPECT_EQ(source->info().geometry.size, (Index3{10, 10, 1})) << name;
-    EXPECT_EQ(samples_of<float>(*source), expected) << name;
+    EXPECT_EQ(read_all<float>(*source), expected) << name;
   }
 }
 
 TEST(ZarrV2, RealArraysItDoesNotReadAreRefusedByName) {
   VOXWELD_NEEDS_SHARED_DATA("zarr/zarrs/data");
   const auto data = shared_data("zarr/zarrs/data");
-  EXPECT_THAT(refusal_of(data / "v2/array_zfpy_C.zarr"), HasSubstr("\"zfpy\" is not supported"));
-  EXPECT_THAT(refusal_of(data / "v2/array_pcodec_C.zarr"), HasSubstr("pcodec"));
-  EXPECT_THAT(refusal_of(data / "zarr_python_compat/fletcher32.zarr"), HasSubstr("fletcher32"));
+  EXPECT_THAT(refusal(data / "v2/array_zfpy_C.zarr"), HasSubstr("\"zfpy\" is not supported"));
+  EXPECT_THAT(refusal(data / "v2/array_pcodec_C.zarr"), HasSubstr("pcodec"));
+  EXPECT_THAT(refusal(data / "zarr_python_compat/fletcher32.zarr"), HasSubstr("fletcher32"));
 }
 
 TEST(ZarrV2, OneImageByManyWriters) {
   VOXWELD_NEEDS_SHARED_DATA("zarr/zarr_implementations");
   const auto examples = shared_data("zarr/zarr_implementations/examples/zarr.zr");
-  const auto expected = samples_of<std::uint8_t>(*open_zarr(examples / "raw"));
+  const auto expected = read_all<std::uint8_t>(*open_zarr(examples / "raw"));
   ASSERT_EQ(expected.size(), 512U * 512 * 3);
   for (const char* codec : {"gzip", "zlib", "blosc"})
-    EXPECT_EQ(samples_of<std::uint8_t>(*open_zarr(examples / codec)), expected) << codec;
+    EXPECT_EQ(read_all<std::uint8_t>(*open_zarr(examples / codec)), expected) << codec;
 }
 
 // Arrays made here -------------------------------------------------------------------------------
@@ -164,7 +147,7 @@ class MadeZarrV2 : public ::testing::Test {
   void expect_samples(T fill) const {
     const auto source = open_zarr(array());
     EXPECT_EQ(source->info().geometry.size, (Index3{5, 2, 3}));
-    const auto values = samples_of<T>(*source);
+    const auto values = read_all<T>(*source);
     ASSERT_EQ(values.size(), 30U);
     for (int z = 0; z < 3; ++z)
       for (int y = 0; y < 2; ++y)
@@ -234,7 +217,7 @@ TEST_F(MadeZarrV2, WhatItDoesNotReadIsNamed) {
     Json metadata = metadata_of("<i2", "C");
     metadata[key] = value;
     write(metadata);
-    EXPECT_THAT(refusal_of(array()), AllOf(HasSubstr(".zarray"), HasSubstr(part)));
+    EXPECT_THAT(refusal(array()), AllOf(HasSubstr(".zarray"), HasSubstr(part)));
   };
   expect_refused("zarr_format", 3, "2 expected, 3 found");
   expect_refused("dtype", "<f2", "\"<f2\" is not supported");
@@ -253,7 +236,7 @@ TEST_F(MadeZarrV2, WhatItDoesNotReadIsNamed) {
   Json metadata = metadata_of("<i2", "C");
   metadata.erase("compressor");
   write(metadata);
-  EXPECT_THAT(refusal_of(array()), HasSubstr("no \"compressor\" in it"));
+  EXPECT_THAT(refusal(array()), HasSubstr("no \"compressor\" in it"));
 }
 
 TEST_F(MadeZarrV2, DamagedChunksAreNamed) {
@@ -264,7 +247,7 @@ TEST_F(MadeZarrV2, DamagedChunksAreNamed) {
     write(metadata);
     for (const std::size_t size : {0U, 3U, 4U, 30U}) {
       write_whole_file(array() / "0.0.0", Bytes(size, std::byte{0x5a}), Durability::rename_only);
-      EXPECT_THAT(refusal_of(array()), HasSubstr("0.0.0"));
+      EXPECT_THAT(refusal(array()), HasSubstr("0.0.0"));
     }
   }
 }
@@ -298,26 +281,26 @@ TEST_F(MadeZarrV2, AxesOfAnOmeGroupAreTakenByName) {
     EXPECT_EQ(source->info().geometry.origin, (Vec3{2.5, 0, -1}));
     EXPECT_EQ(source->info().geometry.unit, "um");
     EXPECT_TRUE(source->info().warnings.empty());
-    EXPECT_EQ(samples_of<std::int16_t>(*source)[7], 12);  // z 0, y 1, x 2
+    EXPECT_EQ(read_all<std::int16_t>(*source)[7], 12);  // z 0, y 1, x 2
   }
   group({axis("x", "meter"), axis("y", "meter"), axis("z", "micrometer")}, steps);
   const auto turned = open_zarr(array());
   EXPECT_EQ(turned->info().geometry.size, (Index3{3, 2, 5}));
   EXPECT_EQ(turned->info().geometry.spacing, (Vec3{4, 5, 6}));
   EXPECT_EQ(turned->info().geometry.unit, "");  // they differ
-  const auto values = samples_of<std::int16_t>(*turned);
+  const auto values = read_all<std::int16_t>(*turned);
   for (int z = 0; z < 4; ++z)
     for (int x = 0; x < 3; ++x)
       EXPECT_EQ(values[static_cast<std::size_t>((z * 2 + 1) * 3 + x)], 100 * x + 10 + z);
 
   group({"c", "y", "x"}, steps);
-  EXPECT_THAT(refusal_of(array()), HasSubstr("the dimensions are c, y, x, of which not all"));
+  EXPECT_THAT(refusal(array()), HasSubstr("the dimensions are c, y, x, of which not all"));
   group({"z", "y", "x"}, Json::array({{{"type", "scale"}, {"scale", {4, 0, 6}}}}));
-  EXPECT_THAT(refusal_of(array()), HasSubstr("a scale of 0"));
+  EXPECT_THAT(refusal(array()), HasSubstr("a scale of 0"));
   group({"z", "y", "x"}, Json::array({{{"type", "affine"}, {"affine", {1}}}}));
-  EXPECT_THAT(refusal_of(directory_.path()), HasSubstr("\"scale\" or \"translation\" expected"));
+  EXPECT_THAT(refusal(directory_.path()), HasSubstr("\"scale\" or \"translation\" expected"));
   group({"z", "y", "x"}, steps, "../else");
-  EXPECT_THAT(refusal_of(directory_.path()), HasSubstr("a path inside the group expected"));
+  EXPECT_THAT(refusal(directory_.path()), HasSubstr("a path inside the group expected"));
 }
 
 // Version 0.5 has it in the attributes of the group's zarr.json.
@@ -344,7 +327,7 @@ TEST_F(MadeZarrV2, AnOmeGroupOfVersion3IsOpenedToo) {
   const auto source = open_zarr(directory_.path());
   EXPECT_EQ(source->info().geometry.size, (Index3{5, 2, 3}));
   EXPECT_EQ(source->info().geometry.spacing, (Vec3{3, 2, 2}));
-  EXPECT_EQ(samples_of<std::uint8_t>(*source), std::vector<std::uint8_t>(30, 4));
+  EXPECT_EQ(read_all<std::uint8_t>(*source), std::vector<std::uint8_t>(30, 4));
 }
 
 TEST(ZarrV2, ARealOmeGroup) {
