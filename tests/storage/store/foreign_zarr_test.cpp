@@ -22,7 +22,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::read_all;
-using testing::read_box;
 using testing::refusal;
 using testing::shared_data;
 using testing::TempDirectory;
