@@ -16,14 +16,15 @@ add_custom_command(OUTPUT ${documents}/voxweld.1 ${documents}/voxweld ${document
   COMMAND voxweld completion zsh > ${documents}/_voxweld
   COMMAND voxweld completion fish > ${documents}/voxweld.fish
   DEPENDS voxweld VERBATIM)
+get_property(modules GLOBAL PROPERTY VOXWELD_MODULES)
 add_custom_target(voxweld_package_files ALL
-  DEPENDS voxweld voxweld_image_module ${documents}/voxweld.1)
+  DEPENDS voxweld ${modules} ${documents}/voxweld.1)
 
 # The package's build makes only these, not the tests besides.
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY TRUE)
 install(TARGETS voxweld RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-# Where storage/image/module_loader.cpp looks for it: lib/voxweld, whatever a system calls lib.
-install(TARGETS voxweld_image_module LIBRARY DESTINATION lib/voxweld)
+# Where storage/modules/module_loader.cpp looks for them: lib/voxweld, whatever a system calls lib.
+install(TARGETS ${modules} LIBRARY DESTINATION lib/voxweld)
 set(doc ${CMAKE_INSTALL_DATADIR}/doc/voxweld)
 install(FILES README.md configs/SETTINGS.md DESTINATION ${doc})
 install(FILES LICENSE DESTINATION ${doc} RENAME copyright)

@@ -39,6 +39,7 @@ void add_info_command(CLI::App& app, Program& program) {
   when_chosen(*command, program, [&program, arguments] {
     InfoOptions& options = arguments->options;
     options.input = input_spec(arguments->volume);
+    options.input.survey = true;
     options.hooks = scan_hooks(program, "reading");
     const InfoDocument document = describe(options);
     program.console->clear_status();

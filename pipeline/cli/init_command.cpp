@@ -121,6 +121,8 @@ InitSuggestion suggest(const InitArguments& arguments, const fs::path& config,
   if (!arguments.volume.spacing.empty()) suggestion.spacing = info.geometry.spacing;
   suggestion.unit = arguments.volume.unit;
   suggestion.follow = arguments.volume.follow;
+  suggestion.select = arguments.volume.select;
+  suggestion.resample = resample_of(arguments.volume);
   return suggestion;
 }
 

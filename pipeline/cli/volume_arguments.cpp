@@ -15,6 +15,25 @@ std::string known_formats() {
   return text;
 }
 
+void add_selection(CLI::App& command, VolumeArguments& arguments) {
+  const char* group = "Which volume, where a file or folder holds several";
+  InputSelection& select = arguments.select;
+  command.add_option("--dataset", select.dataset, "Path or name of the array or grid in the file")
+      ->group(group);
+  command.add_option("--series", select.series, "DICOM: UID of the series, or its number")
+      ->group(group);
+  const auto number = [&](const char* name, std::optional<std::int64_t>& value, const char* text) {
+    command.add_option(name, value, text)->check(CLI::NonNegativeNumber)->group(group);
+  };
+  number("--level", select.level, "Which resolution; 0 is the finest");
+  number("--channel", select.channel, "Which channel, counted from 0");
+  number("--time", select.time, "Which point in time, counted from 0");
+  add_value(command, "--resample", arguments.resample,
+            "DICOM: \"uniform\" interpolates slices that are not equally far apart")
+      ->check(CLI::IsMember({"none", "uniform"}))
+      ->group(group);
+}
+
 }  // namespace
 
 void add_volume_options(CLI::App& command, VolumeArguments& arguments) {
@@ -40,6 +59,11 @@ void add_volume_options(CLI::App& command, VolumeArguments& arguments) {
   command.add_option("--unit", arguments.unit, "Unit of the spacing")
       ->check(CLI::IsMember({"m", "cm", "mm", "um", "nm", "angstrom"}))
       ->group(group);
+  add_selection(command, arguments);
+}
+
+Resample resample_of(const VolumeArguments& arguments) {
+  return arguments.resample == "uniform" ? Resample::uniform : Resample::none;
 }
 
 InputSpec input_spec(const VolumeArguments& arguments) {
@@ -66,6 +90,8 @@ InputSpec input_spec(const VolumeArguments& arguments) {
   if (s.size() == 3) spec.spacing = {s[0], s[1], s[2]};
   spec.unit = arguments.unit;
   spec.follow = arguments.follow;
+  spec.select = arguments.select;
+  spec.resample = resample_of(arguments);
   return spec;
 }
 

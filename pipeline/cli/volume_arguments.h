@@ -19,9 +19,13 @@ struct VolumeArguments {
   std::vector<double> spacing;  // none, one or three
   std::int64_t header_bytes = 0;
   bool follow = false;
+  InputSelection select;
+  std::string resample = "none";
 };
 
 void add_volume_options(CLI::App& command, VolumeArguments& arguments);
+
+Resample resample_of(const VolumeArguments& arguments);
 
 // InputError where they contradict each other. A stated size or type makes the format raw.
 InputSpec input_spec(const VolumeArguments& arguments);

@@ -59,6 +59,19 @@ Binding<Config> unit() {
       [](const std::string& in) { return in.empty() ? std::nullopt : Form::written(in); });
 }
 
+Binding<Config> selected(std::string InputSelection::*text) {
+  return bound<Config>(
+      TextRule{}, [=](auto& config) -> auto& { return config.input.select.*text; },
+      [](const ConfigValue& value, std::string& out) { Form::read(value, out); },
+      [](const std::string& in) { return in.empty() ? std::nullopt : Form::written(in); });
+}
+
+Binding<Config> selected(std::optional<std::int64_t> InputSelection::*number) {
+  constexpr std::int64_t most = 1'000'000;
+  return bound<Config>(
+      IntegerRule{0, most}, [=](auto& config) -> auto& { return config.input.select.*number; });
+}
+
 Binding<Config> raw_type() {
   ChoiceRule rule;
   for (int i = 0; i <= static_cast<int>(SampleType::f64); ++i)

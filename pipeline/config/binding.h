@@ -158,6 +158,10 @@ Binding<Config> memory(Group Config::*group, std::uint64_t Group::*member, Memor
 // Members of their own form.
 Binding<Config> input_format();
 Binding<Config> unit();
+// input.dataset and input.series: empty where it is open.
+Binding<Config> selected(std::string InputSelection::*text);
+// input.level, input.channel and input.time.
+Binding<Config> selected(std::optional<std::int64_t> InputSelection::*number);
 Binding<Config> raw_type();
 Binding<Config> isovalue();
 Binding<Config> surface_label();

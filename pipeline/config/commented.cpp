@@ -31,6 +31,11 @@ std::string sample_value(const Setting& setting) {
       {"input.crop", "[0, 0, 0, 256, 256, 256]"},
       {"input.spacing", "[1.0, 1.0, 1.0]"},
       {"input.unit", "\"mm\""},
+      {"input.dataset", "\"/entry/data/data\""},
+      {"input.series", "\"1\""},
+      {"input.level", "0"},
+      {"input.channel", "0"},
+      {"input.time", "0"},
       {"input.size", "[512, 512, 512]"},
       {"input.type", "\"uint16\""},
       {"input.resolution", "512"},
@@ -59,6 +64,8 @@ using Names = std::set<std::string>;  // "table.key"
 // Keys that an input of one kind has no use for, and refuses.
 const Names& of_volumes() {
   static const Names names = {"input.crop",         "input.spacing",    "input.size",
+                              "input.dataset",      "input.series",     "input.level",
+                              "input.channel",      "input.time",       "input.resample",
                               "input.follow",       "input.type",       "input.endian",
                               "input.header_bytes", "surface.isovalue", "surface.label",
                               "surface.inside",     "surface.gradient"};
@@ -78,6 +85,12 @@ const std::string& brief_comment(const std::string& name) {
       {"input.type", "Type of a sample."},
       {"input.endian", "Byte order of a sample: \"little\" or \"big\"."},
       {"input.header_bytes", "Bytes before the first sample."},
+      {"input.dataset", "Which array or grid of the file."},
+      {"input.series", "Which series of the folder."},
+      {"input.level", "Which resolution; 0 is the finest."},
+      {"input.channel", "Which channel, counted from 0."},
+      {"input.time", "Which point in time, counted from 0."},
+      {"input.resample", "\"uniform\" interpolates slices at equal distances."},
       {"input.follow", "Whether the header may name data files outside its folder."},
       {"input.spacing", "Distance of neighbouring samples along x, y and z."},
       {"input.unit", "Unit of the spacing."},
@@ -185,6 +198,13 @@ Active active_for(const VolumeInfo& info, const InitSuggestion& suggestion) {
   if (suggestion.spacing)
     active["input.spacing"] = fmt::format("[{}, {}, {}]", real(suggestion.spacing->x),
                                           real(suggestion.spacing->y), real(suggestion.spacing->z));
+  const InputSelection& select = suggestion.select;
+  if (!select.dataset.empty()) active["input.dataset"] = toml_string(select.dataset);
+  if (!select.series.empty()) active["input.series"] = toml_string(select.series);
+  if (select.level) active["input.level"] = std::to_string(*select.level);
+  if (select.channel) active["input.channel"] = std::to_string(*select.channel);
+  if (select.time) active["input.time"] = std::to_string(*select.time);
+  if (suggestion.resample == Resample::uniform) active["input.resample"] = "\"uniform\"";
   if (suggestion.follow) active["input.follow"] = "true";
   if (!suggestion.unit.empty()) active["input.unit"] = toml_string(suggestion.unit);
   if (suggestion.labels) {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "pipeline/config/config.h"
-#include "storage/types/volume.h"
+#include "storage/types/volume_reader.h"
 
 namespace voxweld {
 
@@ -29,6 +29,8 @@ struct InitSuggestion {
   // Set where the file says nothing or something else.
   std::optional<Vec3> spacing;
   std::string unit;
+  InputSelection select;  // as the user gave it
+  Resample resample = Resample::none;
   bool follow = false;
 };
 

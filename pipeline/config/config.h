@@ -12,6 +12,7 @@
 
 #include "storage/support/hash.h"
 #include "storage/types/box.h"
+#include "storage/types/input_selection.h"
 #include "storage/types/isovalue.h"
 #include "storage/types/label_range.h"
 #include "storage/types/material.h"
@@ -46,6 +47,8 @@ struct InputConfig {
   std::optional<SampleType> type;
   Endian endian = Endian::little;
   std::int64_t header_bytes = 0;
+  InputSelection select{};  // of several volumes in a file
+  Resample resample = Resample::none;
   bool follow = false;  // headers may name data files outside their folder
   // How finely a mesh is sampled: one of the two of a mesh, else none.
   std::optional<std::int64_t> resolution{};  // cells along the longest side of its box

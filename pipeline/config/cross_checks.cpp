@@ -53,7 +53,8 @@ class CrossChecks {
     const InputConfig& in = config_.input;
     if (!in.is_empty()) return;
     refuse({"input.path", "input.crop", "input.type", "input.endian", "input.header_bytes",
-            "input.follow"},
+            "input.follow", "input.dataset", "input.series", "input.level", "input.channel",
+            "input.time", "input.resample"},
            "empty space has no file; remove it, or input.format = \"empty\"");
     if (!in.size)
       fail({"input.size", "input.format"},
@@ -68,7 +69,8 @@ class CrossChecks {
       return refuse({"input.resolution", "input.cell", "input.margin", "input.close"},
                     "only meshes take it; remove it, or name an .stl, .off, .obj or .ply");
     refuse({"input.crop", "input.spacing", "input.size", "input.type", "input.endian",
-            "input.header_bytes", "input.follow"},
+            "input.header_bytes", "input.follow", "input.dataset", "input.series", "input.level",
+            "input.channel", "input.time", "input.resample"},
            "a mesh has no samples; remove it: input.resolution or input.cell says how "
            "finely it is sampled");
     if (in.resolution && in.cell)

@@ -163,6 +163,12 @@ Verdict check_name(const ConfigValue& value) {
   return {!has_control(*text) && text->find_first_of(" \"'\\#") == std::string::npos, {}};
 }
 
+Verdict check_text(const ConfigValue& value) {
+  const std::string* text = value.text();
+  if (text == nullptr) return refuse("write it in quotes");
+  return {!text->empty() && !has_control(*text), {}};
+}
+
 // Parts of digits: minutes, m:s or h:m:s; after "days-" hours, h:m or h:m:s.
 bool is_time_limit(const std::string& text) {
   constexpr std::size_t longest_part = 9;
@@ -238,7 +244,7 @@ constexpr std::array<Unit, 9> units = {{{"tib", std::uint64_t{1} << 40},
 
 bool takes_any_text(const Rule& rule) {
   return std::holds_alternative<PathRule>(rule) || std::holds_alternative<NameRule>(rule) ||
-         std::holds_alternative<TimeLimitRule>(rule);
+         std::holds_alternative<TextRule>(rule) || std::holds_alternative<TimeLimitRule>(rule);
 }
 
 std::string accepted_text(const Rule& rule) {
@@ -277,6 +283,7 @@ std::string accepted_text(const Rule& rule) {
           [](const NameRule&) {
             return std::string("a name in quotes, without spaces, quotes, \\ and #");
           },
+          [](const TextRule&) { return std::string("text in quotes, of one line"); },
           [](const TimeLimitRule&) {
             return std::string(
                 "a time in quotes: \"minutes\", \"m:s\", \"h:m:s\", \"days-h\", \"days-h:m\" or "
@@ -330,6 +337,7 @@ Verdict check(const Rule& rule, const ConfigValue& value) {
                  [&](const TripleRule& r) { return check_triple(r, value); },
                  [&](const MemoryRule& r) { return check_memory(r, value); },
                  [&](const NameRule&) { return check_name(value); },
+                 [&](const TextRule&) { return check_text(value); },
                  [&](const TimeLimitRule&) { return check_time_limit(value); },
                  [&](const OptionListRule& r) { return check_options(r.reserved, value); },
                  [&](const LineListRule&) { return check_lines(value); },

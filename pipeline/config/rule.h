@@ -45,6 +45,7 @@ struct MemoryRule {  // bytes, or text such as "4GiB"
   bool automatic = false;  // or "auto"
 };
 struct NameRule {};                   // one word; empty for a default that is not ours
+struct TextRule {};                   // one line, not empty
 struct TimeLimitRule {};              // as `sbatch --time` takes it: "90", "4:00:00", "1-12"
 struct OptionListRule {               // options of a program, each beginning with "-" on one line
   std::vector<std::string> reserved;  // those the user may not give: "--array", "-a"
@@ -58,8 +59,8 @@ struct LabelListRule {   // one of the words, or a list of labels and ranges of 
 
 using Rule = std::variant<PathRule, ChoiceRule, ChoiceListRule, FlagRule, SwitchRule, IntegerRule,
                           PowerOfTwoRule, PositiveNumberRule, NumberOrWordRule, SpacingRule,
-                          IntegerListRule, TripleRule, MemoryRule, NameRule, TimeLimitRule,
-                          OptionListRule, LineListRule, LabelRule, LabelListRule>;
+                          IntegerListRule, TripleRule, MemoryRule, NameRule, TextRule,
+                          TimeLimitRule, OptionListRule, LineListRule, LabelRule, LabelListRule>;
 
 // Whether the rule takes one text and nothing else, so that on a command line quotes say nothing.
 // Choices are left out: a number in the place of a name is worth a message.

@@ -91,6 +91,7 @@ struct RuleSchema {
   Json operator()(const NameRule&) const {
     return {{"type", "string"}, {"pattern", "^[^\\s\"'\\\\#]*$"}};
   }
+  Json operator()(const TextRule&) const { return {{"type", "string"}, {"minLength", 1}}; }
   Json operator()(const TimeLimitRule&) const {
     return {{"type", "string"}, {"pattern", "^([0-9]+-)?[0-9]+(:[0-9]+){0,2}$"}};
   }

@@ -69,6 +69,12 @@ void add_volume_facts(InfoDocument& document, const VolumeInfo& info, bool verbo
   for (const InputFile& file : info.files) file_bytes += file.state.size;
   document["files"] = info.files.size();
   document["file_bytes"] = file_bytes;
+  if (!info.choices.empty()) document["choices"] = InfoDocument::array();
+  for (const InputChoice& choice : info.choices)
+    document["choices"].push_back({{"selector", choice.selector},
+                                   {"value", choice.value},
+                                   {"text", choice.text},
+                                   {"chosen", choice.chosen}});
   document["warnings"] = info.warnings;
   if (!verbose) return;
   document["file_list"] = InfoDocument::array();

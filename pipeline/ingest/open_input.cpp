@@ -19,6 +19,8 @@ InputSpec spec_of(const InputConfig& config) {
   spec.spacing = config.spacing;
   spec.unit = config.unit;
   spec.follow = config.follow;
+  spec.select = config.select;
+  spec.resample = config.resample;
   return spec;
 }
 

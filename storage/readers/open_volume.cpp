@@ -47,6 +47,20 @@ const VolumeReader& reader_by_probe(const InputSpec& spec, std::span<const Volum
       spec.path, reader_names(readers)));
 }
 
+// What chooses among several volumes, handed to a reader that knows of none.
+void check_selection(const VolumeReader& reader, const InputSpec& spec) {
+  const auto refuse = [&](const char* key) {
+    throw InputError(
+        fmt::format("{}: input.{} (--{}) is set, and {} files have no such choice; remove it",
+                    spec.path, key, key, reader.name));
+  };
+  for (const Selector selector : selectors)
+    if (spec.select.has(selector) &&
+        std::ranges::find(reader.selects, selector) == reader.selects.end())
+      refuse(selector_name(selector));
+  if (spec.resample != Resample::none && !reader.resamples) refuse("resample");
+}
+
 }  // namespace
 
 InputProbe probe_input(const std::string& path) {
@@ -89,6 +103,7 @@ std::unique_ptr<SampleSource> open_volume(const InputSpec& spec,
   if (spec.path.empty()) throw InputError("the input has no path: name a volume file");
   const VolumeReader& reader =
       spec.format == "auto" ? reader_by_probe(spec, readers) : reader_by_name(spec, readers);
+  check_selection(reader, spec);
   std::unique_ptr<SampleSource> source =
       reader.module.empty() ? reader.open(spec) : open_by_module(reader, spec);
   if (spec.spacing || !spec.unit.empty())

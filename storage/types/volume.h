@@ -38,14 +38,23 @@ struct VolumeGeometry {
 // How a source can be read without decoding much more than was asked for (DESIGN: reading).
 enum class Access : std::uint8_t {
   box,     // any box, from any thread
+  chunks,  // the same, but each box costs all chunks that it touches, and these are no small cubes
   rows,    // whole rows of a slice, in bands
   slice,   // whole slices in any order (a compressed slice is one unit)
   stream,  // whole slices, or bands of rows of large ones, rising only (one compressed stream)
 };
 constexpr const char* access_name(Access access) {
-  constexpr const char* names[] = {"box", "rows", "slice", "stream"};
+  constexpr const char* names[] = {"box", "chunks", "rows", "slice", "stream"};
   return names[static_cast<std::size_t>(access)];
 }
+
+// One of several things of a kind in a file, of which one is read: a series, a level, a channel ...
+struct InputChoice {
+  std::string selector;  // as the config calls it: "series", "level" ...
+  std::string value;     // what chooses it
+  std::string text;      // size, spacing, description: what one would choose by
+  bool chosen = false;
+};
 
 // One file the volume is made of, as it was when it was opened.
 struct InputFile {
@@ -61,10 +70,15 @@ struct VolumeInfo {
   Access access = Access::box;
   // The largest piece the reader must hold decoded at once, in bytes, beyond the caller's buffer.
   std::uint64_t largest_decode = 0;
+  // Samples a side of the pieces that are decoded whole, of Access::box and chunks; 1: any box costs
+  // what it holds. One of the pieces begins at index chunk_first.
+  Index3 chunk{1, 1, 1}, chunk_first{0, 0, 0};
   // Whole rows lie one behind the other, so that boxes side by side along x share what the file
   // system reads for each of them. Of Access::box.
   bool row_major = false;
   std::vector<InputFile> files;
+  // Where the file holds several volumes: what there is to choose from. `info` lists them.
+  std::vector<InputChoice> choices;
   // Things the user should hear about once: ignored fields, assumed units ...
   std::vector<std::string> warnings;
 };
@@ -83,7 +97,7 @@ class SampleSource {
   // Preconditions: box not empty and inside [0, size); out holds box.count() samples. Access::slice
   // and stream take boxes of whole rows only (x full); stream takes whole slices, of large ones
   // (large_slice_bytes) bands of rows too, and these rising from call to call.
-  // Access::box may be called from many threads at once; the others from one at a time.
+  // Access::box and chunks may be called from many threads at once; the others from one at a time.
   // Throws FormatError for truncated or corrupt data, StorageError when the system fails.
   virtual void read(const Box3& box, std::byte* out) const = 0;
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "storage/types/input_selection.h"
 #include "storage/types/volume.h"
 
 namespace voxweld {
@@ -32,6 +33,11 @@ struct InputSpec {
   // Headers may name data files anywhere, not only in their own folder and below.
   bool follow = false;
   std::string unit{};  // when given, renames the unit of spacing and origin, converts nothing
+  InputSelection select{};
+  Resample resample = Resample::none;
+  // For showing what there is: where `select` leaves a choice open, the reader opens the first, and
+  // says so in info().warnings.
+  bool survey = false;
 };
 
 // What detection looks at, read once.
@@ -56,6 +62,9 @@ struct VolumeReader {
   std::function<std::unique_ptr<SampleSource>(const InputSpec&)> open{};
   // The module that opens the input, loaded when there is one to open; empty: built in.
   std::string module{};
+  // What of InputSpec::select it looks at. open_volume refuses the rest.
+  std::vector<Selector> selects{};
+  bool resamples = false;  // looks at InputSpec::resample
 };
 
 }  // namespace voxweld

@@ -50,7 +50,9 @@ class CropSource final : public SampleSource {
          static_cast<std::uint64_t>(row) > large_slice_bytes / static_cast<std::uint64_t>(full.y));
     band_rows_ = by_rows_ ? std::clamp<std::int64_t>(band_bytes / row, 1, full.y) : full.y;
     whole_ = crop.size().x == full.x && (crop.size().y == full.y || info_.access == Access::rows);
-    if (info_.access == Access::box) whole_ = true;
+    if (info_.access == Access::box || info_.access == Access::chunks) whole_ = true;
+    for (int axis = 0; axis < 3; ++axis)
+      info_.chunk_first[axis] = (info_.chunk_first[axis] - crop.lo[axis]) % info_.chunk[axis];
     if (!whole_) info_.largest_decode += static_cast<std::uint64_t>(band_rows_ * row);
   }
 

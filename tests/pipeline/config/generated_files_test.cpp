@@ -49,7 +49,8 @@ void expect_committed(const std::string& name, const std::string& generated) {
 std::string type_text(const Rule& rule) {
   return std::visit(
       Overloaded{
-          [](const PathRule&) { return "string"; }, [](const ChoiceRule&) { return "string"; },
+          [](const PathRule&) { return "string"; },
+          [](const ChoiceRule&) { return "string"; },
           [](const ChoiceListRule&) { return "list of strings"; },
           [](const FlagRule&) { return "boolean"; },
           [](const SwitchRule&) { return "boolean or string"; },
@@ -61,7 +62,9 @@ std::string type_text(const Rule& rule) {
           [](const IntegerListRule&) { return "list of integers"; },
           [](const TripleRule&) { return "list of numbers"; },
           [](const MemoryRule&) { return "string or integer"; },
-          [](const NameRule&) { return "string"; }, [](const TimeLimitRule&) { return "string"; },
+          [](const NameRule&) { return "string"; },
+          [](const TextRule&) { return "string"; },
+          [](const TimeLimitRule&) { return "string"; },
           [](const OptionListRule&) { return "list of strings"; },
           [](const LineListRule&) { return "list of strings"; },
           [](const LabelRule&) { return "integer or string"; },

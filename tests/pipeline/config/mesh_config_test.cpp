@@ -52,7 +52,13 @@ TEST(MeshConfig, WhatVolumesTakeMeshesDoNot) {
                                                        {"input.type", "\"int8\""},
                                                        {"input.endian", "\"big\""},
                                                        {"input.header_bytes", "4"},
-                                                       {"input.follow", "true"}};
+                                                       {"input.follow", "true"},
+                                                       {"input.dataset", "\"data\""},
+                                                       {"input.series", "\"1.2.3\""},
+                                                       {"input.level", "1"},
+                                                       {"input.channel", "0"},
+                                                       {"input.time", "2"},
+                                                       {"input.resample", "\"uniform\""}};
   for (const auto& [key, value] : wrong) {
     const std::string message = error_of(mesh_config(std::string(key) + " = " + value + "\n"));
     EXPECT_THAT(message, StartsWith("/data/scan.toml:3:"));

@@ -59,6 +59,11 @@ InputConfig any_input() {
   if (chance()) in.spacing = Vec3{any_positive(), any_positive(), any_positive()};
   if (chance()) in.unit = *rc::gen::element<std::string>("m", "cm", "mm", "um", "nm", "angstrom");
   in.follow = chance();
+  if (chance()) in.select.dataset = *rc::gen::element<std::string>("/entry/data", "density", "#1");
+  if (chance()) in.select.series = *rc::gen::element<std::string>("1.2.840.1", "3");
+  for (auto* number : {&in.select.level, &in.select.channel, &in.select.time})
+    if (chance()) *number = *rc::gen::inRange<std::int64_t>(0, 1'000'001);
+  in.resample = any_of<Resample>(2);
   const bool raw = in.format == "raw";
   if (raw || (in.format == "auto" && chance())) {
     in.size = Index3{*extent, *extent, *extent};
@@ -228,6 +233,12 @@ format = "auto"
 # crop: the whole volume
 # spacing: as the file says, else 1
 # unit: as the file says
+# dataset: the only one there is
+# series: the only one there is
+# level: the finest
+# channel: the only one there is
+# time: the only one there is
+resample = "none"
 # size: none; raw files and empty space need it
 # type: none; raw files need it
 endian = "little"
