@@ -7,8 +7,8 @@
 #include "pipeline/info/label_survey.h"
 #include "storage/spool/spool.h"
 #include "storage/spool/spool_record.h"
+#include "storage/store/foreign_array.h"
 #include "storage/store/layout.h"
-#include "storage/store/ome_zarr.h"
 #include "storage/store/shard_record.h"
 #include "storage/store/store_source.h"
 #include "storage/support/error.h"
@@ -26,19 +26,10 @@ constexpr std::uint64_t cheap_bytes = std::uint64_t{64} << 20;
 std::string compression_text(const ZarrArray& array) {
   if (!array.codecs.compressor) return "none";
   const Compressor& c = *array.codecs.compressor;
-  switch (c.kind) {
-    case CompressorKind::blosc:
-      return fmt::format("blosc {} level {}", c.cname, c.level);
-    case CompressorKind::zstd:
-      return fmt::format("zstd level {}", c.level);
-    case CompressorKind::bz2:
-      return fmt::format("bz2 level {}", c.level);
-    case CompressorKind::lz4:
-      return "lz4";
-    case CompressorKind::gzip:
-      break;
-  }
-  return fmt::format("gzip level {}", c.level);
+  if (c.kind == CompressorKind::blosc) return fmt::format("blosc {} level {}", c.cname, c.level);
+  const char* name = compressor_name(c.kind);
+  if (c.kind == CompressorKind::lz4 || c.kind == CompressorKind::lz4_blocks) return name;
+  return fmt::format("{} level {}", name, c.level);
 }
 
 std::uint64_t size_of(const fs::path& path) {
@@ -107,10 +98,10 @@ InfoDocument describe_volume(const InfoOptions& options) {
   const VolumeInfo& info = source->info();
   InfoDocument document = new_document("volume", options.input.path);
   add_volume_facts(document, info, options.verbose);
-  if (info.format == "zarr" && holds_zarr_array(options.input.path)) {
-    const ZarrArray array = read_foreign_array(options.input.path);
-    document["zarr"] = {{"chunk", facts_of(array.chunk)},
-                        {"file", facts_of(array.file)},
+  if (info.format == "zarr" || info.format == "n5") {
+    const ZarrArray array = read_foreign_array(options.input, info.format);
+    document["zarr"] = {{"chunk", facts_of(array.axes_of(array.chunk))},
+                        {"file", facts_of(array.axes_of(array.file))},
                         {"compression", compression_text(array)}};
   }
   const auto bytes = document["sample_bytes"].get<std::uint64_t>();

@@ -72,6 +72,15 @@ bool holds_images(const fs::path& path) {
   return false;
 }
 
+// Whether a reader is sure that the folder is its own: what it says then is all there is to say.
+bool named_by_contents(const InputSpec& input) {
+  const InputProbe probe = probe_input(input.path);
+  return input.format != "auto" ||
+         std::ranges::any_of(volume_readers(), [&](const VolumeReader& reader) {
+           return reader.test(probe) == Match::contents;
+         });
+}
+
 InfoDocument describe_directory(const fs::path& path, const InfoOptions& options) {
   if (fs::exists(path / manifest_name)) return describe_output(path / manifest_name, options);
   if (holds_zarr_array(path)) return describe_array(path, options);
@@ -80,7 +89,7 @@ InfoDocument describe_directory(const fs::path& path, const InfoOptions& options
   try {
     return describe_volume(options);
   } catch (const InputError& error) {
-    if (holds_images(path))
+    if (holds_images(path) || named_by_contents(options.input))
       throw;  // meant as a stack: what is wrong with it is all there is to say
     unknown(path.string(),
             fmt::format("a directory of an unknown kind (as an image stack: {})", error.what()));

@@ -9,7 +9,6 @@
 
 #include "pipeline/config/config.h"
 #include "stages/ingest/statistics.h"
-#include "storage/store/zarr_metadata.h"
 #include "storage/support/error.h"
 #include "storage/types/volume.h"
 #include "storage/volumes/data_layout.h"
@@ -48,6 +47,15 @@ std::uint64_t files_below(const std::filesystem::path& folder, std::uint64_t eno
   return files;
 }
 
+// How many of an array's files there are, as far as `enough`: beside the one that describes it, or
+// in that, where it is a zip file. Each member of those takes 76 bytes at least.
+std::uint64_t files_there(const InputFile& first, std::uint64_t enough) {
+  const std::filesystem::path path = first.path;
+  if (path.extension() == ".json" || path.filename() == ".zarray")
+    return files_below(path.parent_path(), enough + 1) - 1;
+  return first.state.size / 76;
+}
+
 // Refuses what a scan would not come to the end of.
 void check_scan(const SampleSource& source) {
   const VolumeInfo& info = source.info();
@@ -62,17 +70,14 @@ void check_scan(const SampleSource& source) {
                       name, size.x, size.y, size.z, most_samples));
   }
   constexpr double soon = 0x1p36, sparse = 1024;  // a minute or so
-  if (samples <= soon || info.format != "zarr") return;
-  const std::filesystem::path array = std::filesystem::path(name).parent_path();
-  const double files = read_zarr_array(array).files();
-  const auto needed = static_cast<std::uint64_t>(files / sparse) + 1;
-  // Less the one that describes the array.
-  const std::uint64_t there = files_below(array, needed + 1) - 1;
+  if (samples <= soon || info.piece_files == 0) return;
+  const auto needed = static_cast<std::uint64_t>(info.piece_files / sparse) + 1;
+  const std::uint64_t there = files_there(info.files.front(), needed);
   if (there >= needed) return;
   throw InputError(
       fmt::format("{}: {} x {} x {} samples in {:.0f} files, of which {} are there: going through "
                   "the fill values in place of the others would take too long; correct the shape",
-                  name, size.x, size.y, size.z, files, there));
+                  name, size.x, size.y, size.z, info.piece_files, there));
 }
 
 }  // namespace

@@ -86,8 +86,9 @@ InputProbe probe_input(const std::string& path) {
 
 std::span<const VolumeReader> volume_readers() {
   static const std::vector<VolumeReader> table = {
-      nrrd_reader(), metaimage_reader(), nifti_reader(), inrimage_reader(),
-      raw_reader(),  zarr_reader(),      stack_reader(),  // last: it takes every directory
+      nrrd_reader(),  metaimage_reader(), nifti_reader(), inrimage_reader(),
+      raw_reader(),   zarr_reader(),      n5_reader(),
+      stack_reader(),  // last: it takes every directory
   };
   return table;
 }

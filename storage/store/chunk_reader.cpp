@@ -3,58 +3,71 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
-#include <system_error>
 
-#include "storage/support/byte_order.h"
+#include "storage/store/chunk_reader_detail.h"
+#include "storage/store/half_float.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
 namespace {
 
-// Open files are file descriptors too, so a few of them; large indexes are kept fewer.
-constexpr std::uint64_t most_cached_files = 32;
-constexpr std::uint64_t most_cached_bytes = std::uint64_t{16} << 20;
-
-// More than any codec makes of one byte: what says it is larger is not worth its memory.
-constexpr std::uint64_t best_chunk_ratio = std::uint64_t{1} << 17;
-
-std::size_t cached_files(const ZarrArray& array) {
-  return array.sharded ? static_cast<std::size_t>(std::clamp<std::uint64_t>(
-                             most_cached_bytes / array.index_bytes(), 1, most_cached_files))
-                       : 1;
-}
-
 Index3 multiply(Index3 a, Index3 b) {
   return {a.x * b.x, a.y * b.y, a.z * b.z};
 }
 
+// Chunks kept for each thread: what the boxes of a row of bricks have in common, but little memory.
+std::size_t chunks_to_keep(const ZarrArray& array, Ownership ownership) {
+  constexpr std::uint64_t most_chunks = 8, most_bytes = std::uint64_t{64} << 20;
+  if (ownership == Ownership::ours) return 0;
+  const std::uint64_t each = decoded_bytes(array);
+  return static_cast<std::size_t>(
+      std::min(most_chunks, most_bytes / std::max<std::uint64_t>(1, each)));
+}
+
+// The least each reader needs besides is one chunk that it copies from.
+void widen(std::vector<std::byte>& samples) {
+  const std::size_t count = samples.size() / 2;
+  samples.resize(count * sizeof(float));
+  for (std::size_t i = count; i-- > 0;) {  // from the end: the wide ones overwrite what is done
+    std::uint16_t half = 0;
+    std::memcpy(&half, samples.data() + i * sizeof half, sizeof half);
+    const float value = float_of_half(half);
+    std::memcpy(samples.data() + i * sizeof value, &value, sizeof value);
+  }
+}
+
 }  // namespace
 
-struct ChunkReader::Shard {
-  std::optional<ReadFile> file;        // none where the file is missing
-  Index3 at;                           // in the grid of files
-  std::vector<ShardIndexEntry> index;  // sharded arrays only
-};
+std::uint64_t decoded_bytes(const ZarrArray& array) {
+  return array.form().bytes / array.stored_bytes() * sample_bytes(array.type);
+}
 
-struct ChunkReader::Buffers {
-  std::vector<std::byte> encoded, chunk, scratch;
-};
-
-ChunkReader::ChunkReader(ZarrArray array, Ownership ownership)
+ChunkReader::ChunkReader(ZarrArray array, StoreFolder folder, Ownership ownership)
     : array_(std::move(array)),
+      folder_(std::move(folder)),
       ownership_(ownership),
-      cached_files_(cached_files(array_)),
-      files_(cached_files_) {}
+      cached_pieces_(pieces_to_cache(array_, folder_.object_memory())),
+      kept_chunks_(chunks_to_keep(array_, ownership)) {
+  for (std::size_t level = 0; level < array_.shards.size(); ++level)
+    pieces_.push_back(std::make_unique<BoundedCache<Piece>>(cached_pieces_));
+}
 
 ChunkReader::~ChunkReader() = default;
 
 std::uint64_t ChunkReader::largest_decode() const {
   const ChunkForm form = array_.form();
-  const std::uint64_t scratch = array_.codecs.checksums_inside > 0 ? form.bytes + 64 : 0;
-  const std::uint64_t indexes = array_.sharded ? cached_files_ * array_.index_bytes() : 0;
-  return form.bytes + largest_encoded_chunk(array_.codecs, form) + scratch + indexes;
+  const bool inner = array_.codecs.checksums_inside > 0;
+  const bool dictionary =
+      array_.codecs.compressor && array_.codecs.compressor->kind == CompressorKind::xz;
+  std::uint64_t bytes = decoded_bytes(array_) * (1 + kept_chunks_) +
+                        largest_encoded_chunk(array_.codecs, form) + folder_.object_memory();
+  if (inner) bytes += form.bytes + 64;
+  if (dictionary) bytes += form.bytes + (std::uint64_t{1} << 20);
+  for (std::size_t level = 0; level < array_.shards.size(); ++level)
+    bytes += cached_pieces_ * array_.index_bytes(level);
+  if (!array_.shards.empty()) bytes += cached_pieces_ * folder_.object_memory();
+  return bytes;
 }
 
 void ChunkReader::damaged(const std::string& path, const std::string& what) const {
@@ -63,124 +76,107 @@ void ChunkReader::damaged(const std::string& path, const std::string& what) cons
   throw FormatError(path + ": " + what);
 }
 
-void ChunkReader::read_bytes(const Shard& shard, std::uint64_t offset,
-                             std::span<std::byte> out) const {
-  try {
-    shard.file->read(offset, out);
-  } catch (const FormatError&) {  // cut while it was open
-    damaged(shard.file->path(),
-            fmt::format("truncated: it ends before byte {}", offset + out.size()));
-  }
-}
-
-std::shared_ptr<const ChunkReader::Shard> ChunkReader::open_file(Index3 at) const {
-  if (!array_.sharded) return load_file(at);  // one chunk: nothing to keep
-  const Index3 grid = divide(array_.size + array_.file - splat(1), array_.file);
-  const auto key = static_cast<std::uint64_t>((at.z * grid.y + at.y) * grid.x + at.x);
-  return files_.get(key, [&] { return load_file(at); });
-}
-
-std::shared_ptr<const ChunkReader::Shard> ChunkReader::load_file(Index3 at) const {
-  auto shard = std::make_shared<Shard>();
-  shard->at = at;
-  const std::filesystem::path path = array_.file_path(at);
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) {
-    if (error) throw_errno("look up", path.string(), error.value());
-    if (ownership_ == Ownership::ours) damaged(path.string(), "missing");
-    return shard;
-  }
-  shard->file.emplace(path);
-  if (array_.sharded) load_index(*shard);
-  return shard;
-}
-
-void ChunkReader::load_index(Shard& shard) const {
-  const ReadFile& file = *shard.file;
-  const std::uint64_t bytes = array_.index_bytes();
-  if (file.size() < bytes)
-    damaged(file.path(),
-            fmt::format("truncated: its index alone takes {} bytes, {} found", bytes, file.size()));
-  std::vector<std::byte> buffer(bytes);
-  read_bytes(shard, array_.index.at_end ? file.size() - bytes : 0, buffer);
-  std::span<const std::byte> entries = buffer;
-  for (int i = 0; i < array_.index.checksums; ++i)
-    if (const std::string wrong = strip_checksum(entries); !wrong.empty())
-      damaged(file.path(), "its index is damaged: " + wrong);
-  if (array_.index.big_endian) to_native(buffer.data(), entries.size() / 8, 8, std::endian::big);
-  shard.index.resize(entries.size() / sizeof(ShardIndexEntry));
-  std::memcpy(shard.index.data(), entries.data(), entries.size());
-  const std::uint64_t most = largest_encoded_chunk(array_.codecs, array_.form());
-  for (std::size_t i = 0; i < shard.index.size(); ++i) {
-    const auto [offset, length] = shard.index[i];
-    if (offset == ShardIndexEntry::missing && length == ShardIndexEntry::missing) continue;
-    if (length > most || offset > file.size() || length > file.size() - offset)
-      damaged(
-          file.path(),
-          fmt::format("its index puts chunk {} at {} with {} bytes; the file has {} and a chunk "
-                      "at most {}",
-                      i, offset, length, file.size(), most));
-  }
-}
-
 void ChunkReader::read(const Box3& box, std::byte* out) const {
   auto buffers = borrow_buffers();
   const Target target{box, out};
-  each_index(pieces_of(box, array_.file), [&](Index3 at) { read_file(at, target, *buffers); });
+  each_index(pieces_of(box, array_.axes_of(array_.file)), [&](Index3 at) {
+    if (array_.shards.empty()) {
+      read_whole_file(at, target, *buffers);
+      return;
+    }
+    const auto piece = open_piece(0, at, {});
+    if (piece->bytes.object)
+      read_piece(0, *piece, target, *buffers);
+    else
+      fill(intersect(box_of(array_.file, at), target.box), target);
+  });
   give_back(std::move(buffers));
 }
 
 void ChunkReader::each_file(const Box3& box,
                             const std::function<void(const std::filesystem::path&)>& f) const {
-  each_index(pieces_of(box, array_.file), [&](Index3 at) { f(array_.file_path(at)); });
-}
-
-void ChunkReader::read_file(Index3 at, const Target& target, Buffers& buffers) const {
-  const Index3 lo = multiply(at, array_.file);
-  const Box3 part = intersect(target.box, {lo, lo + array_.file});
-  const auto shard = open_file(at);
-  if (!shard->file) {
-    fill(part, target);
-    return;
-  }
-  each_index(pieces_of(part, array_.chunk), [&](Index3 chunk) {
-    const Index3 chunk_lo = multiply(chunk, array_.chunk);
-    const Box3 samples = {chunk_lo, chunk_lo + array_.chunk};
-    if (load_chunk(*shard, chunk, buffers))
-      copy_chunk(samples, target, buffers);
-    else
-      fill(intersect(samples, target.box), target);
+  each_index(pieces_of(box, array_.axes_of(array_.file)), [&](Index3 at) {
+    if (const auto file = folder_.file_of(array_.file_key(at))) f(*file);
   });
 }
 
-// False where the chunk is missing, which is all fill value.
-bool ChunkReader::load_chunk(const Shard& shard, Index3 chunk, Buffers& buffers) const {
-  ShardIndexEntry entry{0, shard.file->size()};
-  if (array_.sharded) {
-    const Index3 grid = array_.chunks_in_file(), in = chunk - multiply(shard.at, grid);
-    std::int64_t at = 0;
-    for (const int axis : array_.axes) at = at * grid[axis] + in[axis];
-    entry = shard.index[static_cast<std::size_t>(at)];
-    if (entry.offset == ShardIndexEntry::missing) return false;
+void ChunkReader::read_piece(std::size_t level, const Piece& piece, const Target& target,
+                             Buffers& buffers) const {
+  const Extents& extents = array_.piece(level + 1);
+  const Box3 part = intersect(target.box, box_of(array_.piece(level), piece.at));
+  each_index(pieces_of(part, array_.axes_of(extents)), [&](Index3 at) {
+    const auto locate = [&] { return Encoded{piece.bytes.object, find(level, piece, at)}; };
+    if (level + 1 == array_.shards.size()) {
+      read_chunk(at, locate, target, buffers);
+      return;
+    }
+    if (const Encoded bytes = locate(); bytes.range.offset != ShardIndexEntry::missing)
+      read_piece(level + 1, *open_piece(level + 1, at, bytes), target, buffers);
+    else
+      fill(intersect(box_of(extents, at), target.box), target);
+  });
+}
+
+// A file that is one chunk.
+void ChunkReader::read_whole_file(Index3 at, const Target& target, Buffers& buffers) const {
+  const auto locate = [&] {
+    Encoded bytes{open_object(at), {}};
+    if (bytes.object) bytes.range = {0, bytes.object->size()};
+    return bytes;
+  };
+  read_chunk(at, locate, target, buffers);
+}
+
+// locate() says where the bytes lie, and is asked where the chunk is not kept.
+template <class Locate>
+void ChunkReader::read_chunk(Index3 at, const Locate& locate, const Target& target,
+                             Buffers& buffers) const {
+  const auto load = [&](DecodedChunk& chunk) {
+    const Encoded bytes = locate();
+    chunk.missing = bytes.range.offset == ShardIndexEntry::missing;
+    if (!chunk.missing) decode(at, bytes, chunk, buffers);
+  };
+  const auto use = [&](const DecodedChunk& chunk) {
+    if (chunk.missing)
+      fill(intersect(box_of(array_.chunk, at), target.box), target);
+    else
+      copy_chunk(at, chunk, target);
+  };
+  if (kept_chunks_ == 0) {
+    load(buffers.chunk);
+    use(buffers.chunk);
+    return;
   }
-  const ChunkForm form = array_.form();
-  const std::uint64_t most = largest_encoded_chunk(array_.codecs, form);
-  if (entry.length > most)
-    damaged(shard.file->path(),
-            fmt::format("its chunk has {} bytes, at most {} expected", entry.length, most));
-  if (form.bytes / best_chunk_ratio > entry.length)
-    damaged(shard.file->path(),
-            fmt::format("its chunk has {} bytes, too few for the {} it decodes to", entry.length,
-                        form.bytes));
-  buffers.encoded.resize(entry.length);
-  buffers.chunk.resize(form.bytes);
-  read_bytes(shard, entry.offset, buffers.encoded);
+  use(*chunks_.get(grid_key(array_.chunk, at), kept_chunks_ * readers_, load));
+}
+
+void ChunkReader::decode(Index3 at, const Encoded& bytes, DecodedChunk& chunk,
+                         Buffers& buffers) const {
+  const StoredObject& object = *bytes.object;
+  const std::uint64_t length = bytes.range.length;
+  const std::uint64_t most =
+      largest_encoded_chunk(array_.codecs, array_.form()) + block_header_bytes(array_);
+  if (length > most)
+    damaged(object.name(),
+            fmt::format("its chunk has {} bytes, at most {} expected", length, most));
+  if (array_.form().bytes / best_chunk_ratio > length)
+    damaged(object.name(), fmt::format("its chunk has {} bytes, too few for the {} it decodes to",
+                                       length, array_.form().bytes));
+  ++decoded_;
+  buffers.encoded.resize(length);
+  read_bytes(object, bytes.range.offset, buffers.encoded);
+  chunk.shape = array_.chunk;
+  std::span<const std::byte> encoded = buffers.encoded;
+  if (array_.n5_blocks) encoded = take_block_header(object, at, encoded, chunk);
+  ChunkForm form{array_.stored_bytes(), array_.stored_bytes()};
+  for (const std::int64_t extent : chunk.shape) form.bytes *= static_cast<std::size_t>(extent);
+  chunk.samples.resize(form.bytes);
   const std::string wrong =
-      decode_chunk(array_.codecs, form, buffers.encoded, buffers.chunk, buffers.scratch);
+      decode_chunk(array_.codecs, form, encoded, chunk.samples, buffers.scratch);
   if (!wrong.empty())
-    damaged(shard.file->path(), fmt::format("chunk (z {}, y {}, x {}) is damaged: {}", chunk.z,
-                                            chunk.y, chunk.x, wrong));
-  return true;
+    damaged(object.name(),
+            fmt::format("chunk (z {}, y {}, x {}) is damaged: {}", at.z, at.y, at.x, wrong));
+  if (array_.half) widen(chunk.samples);
 }
 
 // f(first sample, where it goes) of each row of the part.
@@ -195,23 +191,25 @@ void ChunkReader::each_row(const Box3& part, const Target& target, const F& f) c
     }
 }
 
-void ChunkReader::copy_chunk(const Box3& chunk, const Target& target,
-                             const Buffers& buffers) const {
+void ChunkReader::copy_chunk(Index3 at, const DecodedChunk& chunk, const Target& target) const {
   const std::size_t each = sample_bytes(array_.type);
-  const Box3 part = intersect(chunk, target.box);
-  const Index3 side = chunk.size();
+  const Box3 whole = box_of(array_.chunk, at), part = intersect(whole, target.box);
   Index3 stride;
-  std::int64_t next = static_cast<std::int64_t>(each);
-  for (const int axis : array_.order) {
-    stride[axis] = next;
-    next *= side[axis];
+  std::int64_t next = static_cast<std::int64_t>(each), first = 0;
+  for (const int dimension : array_.order) {
+    const auto d = static_cast<std::size_t>(dimension);
+    if (array_.axes[d] >= 0)
+      stride[array_.axes[d]] = next;
+    else
+      first += array_.at[d] % array_.chunk[d] * next;
+    next *= chunk.shape[d];
   }
   const std::int64_t count = part.size().x;
-  each_row(part, target, [&](Index3 at, std::byte* out) {
-    const Index3 from = at - chunk.lo;
+  each_row(part, target, [&](Index3 sample, std::byte* out) {
+    const Index3 from = sample - whole.lo;
     const std::byte* in =
-        buffers.chunk.data() + from.z * stride.z + from.y * stride.y + from.x * stride.x;
-    if (array_.order[0] == 0) {
+        chunk.samples.data() + first + from.z * stride.z + from.y * stride.y + from.x * stride.x;
+    if (stride.x == static_cast<std::int64_t>(each)) {
       std::memcpy(out, in, static_cast<std::size_t>(count) * each);
       return;
     }
@@ -228,9 +226,22 @@ void ChunkReader::fill(const Box3& part, const Target& target) const {
   });
 }
 
+Box3 ChunkReader::box_of(const Extents& extents, Index3 at) const {
+  const Index3 side = array_.axes_of(extents), lo = multiply(at, side);
+  return {lo, lo + side};
+}
+
+std::uint64_t ChunkReader::grid_key(const Extents& extents, Index3 at) const {
+  const Index3 side = array_.axes_of(extents), grid = divide(array_.size + side - splat(1), side);
+  return static_cast<std::uint64_t>((at.z * grid.y + at.y) * grid.x + at.x);
+}
+
 std::unique_ptr<ChunkReader::Buffers> ChunkReader::borrow_buffers() const {
   const std::scoped_lock lock(pool_mutex_);
-  if (pool_.empty()) return std::make_unique<Buffers>();
+  if (pool_.empty()) {
+    ++readers_;
+    return std::make_unique<Buffers>();
+  }
   auto buffers = std::move(pool_.back());
   pool_.pop_back();
   return buffers;

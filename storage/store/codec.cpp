@@ -1,17 +1,13 @@
 #include "storage/store/codec.h"
 
 #include <blosc.h>
-#include <bzlib.h>
 #include <fmt/format.h>
-#include <lz4.h>
-#include <zlib.h>
 #include <zstd.h>
 
-#include <algorithm>
 #include <cstring>
-#include <limits>
 
 #include "storage/store/crc32c.h"
+#include "storage/store/decompress.h"
 #include "storage/support/byte_order.h"
 #include "storage/support/error.h"
 
@@ -23,127 +19,6 @@ constexpr std::size_t checksum_bytes = 4;
 // How many bytes the compressor was given.
 std::size_t inner_bytes(const CodecChain& chain, ChunkForm form) {
   return form.bytes + checksum_bytes * static_cast<std::size_t>(chain.checksums_inside);
-}
-
-std::string blosc_decode(std::span<const std::byte> encoded, std::span<std::byte> out) {
-  std::size_t size = 0;
-  if (blosc_cbuffer_validate(encoded.data(), encoded.size(), &size) != 0)
-    return "its blosc header does not fit its length";
-  if (size != out.size()) return fmt::format("blosc holds {} bytes, {} expected", size, out.size());
-  const int got = blosc_decompress_ctx(encoded.data(), out.data(), out.size(), 1);
-  if (got < 0 || static_cast<std::size_t>(got) != out.size()) {
-    const char* inner = blosc_cbuffer_complib(encoded.data());
-    return fmt::format("blosc cannot decode it (inner codec {})", inner != nullptr ? inner : "?");
-  }
-  return {};
-}
-
-std::string zstd_decode(std::span<const std::byte> encoded, std::span<std::byte> out) {
-  const std::size_t got = ZSTD_decompress(out.data(), out.size(), encoded.data(), encoded.size());
-  if (ZSTD_isError(got) != 0) return fmt::format("zstd: {}", ZSTD_getErrorName(got));
-  if (got != out.size()) return fmt::format("zstd holds {} bytes, {} expected", got, out.size());
-  return {};
-}
-
-// zlib counts in 32 bits: long buffers go through it in windows.
-class Inflater {
- public:
-  Inflater(std::span<const std::byte> in, std::span<std::byte> out) : in_(in), out_(out) {
-    ready_ = inflateInit2(&stream_, 15 + 32) == Z_OK;  // gzip or zlib header
-  }
-  ~Inflater() {
-    if (ready_) inflateEnd(&stream_);
-  }
-  Inflater(const Inflater&) = delete;
-  Inflater& operator=(const Inflater&) = delete;
-
-  std::string run() {
-    if (!ready_) return "gzip: out of memory";
-    for (;;) {
-      const int code = step();
-      if (code == Z_STREAM_END) {
-        if (in_.empty()) break;
-        if (inflateReset(&stream_) != Z_OK) return "gzip: cannot go on with its next member";
-        continue;
-      }
-      if (code == Z_BUF_ERROR || (code == Z_OK && stuck_))
-        return out_.empty() ? "gzip holds more bytes than expected" : "gzip: truncated";
-      if (code != Z_OK)
-        return fmt::format("gzip: {}", stream_.msg != nullptr ? stream_.msg : "damaged");
-    }
-    return out_.empty() ? "" : fmt::format("gzip ends {} bytes short", out_.size());
-  }
-
- private:
-  int step() {
-    constexpr std::size_t window = std::size_t{1} << 30;
-    // zlib never writes through next_in; its type predates const.
-    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(in_.data()));
-    stream_.avail_in = static_cast<uInt>(std::min(in_.size(), window));
-    stream_.next_out = reinterpret_cast<Bytef*>(out_.data());
-    stream_.avail_out = static_cast<uInt>(std::min(out_.size(), window));
-    const uInt in_before = stream_.avail_in, out_before = stream_.avail_out;
-    const int code = inflate(&stream_, Z_NO_FLUSH);
-    stuck_ = in_before == stream_.avail_in && out_before == stream_.avail_out;
-    in_ = in_.subspan(in_before - stream_.avail_in);
-    out_ = out_.subspan(out_before - stream_.avail_out);
-    return code;
-  }
-
-  std::span<const std::byte> in_;
-  std::span<std::byte> out_;
-  z_stream stream_{};
-  bool ready_ = false;
-  bool stuck_ = false;
-};
-
-// numcodecs': the decoded size in four bytes, little-endian, and one block.
-std::string lz4_decode(std::span<const std::byte> encoded, std::span<std::byte> out) {
-  constexpr std::size_t size_bytes = 4;
-  if (encoded.size() < size_bytes) return "lz4: truncated";
-  std::uint32_t size = 0;
-  std::memcpy(&size, encoded.data(), size_bytes);
-  to_native(reinterpret_cast<std::byte*>(&size), 1, size_bytes, std::endian::little);
-  if (size != out.size()) return fmt::format("lz4 holds {} bytes, {} expected", size, out.size());
-  const auto block = encoded.subspan(size_bytes);
-  constexpr std::size_t most = std::numeric_limits<int>::max();
-  if (block.size() > most || out.size() > most) return "lz4: more than 2^31 bytes in one block";
-  const int got = LZ4_decompress_safe(reinterpret_cast<const char*>(block.data()),
-                                      reinterpret_cast<char*>(out.data()),
-                                      static_cast<int>(block.size()), static_cast<int>(out.size()));
-  if (got < 0 || static_cast<std::size_t>(got) != out.size()) return "lz4: damaged";
-  return {};
-}
-
-std::string bz2_decode(std::span<const std::byte> encoded, std::span<std::byte> out) {
-  constexpr std::size_t most = std::numeric_limits<unsigned>::max();
-  if (encoded.size() > most || out.size() > most) return "bz2: more than 2^32 bytes in one chunk";
-  auto size = static_cast<unsigned>(out.size());
-  // Its types predate const.
-  auto* in = const_cast<char*>(reinterpret_cast<const char*>(encoded.data()));
-  const int code = BZ2_bzBuffToBuffDecompress(reinterpret_cast<char*>(out.data()), &size, in,
-                                              static_cast<unsigned>(encoded.size()), 0, 0);
-  if (code == BZ_OUTBUFF_FULL) return "bz2 holds more bytes than expected";
-  if (code == BZ_UNEXPECTED_EOF) return "bz2: truncated";
-  if (code != BZ_OK) return fmt::format("bz2: damaged (error {})", code);
-  return size == out.size() ? "" : fmt::format("bz2 ends {} bytes short", out.size() - size);
-}
-
-std::string decompress(const Compressor& compressor, std::span<const std::byte> encoded,
-                       std::span<std::byte> out) {
-  switch (compressor.kind) {
-    case CompressorKind::blosc:
-      return blosc_decode(encoded, out);
-    case CompressorKind::zstd:
-      return zstd_decode(encoded, out);
-    case CompressorKind::bz2:
-      return bz2_decode(encoded, out);
-    case CompressorKind::lz4:
-      return lz4_decode(encoded, out);
-    case CompressorKind::gzip:
-      break;
-  }
-  return Inflater(encoded, out).run();
 }
 
 void compress(const Compressor& compressor, ChunkForm form, std::span<const std::byte> data,
@@ -167,6 +42,11 @@ void compress(const Compressor& compressor, ChunkForm form, std::span<const std:
 }
 
 }  // namespace
+
+const char* compressor_name(CompressorKind kind) {
+  static constexpr const char* names[] = {"blosc", "zstd", "gzip", "bz2", "lz4", "lz4", "xz"};
+  return names[static_cast<std::size_t>(kind)];
+}
 
 std::uint64_t largest_encoded_chunk(const CodecChain& chain, ChunkForm form) {
   const std::uint64_t inside = inner_bytes(chain, form);

@@ -10,8 +10,18 @@
 
 namespace voxweld {
 
-enum class CompressorKind : std::uint8_t { blosc, zstd, gzip, bz2, lz4 };  // gzip: zlib too
-enum class Shuffle : std::uint8_t { none = 0, byte = 1, bit = 2 };         // blosc's own numbers
+enum class CompressorKind : std::uint8_t {
+  blosc,
+  zstd,
+  gzip,  // and zlib
+  bz2,
+  lz4,         // numcodecs': the size, and one block
+  lz4_blocks,  // lz4-java's stream
+  xz,          // and .lzma
+};
+// The name that voxweld shows: "gzip".
+const char* compressor_name(CompressorKind kind);
+enum class Shuffle : std::uint8_t { none = 0, byte = 1, bit = 2 };  // blosc's own numbers
 
 struct Compressor {
   CompressorKind kind = CompressorKind::blosc;

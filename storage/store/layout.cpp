@@ -83,9 +83,9 @@ ZarrArray StoreLayout::zarr() const {
   zarr.path = array;
   zarr.type = type;
   zarr.size = geometry.size;
-  zarr.file = splat(parameters.shard);
-  zarr.chunk = splat(parameters.chunk);
-  zarr.sharded = true;
+  zarr.file.assign(3, parameters.shard);
+  zarr.chunk.assign(3, parameters.chunk);
+  zarr.shards = {{zarr.chunk, {0, 1, 2}, {}}};
   zarr.codecs = store_codecs(parameters, type);
   zarr.geometry = counted_from_zero(geometry);  // other programs know no `first`
   zarr.scale = scale;
@@ -129,8 +129,8 @@ StoreLayout read_store_layout(const std::filesystem::path& array,
   if (!zarr.geometry)
     throw FormatError(file + ": not a brick store (no \"voxweld\" in its attributes)");
   StoreLayout layout{array, records, zarr.type, *zarr.geometry, {}, zarr.scale};
-  layout.parameters.chunk = zarr.chunk.x;
-  layout.parameters.shard = zarr.file.x;
+  layout.parameters.chunk = zarr.chunk.back();
+  layout.parameters.shard = zarr.file.back();
   const auto& compressor = zarr.codecs.compressor;
   layout.parameters.compression = !compressor                  ? StoreCompression::none
                                   : compressor->cname == "lz4" ? StoreCompression::lz4

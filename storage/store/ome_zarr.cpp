@@ -1,36 +1,30 @@
-#include "storage/store/ome_zarr.h"
+#include <algorithm>
 
-#include <cmath>
-
+#include "storage/store/pyramid.h"
 #include "storage/store/zarr_fields.h"
 #include "storage/store/zarr_json.h"
-#include "storage/support/file_io.h"
 
 namespace voxweld {
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// The group's images, and the file that says so.
-struct Images {
+// The group's attributes about images, and the file that says so.
+struct ImageAttributes {
   Json document;
   std::string file;
 };
 
-std::optional<Images> images_of(const fs::path& group) {
+std::optional<ImageAttributes> image_attributes_of(const StoreFolder& group) {
   for (const char* name : {".zattrs", "zarr.json"}) {
-    const fs::path path = group / name;
-    std::error_code none;
-    if (!fs::is_regular_file(path, none)) continue;
-    Images images{parse_zarr_document(read_text_file(path), path.string()), path.string()};
-    const Json* at = &images.document;
+    const auto text = group.text(name);
+    if (!text) continue;
+    const std::string file = (group / name).name();
+    const Json document = parse_zarr_document(*text, file);
+    const Json* at = &document;
     for (const char* key : {"attributes", "ome"})
       if (at->is_object() && at->contains(key)) at = &at->at(key);
-    if (!at->is_object() || !at->contains("multiscales")) continue;
-    Json found = at->at("multiscales");
-    images.document = std::move(found);
-    return images;
+    if (at->is_object() && at->contains("multiscales")) return ImageAttributes{*at, file};
   }
   return std::nullopt;
 }
@@ -42,7 +36,7 @@ std::vector<double> numbers_of(const JsonField& list) {
 }
 
 // Scales are multiplied, translations scaled and added, in the order in which they are listed.
-void apply(const JsonField& holder, OmeDataset& image) {
+void apply(const JsonField& holder, Pyramid::Level& level) {
   if (!holder.has("coordinateTransformations")) return;
   for (const JsonField& step : holder.at("coordinateTransformations").elements()) {
     const std::string type = step.at("type").text();
@@ -50,105 +44,107 @@ void apply(const JsonField& holder, OmeDataset& image) {
     if (type != "scale" && type != "translation")
       step.refuse("\"scale\" or \"translation\" expected, " + step.at("type").shown() + " found");
     const std::vector<double> by = numbers_of(step.at(type.c_str()));
-    if (image.scale.empty()) image.scale.assign(by.size(), 1);
-    if (image.translation.empty()) image.translation.assign(by.size(), 0);
-    if (by.size() != image.scale.size())
-      step.refuse(fmt::format("{} numbers expected, {} found", image.scale.size(), by.size()));
+    if (level.scale.empty()) level.scale.assign(by.size(), 1);
+    if (level.translation.empty()) level.translation.assign(by.size(), 0);
+    if (by.size() != level.scale.size())
+      step.refuse(fmt::format("{} numbers expected, {} found", level.scale.size(), by.size()));
     for (std::size_t d = 0; d < by.size(); ++d) {
       if (type == "translation") {
-        image.translation[d] += by[d];
+        level.translation[d] += by[d];
         continue;
       }
-      image.scale[d] *= by[d];
-      image.translation[d] *= by[d];
+      level.scale[d] *= by[d];
+      level.translation[d] *= by[d];
     }
   }
 }
 
-void read_axes(const JsonField& multiscale, OmeDataset& image) {
-  if (!multiscale.has("axes")) return;
+// The names, and the units of all levels. Versions 0.1 and 0.2 name none: they are always five.
+std::vector<std::string> read_axes(const JsonField& multiscale, Pyramid& pyramid) {
+  std::vector<std::string> units;
+  if (!multiscale.has("axes")) {
+    pyramid.axes = {"t", "c", "z", "y", "x"};
+    return units;
+  }
   for (const JsonField& axis : multiscale.at("axes").elements()) {
     const bool named = axis.value().is_object();  // 0.3 has names alone
-    image.axes.push_back(named ? axis.at("name").text() : axis.text());
-    image.units.push_back(named && axis.has("unit") ? axis.at("unit").text() : "");
+    const auto text = [&](const char* key) {
+      return named && axis.has(key) ? axis.at(key).text() : std::string();
+    };
+    pyramid.axes.push_back(named ? axis.at("name").text() : axis.text());
+    pyramid.types.push_back(text("type"));
+    units.push_back(text("unit"));
+  }
+  return units;
+}
+
+void read_channels(const JsonField& attributes, Pyramid& pyramid) {
+  if (!attributes.has("omero") || !attributes.at("omero").has("channels")) return;
+  const JsonField channels = attributes.at("omero").at("channels");
+  if (!channels.value().is_array()) return;
+  for (const JsonField& channel : channels.elements()) {
+    const bool said = channel.has("label") && channel.at("label").value().is_string();
+    pyramid.channels.push_back(said ? channel.at("label").text() : "");
   }
 }
 
-std::string short_unit(const std::string& name) {
-  static constexpr std::pair<const char*, const char*> units[] = {
-      {"meter", "m"},       {"centimeter", "cm"}, {"millimeter", "mm"},
-      {"micrometer", "um"}, {"nanometer", "nm"},  {"angstrom", "angstrom"}};
-  for (const auto& [long_name, unit] : units)
-    if (name == long_name) return unit;
-  return {};
+std::string level_path(const JsonField& dataset) {
+  const auto path = key_of(dataset.at("path").text());
+  if (!path) dataset.refuse("a path inside the group expected, " + dataset.shown());
+  return *path;
 }
 
 }  // namespace
 
-std::optional<OmeDataset> ome_dataset_of(const fs::path& array) {
-  constexpr int most_levels = 4;
-  const fs::path path = fs::absolute(array).lexically_normal();
-  fs::path group = path.has_filename() ? path.parent_path() : path.parent_path().parent_path();
-  for (int level = 0; level < most_levels && group.has_relative_path(); ++level) {
-    if (const auto images = images_of(group)) {
-      const std::string within =
-          (path.has_filename() ? path : path.parent_path()).lexically_relative(group).string();
-      for (const JsonField& multiscale :
-           JsonField(images->document, images->file, "multiscales").elements())
-        for (const JsonField& dataset : multiscale.at("datasets").elements()) {
-          if (dataset.at("path").text() != within) continue;
-          OmeDataset image;
-          read_axes(multiscale, image);
-          apply(dataset, image);
-          apply(multiscale, image);
-          return image;
-        }
+ArrayContext Pyramid::context(std::size_t level) const {
+  ArrayContext context;
+  context.axes = axes;
+  context.types = types;
+  context.units = levels[level].units;
+  context.scale = levels[level].scale;
+  context.translation = levels[level].translation;
+  context.channels = channels;
+  context.where = where;
+  return context;
+}
+
+std::vector<Pyramid> ome_pyramids_of(const StoreFolder& group) {
+  std::vector<Pyramid> pyramids;
+  const auto attributes = image_attributes_of(group);
+  if (!attributes) return pyramids;
+  const JsonField root(attributes->document, attributes->file, "");
+  for (const JsonField& multiscale : root.at("multiscales").elements()) {
+    Pyramid pyramid;
+    pyramid.where = attributes->file;
+    if (multiscale.has("name") && multiscale.at("name").value().is_string())
+      pyramid.name = multiscale.at("name").text();
+    const std::vector<std::string> units = read_axes(multiscale, pyramid);
+    read_channels(root, pyramid);
+    for (const JsonField& dataset : multiscale.at("datasets").elements()) {
+      Pyramid::Level level;
+      level.path = level_path(dataset);
+      level.units = units;
+      apply(dataset, level);
+      apply(multiscale, level);
+      pyramid.levels.push_back(std::move(level));
     }
-    group = group.parent_path();
+    if (!pyramid.levels.empty()) pyramids.push_back(std::move(pyramid));
+  }
+  return pyramids;
+}
+
+std::optional<ArrayContext> ome_context_of(const StoreFolder& array) {
+  constexpr int most_levels = 4;
+  std::string within;
+  auto above = array.above();
+  for (int i = 0; i < most_levels && above; ++i) {
+    within = within.empty() ? above->name : above->name + '/' + within;
+    for (const Pyramid& pyramid : ome_pyramids_of(above->folder))
+      for (std::size_t level = 0; level < pyramid.levels.size(); ++level)
+        if (pyramid.levels[level].path == within) return pyramid.context(level);
+    above = above->folder.above();
   }
   return std::nullopt;
-}
-
-std::optional<fs::path> full_resolution_of(const fs::path& group) {
-  const auto images = images_of(group);
-  if (!images) return std::nullopt;
-  const auto multiscales = JsonField(images->document, images->file, "multiscales").elements();
-  if (multiscales.empty()) return std::nullopt;
-  const auto datasets = multiscales[0].at("datasets").elements();
-  if (datasets.empty()) return std::nullopt;
-  const fs::path within = datasets[0].at("path").text();
-  bool inside = within.is_relative();
-  for (const auto& part : within) inside = inside && part != "..";
-  if (!inside) datasets[0].refuse("a path inside the group expected, " + datasets[0].shown());
-  return group / within;
-}
-
-ZarrArray read_foreign_array(const fs::path& directory) {
-  const fs::path array = full_resolution_of(directory).value_or(directory);
-  const auto image = ome_dataset_of(array);
-  return read_zarr_array(array, image ? &*image : nullptr);
-}
-
-std::optional<VolumeGeometry> geometry_of(const OmeDataset& image, const ZarrArray& array) {
-  if (image.scale.size() != array.axes.size()) return std::nullopt;
-  VolumeGeometry geometry;
-  geometry.size = array.size;
-  std::optional<std::string> unit;
-  for (std::size_t d = 0; d < array.axes.size(); ++d) {
-    const int axis = array.axes[d];
-    geometry.spacing[axis] = image.scale[d];
-    geometry.origin[axis] = image.translation[d];
-    if (!(image.scale[d] > 0) || !std::isfinite(image.scale[d]) ||
-        !std::isfinite(image.translation[d]))
-      throw FormatError(
-          fmt::format("{}: the OME-Zarr group above gives a scale of {} and a "
-                      "translation of {}: numbers, and scales above 0, expected",
-                      array.path.string(), image.scale[d], image.translation[d]));
-    const std::string own = d < image.units.size() ? short_unit(image.units[d]) : "";
-    unit = !unit || *unit == own ? own : "";
-  }
-  geometry.unit = unit.value_or("");
-  return geometry;
 }
 
 }  // namespace voxweld

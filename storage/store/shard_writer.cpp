@@ -203,7 +203,7 @@ std::uint64_t shard_writer_bytes(const StoreLayout& layout, std::int64_t shards,
   const Index3 row = band_size(layout, width, 0);
   const auto row_bytes =
       static_cast<std::uint64_t>(row.x * row.y * row.z) * sample_bytes(layout.type);
-  const std::uint64_t entries = zarr.index_bytes() / 16;
+  const std::uint64_t entries = zarr.index_bytes(0) / 16;
   // A shard in flight: its index twice (entries, bytes), a range an entry, its histogram while it
   // is added to and while it is written.
   const std::uint64_t open = open_file_bytes +

@@ -47,7 +47,7 @@ std::size_t cached_records(const StoreLayout& layout) {
 
 StoreSource::StoreSource(const StoreLayout& layout)
     : layout_(checked(layout)),
-      reader_(layout_.zarr(), Ownership::ours),
+      reader_(layout_.zarr(), StoreFolder(folder_store(layout_.array)), Ownership::ours),
       records_(cached_records(layout_)) {
   info_ = describe(layout_, reader_.largest_decode());
 }

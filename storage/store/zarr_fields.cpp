@@ -1,17 +1,19 @@
 #include "storage/store/zarr_fields.h"
 
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <numeric>
 #include <type_traits>
 
+#include "storage/store/half_float.h"
 #include "storage/support/refused_text.h"
-#include "storage/support/text_fields.h"
+#include "storage/volumes/axes.h"
 
 namespace voxweld {
 namespace {
@@ -57,6 +59,19 @@ T parse_whole_fill(const JsonField& field) {
   return static_cast<T>(v);
 }
 
+// Of 16-bit floats; 4 digits of their bits.
+float parse_half_fill(const JsonField& field) {
+  if (field.value().is_number()) return static_cast<float>(field.real());
+  const std::string text = field.text();
+  unsigned bits = 0;
+  const char *begin = text.data() + std::min<std::size_t>(2, text.size()),
+             *end = text.data() + text.size();
+  if (text.size() == 6 && text.starts_with("0x") &&
+      std::from_chars(begin, end, bits, 16).ptr == end)
+    return float_of_half(static_cast<std::uint16_t>(bits));
+  return parse_special_fill<float>(field);
+}
+
 }  // namespace
 
 nlohmann::ordered_json parse_zarr_document(const std::string& text, const std::string& file) {
@@ -73,47 +88,13 @@ nlohmann::ordered_json parse_zarr_document(const std::string& text, const std::s
   }
 }
 
-std::vector<int> zarr_axes(const JsonField& shape, const std::vector<std::string>& names) {
-  const std::size_t rank = shape.elements().size();
-  if (rank != 2 && rank != 3)
-    shape.refuse(fmt::format(
-        "{} dimensions are not supported, 3 (z, y, x) expected; extract one volume first", rank));
-  std::vector<int> axes, usual;
-  bool spatial = names.size() == rank, other = false;
-  for (std::size_t d = 0; d < rank; ++d) usual.push_back(static_cast<int>(rank - 1 - d));
-  for (const std::string& name : names) {
-    const std::string lower = voxweld::lower(name);
-    const bool known = lower == "x" || lower == "y" || lower == "z";
-    const int axis = known ? lower[0] - 'x' : 0;
-    spatial = spatial && known && std::ranges::find(axes, axis) == axes.end() &&
-              axis < static_cast<int>(rank);
-    other = other || lower == "c" || lower == "t" || lower == "channel" || lower == "time";
-    axes.push_back(axis);
-  }
-  if (spatial) return axes;
-  if (other)
-    shape.refuse(
-        fmt::format("the dimensions are {}, of which not all are x, y and z: extract one "
-                    "volume first",
-                    fmt::join(names, ", ")));
-  return usual;
-}
-
-Index3 zarr_extents(const JsonField& field, const std::vector<int>& axes) {
-  const auto extents = field.elements();
-  if (extents.size() != axes.size())
-    field.refuse(fmt::format("{} extents expected, {} found", axes.size(), field.shown()));
-  Index3 result = splat(1);
-  for (std::size_t d = 0; d < axes.size(); ++d)
-    result[axes[d]] = extents[d].integer(1, largest_extent);
-  return result;
-}
-
-std::array<int, 3> order_of(const std::vector<int>& axes, const std::vector<int>& slowest_first) {
-  std::array<int, 3> order{0, 1, 2};  // of two dimensions the third is z
-  for (std::size_t i = 0; i < axes.size(); ++i)
-    order[i] = axes[static_cast<std::size_t>(slowest_first[axes.size() - 1 - i])];
-  return order;
+Extents zarr_extents(const JsonField& field, std::size_t rank) {
+  const auto elements = field.elements();
+  if (elements.size() != rank)
+    field.refuse(fmt::format("{} extents expected, {} found", rank, field.shown()));
+  Extents extents;
+  for (const JsonField& element : elements) extents.push_back(element.integer(1, largest_extent));
+  return extents;
 }
 
 std::vector<int> rows_first(std::size_t rank) {
@@ -128,26 +109,53 @@ std::vector<int> columns_first(std::size_t rank) {
   return dimensions;
 }
 
-void check_zarr_size(const JsonField& field, Index3 extents, SampleType type) {
-  std::int64_t bytes = static_cast<std::int64_t>(sample_bytes(type));
-  for (int axis = 0; axis < 3; ++axis)
-    if (__builtin_mul_overflow(bytes, extents[axis], &bytes))
+void check_zarr_size(const JsonField& field, const Extents& extents, std::size_t sample_bytes) {
+  auto bytes = static_cast<std::int64_t>(sample_bytes);
+  for (const std::int64_t extent : extents)
+    if (__builtin_mul_overflow(bytes, extent, &bytes))
       field.refuse(field.shown() + " is more than 2^63 bytes");
 }
 
-std::array<std::byte, 8> zarr_fill_value(const JsonField& field, SampleType type) {
-  std::array<std::byte, 8> fill{};
-  dispatch_sample_type(type, [&](auto tag) {
+void parse_fill_value(const JsonField& field, ZarrArray& array) {
+  if (array.half) {
+    const float value = parse_half_fill(field);
+    std::memcpy(array.fill.data(), &value, sizeof value);
+    return;
+  }
+  dispatch_sample_type(array.type, [&](auto tag) {
     using T = typename decltype(tag)::type;
     T value{};
     if constexpr (std::is_floating_point_v<T>)
       value =
           field.value().is_number() ? static_cast<T>(field.real()) : parse_special_fill<T>(field);
+    else if (sizeof(T) == 1 && field.value().is_boolean())
+      value = field.value().get<bool>() ? 1 : 0;
     else
       value = parse_whole_fill<T>(field);
-    std::memcpy(fill.data(), &value, sizeof value);
+    std::memcpy(array.fill.data(), &value, sizeof value);
   });
-  return fill;
+}
+
+std::optional<VolumeGeometry> geometry_of(const ArrayContext& context, const ZarrArray& array) {
+  if (context.scale.size() != array.axes.size()) return std::nullopt;
+  VolumeGeometry geometry;
+  geometry.size = array.size;
+  std::optional<std::string> unit;
+  for (std::size_t d = 0; d < array.axes.size(); ++d) {
+    const int axis = array.axes[d];
+    if (axis < 0) continue;
+    geometry.spacing[axis] = context.scale[d];
+    geometry.origin[axis] = context.translation.empty() ? 0 : context.translation[d];
+    if (!std::isfinite(context.scale[d]) || !std::isfinite(geometry.origin[axis]))
+      throw FormatError(
+          fmt::format("{}: a scale of {} and a translation of {} of {}: numbers "
+                      "expected",
+                      context.where, context.scale[d], geometry.origin[axis], array.path.string()));
+    const std::string own = d < context.units.size() ? canonical_unit(context.units[d]) : "";
+    unit = !unit || *unit == own ? own : "";
+  }
+  geometry.unit = unit.value_or("");
+  return geometry;
 }
 
 // A chunk is decoded whole. What fits this may still be over the caller's budget, who is told by

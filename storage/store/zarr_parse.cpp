@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "storage/store/ome_zarr.h"
+#include "storage/store/zarr_codecs.h"
 #include "storage/store/zarr_fields.h"
 #include "storage/store/zarr_json.h"
 #include "storage/store/zarr_metadata.h"
@@ -58,15 +58,21 @@ void check_fields(const JsonField& root) {
                            " found");
 }
 
-SampleType parse_data_type(const JsonField& root) {
-  const JsonField field = root.at("data_type");
+void parse_data_type(const JsonField& root, ZarrArray& array) {
+  const JsonField said = root.at("data_type");
+  const bool named = said.value().is_object() && !said.has("configuration");
+  const JsonField field = named ? said.at("name") : said;
   const std::string name = field.value().is_string() ? field.text() : field.shown();
+  array.half = name == "float16";
+  if (array.half) array.type = SampleType::f32;
+  if (name == "bool") array.type = SampleType::u8;
+  if (array.half || name == "bool") return;
   const auto type = parse_sample_type(name);
   // Aliases of other formats ("short") are no Zarr names.
   if (!type || sample_type_name(*type) != name)
-    field.refuse("\"" + name + "\" is not supported; int8 to int64, uint8 to uint64, float32 and " +
-                 "float64 are");
-  return *type;
+    field.refuse("\"" + name + "\" is not supported; int8 to int64, uint8 to uint64, float16 to " +
+                 "float64 and bool are");
+  array.type = *type;
 }
 
 // Empty where not all have one.
@@ -85,153 +91,14 @@ void parse_keys(const JsonField& root, ZarrArray& array) {
   const std::string name = encoding.at("name").text();
   if (name != "default" && name != "v2")
     encoding.refuse("\"" + name + "\" is not supported; \"default\" and \"v2\" are");
-  array.v2_keys = name == "v2";
-  array.separator = array.v2_keys ? '.' : '/';
+  array.keys.leading_c = name != "v2";
+  array.keys.separator = name == "v2" ? '.' : '/';
   if (!encoding.has("configuration") || !encoding.at("configuration").has("separator")) return;
   const JsonField separator = encoding.at("configuration").at("separator");
   const std::string text = separator.text();
   if (text != "/" && text != ".")
     separator.refuse("\"/\" or \".\" expected, " + separator.shown() + " found");
-  array.separator = text[0];
-}
-
-bool parse_endian(const JsonField& codec, SampleType type) {
-  const bool said = codec.has("configuration") && codec.at("configuration").has("endian");
-  if (!said) {
-    if (sample_bytes(type) > 1) codec.refuse("no \"endian\" in its configuration");
-    return false;
-  }
-  const JsonField endian = codec.at("configuration").at("endian");
-  const std::string text = endian.text();
-  if (text != "little" && text != "big")
-    endian.refuse("\"little\" or \"big\" expected, " + endian.shown() + " found");
-  return text == "big";
-}
-
-// The dimensions of the transposed array, slowest first.
-std::vector<int> parse_transpose(const JsonField& codec, std::size_t rank) {
-  const JsonField field = codec.at("configuration").at("order");
-  if (field.value() == "C") return rows_first(rank);
-  if (field.value() == "F") return columns_first(rank);
-  std::vector<int> dimensions;
-  for (const JsonField& element : field.elements())
-    dimensions.push_back(static_cast<int>(element.integer(0, static_cast<int>(rank) - 1)));
-  std::vector<int> sorted = dimensions;
-  std::ranges::sort(sorted);
-  if (sorted != rows_first(rank))
-    field.refuse(fmt::format("each of the {} dimensions once expected", rank));
-  return dimensions;
-}
-
-Compressor parse_compressor(const JsonField& codec, const std::string& name) {
-  Compressor compressor;
-  compressor.kind = name == "blosc"  ? CompressorKind::blosc
-                    : name == "zstd" ? CompressorKind::zstd
-                                     : CompressorKind::gzip;
-  if (!codec.has("configuration")) return compressor;
-  const JsonField configuration = codec.at("configuration");
-  if (compressor.kind != CompressorKind::blosc) {
-    if (configuration.has("level"))
-      compressor.level = static_cast<int>(configuration.at("level").integer(-131072, 22));
-    return compressor;
-  }
-  compressor.cname = configuration.at("cname").text();
-  compressor.level = static_cast<int>(configuration.at("clevel").integer(0, 9));
-  const JsonField shuffle = configuration.at("shuffle");
-  const std::string text = shuffle.text();
-  if (text != "noshuffle" && text != "shuffle" && text != "bitshuffle")
-    shuffle.refuse("\"noshuffle\", \"shuffle\" or \"bitshuffle\" expected, " + shuffle.shown() +
-                   " found");
-  compressor.shuffle = text == "noshuffle" ? Shuffle::none
-                       : text == "shuffle" ? Shuffle::byte
-                                           : Shuffle::bit;
-  return compressor;
-}
-
-// The codecs of one chunk: [transpose] bytes [crc32c ...] [compressor] [crc32c ...].
-CodecChain parse_chain(std::span<const JsonField> codecs, ZarrArray& array, const JsonField& list) {
-  CodecChain chain;
-  bool bytes = false, transposed = false;
-  array.order = order_of(array.axes, rows_first(array.axes.size()));
-  for (const JsonField& codec : codecs) {
-    const std::string name = codec.value().is_string() ? codec.text() : codec.at("name").text();
-    if (name == "transpose" && !bytes) {
-      if (transposed) codec.refuse("a second \"transpose\" is not supported");
-      transposed = true;
-      array.order = order_of(array.axes, parse_transpose(codec, array.axes.size()));
-    } else if (name == "bytes" && !bytes) {
-      chain.big_endian = parse_endian(codec, array.type);
-      bytes = true;
-    } else if (name == "crc32c" && bytes) {
-      ++(chain.compressor ? chain.checksums_outside : chain.checksums_inside);
-    } else if ((name == "blosc" || name == "zstd" || name == "gzip") && bytes) {
-      if (chain.compressor) codec.refuse("a second compressor is not supported");
-      chain.compressor = parse_compressor(codec, name);
-    } else {
-      codec.refuse("the codec \"" + name + "\" is not supported here");
-    }
-  }
-  if (!bytes) list.refuse("no \"bytes\" codec in it");
-  return chain;
-}
-
-void parse_index(const JsonField& configuration, ZarrArray& array) {
-  const JsonField list = configuration.at("index_codecs");
-  ZarrArray as_index;
-  as_index.type = SampleType::u64;
-  const CodecChain chain = parse_chain(list.elements(), as_index, list);
-  if (chain.compressor) list.refuse("a compressed shard index is not supported");
-  array.index.big_endian = chain.big_endian;
-  array.index.checksums = chain.checksums_inside;
-  array.index.at_end = true;
-  if (!configuration.has("index_location")) return;
-  const JsonField location = configuration.at("index_location");
-  const std::string text = location.text();
-  if (text != "start" && text != "end")
-    location.refuse("\"start\" or \"end\" expected, " + location.shown() + " found");
-  array.index.at_end = text == "end";
-}
-
-// No real shard comes near; more would overflow the size of its index.
-void check_index_size(const JsonField& field, const ZarrArray& array) {
-  const Index3 grid = array.chunks_in_file();
-  constexpr std::int64_t most = std::int64_t{1} << 32;
-  if (grid.x > most / grid.y || grid.x * grid.y > most / grid.z)
-    field.refuse(field.shown() + " makes more than 2^32 chunks a shard");
-}
-
-void parse_codecs(const JsonField& root, ZarrArray& array) {
-  const JsonField list = root.at("codecs");
-  const auto codecs = list.elements();
-  const auto named = [](const JsonField& codec, const char* name) {
-    return codec.value().is_object() && codec.has("name") && codec.at("name").value() == name;
-  };
-  const auto shard = std::find_if(codecs.begin(), codecs.end(), [&](const JsonField& codec) {
-    return named(codec, "sharding_indexed");
-  });
-  array.sharded = shard != codecs.end();
-  if (!array.sharded) {
-    array.chunk = array.file;
-    array.codecs = parse_chain(codecs, array, list);
-    return;
-  }
-  for (auto before = codecs.begin(); before != shard; ++before)
-    if (!named(*before, "transpose") ||
-        parse_transpose(*before, array.axes.size()) != rows_first(array.axes.size()))
-      before->refuse("the codec before \"sharding_indexed\" is not supported: " + before->shown());
-  if (shard + 1 != codecs.end())
-    (shard + 1)->refuse("a codec after \"sharding_indexed\" is not supported: " +
-                        (shard + 1)->shown());
-  const JsonField configuration = shard->at("configuration");
-  const JsonField chunk = configuration.at("chunk_shape");
-  array.chunk = zarr_extents(chunk, array.axes);
-  for (int axis = 0; axis < 3; ++axis)
-    if (array.file[axis] % array.chunk[axis] != 0)
-      chunk.refuse(chunk.shown() + " does not divide the shard's shape");
-  check_index_size(chunk, array);
-  const JsonField inner = configuration.at("codecs");
-  array.codecs = parse_chain(inner.elements(), array, inner);
-  parse_index(configuration, array);
+  array.keys.separator = text[0];
 }
 
 Vec3 parse_vector(const JsonField& field) {
@@ -264,7 +131,7 @@ void parse_geometry(const JsonField& root, ZarrArray& array) {
 }  // namespace
 
 ZarrArray parse_zarr_array(const std::string& text, const std::filesystem::path& directory,
-                           const OmeDataset* image) {
+                           const ArrayContext& given) {
   const std::string file = (directory / "zarr.json").string();
   const Json document = parse_zarr_document(text, file);
   const JsonField root(document, file, "");
@@ -273,21 +140,23 @@ ZarrArray parse_zarr_array(const std::string& text, const std::filesystem::path&
   check_fields(root);
   ZarrArray array;
   array.path = directory;
-  array.axes = zarr_axes(root.at("shape"), image ? image->axes : dimension_names(root));
-  array.type = parse_data_type(root);
-  array.size = zarr_extents(root.at("shape"), array.axes);
-  check_zarr_size(root.at("shape"), array.size, array.type);
+  ArrayContext context = given;
+  if (context.axes.empty()) context.axes = dimension_names(root);
+  settle_dimensions(root.at("shape"), context, array);
+  const std::size_t rank = array.axes.size();
+  parse_data_type(root, array);
+  check_zarr_size(root.at("shape"), zarr_extents(root.at("shape"), rank), sample_bytes(array.type));
   const JsonField grid = root.at("chunk_grid");
   if (grid.at("name").value() != "regular")
     grid.refuse("\"regular\" expected, " + grid.at("name").shown() + " found: not supported");
   const JsonField shape = grid.at("configuration").at("chunk_shape");
-  array.file = zarr_extents(shape, array.axes);
-  check_zarr_size(shape, array.file, array.type);
+  array.file = zarr_extents(shape, rank);
+  check_zarr_size(shape, array.file, sample_bytes(array.type));
   parse_keys(root, array);
-  array.fill = zarr_fill_value(root.at("fill_value"), array.type);
+  parse_fill_value(root.at("fill_value"), array);
   parse_codecs(root, array);
   check_zarr_chunk(root, array);
-  if (image) array.geometry = geometry_of(*image, array);
+  array.geometry = geometry_of(context, array);
   parse_geometry(root, array);
   return array;
 }

@@ -14,6 +14,9 @@ using Json = nlohmann::ordered_json;
 Json extents(Index3 v) {
   return Json::array({v.z, v.y, v.x});
 }
+Json extents(const Extents& v) {
+  return Json(v);
+}
 Json vector(Vec3 v) {
   return Json::array({v.x, v.y, v.z});
 }

@@ -77,6 +77,8 @@ struct VolumeInfo {
   // system reads for each of them. Of Access::box.
   bool row_major = false;
   std::vector<InputFile> files;
+  // How many files besides the samples may lie in, of volumes of so many that nobody lists them.
+  double piece_files = 0;
   // Where the file holds several volumes: what there is to choose from. `info` lists them.
   std::vector<InputChoice> choices;
   // Things the user should hear about once: ignored fields, assumed units ...

@@ -34,9 +34,11 @@ TEST(ForeignZarr, ArraysOfZarrsAndZarrPython) {
   VOXWELD_NEEDS_SHARED_DATA("zarr/zarrs/data");
   std::vector<float> expected(100);
   std::iota(expected.begin(), expected.end(), 0.0f);
-  for (const char* name : {"v3/array_none", "v3/array_blosc", "v3/array_gzip", "v3/array_zstd",
-                           "v3_zarr_python/array_none", "v3_zarr_python/array_blosc",
-                           "v3_zarr_python/array_gzip", "v3_zarr_python/array_zstd"}) {
+  for (const char* name :
+       {"v3/array_none", "v3/array_blosc", "v3/array_gzip", "v3/array_zstd",
+        "v3_zarr_python/array_none", "v3_zarr_python/array_blosc", "v3_zarr_python/array_gzip",
+        "v3_zarr_python/array_zstd", "v3_zarr_python/array_bz2", "v3_zarr_python/array_zlib",
+        "v3/array_bz2"}) {
     const auto source = open_zarr(shared_data("zarr/zarrs/data") / (std::string(name) + ".zarr"));
     EXPECT_EQ(source->info().geometry.size, (Index3{10, 10, 1}));
     EXPECT_EQ(read_all<float>(*source), expected) << name;
@@ -65,20 +67,20 @@ TEST(ForeignZarr, MissingChunksOfARealArrayAreItsFillValue) {
 TEST(ForeignZarr, RealArraysItDoesNotReadAreRefusedByName) {
   VOXWELD_NEEDS_SHARED_DATA("zarr/zarrs/data");
   const auto data = shared_data("zarr/zarrs/data");
-  EXPECT_THAT(refusal(data / "v3_zarr_python/array_bz2.zarr"), HasSubstr("numcodecs.bz2"));
+  EXPECT_THAT(refusal(data / "v3_zarr_python/array_zfpy.zarr"), HasSubstr("zfpy"));
   EXPECT_THAT(refusal(data / "v3_zarr_python/array_fletcher32.zarr"), HasSubstr("fletcher32"));
   EXPECT_THAT(refusal(data / "v3/array_pcodec.zarr"), HasSubstr("pcodec"));
   EXPECT_THAT(refusal(data / "v3/cities.zarr"), HasSubstr("not supported"));
-  EXPECT_THAT(refusal(data / "hierarchy.zarr"), HasSubstr("is a group"));
+  EXPECT_THAT(refusal(data / "hierarchy.zarr"),
+              AllOf(HasSubstr("several arrays"), HasSubstr("'a/baz'")));
 }
 
 TEST(ForeignZarr, EarlyDraftsAndOtherVersionsAreRefusedByName) {
   VOXWELD_NEEDS_SHARED_DATA("zarr/zarr_implementations");
   const auto data = shared_data("zarr/zarr_implementations/examples");
   EXPECT_THAT(refusal(data / "zarrita.zr3"), HasSubstr("zr3"));
-  EXPECT_THAT(refusal(data / "zarr.zr"), HasSubstr("is a group"));
-  EXPECT_THAT(refusal(data / "z5py.n5"), HasSubstr("N5"));
-  EXPECT_THAT(refusal(data), HasSubstr("no zarr.json"));
+  EXPECT_THAT(refusal(data / "zarr.zr"), HasSubstr("'blosc', 'gzip', 'raw', 'zlib'"));
+  EXPECT_THAT(refusal(shared_data("zarr/zarr_implementations/data")), HasSubstr("no zarr.json"));
   EXPECT_THAT(refusal(data / "none"), HasSubstr("no such directory"));
   EXPECT_THAT(refusal(data / "zarrita.zr3/zarr.json"), HasSubstr("is a file"));
 }
@@ -173,7 +175,9 @@ TEST_F(MadeZarr, DimensionsAreTakenByName) {
   EXPECT_EQ(source->info().geometry.size, (Index3{3, 5, 2}));
   EXPECT_EQ(read_all<std::int16_t>(*source), std::vector<std::int16_t>(30, -7));
   metadata["dimension_names"] = {"time", "y", "x"};
-  expect_refused(metadata, "the dimensions are time, y, x");
+  expect_refused(metadata, "holds 3 times, of which one is read");
+  metadata["dimension_names"] = {"time", "z", "y"};
+  expect_refused(metadata, "the dimensions are time, z, y");
   for (const Json& names : {Json({"a", "b", "c d"}), Json({nullptr, "y", "x"}), Json(nullptr)}) {
     metadata["dimension_names"] = names;
     write_metadata(metadata);
@@ -319,7 +323,7 @@ TEST_F(MadeZarr, WhatIsNotSupportedIsRefusedByName) {
   refuse("/data_type", "short", "short");
   refuse("/data_type", {{"name", "numpy.datetime64"}}, "datetime64");
   refuse("/shape", {4}, "1 dimensions");
-  refuse("/shape", {1, 1, 4, 4}, "4 dimensions");
+  refuse("/shape", {2, 2, 4, 4}, "4 dimensions of 2 x 2 x 4 x 4 samples");
   refuse("/shape", {4, 0, 4}, "shape[1]");
   refuse("/shape", {1LL << 39, 1LL << 39, 4}, "2^63");
   refuse("/shape", "big", "shape: a list expected");
