@@ -1,6 +1,6 @@
 // The config of a run: what the TOML file and the --set overrides say, defaults filled in, every
 // value checked. The keys, their accepted values and the stages that read them are listed once, in
-// settings.cpp and, for edits, edit_settings.cpp; the members here have the same names.
+// settings_*.cpp and, for edits, edit_settings.cpp; the members here have the same names.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@
 
 namespace voxweld {
 
-// The order of the enumerators is the order of the names in settings.cpp.
+// The order of the enumerators is the order of the names in settings_*.cpp.
 
 // A side of any volume (see max_levels); of a mesh's lattice with margins, which are small.
 inline constexpr std::int64_t most_samples = (std::int64_t{1} << 19) - 1;
