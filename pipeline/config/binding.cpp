@@ -80,20 +80,24 @@ Binding<Config> raw_type() {
 }
 
 Binding<Config> isovalue() {
-  return {NumberOrWordRule{"otsu"},
+  return {NumberOrWordRule{{"otsu", "valley"}},
           [](Config& c, const ConfigValue& v) {
             c.surface.isovalue.reset();
+            c.surface.isovalue_rule = IsovalueRule::otsu;
             if (const auto* integer = v.integer())
               c.surface.isovalue = Isovalue::of(*integer);
             else if (v.is_number())
               c.surface.isovalue = v.number();
             else if (const auto large = large_integer_of(v))
               c.surface.isovalue = Isovalue::of(*large);
+            else if (*v.text() == "valley")
+              c.surface.isovalue_rule = IsovalueRule::valley;
           },
           [](const Config& c) -> Written {
             // A mesh's config may not give one, so what stands for it inside is not told.
             if (c.input.is_mesh()) return std::nullopt;
-            if (!c.surface.isovalue) return ConfigValue{std::string("otsu")};
+            if (!c.surface.isovalue)
+              return ConfigValue{std::string(isovalue_rule_name(c.surface.isovalue_rule))};
             const Isovalue& isovalue = *c.surface.isovalue;
             if (isovalue.rest == 0) return ConfigValue{isovalue.value};
             const __int128 integer = isovalue.integer();

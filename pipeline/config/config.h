@@ -83,8 +83,9 @@ struct SurfaceConfig {
 
   // Of a label volume, the value whose surface is asked for; isovalue is then the same number.
   std::optional<std::uint64_t> label{};
-  // Of the file's real values. Empty: "otsu", chosen from the volume's histogram.
+  // Of the file's real values. Empty: chosen from the volume's histogram by the rule.
   std::optional<Isovalue> isovalue;
+  IsovalueRule isovalue_rule = IsovalueRule::otsu;  // of an empty isovalue; else otsu
   Inside inside = Inside::above;
   Border border = Border::closed;
   Gradient gradient = Gradient::eno;

@@ -264,7 +264,7 @@ std::string accepted_text(const Rule& rule) {
           },
           [](const PowerOfTwoRule& r) { return "a power of two " + range_text(r.lo, r.hi); },
           [](const PositiveNumberRule&) { return std::string("a finite number above 0"); },
-          [](const NumberOrWordRule& r) { return "a finite number or " + toml_string(r.word); },
+          [](const NumberOrWordRule& r) { return "a finite number, " + alternatives(r.words); },
           [](const SpacingRule&) {
             return std::string("a finite number above 0, or three of them: [x, y, z]");
           },
@@ -325,12 +325,13 @@ Verdict check(const Rule& rule, const ConfigValue& value) {
                  [&](const PowerOfTwoRule& r) { return check_power(r, value); },
                  [&](const PositiveNumberRule&) { return check_positive(value); },
                  [&](const NumberOrWordRule& r) {
-                   if (value.text() != nullptr && *value.text() == r.word) return Verdict{true, {}};
+                   if (value.text() != nullptr && contains(r.words, *value.text()))
+                     return Verdict{true, {}};
                    if (large_integer_of(value)) return Verdict{true, {}};
                    if (value.text() == nullptr)
                      return Verdict{value.is_number() && std::isfinite(value.number()), {}};
                    const std::string hint = quote_hint(value);
-                   return refuse(hint.empty() ? meant(*value.text(), {r.word}) : hint);
+                   return refuse(hint.empty() ? meant(*value.text(), r.words) : hint);
                  },
                  [&](const SpacingRule&) { return check_spacing(value); },
                  [&](const IntegerListRule& r) { return check_integers(r, value); },

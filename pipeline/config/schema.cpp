@@ -64,7 +64,7 @@ struct RuleSchema {
   }
   Json operator()(const PositiveNumberRule&) const { return positive_number(); }
   Json operator()(const NumberOrWordRule& rule) const {
-    Json json = either({{"type", "number"}}, {{"const", rule.word}});
+    Json json = either({{"type", "number"}}, {{"enum", rule.words}});
     json["anyOf"].push_back(large_integer());
     return json;
   }

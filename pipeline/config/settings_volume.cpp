@@ -111,12 +111,16 @@ std::vector<Setting> surface_settings() {
   using Surface = SurfaceConfig;
   constexpr auto surface = &Config::surface;
   return {
-      required(row({"surface", "isovalue",
-                    "The value the surface runs through; \"otsu\" chooses it from the histogram. "
-                    "Where the file has a slope and an intercept it is a real value, such as HU, "
-                    "not a stored number. Integers above 9223372036854775807 are written in "
-                    "quotes."},
-                   binding::isovalue(), build)),
+      required(
+          row({"surface", "isovalue",
+               "The value the surface runs through. \"otsu\" and \"valley\" choose it from the "
+               "histogram: \"otsu\" so that it parts the samples into two classes best, "
+               "\"valley\" in the deepest valley between the two clearest peaks, also where "
+               "one of them is small (`voxweld histogram` shows both). "
+               "Where the file has a slope and an intercept it is a real value, such as HU, "
+               "not a stored number. Integers above 9223372036854775807 are written in "
+               "quotes."},
+              binding::isovalue(), build)),
       row({"surface", "label",
            "Of a label volume: the label whose surface to extract, in place of an isovalue. Inside "
            "are the samples of this value; crossings and normals come from a filter over five "

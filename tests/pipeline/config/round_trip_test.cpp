@@ -165,7 +165,10 @@ SlurmConfig any_slurm() {
 
 SurfaceConfig any_surface() {
   SurfaceConfig surface;
-  if (chance()) surface.isovalue = any_nonzero();
+  if (chance())
+    surface.isovalue = any_nonzero();
+  else
+    surface.isovalue_rule = any_of<IsovalueRule>(2);
   surface.inside = any_of<SurfaceConfig::Inside>(2);
   if (surface.inside == SurfaceConfig::Inside::above && chance()) {
     surface.label = *rc::gen::inRange<std::uint64_t>(0, ~std::uint64_t{0});
@@ -201,6 +204,7 @@ Config any_config() {
     config.simplify.topology = SimplifyConfig::Topology::safe;
     config.surface.isovalue = any_nonzero();
   }
+  if (config.surface.isovalue) config.surface.isovalue_rule = IsovalueRule::otsu;
   config.output = any_output();
   if (config.labels.mode == LabelMode::each) {
     config.output.merged = OutputConfig::Merged::automatic;

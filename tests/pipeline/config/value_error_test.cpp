@@ -88,7 +88,7 @@ labels.min_voxels: an integer of at least 0 (default: 0)
   -1
 labels.max_voxels: an integer of at least 0 (default: 0)
   1.5
-surface.isovalue: a finite number or "otsu"
+surface.isovalue: a finite number, "otsu" or "valley"
   inf | nan | "Otsu" (a string); did you mean "otsu"?
   "120" (a string); write numbers without quotes | [5] (a list of 1) | 07:32:00 => a time
 surface.inside: "above" or "below" (default: "above")
