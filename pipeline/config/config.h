@@ -76,6 +76,13 @@ struct WorkConfig {
   friend bool operator==(const WorkConfig&, const WorkConfig&) = default;
 };
 
+// One isovalue of several.
+struct IsovalueChoice {
+  std::optional<Isovalue> value;  // empty: by the rule
+  IsovalueRule rule = IsovalueRule::otsu;
+  friend bool operator==(const IsovalueChoice&, const IsovalueChoice&) = default;
+};
+
 struct SurfaceConfig {
   enum class Inside : std::uint8_t { above, below };
   enum class Border : std::uint8_t { closed, open };
@@ -86,6 +93,9 @@ struct SurfaceConfig {
   // Of the file's real values. Empty: chosen from the volume's histogram by the rule.
   std::optional<Isovalue> isovalue;
   IsovalueRule isovalue_rule = IsovalueRule::otsu;  // of an empty isovalue; else otsu
+  // A list of isovalues, a surface each: surfaces_of() makes configs with one of it. isovalue is
+  // empty then.
+  std::vector<IsovalueChoice> isovalues{};
   Inside inside = Inside::above;
   Border border = Border::closed;
   Gradient gradient = Gradient::eno;
@@ -218,6 +228,16 @@ std::string canonical_toml(const Config& config);
 // Equal for equal configs. Over every key, those that cannot change a result included: to see
 // whether anything was edited. What decides the bytes of a stage is parameter_hash().
 Hash128 config_fingerprint(const Config& config);
+
+struct OneSurface {
+  std::string isovalue;  // "300", "otsu": what it is called; empty: the config has no list
+  Config config;
+};
+
+// The configs of the surfaces that a list of isovalues asks for, in its order. They differ in
+// surface.isovalue, and write into folders of output.directory: "isovalue-300". Of a config without
+// a list, itself.
+std::vector<OneSurface> surfaces_of(const Config& config);
 
 // Equal for configs that give the same meshes of the same files, wherever they are written.
 Hash128 result_hash(const Config& config);

@@ -28,7 +28,7 @@ struct PowerOfTwoRule {  // lo .. hi
   std::int64_t lo = 1, hi = 1;
 };
 struct PositiveNumberRule {};  // finite, above 0
-// Finite, or one of the words; integers beyond TOML's 63 bits in quotes.
+// Finite, or one of the words; integers beyond TOML's 63 bits in quotes. Or a list of such.
 struct NumberOrWordRule {
   std::vector<std::string> words;
 };

@@ -116,7 +116,9 @@ std::vector<Setting> surface_settings() {
                "The value the surface runs through. \"otsu\" and \"valley\" choose it from the "
                "histogram: \"otsu\" so that it parts the samples into two classes best, "
                "\"valley\" in the deepest valley between the two clearest peaks, also where "
-               "one of them is small (`voxweld histogram` shows both). "
+               "one of them is small (`voxweld histogram` shows both). A list makes a set of "
+               "meshes for "
+               "each of its values, in folders of output.directory. "
                "Where the file has a slope and an intercept it is a real value, such as HU, "
                "not a stored number. Integers above 9223372036854775807 are written in "
                "quotes."},

@@ -205,6 +205,12 @@ Config any_config() {
     config.surface.isovalue = any_nonzero();
   }
   if (config.surface.isovalue) config.surface.isovalue_rule = IsovalueRule::otsu;
+  if (config.input.has_samples() && !config.surface.isovalue && chance()) {
+    config.surface.isovalue_rule = IsovalueRule::otsu;
+    config.surface.isovalues = {{any_nonzero(), {}},
+                                {Isovalue::of(~std::uint64_t{0}), {}},
+                                {std::nullopt, IsovalueRule::valley}};
+  }
   config.output = any_output();
   if (config.labels.mode == LabelMode::each) {
     config.output.merged = OutputConfig::Merged::automatic;
