@@ -12,7 +12,7 @@ source "$root/pipeline/apt_packages.sh"
 
 packages=(
   # tests
-  libgtest-dev libgmock-dev librapidcheck-dev git xz-utils zstd time
+  libgtest-dev libgmock-dev librapidcheck-dev libcpp-httplib-dev git xz-utils zstd time
   # checks
   clang-format clang-tidy
 )
