@@ -1,18 +1,9 @@
 #include "storage/http/http_service.h"
 
-#include <algorithm>
-
 #include "storage/modules/module_loader.h"
 #include "storage/support/error.h"
-#include "storage/support/text_fields.h"
 
 namespace voxweld {
-
-bool is_url(std::string_view path) {
-  constexpr std::size_t longest = 8;
-  const std::string begin = lower(path.substr(0, std::min(path.size(), longest)));
-  return begin.starts_with("http://") || begin.starts_with("https://");
-}
 
 HttpAnswer send_http(const HttpRequest& request) {
   static HttpService* const service = load_module("http", "read " + request.url).http();

@@ -5,15 +5,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "storage/modules/module_api.h"
 
 namespace voxweld {
-
-// "http://..." and "https://...".
-bool is_url(std::string_view path);
 
 struct HttpRequest {
   enum class Method : std::uint8_t { get, head };

@@ -20,13 +20,6 @@ std::string text_of(const HttpAnswer& answer) {
   return {reinterpret_cast<const char*>(answer.body.data()), answer.body.size()};
 }
 
-TEST(Http, TellsAddressesFromPaths) {
-  EXPECT_TRUE(is_url("https://example.org/a.zarr"));
-  EXPECT_TRUE(is_url("HTTP://example.org"));
-  for (const char* path : {"", "http", "http:/a", "/data/http://a", "s3://bucket/a", "httpd/a"})
-    EXPECT_FALSE(is_url(path)) << path;
-}
-
 class HttpClient : public ::testing::Test {
  protected:
   HttpClient() {
