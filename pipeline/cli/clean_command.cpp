@@ -40,7 +40,8 @@ int clean_configs(Program& program, const CleanArguments& arguments) {
     RunArguments run;
     run.config = config;
     run.overrides = arguments.overrides;
-    contexts.push_back(std::make_unique<RunContext>(make_context(program, run, executor)));
+    for (const RunArguments& surface : each_surface(run))
+      contexts.push_back(std::make_unique<RunContext>(make_context(program, surface, executor)));
   }
   for (const CleanReport& report : clean(contexts, arguments.options))
     fmt::print("{}", text_of(report, arguments.options));

@@ -68,10 +68,21 @@ RunContext status_context(Program& program, const RunArguments& arguments, Execu
 }
 
 int show_status(Program& program, const ClusterArguments& arguments) {
+  const std::vector<RunArguments> surfaces = each_surface(arguments.run);
+  if (surfaces.size() > 1) {
+    int code = 0;
+    for (const RunArguments& surface : surfaces) {
+      ClusterArguments one = arguments;
+      one.run = surface;
+      if (!one.json) fmt::print("isovalue {}:\n", surface.isovalue);
+      code = std::max(code, show_status(program, one));
+    }
+    return code;
+  }
   LocalExecutor here;
   SlurmClient client = make_client(program);
   for (;;) {
-    RunContext context = status_context(program, arguments.run, here);
+    RunContext context = status_context(program, surfaces.front(), here);
     const RunStatus status = run_status(context, client);
     if (arguments.json)
       fmt::print("{}\n", json_text(to_json(status), 2));

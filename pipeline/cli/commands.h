@@ -46,6 +46,7 @@ void add_cluster_commands(CLI::App& app, Program& program);  // plan, submit, st
 // completion, manual: for packages, not shown in the help.
 void add_document_commands(CLI::App& app, Program& program);
 void add_edit_command(CLI::App& app, Program& program);
+void add_histogram_command(CLI::App& app, Program& program);
 void add_info_command(CLI::App& app, Program& program);
 void add_init_command(CLI::App& app, Program& program);
 void add_verify_command(CLI::App& app, Program& program);

@@ -1,12 +1,14 @@
 #include "pipeline/cli/config_path.h"
 
 #include "storage/support/error.h"
+#include "storage/support/text_fields.h"
 
 namespace voxweld {
 
 namespace fs = std::filesystem;
 
 std::string path_for_config(const std::string& input, const fs::path& config) {
+  if (is_url(input)) return input;
   const fs::path full = fs::absolute(input).lexically_normal();
   const fs::path folder = fs::absolute(config).lexically_normal().parent_path();
   const fs::path relative = full.lexically_relative(folder);

@@ -192,11 +192,14 @@ int edit(Program& program, const EditArguments& arguments) {
              arguments.removed ? "" : ": " + line_of(config.edits[edited(arguments, config)]));
   if (arguments.no_run) return 0;
   std::fflush(stdout);  // a run may take hours
-  LocalExecutor here;
-  RunContext context = make_context(program, arguments.run, here);
-  run_where_asked(program, context);
-  fmt::print("{}\n", work_done(context));
-  print_summary(context, false);
+  for (const RunArguments& surface : each_surface(arguments.run)) {
+    LocalExecutor here;
+    RunContext context = make_context(program, surface, here);
+    run_where_asked(program, context);
+    fmt::print("{}\n", work_done(context));
+    print_summary(context, false);
+    std::fflush(stdout);
+  }
   return 0;
 }
 

@@ -98,6 +98,7 @@ void add_commands(CLI::App& app, Program& program) {
   add_render_command(app, program);
   add_export_command(app, program);
   add_info_command(app, program);
+  add_histogram_command(app, program);
   add_edit_command(app, program);
   add_settings_command(app, program);
   add_clean_command(app, program);

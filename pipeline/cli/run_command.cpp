@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "pipeline/cli/command_text.h"
 #include "pipeline/cli/commands.h"
@@ -66,6 +67,20 @@ int run_stage_command(Program& program, const RunArguments& arguments, Stage sta
   return 0;
 }
 
+void run_surface(Program& program, const RunArguments& arguments, bool one_of_several) {
+  LocalExecutor here;
+  RunContext context = make_context(program, arguments, here);
+  if (arguments.dry_run) {
+    if (one_of_several) fmt::print("isovalue {}:\n", arguments.isovalue);
+    fmt::print("{}", dry_run(context));
+    return;
+  }
+  if (one_of_several) spdlog::info("isovalue {}", arguments.isovalue);
+  run_where_asked(program, context);
+  print_summary(context, arguments.json);
+  std::fflush(stdout);  // the next one may take hours
+}
+
 }  // namespace
 
 void add_run_command(CLI::App& app, Program& program) {
@@ -85,14 +100,14 @@ void add_run_command(CLI::App& app, Program& program) {
   run->add_flag("--dry-run", arguments->dry_run, "Says what would run and why, and does nothing");
   run->add_flag("--json", arguments->json, "Prints the manifest on standard output at the end");
   when_chosen(*run, program, [&program, arguments] {
-    LocalExecutor here;
-    RunContext context = make_context(program, *arguments, here);
-    if (arguments->dry_run) {
-      fmt::print("{}", dry_run(context));
-      return 0;
+    const std::vector<RunArguments> surfaces = each_surface(*arguments);
+    const bool several = surfaces.size() > 1;
+    if (several && arguments->json) fmt::print("[");
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
+      if (several && arguments->json && i > 0) fmt::print(",");
+      run_surface(program, surfaces[i], several);
     }
-    run_where_asked(program, context);
-    print_summary(context, arguments->json);
+    if (several && arguments->json) fmt::print("]\n");
     return 0;
   });
 }

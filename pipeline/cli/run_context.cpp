@@ -39,6 +39,24 @@ std::optional<Hash128> result_of_file(const RunArguments& arguments) {
   }
 }
 
+Config chosen_surface(const Config& config, const RunArguments& arguments) {
+  const std::vector<OneSurface> surfaces = surfaces_of(config);
+  const auto found = std::ranges::find(surfaces, arguments.isovalue, &OneSurface::isovalue);
+  if (found != surfaces.end()) return found->config;
+  if (surfaces.front().isovalue.empty())
+    throw InputError(fmt::format("--isovalue {}: {} has no list of isovalues; leave it out",
+                                 arguments.isovalue, arguments.config));
+  std::string known;
+  for (const OneSurface& one : surfaces) known += (known.empty() ? "" : ", ") + one.isovalue;
+  throw InputError(
+      arguments.isovalue.empty()
+          ? fmt::format("{}: surface.isovalue is a list, and this command works on one surface: "
+                        "choose it with --isovalue, of {}",
+                        arguments.config, known)
+          : fmt::format("--isovalue {}: {} has none such; it has {}", arguments.isovalue,
+                        arguments.config, known));
+}
+
 }  // namespace
 
 void add_config_options(CLI::App& command, RunArguments& arguments) {
@@ -50,14 +68,29 @@ void add_config_options(CLI::App& command, RunArguments& arguments) {
                   "May be given again")
       ->type_name("KEY=VALUE")
       ->take_all();
+  command
+      .add_option("--isovalue", arguments.isovalue,
+                  "Of a config with a list of isovalues: this one alone, as the list has it")
+      ->type_name("VALUE");
+}
+
+std::vector<RunArguments> each_surface(const RunArguments& arguments) {
+  if (!arguments.isovalue.empty()) return {arguments};
+  std::vector<RunArguments> all;
+  for (const OneSurface& one : surfaces_of(load_config(arguments.config, arguments.overrides))) {
+    all.push_back(arguments);
+    all.back().isovalue = one.isovalue;
+  }
+  return all;
 }
 
 RunContext make_context(Program& program, const RunArguments& arguments, Executor& executor) {
   RunContext context;
-  context.config = load_config(arguments.config, arguments.overrides);
+  const Config whole = load_config(arguments.config, arguments.overrides);
+  context.config = chosen_surface(whole, arguments);
   context.config_file = std::filesystem::canonical(arguments.config);
   context.config_result =
-      arguments.overrides.empty() ? result_hash(context.config) : result_of_file(arguments);
+      arguments.overrides.empty() ? result_hash(whole) : result_of_file(arguments);
   context.force = arguments.force;
   // On a cluster many tasks read what one has read: the brick store is made for that.
   if (context.config.run.executor == RunConfig::Executor::slurm &&

@@ -9,6 +9,7 @@ namespace voxweld {
 struct RunArguments {
   std::string config;
   std::vector<std::string> overrides;
+  std::string isovalue;  // of a config with a list of them, the one to work on; empty: all
   bool dry_run = false;
   bool json = false;
   bool force = false;
@@ -20,8 +21,12 @@ struct RunArguments {
 
 void add_config_options(CLI::App& command, RunArguments& arguments);
 
-// The config read and checked; program and executor live as long as the context.
+// The config read and checked; program and executor live as long as the context. InputError where
+// it has a list of isovalues, and arguments.isovalue is none of them.
 RunContext make_context(Program& program, const RunArguments& arguments, Executor& executor);
+
+// The arguments of each surface that they ask for: one, or, of a list of isovalues, as many.
+std::vector<RunArguments> each_surface(const RunArguments& arguments);
 
 // What is missing of all stages, on the executor the config names instead of the context's.
 void run_where_asked(Program& program, RunContext& context);

@@ -79,26 +79,48 @@ Binding<Config> raw_type() {
   return member(&Config::input, &InputConfig::type, std::move(rule));
 }
 
+namespace {
+
+IsovalueChoice isovalue_of(const ConfigValue& v) {
+  if (const auto* integer = v.integer()) return {Isovalue::of(*integer), {}};
+  if (v.is_number()) return {v.number(), {}};
+  if (const auto large = large_integer_of(v)) return {Isovalue::of(*large), {}};
+  return {{}, *v.text() == "valley" ? IsovalueRule::valley : IsovalueRule::otsu};
+}
+
+ConfigValue value_of(const IsovalueChoice& choice) {
+  if (!choice.value) return {std::string(isovalue_rule_name(choice.rule))};
+  if (choice.value->rest == 0) return {choice.value->value};
+  const __int128 integer = choice.value->integer();
+  if (integer < 0) return {static_cast<std::int64_t>(integer)};
+  return integer_value(static_cast<std::uint64_t>(integer));
+}
+
+}  // namespace
+
 Binding<Config> isovalue() {
-  return {NumberOrWordRule{"otsu"},
+  return {NumberOrWordRule{{"otsu", "valley"}},
           [](Config& c, const ConfigValue& v) {
-            c.surface.isovalue.reset();
-            if (const auto* integer = v.integer())
-              c.surface.isovalue = Isovalue::of(*integer);
-            else if (v.is_number())
-              c.surface.isovalue = v.number();
-            else if (const auto large = large_integer_of(v))
-              c.surface.isovalue = Isovalue::of(*large);
+            SurfaceConfig& surface = c.surface;
+            surface.isovalues.clear();
+            IsovalueChoice one;
+            if (v.list() == nullptr)
+              one = isovalue_of(v);
+            else
+              for (const ConfigValue& item : *v.list())
+                surface.isovalues.push_back(isovalue_of(item));
+            surface.isovalue = one.value;
+            surface.isovalue_rule = one.rule;
           },
           [](const Config& c) -> Written {
             // A mesh's config may not give one, so what stands for it inside is not told.
             if (c.input.is_mesh()) return std::nullopt;
-            if (!c.surface.isovalue) return ConfigValue{std::string("otsu")};
-            const Isovalue& isovalue = *c.surface.isovalue;
-            if (isovalue.rest == 0) return ConfigValue{isovalue.value};
-            const __int128 integer = isovalue.integer();
-            if (integer < 0) return ConfigValue{static_cast<std::int64_t>(integer)};
-            return integer_value(static_cast<std::uint64_t>(integer));
+            const SurfaceConfig& surface = c.surface;
+            if (surface.isovalues.empty())
+              return value_of({surface.isovalue, surface.isovalue_rule});
+            ConfigValue::List list;
+            for (const IsovalueChoice& choice : surface.isovalues) list.push_back(value_of(choice));
+            return ConfigValue{list};
           }};
 }
 

@@ -1,6 +1,6 @@
 // The config of a run: what the TOML file and the --set overrides say, defaults filled in, every
 // value checked. The keys, their accepted values and the stages that read them are listed once, in
-// settings.cpp and, for edits, edit_settings.cpp; the members here have the same names.
+// settings_*.cpp and, for edits, edit_settings.cpp; the members here have the same names.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@
 
 namespace voxweld {
 
-// The order of the enumerators is the order of the names in settings.cpp.
+// The order of the enumerators is the order of the names in settings_*.cpp.
 
 // A side of any volume (see max_levels); of a mesh's lattice with margins, which are small.
 inline constexpr std::int64_t most_samples = (std::int64_t{1} << 19) - 1;
@@ -76,6 +76,13 @@ struct WorkConfig {
   friend bool operator==(const WorkConfig&, const WorkConfig&) = default;
 };
 
+// One isovalue of several.
+struct IsovalueChoice {
+  std::optional<Isovalue> value;  // empty: by the rule
+  IsovalueRule rule = IsovalueRule::otsu;
+  friend bool operator==(const IsovalueChoice&, const IsovalueChoice&) = default;
+};
+
 struct SurfaceConfig {
   enum class Inside : std::uint8_t { above, below };
   enum class Border : std::uint8_t { closed, open };
@@ -83,8 +90,12 @@ struct SurfaceConfig {
 
   // Of a label volume, the value whose surface is asked for; isovalue is then the same number.
   std::optional<std::uint64_t> label{};
-  // Of the file's real values. Empty: "otsu", chosen from the volume's histogram.
+  // Of the file's real values. Empty: chosen from the volume's histogram by the rule.
   std::optional<Isovalue> isovalue;
+  IsovalueRule isovalue_rule = IsovalueRule::otsu;  // of an empty isovalue; else otsu
+  // A list of isovalues, a surface each: surfaces_of() makes configs with one of it. isovalue is
+  // empty then.
+  std::vector<IsovalueChoice> isovalues{};
   Inside inside = Inside::above;
   Border border = Border::closed;
   Gradient gradient = Gradient::eno;
@@ -217,6 +228,16 @@ std::string canonical_toml(const Config& config);
 // Equal for equal configs. Over every key, those that cannot change a result included: to see
 // whether anything was edited. What decides the bytes of a stage is parameter_hash().
 Hash128 config_fingerprint(const Config& config);
+
+struct OneSurface {
+  std::string isovalue;  // "300", "otsu": what it is called; empty: the config has no list
+  Config config;
+};
+
+// The configs of the surfaces that a list of isovalues asks for, in its order. They differ in
+// surface.isovalue, and write into folders of output.directory: "isovalue-300". Of a config without
+// a list, itself.
+std::vector<OneSurface> surfaces_of(const Config& config);
 
 // Equal for configs that give the same meshes of the same files, wherever they are written.
 Hash128 result_hash(const Config& config);

@@ -94,6 +94,16 @@ class CrossChecks {
       fail({"surface.inside"}, "inside are the samples of surface.label; remove one of the two");
   }
 
+  void isovalues() const {
+    if (config_.surface.isovalues.empty()) return;
+    constexpr const char* samples = "a list of isovalues is for samples; remove it, or ";
+    if (config_.surface.label) fail({"surface.isovalue"}, std::string(samples) + "surface.label");
+    if (config_.labels.mode != LabelMode::off)
+      fail({"surface.isovalue"}, std::string(samples) + "labels.mode");
+    if (config_.input.is_empty())
+      fail({"surface.isovalue"}, std::string(samples) + "input.format = \"empty\"");
+  }
+
   void labels() const {
     const SurfaceConfig& surface = config_.surface;
     if (config_.labels.mode == LabelMode::off) return;
@@ -232,6 +242,7 @@ void check_across(const Config& config, const Places& places, const std::string&
   checks.raw();
   checks.empty();
   checks.mesh();
+  checks.isovalues();
   checks.label();
   checks.labels();
   checks.chosen_labels();

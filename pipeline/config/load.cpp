@@ -16,6 +16,7 @@
 #include "storage/meshes/mesh_file.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
+#include "storage/support/text_fields.h"
 
 namespace voxweld {
 namespace {
@@ -34,7 +35,9 @@ struct Assignment {
 
 void assign(Config& config, Places& places, Assignment a) {
   require_accepted(a.where, a.setting->name(), *a.setting, a.value);
-  if (std::holds_alternative<PathRule>(a.setting->rule))
+  const bool path = std::holds_alternative<PathRule>(a.setting->rule);
+  // Only the input may lie on a server.
+  if (path && !(a.setting->name() == "input.path" && is_url(*a.value.text())))
     a.value = {(a.base / *a.value.text()).lexically_normal().string()};
   a.setting->set(config, a.value);
   places[a.setting->name()] = a.where;

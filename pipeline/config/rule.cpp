@@ -112,6 +112,29 @@ bool is_list_of(const ConfigValue& value, std::size_t count, F&& fits) {
   return list != nullptr && list->size() == count && std::ranges::all_of(*list, fits);
 }
 
+Verdict check_number_or_word(const NumberOrWordRule& rule, const ConfigValue& value) {
+  if (value.text() != nullptr && contains(rule.words, *value.text())) return {true, {}};
+  if (large_integer_of(value)) return {true, {}};
+  if (value.text() == nullptr) return {value.is_number() && std::isfinite(value.number()), {}};
+  const std::string hint = quote_hint(value);
+  return refuse(hint.empty() ? meant(*value.text(), rule.words) : hint);
+}
+
+Verdict check_numbers_or_words(const NumberOrWordRule& rule, const ConfigValue& value) {
+  const auto* list = value.list();
+  if (list == nullptr) return check_number_or_word(rule, value);
+  if (list->empty()) return refuse();
+  for (auto item = list->begin(); item != list->end(); ++item) {
+    if (Verdict one = check_number_or_word(rule, *item); !one.accepted) return one;
+    const auto same = [&](const ConfigValue& other) {
+      return other.is_number() && item->is_number() ? other.number() == item->number()
+                                                    : other == *item;
+    };
+    if (std::any_of(list->begin(), item, same)) return refuse(to_toml(*item) + " is listed twice");
+  }
+  return {true, {}};
+}
+
 Verdict check_spacing(const ConfigValue& value) {
   if (value.list() == nullptr) return check_positive(value);
   return {is_list_of(value, 3, [](const auto& item) { return check_positive(item).accepted; }), {}};
@@ -264,7 +287,9 @@ std::string accepted_text(const Rule& rule) {
           },
           [](const PowerOfTwoRule& r) { return "a power of two " + range_text(r.lo, r.hi); },
           [](const PositiveNumberRule&) { return std::string("a finite number above 0"); },
-          [](const NumberOrWordRule& r) { return "a finite number or " + toml_string(r.word); },
+          [](const NumberOrWordRule& r) {
+            return "a finite number, " + alternatives(r.words) + ", or a list of such";
+          },
           [](const SpacingRule&) {
             return std::string("a finite number above 0, or three of them: [x, y, z]");
           },
@@ -324,14 +349,7 @@ Verdict check(const Rule& rule, const ConfigValue& value) {
                  },
                  [&](const PowerOfTwoRule& r) { return check_power(r, value); },
                  [&](const PositiveNumberRule&) { return check_positive(value); },
-                 [&](const NumberOrWordRule& r) {
-                   if (value.text() != nullptr && *value.text() == r.word) return Verdict{true, {}};
-                   if (large_integer_of(value)) return Verdict{true, {}};
-                   if (value.text() == nullptr)
-                     return Verdict{value.is_number() && std::isfinite(value.number()), {}};
-                   const std::string hint = quote_hint(value);
-                   return refuse(hint.empty() ? meant(*value.text(), {r.word}) : hint);
-                 },
+                 [&](const NumberOrWordRule& r) { return check_numbers_or_words(r, value); },
                  [&](const SpacingRule&) { return check_spacing(value); },
                  [&](const IntegerListRule& r) { return check_integers(r, value); },
                  [&](const TripleRule& r) { return check_triple(r, value); },

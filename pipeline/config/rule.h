@@ -28,9 +28,9 @@ struct PowerOfTwoRule {  // lo .. hi
   std::int64_t lo = 1, hi = 1;
 };
 struct PositiveNumberRule {};  // finite, above 0
-// Finite, or that word; integers beyond TOML's 63 bits in quotes.
+// Finite, or one of the words; integers beyond TOML's 63 bits in quotes. Or a list of such.
 struct NumberOrWordRule {
-  std::string word;
+  std::vector<std::string> words;
 };
 struct SpacingRule {};    // a positive number, or three
 struct IntegerListRule {  // exactly `count`, each lo .. hi

@@ -64,8 +64,10 @@ struct RuleSchema {
   }
   Json operator()(const PositiveNumberRule&) const { return positive_number(); }
   Json operator()(const NumberOrWordRule& rule) const {
-    Json json = either({{"type", "number"}}, {{"const", rule.word}});
+    Json json = either({{"type", "number"}}, {{"enum", rule.words}});
     json["anyOf"].push_back(large_integer());
+    const Json list = {{"type", "array"}, {"items", json}, {"minItems", 1}, {"uniqueItems", true}};
+    json["anyOf"].push_back(list);
     return json;
   }
   Json operator()(const SpacingRule&) const {

@@ -13,6 +13,7 @@
 #include "storage/store/zarr_metadata.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
+#include "storage/support/text_fields.h"
 
 namespace voxweld {
 namespace {
@@ -145,6 +146,7 @@ InfoDocument describe_file(const fs::path& path, const InfoOptions& options) {
 InfoDocument describe(const InfoOptions& options) {
   const std::string& path = options.input.path;
   try {
+    if (is_url(path)) return describe_volume(options);
     if (fs::is_directory(path)) return describe_directory(path, options);
     if (fs::exists(path)) return describe_file(path, options);
     if (path.find_first_of("*?[") != std::string::npos) return describe_volume(options);

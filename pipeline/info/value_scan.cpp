@@ -10,6 +10,7 @@
 #include "pipeline/config/config.h"
 #include "stages/ingest/statistics.h"
 #include "storage/support/error.h"
+#include "storage/types/chunk_grid.h"
 #include "storage/types/volume.h"
 #include "storage/volumes/data_layout.h"
 
@@ -18,21 +19,24 @@ namespace {
 
 constexpr std::uint64_t band_bytes = std::uint64_t{8} << 20;
 
-// Appends the samples of the band that lie on the volume's outermost layer: whole rows at its upper
+// Appends the samples of the box that lie on the volume's outermost layer: whole rows at its upper
 // and lower faces, else the ends of each row.
-void append_border(const Box3& band, Index3 size, std::size_t sample_size,
+void append_border(const Box3& box, Index3 size, std::size_t sample_size,
                    std::span<const std::byte> samples, std::vector<std::byte>& out) {
-  const std::size_t row = static_cast<std::size_t>(band.size().x) * sample_size;
+  const std::size_t row = static_cast<std::size_t>(box.size().x) * sample_size;
+  const auto append = [&](std::span<const std::byte> part) {
+    out.insert(out.end(), part.begin(), part.end());
+  };
   std::size_t at = 0;
-  for (std::int64_t z = band.lo.z; z < band.hi.z; ++z)
-    for (std::int64_t y = band.lo.y; y < band.hi.y; ++y, at += row) {
+  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z)
+    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y, at += row) {
       const auto line = samples.subspan(at, row);
-      const bool whole = z == 0 || z + 1 == size.z || y == 0 || y + 1 == size.y || size.x < 3;
-      const auto first = whole ? line : line.first(sample_size);
-      out.insert(out.end(), first.begin(), first.end());
-      if (whole) continue;
-      const auto last = line.last(sample_size);
-      out.insert(out.end(), last.begin(), last.end());
+      if (z == 0 || z + 1 == size.z || y == 0 || y + 1 == size.y) {
+        append(line);
+        continue;
+      }
+      if (box.lo.x == 0) append(line.first(sample_size));
+      if (box.hi.x == size.x && size.x > 1) append(line.last(sample_size));
     }
 }
 
@@ -80,39 +84,51 @@ void check_scan(const SampleSource& source) {
                   name, size.x, size.y, size.z, info.piece_files, there));
 }
 
-}  // namespace
-
-ScanResult scan_in_order(const SampleSource& source, const ScanHooks& hooks) {
-  const VolumeInfo& info = source.info();
+// The volume in pieces as it is best read: along its chunks where it has any, else bands of whole
+// rows in rising order. Calls f with each.
+template <class F>
+void each_piece(const VolumeInfo& info, const F& f) {
   const Index3 size = info.geometry.size;
+  if (info.chunk != splat(1)) {
+    const ChunkGrid grid(info);
+    const std::int64_t length = grid.run_length(band_bytes);
+    for (std::uint64_t i = 0; i < grid.runs(length); ++i) f(grid.run(i, length));
+    return;
+  }
   const std::uint64_t row = static_cast<std::uint64_t>(size.x) * sample_bytes(info.type);
   const auto fit = static_cast<std::int64_t>(std::max<std::uint64_t>(1, band_bytes / row));
-  check_scan(source);
   // A stream gives whole slices where they are small, else bands of rows.
   const bool whole = info.access == Access::stream &&
                      row <= large_slice_bytes / static_cast<std::uint64_t>(size.y);
   const std::int64_t rows = whole ? size.y : std::min(fit, size.y);
   const std::int64_t slices = rows == size.y ? std::max<std::int64_t>(1, fit / size.y) : 1;
+  for (std::int64_t z = 0; z < size.z; z += slices)
+    for (std::int64_t y = 0; y < size.y; y += rows)
+      f(Box3{{0, y, z}, {size.x, std::min(size.y, y + rows), std::min(size.z, z + slices)}});
+}
+
+}  // namespace
+
+ScanResult scan_in_order(const SampleSource& source, const ScanHooks& hooks) {
+  const VolumeInfo& info = source.info();
+  const Index3 size = info.geometry.size;
+  check_scan(source);
   HistogramStatistics statistics(info.type), border_statistics(info.type);
   ScanResult result;
   std::vector<std::byte> samples, border;
-  for (std::int64_t z = 0; z < size.z; z += slices) {
-    for (std::int64_t y = 0; y < size.y; y += rows) {
-      if (hooks.interrupt != nullptr) hooks.interrupt->check();
-      const Box3 band{{0, y, z},
-                      {size.x, std::min(size.y, y + rows), std::min(size.z, z + slices)}};
-      samples.resize(static_cast<std::size_t>(band.count()) * sample_bytes(info.type));
-      source.read(band, samples.data());
-      result.range = merge(result.range, statistics.add(samples));
-      if (hooks.samples) hooks.samples(band, samples);
-      border.clear();
-      append_border(band, size, sample_bytes(info.type), samples, border);
-      if (!border.empty()) border_statistics.add(border);
-    }
-    if (hooks.progress)
-      hooks.progress(static_cast<double>(std::min(size.z, z + slices)) /
-                     static_cast<double>(size.z));
-  }
+  double done = 0;
+  each_piece(info, [&](const Box3& piece) {
+    if (hooks.interrupt != nullptr) hooks.interrupt->check();
+    samples.resize(static_cast<std::size_t>(piece.count()) * sample_bytes(info.type));
+    source.read(piece, samples.data());
+    result.range = merge(result.range, statistics.add(samples));
+    if (hooks.samples) hooks.samples(piece, samples);
+    border.clear();
+    append_border(piece, size, sample_bytes(info.type), samples, border);
+    if (!border.empty()) border_statistics.add(border);
+    done += static_cast<double>(piece.count());
+    if (hooks.progress) hooks.progress(done / static_cast<double>(Box3{{}, size}.count()));
+  });
   result.histogram = statistics.take();
   result.border = border_statistics.take();
   return result;

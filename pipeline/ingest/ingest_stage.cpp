@@ -15,6 +15,7 @@
 #include "storage/artifact/histogram_artifact.h"
 #include "storage/store/store_source.h"
 #include "storage/support/error.h"
+#include "storage/support/text_fields.h"
 #include "storage/volumes/axes.h"
 
 namespace voxweld {
@@ -112,8 +113,11 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder,
         fmt::format("work.copy = false: {} ({}) can be read by {} only, so a brick store is "
                     "needed; use work.copy = \"auto\"",
                     config.input.path.string(), info.format, access_name(info.access)));
-  job.copy =
-      (config.work.copy == WorkConfig::Copy::always || !by_box) && config.input.has_samples();
+  // Samples on a server are fetched once, not by every build.
+  const bool far =
+      is_url(config.input.path.string()) && config.work.copy != WorkConfig::Copy::never;
+  job.copy = (config.work.copy == WorkConfig::Copy::always || !by_box || far) &&
+             config.input.has_samples();
   job.histogram = !config.surface.isovalue.has_value();
   job.labels = config.labels.mode != LabelMode::off;
   return job;
@@ -137,7 +141,8 @@ Volume ingested_volume(const Config& config, const IngestJob& job) {
 
 std::optional<std::string> changed_file(const IngestJob& job) {
   for (const InputFile& file : job.files)
-    if (file_state(file.path) != file.state) return file.path;
+    // What a server holds is looked at when it is opened.
+    if (!is_url(file.path) && file_state(file.path) != file.state) return file.path;
   return std::nullopt;
 }
 

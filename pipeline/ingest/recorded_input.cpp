@@ -6,6 +6,7 @@
 #include "storage/spool/spool_record.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
+#include "storage/support/text_fields.h"
 
 namespace voxweld {
 namespace {
@@ -51,7 +52,7 @@ std::optional<VolumeInfo> recorded_input(const std::filesystem::path& folder, Ha
     const SpoolRecord record = read_spool_record(record_name(folder));
     if (record.key != key || record.data_hash != folders_state(record.info)) return std::nullopt;
     for (const InputFile& file : record.info.files)
-      if (file_state(file.path) != file.state) return std::nullopt;
+      if (is_url(file.path) || file_state(file.path) != file.state) return std::nullopt;
     return record.info;
   } catch (const DamagedArtifact&) {
     return std::nullopt;

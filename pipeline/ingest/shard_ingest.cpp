@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "pipeline/executor/probe.h"
 #include "pipeline/ingest/ingest_layout.h"
@@ -46,12 +47,19 @@ bool needs_no_counts(const IngestJob& job) {
   return !job.labels || labels_are_counted(job);
 }
 
+// The layer of spools that the shard is cut from.
+std::int64_t layer_of(const StoreLayout& layout, const VolumeInfo& info, Index3 shard) {
+  const std::int64_t side = layout.parameters.shard;
+  return shard.z * side / spool_height(info, side);
+}
+
 // What the shards are read from together, as Unit::together: one layer's slices, the one stream,
 // or, where a shard's piece of a row is less than a few pages, the rows.
 std::uint64_t read_together(const StoreLayout& layout, const VolumeInfo& info, Index3 shard) {
   constexpr std::uint64_t few_pages = std::uint64_t{16} << 10;
   if (info.access == Access::stream) return 1;
-  if (info.access != Access::box) return static_cast<std::uint64_t>(shard.z) + 1;
+  if (info.access != Access::box)
+    return static_cast<std::uint64_t>(layer_of(layout, info, shard)) + 1;
   const auto side = static_cast<std::uint64_t>(layout.parameters.shard);
   if (!info.row_major || side * sample_bytes(info.type) >= few_pages) return 0;
   return static_cast<std::uint64_t>(shard.z * layout.shard_grid().y + shard.y) + 1;
@@ -70,12 +78,17 @@ std::vector<Unit> units_of(const StoreLayout& layout, std::span<const std::uint6
   return units;
 }
 
-// What a spool may hold while it is written: enough for large reads, and what one slice takes.
-std::uint64_t spooling_bytes(const VolumeInfo& info) {
+// What a spool may hold while it is written: enough for large reads, and what one slice takes. Of
+// chunks what several threads decode, as long as it is no large part of all memory.
+std::uint64_t spooling_bytes(const VolumeInfo& info, const RunConfig& run) {
+  constexpr std::uint64_t most_threads = 16;
+  const std::uint64_t one = spool_memory_needed(info);
+  if (info.access == Access::chunks)
+    return one * std::clamp<std::uint64_t>(run.memory / 4 / one, 1, most_threads);
   const Index3 size = info.geometry.size;
   const std::uint64_t slice = static_cast<std::uint64_t>(size.x) *
                               static_cast<std::uint64_t>(size.y) * sample_bytes(info.type);
-  return std::max(spool_memory_needed(info) + slice, std::uint64_t{48} << 20);
+  return std::max(one + slice, std::uint64_t{48} << 20);
 }
 
 // Where shards are cut from: the input where boxes of it can be read, else spools of its slices.
@@ -86,10 +99,15 @@ class ShardSource {
     if (input_->info().access == Access::box) return;
     const StoreLayout layout = store_layout(context.config, job);
     const std::vector<Index3> shards = shards_of(layout);
-    LayerPlan plan{job.folder, job.stamp, layout.parameters.shard, {}};
-    for (const std::uint64_t number : missing) ++plan.uses[shards[number].z];
+    layer_of_ = [info = input_->info(), layout](Index3 shard) {
+      return layer_of(layout, info, shard);
+    };
+    LayerPlan plan{
+        job.folder, job.stamp, spool_height(input_->info(), layout.parameters.shard), {}};
+    for (const std::uint64_t number : missing) ++plan.uses[layer_of_(shards[number])];
     SpoolOptions options;
-    options.memory = spooling_bytes(input_->info());
+    options.memory = spooling_bytes(input_->info(), context.config.run);
+    options.threads = context.threads;
     options.progress = [interrupt = context.interrupt](const SpoolProgress&) {
       if (interrupt != nullptr) interrupt->check();
     };
@@ -104,12 +122,13 @@ class ShardSource {
       LayerSpools& spools;
       std::int64_t layer;
       ~Use() { spools.release(layer); }
-    } use{*spools_, shard.z};
-    f(*spools_->acquire(shard.z));
+    } use{*spools_, layer_of_(shard)};
+    f(*spools_->acquire(use.layer));
   }
 
  private:
   std::shared_ptr<SampleSource> input_;
+  std::function<std::int64_t(Index3)> layer_of_;
   std::optional<LayerSpools> spools_;
 };
 
@@ -191,6 +210,7 @@ class ShardIngest final : public StageWork {
  public:
   ShardIngest(const Config& config, const IngestJob& job)
       : job_(job),
+        run_(config.run),
         record_key_(input_record_key(config)),
         layout_(store_layout(config, job)),
         shards_(shards_of(layout_)),
@@ -235,7 +255,9 @@ class ShardIngest final : public StageWork {
   void open(RunContext& context, const StageLook&) override {
     if (job_.copy && !store_metadata_is_current(layout_)) write_store_metadata(layout_);
     // From here on no other process has to look at every slice to know what they are.
-    if (context.selection.all() && job_.input && job_.input->info().access != Access::box)
+    // Of a volume of files that nobody lists, each shard is keyed by its own.
+    if (context.selection.all() && job_.input && job_.input->info().access != Access::box &&
+        !lies_in_unlisted_files(job_))
       record_input(job_.folder, record_key_, job_.info);
   }
   void begin(RunContext& context, std::span<const std::uint64_t> missing, int threads) override {
@@ -261,6 +283,7 @@ class ShardIngest final : public StageWork {
 
  private:
   const IngestJob& job_;
+  const RunConfig run_;
   const Hash128 record_key_;
   const StoreLayout layout_;
   const std::vector<Index3> shards_;
@@ -276,7 +299,7 @@ StageMemory ShardIngest::memory(std::span<const std::uint64_t>) {
   if (job_.labels) memory.per_worker_bytes = ShardLabelCounter::memory_bytes(job_, layout_);
   if (!job_.copy) return memory;
   const VolumeInfo& info = job_.info;
-  memory.base_bytes = info.access == Access::box ? info.largest_decode : spooling_bytes(info);
+  memory.base_bytes = info.access == Access::box ? info.largest_decode : spooling_bytes(info, run_);
   memory.per_worker_bytes +=
       shard_writer_bytes(layout_, 1, ingest_band_bytes) + (std::uint64_t{16} << 20);
   return memory;

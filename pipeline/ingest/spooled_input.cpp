@@ -47,6 +47,12 @@ void remove_spool(const std::filesystem::path& path) {
 
 }  // namespace
 
+std::int64_t spool_height(const VolumeInfo& info, std::int64_t shard) {
+  if (info.access != Access::chunks) return shard;
+  const std::int64_t chunk = std::min(info.chunk.z, info.geometry.size.z);
+  return std::max<std::int64_t>(1, (chunk + shard - 1) / shard) * shard;
+}
+
 LayerSpools::LayerSpools(std::shared_ptr<SampleSource> input, LayerPlan plan, SpoolOptions options)
     : input_(std::move(input)), plan_(std::move(plan)), options_(std::move(options)) {
   for (const auto& [number, uses] : plan_.uses) layers_[number].uses = uses;

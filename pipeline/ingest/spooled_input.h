@@ -14,6 +14,10 @@
 
 namespace voxweld {
 
+// Slices of a layer, a multiple of the shards' side: one layer of shards, or, where chunks are
+// taller, as much as holds one, so that no chunk is decoded more than twice. Samples.
+std::int64_t spool_height(const VolumeInfo& info, std::int64_t shard);
+
 struct LayerPlan {
   std::filesystem::path folder;  // where spools go
   Hash128 stamp;                 // of the input

@@ -4,14 +4,22 @@
 
 #include "pipeline/ingest/ingest_layout.h"
 #include "stages/ingest/statistics.h"
+#include "storage/types/chunk_grid.h"
 #include "storage/types/volume.h"
 
 namespace voxweld {
 namespace {
 
-// Boxes of whole rows, each about ingest_band_bytes.
+// Boxes of whole rows, or of whole chunks where there are any, each about ingest_band_bytes.
 std::vector<Box3> bands_of(const VolumeInfo& info) {
   const Index3 size = info.geometry.size;
+  if (info.chunk != splat(1)) {
+    const ChunkGrid grid(info);
+    const std::int64_t length = grid.run_length(ingest_band_bytes);
+    std::vector<Box3> runs(grid.runs(length));
+    for (std::size_t i = 0; i < runs.size(); ++i) runs[i] = grid.run(i, length);
+    return runs;
+  }
   const std::uint64_t row = static_cast<std::uint64_t>(size.x) * sample_bytes(info.type);
   const auto rows = static_cast<std::int64_t>(std::max<std::uint64_t>(1, ingest_band_bytes / row));
   std::vector<Box3> bands;
@@ -36,15 +44,16 @@ ScanResult scan_volume(RunContext& context, const SampleSource& source, const st
   run.stage = stage;
   run.noun = "bands";
   run.order = UnitOrder::as_given;
-  const std::uint64_t largest_row =
-      static_cast<std::uint64_t>(info.geometry.size.x) * sample_bytes(info.type);
+  std::int64_t largest_band = 0;
+  for (const Box3& band : bands) largest_band = std::max(largest_band, band.count());
   // A worker keeps its band and its bins.
   run.memory = {stage,
                 0,
                 0,
-                "one band of rows",
+                "one band of samples",
                 "raise run.memory",
-                std::max(ingest_band_bytes, largest_row) + (std::uint64_t{16} << 20)};
+                static_cast<std::uint64_t>(largest_band) * sample_bytes(info.type) +
+                    info.largest_decode + (std::uint64_t{16} << 20)};
   const int threads = stage_threads(context, run.memory);
   struct Worker {
     std::vector<std::byte> samples;

@@ -135,7 +135,8 @@ std::optional<BrickSample> sample_bricks(const RunContext& context, const Jobs& 
       sampler.read(brick);
       if (!sampler.samples().empty()) statistics.add(sampler.samples());
     }
-    const auto suggestion = suggest_isovalue(statistics.take(), info.scale);
+    const auto suggestion =
+        suggest_isovalue(statistics.take(), info.scale, config.surface.isovalue_rule);
     if (!suggestion) return std::nullopt;
     config.surface.isovalue = suggestion->threshold.value;
   }

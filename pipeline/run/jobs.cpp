@@ -22,14 +22,22 @@ namespace {
 
 double choose_isovalue(const Config& config, const IngestJob& job) {
   const Histogram histogram = read_histogram(job).value_or(Histogram{});
-  const auto suggestion = suggest_isovalue(histogram, job.info.scale);
-  if (!suggestion)
+  const ValueScale& scale = job.info.scale;
+  const IsovalueRule rule = config.surface.isovalue_rule;
+  const auto suggestion = suggest_isovalue(histogram, scale, rule);
+  const std::string name = isovalue_rule_name(rule);
+  if (!suggestion && rule == IsovalueRule::valley && suggest_isovalue(histogram, scale))
     throw InputError(fmt::format(
-        "surface.isovalue = \"otsu\": all samples of {} {}, so there is no threshold to "
-        "find; give a number",
-        config.input.path.string(), no_threshold_text(histogram, job.info.scale)));
+        "surface.isovalue = \"valley\": the histogram of {} has one peak, so no valley; see "
+        "`voxweld histogram`, give a number or \"otsu\"",
+        config.input.path.string()));
+  if (!suggestion)
+    throw InputError(
+        fmt::format("surface.isovalue = \"{}\": all samples of {} {}, so there is no threshold to "
+                    "find; give a number",
+                    name, config.input.path.string(), no_threshold_text(histogram, scale)));
   spdlog::info(
-      "surface.isovalue = \"otsu\": {}{}", suggestion->threshold.value,
+      "surface.isovalue = \"{}\": {}{}", name, suggestion->threshold.value,
       suggestion->padding ? fmt::format(" (leaving out padding of {})", *suggestion->padding) : "");
   return suggestion->threshold.value;
 }

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/ingest/spooled_input.h"
 #include "pipeline/slurm/batch_script.h"
 #include "pipeline/slurm/queued_tasks.h"
 #include "pipeline/slurm/task_cost.h"
@@ -66,6 +68,13 @@ double rounded_up(double value) {
   return std::max(1.0, std::ceil(value));
 }
 
+// Of the samples, what lies in spools at once.
+double spooled_share(const Config& config, const VolumeInfo& info) {
+  const std::int64_t slices = info.geometry.size.z;
+  const std::int64_t height = spool_height(info, config.work.brick * config.work.shard);
+  return static_cast<double>(std::min(height, slices)) / static_cast<double>(slices);
+}
+
 }  // namespace
 
 WorkPlan plan_work(const RunContext& context, const Jobs& jobs, std::int64_t slots) {
@@ -107,8 +116,7 @@ WorkPlan plan_work(const RunContext& context, const Jobs& jobs, std::int64_t slo
     add(Stage::ingest, n, files, copy ? size : 0,
         usual_cost("ingest", samples) * (copy ? 1 : counting_cost));
     if (copy && info.access != Access::box)
-      plan.spool_bytes = bytes(size / static_cast<double>(info.geometry.size.z) * side *
-                               static_cast<double>(config.work.shard));
+      plan.spool_bytes = bytes(size * spooled_share(config, info));
   }
   add(Stage::build, n, n, whole(look.octree_bytes), whole(look.cpu_s) * 1.3);  // and reading
   add(Stage::merge, 1, 1, 16 * n, 1e-4 * n);

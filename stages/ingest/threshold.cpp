@@ -11,26 +11,12 @@
 #include <vector>
 
 #include "stages/ingest/histogram_bins.h"
+#include "stages/ingest/histogram_values.h"
+#include "stages/ingest/valley.h"
 #include "storage/types/isovalue.h"
 
 namespace voxweld {
 namespace {
-
-struct ValueCount {
-  double value, count;
-};
-
-// Ascending.
-std::vector<ValueCount> finite_values(const Histogram& histogram, const ValueScale& scale) {
-  std::vector<ValueCount> values;
-  values.reserve(histogram.bins.size());
-  for (const HistogramBin& bin : histogram.bins) {
-    const double value = scale.real(histogram_bin_value(histogram.type, bin.bin));
-    if (std::isfinite(value)) values.push_back({value, static_cast<double>(bin.count)});
-  }
-  if (scale.slope < 0) std::reverse(values.begin(), values.end());
-  return values;
-}
 
 struct Moments {
   double count = 0, mean = 0, squares = 0;  // squares: of the distances from the mean
@@ -64,17 +50,6 @@ std::optional<Threshold> otsu(std::span<const ValueCount> values) {
   const double total = all.squares / all.count;
   threshold.separability = total > 0 ? std::fmin(1, best / total) : 0;
   return threshold;
-}
-
-std::optional<double> quantile_of(std::span<const ValueCount> values, double q) {
-  if (values.empty()) return std::nullopt;
-  double total = 0, seen = 0;
-  for (const ValueCount& v : values) total += v.count;
-  for (const ValueCount& v : values) {
-    seen += v.count;
-    if (seen >= q * total) return v.value;
-  }
-  return values.back().value;
 }
 
 constexpr double least_padding = 0.01;      // share of the samples
@@ -123,7 +98,7 @@ std::string no_threshold_text(const Histogram& histogram, const ValueScale& scal
 }
 
 std::optional<IsovalueSuggestion> suggest_isovalue(const Histogram& histogram,
-                                                   const ValueScale& scale) {
+                                                   const ValueScale& scale, IsovalueRule rule) {
   const std::vector<ValueCount> values = finite_values(histogram, scale);
   std::span<const ValueCount> rest = values;
   IsovalueSuggestion suggestion;
@@ -135,7 +110,7 @@ std::optional<IsovalueSuggestion> suggest_isovalue(const Histogram& histogram,
     suggestion.padding = rest.back().value;
     rest = rest.first(rest.size() - 1);
   }
-  const auto threshold = otsu(rest);
+  const auto threshold = rule == IsovalueRule::otsu ? otsu(rest) : deepest_valley(rest);
   if (!threshold) return std::nullopt;
   suggestion.threshold = *threshold;
   return suggestion;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "storage/types/histogram.h"
+#include "storage/types/isovalue.h"
 #include "storage/types/value_scale.h"
 
 namespace voxweld {
@@ -31,14 +32,15 @@ struct IsovalueSuggestion {
   std::optional<double> padding;
 };
 
-// Otsu's threshold, after leaving out padding: an extreme value that at least 1 % of the samples
-// have, far from all others, when the others have two clear classes of their own. None where
-// otsu_threshold has none.
+// By that rule, after leaving out padding: an extreme value that at least 1 % of the samples have,
+// far from all others, when the others have two clear classes of their own. None where
+// otsu_threshold, or deepest_valley (valley.h), has none.
 std::optional<IsovalueSuggestion> suggest_isovalue(const Histogram& histogram,
-                                                   const ValueScale& scale = {});
+                                                   const ValueScale& scale = {},
+                                                   IsovalueRule rule = IsovalueRule::otsu);
 
 // Why there is no suggestion, after "all samples": "have one value, 7", or what the only bin holds.
-// Precondition: there is none.
+// Precondition: there is none by Otsu's rule.
 std::string no_threshold_text(const Histogram& histogram, const ValueScale& scale = {});
 
 }  // namespace voxweld

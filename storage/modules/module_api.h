@@ -31,6 +31,7 @@ class ModuleVolume {
   virtual bool read(const Box3& box, std::byte* out, ModuleError& error) const = 0;
 };
 
+class HttpService;   // storage/http/http_service.h
 class ImageService;  // storage/image/image_service.h
 
 class Module {
@@ -45,6 +46,8 @@ class Module {
   }
   // Null where the module knows nothing of images.
   virtual ImageService* images() { return nullptr; }
+  // Null where it sends no requests.
+  virtual HttpService* http() { return nullptr; }
 };
 
 // What a module exports. The version comes first whatever the version is.

@@ -68,12 +68,6 @@ Module* load(const fs::path& path, const std::string& purpose) {
   return entry->module();
 }
 
-[[noreturn]] void raise(const ModuleError& error) {
-  if (error.kind == ModuleError::Kind::input) throw InputError(error.text);
-  if (error.kind == ModuleError::Kind::storage) throw StorageError(error.text, error.error_number);
-  throw FormatError(error.text);
-}
-
 class ModuleSource final : public SampleSource {
  public:
   explicit ModuleSource(std::unique_ptr<ModuleVolume> volume) : volume_(std::move(volume)) {}
@@ -81,7 +75,7 @@ class ModuleSource final : public SampleSource {
   const VolumeInfo& info() const override { return volume_->info(); }
   void read(const Box3& box, std::byte* out) const override {
     ModuleError error;
-    if (!volume_->read(box, out, error)) raise(error);
+    if (!volume_->read(box, out, error)) raise_module_error(error);
   }
 
  private:
@@ -89,6 +83,12 @@ class ModuleSource final : public SampleSource {
 };
 
 }  // namespace
+
+void raise_module_error(const ModuleError& error) {
+  if (error.kind == ModuleError::Kind::input) throw InputError(error.text);
+  if (error.kind == ModuleError::Kind::storage) throw StorageError(error.text, error.error_number);
+  throw FormatError(error.text);
+}
 
 Module& load_module(const std::string& name, const std::string& purpose) {
   static std::mutex loading;
@@ -111,7 +111,7 @@ std::unique_ptr<SampleSource> open_by_module(const VolumeReader& reader, const I
                     names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
   ModuleError error;
   std::unique_ptr<ModuleVolume> volume(module.open_volume(reader.name, spec, error));
-  if (!volume) raise(error);
+  if (!volume) raise_module_error(error);
   return std::make_unique<ModuleSource>(std::move(volume));
 }
 

@@ -14,6 +14,9 @@ namespace voxweld {
 // Throws InputError, naming where it was looked for, when it is missing or of another build.
 Module& load_module(const std::string& name, const std::string& purpose);
 
+// What the module says, as the program throws it.
+[[noreturn]] void raise_module_error(const ModuleError& error);
+
 // Opens the input by the reader of that name in its module.
 // InputError when there is no such module, or it has no such reader; else what the reader says.
 // Precondition: reader.module is not empty.

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "storage/spool/chunk_spool.h"
 #include "storage/spool/spool_record.h"
 #include "storage/support/error.h"
 #include "storage/support/hash_file.h"
@@ -127,6 +128,7 @@ std::uint64_t spool_bytes(const VolumeInfo& info) {
 }
 
 std::uint64_t spool_memory_needed(const VolumeInfo& info) {
+  if (info.access == Access::chunks) return chunk_spool_memory(info);
   return info.largest_decode +
          (info.access == Access::stream ? slice_bytes(info) : row_bytes(info));
 }
@@ -142,10 +144,16 @@ void spool_volume(const SampleSource& source, const fs::path& path, Hash128 key,
   record.key = key;
   record.info = source.info();
   AtomicFile file(path);
-  record.data_hash = write_samples(source, file, options);
+  const bool chunks = source.info().access == Access::chunks;
+  if (chunks)
+    write_chunks(source, file, options);
+  else
+    record.data_hash = write_samples(source, file, options);
   // Boxes are read without checking a hash, so what power loss may do to the data has to be
   // excluded before the record vouches for it.
   file.commit(Durability::fsync);
+  // They were written in no order: what the file holds is hashed.
+  if (chunks) record.data_hash = hash_file(ReadFile(path));
   write_spool_record(path, record);
 }
 

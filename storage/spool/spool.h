@@ -24,6 +24,7 @@ struct SpoolProgress {
 struct SpoolOptions {
   // Bytes the spooling may hold: one band of rows and what the source holds while decoding.
   std::uint64_t memory = std::uint64_t{256} << 20;
+  int threads = 1;  // that may decode at once, where memory allows; of Access::chunks
   std::function<void(const SpoolProgress&)> progress;  // after each band; may be empty
   const std::atomic<bool>* cancel = nullptr;           // set: stop after the current band
 };
@@ -34,8 +35,8 @@ std::uint64_t spool_bytes(const VolumeInfo& info);
 // The least SpoolOptions::memory that spool_volume accepts for this source.
 std::uint64_t spool_memory_needed(const VolumeInfo& info);
 
-// Decodes each slice of `source` exactly once, in rising order, into the spool `path`; a spool
-// finished before under another key is replaced.
+// Decodes each slice of `source` exactly once, in rising order, or each chunk of Access::chunks, in
+// any, into the spool `path`; a spool finished before under another key is replaced.
 // Throws InputError when `memory` is too small (the message has the figure that would do),
 // StorageError when the disk is full or fails, Interrupted when cancelled, and what the source
 // throws; nothing is left under `path` then.

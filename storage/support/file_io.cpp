@@ -207,8 +207,15 @@ void AtomicFile::append(std::span<const std::byte> data) {
 }
 
 void AtomicFile::write_at(std::uint64_t offset, std::span<const std::byte> data) {
-  flush();
+  if (!buffer_.empty()) flush();
   voxweld::write_at(fd_, offset, data, final_path_.string());
+}
+
+void AtomicFile::extend(std::uint64_t size) {
+  flush();
+  if (ftruncate(fd_, static_cast<off_t>(size)) != 0)
+    throw_errno("extend", final_path_.string(), errno);
+  size_ = size;
 }
 
 void AtomicFile::commit(Durability durability) {

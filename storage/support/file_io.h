@@ -61,9 +61,11 @@ class AtomicFile {
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  std::uint64_t size() const { return size_; }  // bytes appended so far
+  std::uint64_t size() const { return size_; }  // bytes so far
   void append(std::span<const std::byte> data);
-  void write_at(std::uint64_t offset, std::span<const std::byte> data);  // within what was appended
+  // Within the size. From many threads at once, where nothing is appended meanwhile.
+  void write_at(std::uint64_t offset, std::span<const std::byte> data);
+  void extend(std::uint64_t size);  // with zeros, to that size; it may not be smaller
   void commit(Durability durability);
 
  private:

@@ -45,6 +45,12 @@ std::string_view trim(std::string_view text) {
   return text;
 }
 
+bool is_url(std::string_view path) {
+  constexpr std::size_t longest = 8;
+  const std::string begin = lower(path.substr(0, std::min(path.size(), longest)));
+  return begin.starts_with("http://") || begin.starts_with("https://");
+}
+
 std::string lower(std::string_view text) {
   std::string result(text);
   for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

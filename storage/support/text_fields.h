@@ -17,6 +17,7 @@ namespace voxweld {
 
 std::string_view trim(std::string_view text);
 std::string lower(std::string_view text);
+bool is_url(std::string_view path);                           // "http://..." and "https://..."
 std::vector<std::string> split_words(std::string_view text);  // at spaces and tabs
 // In lower case with its dot; of "a.nii.gz" it is ".nii.gz".
 std::string name_extension(const std::filesystem::path& path);

@@ -30,6 +30,12 @@ struct Isovalue {
   friend constexpr auto operator<=>(const Isovalue&, const Isovalue&) = default;
 };
 
+// How one is chosen from a histogram.
+enum class IsovalueRule : std::uint8_t { otsu, valley };
+constexpr const char* isovalue_rule_name(IsovalueRule rule) {
+  return rule == IsovalueRule::otsu ? "otsu" : "valley";
+}
+
 // "300", "0.5", "9007199254740993".
 std::string isovalue_text(const Isovalue& isovalue);
 

@@ -227,5 +227,11 @@ TEST(Bytes, ReadsUnits) {
     EXPECT_EQ(parse_bytes(bytes_text(bytes)), bytes) << bytes_text(bytes);
 }
 
+TEST(Config, AnAddressOfAServerIsNoPath) {
+  const Config config = testing::parse(
+      "[input]\npath = \"https://a.org//x/../b.zarr?k=1\"\n[surface]\nisovalue = 1\n");
+  EXPECT_EQ(config.input.path.string(), "https://a.org//x/../b.zarr?k=1");
+}
+
 }  // namespace
 }  // namespace voxweld

@@ -165,7 +165,10 @@ SlurmConfig any_slurm() {
 
 SurfaceConfig any_surface() {
   SurfaceConfig surface;
-  if (chance()) surface.isovalue = any_nonzero();
+  if (chance())
+    surface.isovalue = any_nonzero();
+  else
+    surface.isovalue_rule = any_of<IsovalueRule>(2);
   surface.inside = any_of<SurfaceConfig::Inside>(2);
   if (surface.inside == SurfaceConfig::Inside::above && chance()) {
     surface.label = *rc::gen::inRange<std::uint64_t>(0, ~std::uint64_t{0});
@@ -200,6 +203,13 @@ Config any_config() {
     config.surface.inside = SurfaceConfig::Inside::above;
     config.simplify.topology = SimplifyConfig::Topology::safe;
     config.surface.isovalue = any_nonzero();
+  }
+  if (config.surface.isovalue) config.surface.isovalue_rule = IsovalueRule::otsu;
+  if (config.input.has_samples() && !config.surface.isovalue && chance()) {
+    config.surface.isovalue_rule = IsovalueRule::otsu;
+    config.surface.isovalues = {{any_nonzero(), {}},
+                                {Isovalue::of(~std::uint64_t{0}), {}},
+                                {std::nullopt, IsovalueRule::valley}};
   }
   config.output = any_output();
   if (config.labels.mode == LabelMode::each) {

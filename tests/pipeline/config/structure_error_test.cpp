@@ -86,10 +86,15 @@ TEST(StructureError, MissingKeys) {
       ".obj or .ply file. What it holds decides what is done again, not its name.");
   EXPECT_EQ(
       error_of("[input]\npath = \"a\"\n"),
-      "/data/scan.toml: missing key surface.isovalue (expected a finite number or \"otsu\"): "
-      "The value the surface runs through; \"otsu\" chooses it from the histogram. Where the "
-      "file has a slope and an intercept it is a real value, such as HU, not a stored number. "
-      "Integers above 9223372036854775807 are written in quotes.");
+      "/data/scan.toml: missing key surface.isovalue (expected a finite number, "
+      "\"otsu\" or \"valley\", or a list of such): The value the surface runs through. \"otsu\" "
+      "and \"valley\" choose "
+      "it from the histogram: \"otsu\" so that it parts the samples into two classes best, "
+      "\"valley\" in the deepest valley between the two clearest peaks, also where one of them is "
+      "small (`voxweld histogram` shows both). A list makes a set of meshes for each of its "
+      "values, in folders of output.directory. Where the file has a slope and an intercept it is "
+      "a real value, such as HU, not a stored number. Integers above 9223372036854775807 are "
+      "written in quotes.");
   EXPECT_THAT(error_of(""), StartsWith("/data/scan.toml: missing key input.path"));
 }
 

@@ -88,9 +88,10 @@ labels.min_voxels: an integer of at least 0 (default: 0)
   -1
 labels.max_voxels: an integer of at least 0 (default: 0)
   1.5
-surface.isovalue: a finite number or "otsu"
+surface.isovalue: a finite number, "otsu" or "valley", or a list of such
   inf | nan | "Otsu" (a string); did you mean "otsu"?
-  "120" (a string); write numbers without quotes | [5] (a list of 1) | 07:32:00 => a time
+  "120" (a string); write numbers without quotes | [] (a list of 0) | 07:32:00 => a time
+  [5, 7, 5] (a list of 3); 5 is listed twice | ["otsu", "vally"] (a list of 2); did you mean "valley"?
 surface.inside: "above" or "below" (default: "above")
   "over" (a string) | "Below" (a string); did you mean "below"? | 1
 surface.border: "closed" or "open" (default: "closed")

@@ -54,5 +54,12 @@ TEST(TextFields, Patterns) {
                FormatError);
 }
 
+TEST(TextFields, TellsAddressesFromPaths) {
+  EXPECT_TRUE(is_url("https://example.org/a.zarr"));
+  EXPECT_TRUE(is_url("HTTP://example.org"));
+  for (const char* path : {"", "http", "http:/a", "/data/http://a", "s3://bucket/a", "httpd/a"})
+    EXPECT_FALSE(is_url(path)) << path;
+}
+
 }  // namespace
 }  // namespace voxweld::testing

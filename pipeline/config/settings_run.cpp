@@ -1,0 +1,127 @@
+// What becomes of the surface, and how the work runs.
+#include "pipeline/config/setting_rows.h"
+
+namespace voxweld::rows {
+namespace {
+
+constexpr std::uint64_t least_memory = std::uint64_t{64} << 20;
+
+// What the pipeline relies on to find its tasks again, and what would make sbatch wait or do
+// something else than submit.
+const std::vector<std::string>& reserved_options() {
+  static const std::vector<std::string> names = {
+      "--array",   "-a", "--job-name", "-J", "--output",    "-o",           "--error",
+      "-e",        "-d", "--chdir",    "-D", "--open-mode", "--dependency", "--parsable",
+      "--wrap",    "-W", "--wait",     "-M", "--clusters",  "--cluster",    "--test-only",
+      "--version", "-V", "--help",     "-h", "--usage"};
+  return names;
+}
+
+}  // namespace
+
+std::vector<Setting> simplify_settings() {
+  using Simplify = SimplifyConfig;
+  constexpr auto simplify = &Config::simplify;
+  return {
+      row({"simplify", "enabled", "Collapse octree cells where the surface allows it."},
+          binding::member(simplify, &Simplify::enabled, FlagRule{}), collapse),
+      row({"simplify", "tolerance", "How far a vertex may be from the surface it stands for."},
+          binding::member(simplify, &Simplify::tolerance, PositiveNumberRule{}), collapse),
+      row({"simplify", "tolerance_unit",
+           "\"voxel\": in smallest spacings; \"physical\": in the spacing's unit."},
+          binding::choice(simplify, &Simplify::tolerance_unit, {"voxel", "physical"}), collapse),
+      row({"simplify", "metric",
+           "\"rms\": root mean square of the distances; \"sum\": root of their summed squares, "
+           "so each is within tolerance."},
+          binding::choice(simplify, &Simplify::metric, {"rms", "sum"}), collapse),
+      row({"simplify", "topology",
+           "\"safe\" keeps the surface's topology; \"free\" lets it change and promises no "
+           "manifold."},
+          binding::choice(simplify, &Simplify::topology, {"safe", "free"}), collapse),
+      row({"simplify", "qef",
+           "Solves the QEFs. \"qr\": stable in floats; \"normal\": normal equations, to compare."},
+          binding::choice(simplify, &Simplify::qef, {"qr", "normal"}), collapse),
+  };
+}
+
+std::vector<Setting> output_settings() {
+  using Output = OutputConfig;
+  constexpr auto output = &Config::output;
+  return {
+      row({"output", "directory", "Where the meshes and the manifest go.",
+           "\"<config name>.mesh\" beside the config"},
+          binding::member(output, &Output::directory, PathRule{}), none),
+      row({"output", "formats", "The file formats to write."}, binding::formats(), encode),
+      row({"output", "merged",
+           "Also write the whole mesh as one file. \"auto\" does where it is small enough."},
+          binding::switch_of(output, &Output::merged), encode),
+      row({"output", "tiles", "Write the tiles, the pieces of the mesh, as files of their own."},
+          binding::member(output, &Output::tiles, FlagRule{}), encode),
+      row({"output", "tile_vertices",
+           "The most vertices a tile may have. \"auto\" is 500000, and less where run.memory is "
+           "too "
+           "small to encode several such tiles at once."},
+          binding::integer_or_auto(output, &Output::tile_vertices, IntegerRule{1024, 1000000000}),
+          merge),
+      row({"output", "precision",
+           "The step coordinates are rounded to, at most, in smallest spacings."},
+          binding::member(output, &Output::precision, PositiveNumberRule{}), stitch),
+      row({"output", "normals", "Write normals."},
+          binding::member(output, &Output::normals, FlagRule{}), stitch),
+  };
+}
+
+std::vector<Setting> run_settings() {
+  using Run = RunConfig;
+  constexpr auto run = &Config::run;
+  return {
+      row({"run", "executor",
+           "Where the work runs: \"local\" in this process, \"slurm\" as tasks of a cluster (see "
+           "[slurm])."},
+          binding::choice(run, &Run::executor, {"local", "slurm"}), none),
+      row({"run", "threads", "Threads to use; 0: as many as the machine has."},
+          binding::member(run, &Run::threads, IntegerRule{0, 4096}), none),
+      row({"run", "memory", "The most memory a process may use."},
+          binding::memory(run, &Run::memory, MemoryRule{least_memory}), none),
+  };
+}
+
+std::vector<Setting> slurm_settings() {
+  using Slurm = SlurmConfig;
+  constexpr auto slurm = &Config::slurm;
+  return {
+      row({"slurm", "partition", "The partition to submit to; \"\": the cluster's default."},
+          binding::member(slurm, &Slurm::partition, NameRule{}), none),
+      row({"slurm", "account", "The account to charge; \"\": the user's default."},
+          binding::member(slurm, &Slurm::account, NameRule{}), none),
+      row({"slurm", "qos", "The quality of service to ask for; \"\": the cluster's default."},
+          binding::member(slurm, &Slurm::qos, NameRule{}), none),
+      row({"slurm", "time", "The time limit of one task, as sbatch takes it."},
+          binding::member(slurm, &Slurm::time, TimeLimitRule{}), none),
+      row({"slurm", "cpus_per_task", "Processors of one task, and the threads it runs."},
+          binding::member(slurm, &Slurm::cpus_per_task, IntegerRule{1, 1024}), none),
+      row({"slurm", "mem",
+           "Memory to ask for a task. \"auto\" asks for run.memory and a margin, so that a task is "
+           "not killed for what the system counts besides."},
+          binding::memory(slurm, &Slurm::mem, MemoryRule{least_memory, true}), none),
+      row({"slurm", "max_array",
+           "The most tasks of one job array. The cluster's own limit is MaxArraySize."},
+          binding::member(slurm, &Slurm::max_array, IntegerRule{1, 1000000}), none),
+      row({"slurm", "max_running", "The most tasks to run at once; 0: no limit but the cluster's."},
+          binding::member(slurm, &Slurm::max_running, IntegerRule{0, 1000000}), none),
+      row({"slurm", "shards_per_task",
+           "Shards one task works through. \"auto\" goes by how many there are."},
+          binding::integer_or_auto(slurm, &Slurm::shards_per_task, IntegerRule{1, no_limit}), none),
+      row({"slurm", "retries", "How often a task that failed or was lost is submitted again."},
+          binding::member(slurm, &Slurm::retries, IntegerRule{0, 100}), none),
+      row({"slurm", "extra",
+           "Further options for sbatch, each as it would stand after #SBATCH: "
+           "[\"--constraint=avx2\", \"--exclusive\"]."},
+          binding::member(slurm, &Slurm::extra, OptionListRule{reserved_options()}), none),
+      row({"slurm", "prologue",
+           "Shell lines to run before a task's command: [\"module load gcc/12\"]."},
+          binding::member(slurm, &Slurm::prologue, LineListRule{}), none),
+  };
+}
+
+}  // namespace voxweld::rows

@@ -1,0 +1,158 @@
+#include "storage/store/http_store.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "storage/http/http_service.h"
+#include "storage/support/error.h"
+#include "storage/support/hash.h"
+
+namespace voxweld {
+namespace {
+
+constexpr std::uint64_t largest_fetch = std::uint64_t{64} << 20;
+
+// As a path of an address: all but letters, digits and these marks in percent codes.
+std::string escaped(const std::string& key) {
+  constexpr std::string_view plain = "-._~/";
+  std::string text;
+  for (const char c : key) {
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    if (letter || plain.find(c) != std::string_view::npos)
+      text += c;
+    else
+      text += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return text;
+}
+
+[[noreturn]] void truncated(const std::string& name, std::uint64_t end, std::uint64_t size) {
+  throw FormatError(fmt::format("{}: truncated: bytes to {} wanted, it has {}", name, end, size));
+}
+
+class FetchedObject final : public StoredObject {
+ public:
+  FetchedObject(std::string name, std::vector<std::byte> bytes)
+      : name_(std::move(name)), bytes_(std::move(bytes)) {}
+  const std::string& name() const override { return name_; }
+  std::uint64_t size() const override { return bytes_.size(); }
+  void read(std::uint64_t offset, std::span<std::byte> out) const override {
+    if (offset > bytes_.size() || out.size() > bytes_.size() - offset)
+      truncated(name_, offset + out.size(), bytes_.size());
+    if (!out.empty()) std::memcpy(out.data(), bytes_.data() + offset, out.size());
+  }
+
+ private:
+  std::string name_;
+  std::vector<std::byte> bytes_;
+};
+
+class RangedObject final : public StoredObject {
+ public:
+  RangedObject(std::string name, std::uint64_t size) : name_(std::move(name)), size_(size) {}
+  const std::string& name() const override { return name_; }
+  std::uint64_t size() const override { return size_; }
+  void read(std::uint64_t offset, std::span<std::byte> out) const override {
+    if (out.empty()) return;
+    if (offset > size_ || out.size() > size_ - offset)
+      truncated(name_, offset + out.size(), size_);
+    const HttpAnswer answer = send_http({.url = name_,
+                                         .range = HttpRequest::Range{offset, out.size()},
+                                         .most_bytes = std::max<std::uint64_t>(
+                                             largest_fetch, out.size())});
+    // A server may answer a range with the whole.
+    const std::uint64_t begin = answer.status == 206 ? 0 : offset;
+    if (!answer.found() || answer.body.size() < begin + out.size() ||
+        (answer.status == 206 && answer.body.size() != out.size()))
+      truncated(name_, offset + out.size(), begin + answer.body.size());
+    std::memcpy(out.data(), answer.body.data() + begin, out.size());
+  }
+
+ private:
+  std::string name_;
+  std::uint64_t size_;
+};
+
+class HttpStore final : public ByteStore {
+ public:
+  HttpStore(std::string base, std::string query)
+      : base_(std::move(base)), query_(std::move(query)) {
+    while (base_.ends_with('/')) base_.pop_back();
+  }
+
+  std::string name() const override { return base_; }
+
+  std::unique_ptr<StoredObject> open(const std::string& key, ObjectUse use) const override {
+    HttpRequest request{.url = address(key), .most_bytes = largest_fetch};
+    // The answer to the first byte tells how many there are.
+    if (use == ObjectUse::ranges) request.range = HttpRequest::Range{0, 1};
+    HttpAnswer answer = send_http(request);
+    if (!answer.found()) return nullptr;
+    if (answer.status == 200)
+      return std::make_unique<FetchedObject>(request.url, std::move(answer.body));
+    if (!answer.size)
+      throw FormatError(request.url + ": the server gives a byte range and does not say of how many "
+                                      "bytes; download it and read it from a disk");
+    return std::make_unique<RangedObject>(request.url, *answer.size);
+  }
+
+  bool holds(const std::string& key) const override { return key.empty() || look(key).found(); }
+
+  std::optional<std::vector<std::string>> list(const std::string& /*folder*/) const override {
+    return std::nullopt;
+  }
+
+  // A chunk that is fetched whole.
+  std::uint64_t object_memory(const std::string& /*folder*/) const override {
+    return largest_fetch;
+  }
+
+  std::optional<std::filesystem::path> file_of(const std::string& /*key*/) const override {
+    return std::nullopt;
+  }
+
+  // In place of times what the server calls the version.
+  InputFile input_file(const std::string& key) const override {
+    const HttpAnswer answer = look(key);
+    const Hash128 version = KeyHasher().text(answer.etag).text(answer.modified).finish();
+    return {address(key),
+            {answer.size.value_or(0), static_cast<std::int64_t>(version.lo),
+             static_cast<std::int64_t>(version.hi)}};
+  }
+
+  Above above() const override {
+    const std::size_t host = base_.find("//") + 2, slash = base_.rfind('/');
+    if (slash == std::string::npos || slash < host) return {};
+    return {std::make_shared<HttpStore>(base_.substr(0, slash), query_), base_.substr(slash + 1)};
+  }
+
+ private:
+  std::string address(const std::string& key) const {
+    return (key.empty() ? base_ : base_ + '/' + escaped(key)) + query_;
+  }
+
+  // Some servers answer no HEAD.
+  HttpAnswer look(const std::string& key) const {
+    HttpRequest request{.url = address(key), .method = HttpRequest::Method::head};
+    try {
+      return send_http(request);
+    } catch (const InputError&) {
+      request.method = HttpRequest::Method::get;
+      request.range = HttpRequest::Range{0, 1};
+      return send_http(request);
+    }
+  }
+
+  std::string base_, query_;
+};
+
+}  // namespace
+
+std::shared_ptr<const ByteStore> http_store(const std::string& url) {
+  const std::size_t question = std::min(url.find('?'), url.size());
+  return std::make_shared<HttpStore>(url.substr(0, question), url.substr(question));
+}
+
+}  // namespace voxweld
