@@ -39,6 +39,10 @@ const VolumeReader& reader_by_probe(const InputSpec& spec, std::span<const Volum
   // A stated layout is as good as the name ".raw".
   if (by_name == nullptr && probe.is_file && spec.raw.size && spec.raw.type)
     by_name = &reader_by_name({.path = spec.path, .format = "raw"}, readers);
+  if (is_url(spec.path))
+    throw InputError(spec.path +
+                     ": the server has no zarr.json, .zarray, .zgroup or attributes.json there; "
+                     "correct the address. Of other formats than Zarr and N5, download the files");
   if (by_name != nullptr) return *by_name;
   require_input_file(spec.path);
   throw InputError(fmt::format(

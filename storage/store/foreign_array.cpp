@@ -6,10 +6,12 @@
 #include <system_error>
 
 #include "storage/store/array_listing.h"
+#include "storage/store/http_store.h"
 #include "storage/store/n5.h"
 #include "storage/store/zarr_fields.h"
 #include "storage/store/zip_store.h"
 #include "storage/support/error.h"
+#include "storage/support/text_fields.h"
 
 namespace voxweld {
 namespace {
@@ -174,6 +176,7 @@ class ArraySearch {
 }  // namespace
 
 std::shared_ptr<const ByteStore> open_byte_store(const std::string& path) {
+  if (is_url(path)) return http_store(path);
   std::error_code ignored;
   if (std::filesystem::is_regular_file(path, ignored) && is_zip_file(path)) return zip_store(path);
   return folder_store(path);

@@ -25,7 +25,7 @@ struct ForeignArray {
 // or chooses what is not there; FormatError for what is damaged or not supported.
 ForeignArray find_foreign_array(const InputSpec& spec, ArrayFamily family);
 
-// The folder, or what the zip file at the path holds.
+// The folder, what the zip file at the path holds, or what lies at the address of a server.
 std::shared_ptr<const ByteStore> open_byte_store(const std::string& path);
 
 // What find_foreign_array reads: the array that `name` of `format` ("zarr", "n5") is.

@@ -3,16 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 
 #include "storage/http/http_service.h"
+#include "storage/support/bounded_cache.h"
 #include "storage/support/error.h"
 #include "storage/support/hash.h"
 
 namespace voxweld {
 namespace {
 
-constexpr std::uint64_t largest_fetch = std::uint64_t{64} << 20;
+constexpr std::uint64_t largest_fetch = std::uint64_t{32} << 20;
 
 // As a path of an address: all but letters, digits and these marks in percent codes.
 std::string escaped(const std::string& key) {
@@ -49,19 +51,45 @@ class FetchedObject final : public StoredObject {
   std::vector<std::byte> bytes_;
 };
 
+// Small ranges lie side by side in shards, and each request is a journey: they are cut from blocks,
+// of which some are kept.
+constexpr std::uint64_t block_bytes = std::uint64_t{1} << 20;
+constexpr std::size_t kept_blocks = 32;
+using Block = std::vector<std::byte>;
+using BlockCache = BoundedCache<Block>;
+
 class RangedObject final : public StoredObject {
  public:
-  RangedObject(std::string name, std::uint64_t size) : name_(std::move(name)), size_(size) {}
+  RangedObject(std::string name, std::uint64_t size, std::shared_ptr<BlockCache> blocks)
+      : name_(std::move(name)), size_(size), blocks_(std::move(blocks)) {
+    static std::atomic<std::uint64_t> objects = 0;
+    id_ = objects.fetch_add(1, std::memory_order_relaxed);
+  }
   const std::string& name() const override { return name_; }
   std::uint64_t size() const override { return size_; }
   void read(std::uint64_t offset, std::span<std::byte> out) const override {
-    if (out.empty()) return;
-    if (offset > size_ || out.size() > size_ - offset)
-      truncated(name_, offset + out.size(), size_);
-    const HttpAnswer answer = send_http({.url = name_,
-                                         .range = HttpRequest::Range{offset, out.size()},
-                                         .most_bytes = std::max<std::uint64_t>(
-                                             largest_fetch, out.size())});
+    if (offset > size_ || out.size() > size_ - offset) truncated(name_, offset + out.size(), size_);
+    if (out.size() > block_bytes) return fetch(offset, out);
+    while (!out.empty()) {
+      const std::uint64_t number = offset / block_bytes, begin = number * block_bytes;
+      const auto block = blocks_->get(id_ << 32 | number, [&] {
+        auto bytes = std::make_shared<Block>(std::min(block_bytes, size_ - begin));
+        fetch(begin, *bytes);
+        return bytes;
+      });
+      const std::size_t part = std::min<std::size_t>(out.size(), block->size() - (offset - begin));
+      std::memcpy(out.data(), block->data() + (offset - begin), part);
+      out = out.subspan(part);
+      offset += part;
+    }
+  }
+
+ private:
+  void fetch(std::uint64_t offset, std::span<std::byte> out) const {
+    const HttpAnswer answer =
+        send_http({.url = name_,
+                   .range = HttpRequest::Range{offset, out.size()},
+                   .most_bytes = std::max<std::uint64_t>(largest_fetch, out.size())});
     // A server may answer a range with the whole.
     const std::uint64_t begin = answer.status == 206 ? 0 : offset;
     if (!answer.found() || answer.body.size() < begin + out.size() ||
@@ -70,9 +98,9 @@ class RangedObject final : public StoredObject {
     std::memcpy(out.data(), answer.body.data() + begin, out.size());
   }
 
- private:
   std::string name_;
-  std::uint64_t size_;
+  std::uint64_t size_, id_ = 0;
+  std::shared_ptr<BlockCache> blocks_;
 };
 
 class HttpStore final : public ByteStore {
@@ -93,9 +121,10 @@ class HttpStore final : public ByteStore {
     if (answer.status == 200)
       return std::make_unique<FetchedObject>(request.url, std::move(answer.body));
     if (!answer.size)
-      throw FormatError(request.url + ": the server gives a byte range and does not say of how many "
-                                      "bytes; download it and read it from a disk");
-    return std::make_unique<RangedObject>(request.url, *answer.size);
+      throw FormatError(request.url +
+                        ": the server gives a byte range and does not say of how many "
+                        "bytes; download it and read it from a disk");
+    return std::make_unique<RangedObject>(request.url, *answer.size, blocks_);
   }
 
   bool holds(const std::string& key) const override { return key.empty() || look(key).found(); }
@@ -146,6 +175,7 @@ class HttpStore final : public ByteStore {
   }
 
   std::string base_, query_;
+  std::shared_ptr<BlockCache> blocks_ = std::make_shared<BlockCache>(kept_blocks);
 };
 
 }  // namespace

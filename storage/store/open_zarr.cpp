@@ -7,6 +7,7 @@
 #include "storage/store/zip_store.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
+#include "storage/support/text_fields.h"
 #include "storage/types/chunked_access.h"
 #include "storage/volumes/axes.h"
 
@@ -80,9 +81,18 @@ bool folder_holds(const InputProbe& probe, std::initializer_list<std::string> na
          });
 }
 
+// Whether the server has metadata of one of these names at the address.
+bool server_holds(const InputProbe& probe, std::initializer_list<std::string> names) {
+  const std::string path = probe.path.string();
+  if (!is_url(path)) return false;
+  const auto store = open_byte_store(path);
+  return std::ranges::any_of(names, [&](const std::string& name) { return store->holds(name); });
+}
+
 Match test_zarr(const InputProbe& probe) {
   const std::initializer_list<std::string> names{"zarr.json", ".zarray", ".zgroup"};
-  if (folder_holds(probe, names) || zip_holds(probe, names)) return Match::contents;
+  if (folder_holds(probe, names) || zip_holds(probe, names) || server_holds(probe, names))
+    return Match::contents;
   const std::string name = probe.path.filename().string();
   const bool named = (probe.is_directory && probe.extension == ".zarr") ||
                      (probe.is_file && (probe.extension == ".ozx" || name.ends_with(".zarr.zip")));
@@ -104,6 +114,7 @@ bool speaks_of_n5(const fs::path& file) {
 Match test_n5(const InputProbe& probe) {
   const std::string metadata = "attributes.json";
   if (folder_holds(probe, {"s0/" + metadata}) || zip_holds(probe, {metadata}) ||
+      server_holds(probe, {metadata}) ||
       (probe.is_directory && speaks_of_n5(probe.path / metadata)))
     return Match::contents;
   const std::string name = probe.path.filename().string();

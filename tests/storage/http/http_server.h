@@ -12,6 +12,7 @@ namespace voxweld::testing {
 class HttpServer {
  public:
   HttpServer() : port_(server_.bind_to_any_port("127.0.0.1")) {
+    server_.set_tcp_nodelay(true);
     server_.set_keep_alive_timeout(1);  // seconds that stop() may wait
   }
   ~HttpServer() {
