@@ -13,6 +13,8 @@ source "$root/pipeline/apt_packages.sh"
 packages=(
   # tests
   libgtest-dev libgmock-dev librapidcheck-dev git xz-utils zstd time
+  # other readers and writers of volumes
+  python3-numpy python3-vtk9
   # checks
   clang-format clang-tidy
 )

@@ -50,8 +50,13 @@ std::string settle_raw(const ReadFile& file, DataLayout::Part& part, const DataL
     return {};
   }
   part.offset += static_cast<std::uint64_t>(layout.skip_bytes);
+  if (part.stored_bytes && *part.stored_bytes < bytes)
+    throw FormatError(fmt::format(
+        "{}: {} bytes from byte {} on are the samples', but the sizes need {}: correct the header",
+        file.path(), *part.stored_bytes, part.offset, bytes));
   if (part.offset > file.size() || file.size() - part.offset < bytes)
     fail_truncated(file, part.offset, bytes);
+  if (part.stored_bytes) return {};
   if (const std::uint64_t rest = file.size() - part.offset - bytes; rest > 0)
     return fmt::format(
         "{}: {} bytes after the samples are ignored ({} expected from byte {} on, the "
@@ -77,7 +82,8 @@ void check_deflated_size(const ReadFile& file, const DataLayout::Part& part, std
 void check_text_size(const ReadFile& file, const DataLayout::Part& part, const DataLayout& layout,
                      std::uint64_t samples) {
   const std::uint64_t offset = part.offset + static_cast<std::uint64_t>(layout.skip_bytes);
-  const std::uint64_t rest = file.size() - std::min(file.size(), offset);
+  const std::uint64_t rest = std::min(file.size() - std::min(file.size(), offset),
+                                      part.stored_bytes.value_or(file.size()));
   if (rest >= samples) return;
   throw FormatError(fmt::format(
       "{}: truncated: the header announces {} samples, but the {} bytes of text from byte {} on "

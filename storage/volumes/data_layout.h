@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,9 @@ struct DataLayout {
     std::filesystem::path path;
     std::uint64_t offset = 0;  // of the first stored byte in the file
     int skip_lines = 0;        // lines of text from there to the first stored byte
+    // From `offset` on, where the header says how many are its own: others may follow. Unset: all
+    // that is left of the file.
+    std::optional<std::uint64_t> stored_bytes{};
   };
   std::vector<Part> parts;
   DataEncoding encoding = DataEncoding::raw;

@@ -92,7 +92,10 @@ class DeflatedPart final : public PartStream {
 class TextPart final : public PartStream {
  public:
   TextPart(const DataLayout::Part& part, std::uint64_t skip_bytes, SampleType type)
-      : file_(part.path), at_(part.offset + skip_bytes), type_(type) {}
+      : file_(part.path),
+        at_(part.offset + skip_bytes),
+        end_(std::min(file_.size(), part.offset + part.stored_bytes.value_or(file_.size()))),
+        type_(type) {}
 
   void read(std::span<std::byte> out) override {
     dispatch_sample_type(type_, [&](auto tag) {
@@ -121,7 +124,7 @@ class TextPart final : public PartStream {
 
   int next_char() {  // -1 at the end
     if (used_ == block_.size()) {
-      const std::uint64_t rest = at_ < file_.size() ? file_.size() - at_ : 0;
+      const std::uint64_t rest = at_ < end_ ? end_ - at_ : 0;
       if (rest == 0) return -1;
       block_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(rest, block_bytes)));
       file_.read(at_, block_);
@@ -147,7 +150,7 @@ class TextPart final : public PartStream {
   }
 
   ReadFile file_;
-  std::uint64_t at_;
+  std::uint64_t at_, end_;
   SampleType type_;
   std::uint64_t samples_ = 0;
   std::vector<std::byte> block_;

@@ -7,6 +7,7 @@
 
 #include "tests/fuzz/mutation.h"
 #include "tests/fuzz/specimens.h"
+#include "tests/fuzz/vtk_specimens.h"
 #include "tests/storage/image/tiff_writer.h"
 #include "tests/support/deflated.h"
 #include "tests/support/watched_process.h"
@@ -255,6 +256,8 @@ std::vector<Specimen> write_volumes(const fs::path& program, const fs::path& roo
   to.add("raw", {{"v.raw", raw}},
          fmt::format("format = \"raw\"\nsize = [{}, {}, {}]\ntype = \"int16\"\n", size_x, size_y,
                      size_z));
+  for (const SmallFile& file : vtk_files({size_x, size_y, size_z}, raw, text))
+    to.add(file.name, {{file.path, file.bytes}});
   Specimen zarr = to.begin("zarr");
   write_zarr(zarr.folder / "v.zarr");
   to.finish(std::move(zarr), "v.zarr");
