@@ -14,7 +14,7 @@ packages=(
   # tests
   libgtest-dev libgmock-dev librapidcheck-dev git xz-utils zstd time
   # other readers and writers of volumes
-  python3-numpy python3-vtk9
+  python3-numpy python3-vtk9 python3-mrcfile
   # checks
   clang-format clang-tidy
 )

@@ -30,6 +30,10 @@ VolumeReader nifti_reader();
 //   SCALE              2**n; others (RX, RY, RZ: rotation) are not looked at
 VolumeReader inrimage_reader();
 
+// MRC and CCP4 maps, also compressed with gzip: ccpem.ac.uk/mrc_format. Of electron microscopy, in
+// angstrom. Columns, rows and sections may run along x, y and z in any order.
+VolumeReader mrc_reader();
+
 // Headerless samples: everything about them is the caller's to say. Told by name only: .raw and
 // .bin. InputError for a bad layout and where the spec's raw pieces lack size or type; FormatError
 // when the file is shorter than they say.

@@ -111,6 +111,23 @@ std::string inrimage_header() {
   return text + "##}\n";
 }
 
+std::string mrc_header() {
+  std::string h(1024, '\0');
+  const int sides[3] = {size_x, size_y, size_z};
+  for (std::size_t i = 0; i < 3; ++i) {
+    put_at(h, 4 * i, sides[i]);
+    put_at(h, 28 + 4 * i, sides[i]);
+    put_at(h, 40 + 4 * i, 1.5F * static_cast<float>(sides[i]));
+    put_at(h, 52 + 4 * i, 90.0F);
+    put_at(h, 64 + 4 * i, static_cast<int>(i) + 1);
+  }
+  put_at(h, 12, 1);
+  put_at(h, 88, 1);
+  put_at(h, 108, 20140);
+  std::memcpy(h.data() + 208, "MAP DD", 6);
+  return h;
+}
+
 // One with gzip, not sharded.
 void write_zarr(const fs::path& folder) {
   fs::create_directories(folder);
@@ -253,6 +270,12 @@ std::vector<Specimen> write_volumes(const fs::path& program, const fs::path& roo
   to.add("nifti2-gzip", {{"v.nii.gz", packed(nifti_header(2, 544, true) + raw)}});
   to.add("inrimage", {{"v.inr", inrimage_header() + raw}});
   to.add("inrimage-gzip", {{"v.inr.gz", packed(inrimage_header() + raw)}});
+  to.add("mrc", {{"v.mrc", mrc_header() + raw}});
+  std::string mrc = mrc_header();
+  put_at(mrc, 64, 3);
+  put_at(mrc, 72, 1);
+  to.add("mrc-turned", {{"v.map", mrc + raw}});
+  to.add("mrc-gzip", {{"v.mrc.gz", packed(mrc_header() + raw)}});
   to.add("raw", {{"v.raw", raw}},
          fmt::format("format = \"raw\"\nsize = [{}, {}, {}]\ntype = \"int16\"\n", size_x, size_y,
                      size_z));
