@@ -18,6 +18,8 @@ namespace voxweld {
 enum class DataEncoding {
   raw,       // the samples' bytes
   deflated,  // the same in a gzip or zlib stream
+  bzip2,     // in a bzip2 stream
+  byte_rle,  // in runs of bytes: n < 128 and a byte to repeat n times, or 128 + n and n bytes
   text,      // numbers separated by blanks or commas
 };
 
@@ -34,7 +36,7 @@ struct DataLayout {
   std::vector<Part> parts;
   DataEncoding encoding = DataEncoding::raw;
   std::endian byte_order = std::endian::little;  // of the samples; nothing to `text`
-  // Bytes before the samples once decoded (raw, deflated); unset: the samples end the data.
+  // Bytes before the samples once decoded (not of text); unset: the samples end the data.
   std::int64_t skip_bytes = 0;
   bool samples_at_end = false;
   // What the message about a missing data file points at: "scan.mhd:9: field 'ElementDataFile'".

@@ -8,7 +8,7 @@
 namespace voxweld {
 
 // NRRD, attached (.nrrd) and detached (.nhdr): teem.sourceforge.net/nrrd/format.html. 3-D scalar
-// volumes, also with further axes of size 1; encodings raw, gzip and text.
+// volumes, also with further axes of size 1; encodings raw, gzip, bzip2 and text.
 VolumeReader nrrd_reader();
 
 // MetaImage, .mha (header and samples) and .mhd (header beside the samples), as ITK reads them. 3-D
