@@ -88,7 +88,7 @@ InputProbe probe_input(const std::string& path) {
 std::span<const VolumeReader> volume_readers() {
   static const std::vector<VolumeReader> table = {
       nrrd_reader(),  metaimage_reader(), nifti_reader(), inrimage_reader(), vti_reader(),
-      vtk_reader(),   mrc_reader(),       raw_reader(),   zarr_reader(),
+      vtk_reader(),   mrc_reader(),       amira_reader(), raw_reader(),      zarr_reader(),
       stack_reader(),  // last: it takes every directory
   };
   return table;

@@ -34,6 +34,10 @@ VolumeReader inrimage_reader();
 // angstrom. Columns, rows and sections may run along x, y and z in any order.
 VolumeReader mrc_reader();
 
+// Amira and Avizo: .am, "# AmiraMesh" or "# Avizo": lattices with uniform coordinates; text or binary
+// in either byte order, plain, in runs of bytes (HxByteRLE) or deflated (HxZip).
+VolumeReader amira_reader();
+
 // Headerless samples: everything about them is the caller's to say. Told by name only: .raw and
 // .bin. InputError for a bad layout and where the spec's raw pieces lack size or type; FormatError
 // when the file is shorter than they say.

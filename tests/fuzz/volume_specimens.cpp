@@ -128,6 +128,28 @@ std::string mrc_header() {
   return h;
 }
 
+std::string amira_file(const std::string& place, const std::string& data) {
+  return fmt::format(
+      "# AmiraMesh BINARY-LITTLE-ENDIAN 2.1\n\ndefine Lattice {} {} {}\n\nParameters {{\n"
+      "    Materials {{ Exterior {{ Id 1 }} Ball {{ Id 2 }} }}\n    BoundingBox 0 19 0 17 0 15,\n"
+      "    CoordType \"uniform\"\n}}\n\nLattice {{ short Data }} {}\n\n# Data section follows\n"
+      "@1\n{}\n",
+      size_x, size_y, size_z, place, data);
+}
+
+// In runs of one byte, or of up to 100 others.
+std::string byte_runs(const std::string& bytes) {
+  std::string runs;
+  for (std::size_t at = 0; at < bytes.size(); at += 100) {
+    const std::string part = bytes.substr(at, 100);
+    if (part.find_first_not_of(part[0]) == std::string::npos)
+      runs += {static_cast<char>(part.size()), part[0]};
+    else
+      runs += static_cast<char>(128 + part.size()) + part;
+  }
+  return runs;
+}
+
 // One with gzip, not sharded.
 void write_zarr(const fs::path& folder) {
   fs::create_directories(folder);
@@ -276,6 +298,11 @@ std::vector<Specimen> write_volumes(const fs::path& program, const fs::path& roo
   put_at(mrc, 72, 1);
   to.add("mrc-turned", {{"v.map", mrc + raw}});
   to.add("mrc-gzip", {{"v.mrc.gz", packed(mrc_header() + raw)}});
+  to.add("amira", {{"v.am", amira_file("@1", raw)}});
+  const std::string runs = byte_runs(raw);
+  to.add("amira-runs", {{"v.am", amira_file(fmt::format("@1(HxByteRLE,{})", runs.size()), runs)}});
+  to.add("amira-zip",
+         {{"v.am", amira_file(fmt::format("@1(HxZip,{})", deflated_raw.size()), deflated_raw)}});
   to.add("raw", {{"v.raw", raw}},
          fmt::format("format = \"raw\"\nsize = [{}, {}, {}]\ntype = \"int16\"\n", size_x, size_y,
                      size_z));
