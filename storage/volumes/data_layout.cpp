@@ -70,8 +70,8 @@ std::string settle_raw(const ReadFile& file, DataLayout::Part& part, const DataL
 // that out by reading would take as long as it likes.
 constexpr std::uint64_t best_deflate_ratio = 1032;
 
-// A block of bzip2 is of 900 kB at most, in which a run of 255 equal bytes takes 5, and takes 32 bytes
-// at least.
+// A block of bzip2 is of 900 kB at most, in which a run of 259 equal bytes takes 5, and takes 32 bytes
+// at least in the file.
 constexpr std::uint64_t best_bzip2_ratio = 900'000 / 5 * 259 / 32;
 constexpr std::uint64_t best_rle_ratio = 64;
 
