@@ -12,8 +12,9 @@ source "$root/pipeline/apt_packages.sh"
 
 packages=(
   # tests
-  libgtest-dev libgmock-dev librapidcheck-dev git xz-utils zstd time python3-zarr
-  libcpp-httplib-dev
+  libgtest-dev libgmock-dev librapidcheck-dev libcpp-httplib-dev git xz-utils zstd time
+  # other readers and writers of volumes
+  python3-numpy python3-zarr python3-vtk9 python3-mrcfile
   # checks
   clang-format clang-tidy
 )

@@ -15,6 +15,7 @@
 #include "storage/volumes/filters.h"
 #include "storage/volumes/inflate_stream.h"
 #include "storage/volumes/readers.h"
+#include "storage/vtk/readers.h"
 
 namespace voxweld {
 namespace {
@@ -91,6 +92,7 @@ InputProbe probe_input(const std::string& path) {
 std::span<const VolumeReader> volume_readers() {
   static const std::vector<VolumeReader> table = {
       nrrd_reader(),  metaimage_reader(), nifti_reader(), inrimage_reader(),
+      vti_reader(),   vtk_reader(),       mrc_reader(),   amira_reader(),
       raw_reader(),   zarr_reader(),      n5_reader(),
       stack_reader(),  // last: it takes every directory
   };

@@ -9,6 +9,7 @@
 #include "storage/support/byte_order.h"
 #include "storage/support/error.h"
 #include "storage/support/text_fields.h"
+#include "storage/volumes/decoded_stream.h"
 #include "storage/volumes/inflate_stream.h"
 
 namespace voxweld {
@@ -50,8 +51,13 @@ std::string settle_raw(const ReadFile& file, DataLayout::Part& part, const DataL
     return {};
   }
   part.offset += static_cast<std::uint64_t>(layout.skip_bytes);
+  if (part.stored_bytes && *part.stored_bytes < bytes)
+    throw FormatError(fmt::format(
+        "{}: {} bytes from byte {} on are the samples', but the sizes need {}: correct the header",
+        file.path(), *part.stored_bytes, part.offset, bytes));
   if (part.offset > file.size() || file.size() - part.offset < bytes)
     fail_truncated(file, part.offset, bytes);
+  if (part.stored_bytes) return {};
   if (const std::uint64_t rest = file.size() - part.offset - bytes; rest > 0)
     return fmt::format(
         "{}: {} bytes after the samples are ignored ({} expected from byte {} on, the "
@@ -64,20 +70,35 @@ std::string settle_raw(const ReadFile& file, DataLayout::Part& part, const DataL
 // that out by reading would take as long as it likes.
 constexpr std::uint64_t best_deflate_ratio = 1032;
 
-void check_deflated_size(const ReadFile& file, const DataLayout::Part& part, std::uint64_t needed) {
-  const std::uint64_t stored = file.size() - part.offset;
-  if (needed / best_deflate_ratio <= stored) return;
+// A block of bzip2 is of 900 kB at most, in which a run of 259 equal bytes takes 5, and takes 32 bytes
+// at least in the file.
+constexpr std::uint64_t best_bzip2_ratio = 900'000 / 5 * 259 / 32;
+constexpr std::uint64_t best_rle_ratio = 64;
+
+std::uint64_t best_ratio_of(DataEncoding encoding) {
+  return encoding == DataEncoding::bzip2      ? best_bzip2_ratio
+         : encoding == DataEncoding::byte_rle ? best_rle_ratio
+                                              : best_deflate_ratio;
+}
+
+void check_packed_size(const ReadFile& file, const DataLayout::Part& part, DataEncoding encoding,
+                       std::uint64_t needed) {
+  const std::uint64_t stored = std::min(file.size() - std::min(file.size(), part.offset),
+                                        part.stored_bytes.value_or(file.size()));
+  const std::uint64_t ratio = best_ratio_of(encoding);
+  if (needed / ratio <= stored) return;
   throw FormatError(fmt::format(
       "{}: truncated: the header announces {} bytes of samples, but the file's {} compressed bytes "
       "hold at most {}: get a complete copy or correct the sizes",
-      file.path(), needed, stored, stored * best_deflate_ratio));
+      file.path(), needed, stored, stored * ratio));
 }
 
 // Each number takes a digit. Of the separators the one who reads knows more.
 void check_text_size(const ReadFile& file, const DataLayout::Part& part, const DataLayout& layout,
                      std::uint64_t samples) {
   const std::uint64_t offset = part.offset + static_cast<std::uint64_t>(layout.skip_bytes);
-  const std::uint64_t rest = file.size() - std::min(file.size(), offset);
+  const std::uint64_t rest = std::min(file.size() - std::min(file.size(), offset),
+                                      part.stored_bytes.value_or(file.size()));
   if (rest >= samples) return;
   throw FormatError(fmt::format(
       "{}: truncated: the header announces {} samples, but the {} bytes of text from byte {} on "
@@ -95,11 +116,14 @@ std::string settle_deflated(const ReadFile& file, const DataLayout::Part& part,
         "{}: the header announces compressed samples from byte {} on, but there is no gzip or zlib "
         "stream there: correct the encoding, the offset or the file",
         file.path(), part.offset));
-  check_deflated_size(file, part, bytes + static_cast<std::uint64_t>(layout.skip_bytes));
+  check_packed_size(file, part, layout.encoding,
+                    bytes + static_cast<std::uint64_t>(layout.skip_bytes));
   // A gzip file ends with its decoded size modulo 2^32 (of the last member, where several are
   // joined, so that it can only hint).
   std::byte size_bytes[4];
-  if (!looks_gzip(head) || layout.samples_at_end || file.size() < part.offset + 18) return {};
+  if (!looks_gzip(head) || layout.samples_at_end || part.stored_bytes ||
+      file.size() < part.offset + 18)
+    return {};
   file.read(file.size() - 4, size_bytes);
   const auto stated = load_as<std::uint32_t>(size_bytes, 0, std::endian::little);
   const std::uint64_t needed = bytes + static_cast<std::uint64_t>(layout.skip_bytes);
@@ -109,6 +133,21 @@ std::string settle_deflated(const ReadFile& file, const DataLayout::Part& part,
         "(modulo 2^32): the file may be truncated, or its sizes wrong",
         file.path(), stated, needed);
   return {};
+}
+
+void settle_packed(const ReadFile& file, const DataLayout::Part& part, const DataLayout& layout,
+                   std::uint64_t bytes) {
+  std::vector<std::byte> head(static_cast<std::size_t>(
+      part.offset < file.size() ? std::min<std::uint64_t>(4, file.size() - part.offset) : 0));
+  if (!head.empty()) file.read(part.offset, head);
+  if (layout.encoding == DataEncoding::bzip2 && !looks_bzip2(head))
+    throw FormatError(
+        fmt::format("{}: the header announces samples compressed by bzip2 from byte {} on, but "
+                    "there is no such "
+                    "stream there: correct the encoding, the offset or the file",
+                    file.path(), part.offset));
+  check_packed_size(file, part, layout.encoding,
+                    bytes + static_cast<std::uint64_t>(layout.skip_bytes));
 }
 
 }  // namespace
@@ -182,6 +221,8 @@ std::unique_ptr<SampleSource> open_layout(VolumeInfo info, DataLayout layout) {
     if (layout.encoding == DataEncoding::raw) said = settle_raw(file, part, layout, bytes);
     if (layout.encoding == DataEncoding::deflated)
       said = settle_deflated(file, part, layout, bytes);
+    if (layout.encoding == DataEncoding::bzip2 || layout.encoding == DataEncoding::byte_rle)
+      settle_packed(file, part, layout, bytes);
     if (layout.encoding == DataEncoding::text)
       check_text_size(file, part, layout, bytes / sample_bytes(info.type));
     if (said.empty()) continue;

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ namespace voxweld {
 enum class DataEncoding {
   raw,       // the samples' bytes
   deflated,  // the same in a gzip or zlib stream
+  bzip2,     // in a bzip2 stream
+  byte_rle,  // in runs of bytes: n < 128 and a byte to repeat n times, or 128 + n and n bytes
   text,      // numbers separated by blanks or commas
 };
 
@@ -26,11 +29,14 @@ struct DataLayout {
     std::filesystem::path path;
     std::uint64_t offset = 0;  // of the first stored byte in the file
     int skip_lines = 0;        // lines of text from there to the first stored byte
+    // From `offset` on, where the header says how many are its own: others may follow. Unset: all
+    // that is left of the file.
+    std::optional<std::uint64_t> stored_bytes{};
   };
   std::vector<Part> parts;
   DataEncoding encoding = DataEncoding::raw;
   std::endian byte_order = std::endian::little;  // of the samples; nothing to `text`
-  // Bytes before the samples once decoded (raw, deflated); unset: the samples end the data.
+  // Bytes before the samples once decoded (not of text); unset: the samples end the data.
   std::int64_t skip_bytes = 0;
   bool samples_at_end = false;
   // What the message about a missing data file points at: "scan.mhd:9: field 'ElementDataFile'".

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "storage/support/file_io.h"
+#include "storage/volumes/decoded_stream.h"
 
 namespace voxweld {
 
@@ -20,18 +21,16 @@ bool looks_deflated(std::span<const std::byte> head);
 
 // Which of gzip and zlib it is, is told from the first bytes. Concatenated gzip members are one
 // stream; bytes after the last member are ignored, as gzip does.
-class InflateStream {
+class InflateStream final : public DecodedStream {
  public:
   // The stream starts at byte `offset` of the file. The file must outlive the object.
   InflateStream(const ReadFile& file, std::uint64_t offset);
-  ~InflateStream();
+  ~InflateStream() override;
   InflateStream(const InflateStream&) = delete;
   InflateStream& operator=(const InflateStream&) = delete;
 
-  // Decodes into `out`; returns the bytes written, fewer than asked only at the end of the stream,
-  // whose checksum has been verified then. FormatError for corrupt or truncated data.
-  std::size_t read_some(std::span<std::byte> out);
-  std::uint64_t decoded() const { return decoded_; }
+  std::size_t read_some(std::span<std::byte> out) override;
+  std::uint64_t decoded() const override { return decoded_; }
 
  private:
   struct State;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "storage/support/error.h"
@@ -41,9 +42,10 @@ DataEncoding nrrd_encoding(const HeaderFields& fields) {
   const std::string name = lower(trim(field.value));
   if (name == "raw") return DataEncoding::raw;
   if (name == "gz" || name == "gzip") return DataEncoding::deflated;
+  if (name == "bz2" || name == "bzip2") return DataEncoding::bzip2;
   if (name == "txt" || name == "text" || name == "ascii") return DataEncoding::text;
   fields.fail(field, fmt::format("encoding '{}' is not supported: rewrite the file as raw or gzip "
-                                 "(supported: raw, gzip, ascii)",
+                                 "(supported: raw, gzip, bzip2, ascii)",
                                  name.substr(0, 40)));
 }
 
@@ -54,6 +56,26 @@ std::endian nrrd_byte_order(const HeaderFields& fields, SampleType type, DataEnc
   if (name == "little") return std::endian::little;
   if (name == "big") return std::endian::big;
   fields.reject(field, "little or big");
+}
+
+// How many files share the samples, of which `named` are named. `within`: dimensions a file. With as
+// many as the volume has, each holds the same number of slices.
+std::int64_t files_needed(const NrrdAxes& axes, std::int64_t within, std::int64_t named,
+                          const HeaderFields& fields, const HeaderField& field) {
+  if (within != static_cast<std::int64_t>(axes.sizes.size()))
+    return expected_files(axes.sizes, within, fields, field);
+  if (named < 1 || named > max_files || axes.sizes.back() % named != 0)
+    fields.fail(field,
+                fmt::format("{} files cannot share {} slices evenly", named, axes.sizes.back()));
+  return named;
+}
+
+// Of the numbers first, last and step; 0 where the step is 0 or leads away.
+std::int64_t numbers_between(const std::vector<std::int64_t>& numbers) {
+  const double span = static_cast<double>(numbers[1]) - static_cast<double>(numbers[0]);
+  const double count = std::floor(span / static_cast<double>(numbers[2])) + 1;
+  return count >= 1 && count <= static_cast<double>(max_files) ? static_cast<std::int64_t>(count)
+                                                               : 0;
 }
 
 std::vector<std::string> pattern_names(const HeaderFields& fields, const HeaderField& field,
@@ -70,7 +92,8 @@ std::vector<std::string> pattern_names(const HeaderFields& fields, const HeaderF
   const auto dimension = static_cast<std::int64_t>(axes.sizes.size());
   const std::int64_t within = numbers.size() == 4 ? numbers[3] : dimension - 1;
   return expand_pattern({words[0], numbers[0], numbers[1], numbers[2]},
-                        expected_files(axes.sizes, within, fields, field), fields, field);
+                        files_needed(axes, within, numbers_between(numbers), fields, field), fields,
+                        field);
 }
 
 std::vector<std::string> listed_names(const NrrdText& text, const HeaderField& field,
@@ -86,7 +109,8 @@ std::vector<std::string> listed_names(const NrrdText& text, const HeaderField& f
   } else if (words.size() > 2) {
     fields.reject(field, "LIST and perhaps a number of dimensions");
   }
-  const std::int64_t expected = expected_files(axes.sizes, within, fields, field);
+  const std::int64_t expected =
+      files_needed(axes, within, static_cast<std::int64_t>(text.listed.size()), fields, field);
   if (static_cast<std::int64_t>(text.listed.size()) != expected)
     fields.fail(
         field, fmt::format("{} files are listed, the sizes need {}", text.listed.size(), expected));

@@ -8,7 +8,7 @@
 namespace voxweld {
 
 // NRRD, attached (.nrrd) and detached (.nhdr): teem.sourceforge.net/nrrd/format.html. 3-D scalar
-// volumes, also with further axes of size 1; encodings raw, gzip and text.
+// volumes, also with further axes of size 1; encodings raw, gzip, bzip2 and text.
 VolumeReader nrrd_reader();
 
 // MetaImage, .mha (header and samples) and .mhd (header beside the samples), as ITK reads them. 3-D
@@ -29,6 +29,14 @@ VolumeReader nifti_reader();
 //   VX, VY, VZ         distance of samples; TX, TY, TZ: where the first is
 //   SCALE              2**n; others (RX, RY, RZ: rotation) are not looked at
 VolumeReader inrimage_reader();
+
+// MRC and CCP4 maps, also compressed with gzip: ccpem.ac.uk/mrc_format. Of electron microscopy, in
+// angstrom. Columns, rows and sections may run along x, y and z in any order.
+VolumeReader mrc_reader();
+
+// Amira and Avizo: .am, "# AmiraMesh" or "# Avizo": lattices with uniform coordinates; text or binary
+// in either byte order, plain, in runs of bytes (HxByteRLE) or deflated (HxZip).
+VolumeReader amira_reader();
 
 // Headerless samples: everything about them is the caller's to say. Told by name only: .raw and
 // .bin. InputError for a bad layout and where the spec's raw pieces lack size or type; FormatError

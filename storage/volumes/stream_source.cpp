@@ -11,6 +11,7 @@
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "storage/volumes/data_layout.h"
+#include "storage/volumes/decoded_stream.h"
 #include "storage/volumes/inflate_stream.h"
 
 namespace voxweld {
@@ -28,30 +29,32 @@ class PartStream {
   virtual void finish() {}
 };
 
-class DeflatedPart final : public PartStream {
+class PackedPart final : public PartStream {
  public:
   // bytes: of the part's samples; width: of one.
-  DeflatedPart(const DataLayout::Part& part, const DataLayout& layout, std::uint64_t bytes,
-               std::size_t width)
+  PackedPart(const DataLayout::Part& part, const DataLayout& layout, std::uint64_t bytes,
+             std::size_t width)
       : file_(part.path),
-        stream_(file_, part.offset),
+        part_(part),
+        encoding_(layout.encoding),
+        stream_(open_decoded(encoding_, file_, part_)),
         byte_order_(layout.byte_order),
         bytes_(bytes),
         width_(width) {
     std::uint64_t skip = static_cast<std::uint64_t>(layout.skip_bytes);
-    if (layout.samples_at_end) skip = decoded_size(part.offset) - bytes;
+    if (layout.samples_at_end) skip = decoded_size() - bytes;
     discard(skip);
   }
 
   void read(std::span<std::byte> out) override {
-    if (stream_.read_some(out) < out.size()) fail_short(stream_.decoded());
+    if (stream_->read_some(out) < out.size()) fail_short(stream_->decoded());
     to_native(out.data(), out.size() / width_, width_, byte_order_);
   }
 
   // The checksum stands at the end of the stream. Bytes beyond the samples are let pass.
   void finish() override {
     std::vector<std::byte> block(block_bytes);
-    while (stream_.read_some(block) > 0) {
+    while (stream_->read_some(block) > 0) {
     }
   }
 
@@ -64,8 +67,9 @@ class DeflatedPart final : public PartStream {
   }
 
   // A pass over the whole stream: there is no other way to know where its last bytes start.
-  std::uint64_t decoded_size(std::uint64_t offset) const {
-    InflateStream pass(file_, offset);
+  std::uint64_t decoded_size() const {
+    const auto stream = open_decoded(encoding_, file_, part_);
+    DecodedStream& pass = *stream;
     std::vector<std::byte> block(block_bytes);
     while (pass.read_some(block) > 0) {
     }
@@ -77,13 +81,15 @@ class DeflatedPart final : public PartStream {
     std::vector<std::byte> block(block_bytes);
     while (count > 0) {
       const auto step = static_cast<std::size_t>(std::min<std::uint64_t>(count, block.size()));
-      if (stream_.read_some(std::span(block).first(step)) < step) fail_short(stream_.decoded());
+      if (stream_->read_some(std::span(block).first(step)) < step) fail_short(stream_->decoded());
       count -= step;
     }
   }
 
   ReadFile file_;
-  InflateStream stream_;
+  DataLayout::Part part_;
+  DataEncoding encoding_;
+  std::unique_ptr<DecodedStream> stream_;
   std::endian byte_order_;
   std::uint64_t bytes_;
   std::size_t width_;
@@ -92,7 +98,10 @@ class DeflatedPart final : public PartStream {
 class TextPart final : public PartStream {
  public:
   TextPart(const DataLayout::Part& part, std::uint64_t skip_bytes, SampleType type)
-      : file_(part.path), at_(part.offset + skip_bytes), type_(type) {}
+      : file_(part.path),
+        at_(part.offset + skip_bytes),
+        end_(std::min(file_.size(), part.offset + part.stored_bytes.value_or(file_.size()))),
+        type_(type) {}
 
   void read(std::span<std::byte> out) override {
     dispatch_sample_type(type_, [&](auto tag) {
@@ -121,7 +130,7 @@ class TextPart final : public PartStream {
 
   int next_char() {  // -1 at the end
     if (used_ == block_.size()) {
-      const std::uint64_t rest = at_ < file_.size() ? file_.size() - at_ : 0;
+      const std::uint64_t rest = at_ < end_ ? end_ - at_ : 0;
       if (rest == 0) return -1;
       block_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(rest, block_bytes)));
       file_.read(at_, block_);
@@ -147,7 +156,7 @@ class TextPart final : public PartStream {
   }
 
   ReadFile file_;
-  std::uint64_t at_;
+  std::uint64_t at_, end_;
   SampleType type_;
   std::uint64_t samples_ = 0;
   std::vector<std::byte> block_;
@@ -160,7 +169,9 @@ class StreamSource final : public SampleSource {
   StreamSource(VolumeInfo info, const DataLayout& layout)
       : info_(std::move(info)), layout_(layout), width_(sample_bytes(info_.type)) {
     info_.access = Access::stream;
-    info_.largest_decode = inflate_memory_bytes + 2 * block_bytes;
+    const bool small =
+        layout.encoding == DataEncoding::deflated || layout.encoding == DataEncoding::text;
+    info_.largest_decode = (small ? inflate_memory_bytes : decoder_memory_bytes) + 2 * block_bytes;
     const Index3 size = info_.geometry.size;
     slice_bytes_ = static_cast<std::uint64_t>(size.x) * static_cast<std::uint64_t>(size.y) * width_;
     part_bytes_ = slice_bytes_ * static_cast<std::uint64_t>(size.z) / layout_.parts.size();
@@ -217,7 +228,7 @@ class StreamSource final : public SampleSource {
     if (layout_.encoding == DataEncoding::text)
       return std::make_unique<TextPart>(part, static_cast<std::uint64_t>(layout_.skip_bytes),
                                         info_.type);
-    return std::make_unique<DeflatedPart>(part, layout_, part_bytes_, width_);
+    return std::make_unique<PackedPart>(part, layout_, part_bytes_, width_);
   }
 
   VolumeInfo info_;

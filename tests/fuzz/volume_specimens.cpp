@@ -7,6 +7,7 @@
 
 #include "tests/fuzz/mutation.h"
 #include "tests/fuzz/specimens.h"
+#include "tests/fuzz/vtk_specimens.h"
 #include "tests/storage/image/tiff_writer.h"
 #include "tests/support/deflated.h"
 #include "tests/support/watched_process.h"
@@ -108,6 +109,45 @@ std::string inrimage_header() {
       size_x, size_y, size_z);
   text.append((256 - (text.size() + 4) % 256) % 256, '\n');
   return text + "##}\n";
+}
+
+std::string mrc_header() {
+  std::string h(1024, '\0');
+  const int sides[3] = {size_x, size_y, size_z};
+  for (std::size_t i = 0; i < 3; ++i) {
+    put_at(h, 4 * i, sides[i]);
+    put_at(h, 28 + 4 * i, sides[i]);
+    put_at(h, 40 + 4 * i, 1.5F * static_cast<float>(sides[i]));
+    put_at(h, 52 + 4 * i, 90.0F);
+    put_at(h, 64 + 4 * i, static_cast<int>(i) + 1);
+  }
+  put_at(h, 12, 1);
+  put_at(h, 88, 1);
+  put_at(h, 108, 20140);
+  std::memcpy(h.data() + 208, "MAP DD", 6);
+  return h;
+}
+
+std::string amira_file(const std::string& place, const std::string& data) {
+  return fmt::format(
+      "# AmiraMesh BINARY-LITTLE-ENDIAN 2.1\n\ndefine Lattice {} {} {}\n\nParameters {{\n"
+      "    Materials {{ Exterior {{ Id 1 }} Ball {{ Id 2 }} }}\n    BoundingBox 0 19 0 17 0 15,\n"
+      "    CoordType \"uniform\"\n}}\n\nLattice {{ short Data }} {}\n\n# Data section follows\n"
+      "@1\n{}\n",
+      size_x, size_y, size_z, place, data);
+}
+
+// In runs of one byte, or of up to 100 others.
+std::string byte_runs(const std::string& bytes) {
+  std::string runs;
+  for (std::size_t at = 0; at < bytes.size(); at += 100) {
+    const std::string part = bytes.substr(at, 100);
+    if (part.find_first_not_of(part[0]) == std::string::npos)
+      runs += {static_cast<char>(part.size()), part[0]};
+    else
+      runs += static_cast<char>(128 + part.size()) + part;
+  }
+  return runs;
 }
 
 // One with gzip, not sharded.
@@ -252,9 +292,22 @@ std::vector<Specimen> write_volumes(const fs::path& program, const fs::path& roo
   to.add("nifti2-gzip", {{"v.nii.gz", packed(nifti_header(2, 544, true) + raw)}});
   to.add("inrimage", {{"v.inr", inrimage_header() + raw}});
   to.add("inrimage-gzip", {{"v.inr.gz", packed(inrimage_header() + raw)}});
+  to.add("mrc", {{"v.mrc", mrc_header() + raw}});
+  std::string mrc = mrc_header();
+  put_at(mrc, 64, 3);
+  put_at(mrc, 72, 1);
+  to.add("mrc-turned", {{"v.map", mrc + raw}});
+  to.add("mrc-gzip", {{"v.mrc.gz", packed(mrc_header() + raw)}});
+  to.add("amira", {{"v.am", amira_file("@1", raw)}});
+  const std::string runs = byte_runs(raw);
+  to.add("amira-runs", {{"v.am", amira_file(fmt::format("@1(HxByteRLE,{})", runs.size()), runs)}});
+  to.add("amira-zip",
+         {{"v.am", amira_file(fmt::format("@1(HxZip,{})", deflated_raw.size()), deflated_raw)}});
   to.add("raw", {{"v.raw", raw}},
          fmt::format("format = \"raw\"\nsize = [{}, {}, {}]\ntype = \"int16\"\n", size_x, size_y,
                      size_z));
+  for (const SmallFile& file : vtk_files({size_x, size_y, size_z}, raw, text))
+    to.add(file.name, {{file.path, file.bytes}});
   Specimen zarr = to.begin("zarr");
   write_zarr(zarr.folder / "v.zarr");
   to.finish(std::move(zarr), "v.zarr");

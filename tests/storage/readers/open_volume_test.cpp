@@ -28,16 +28,16 @@ TEST(OpenVolume, ContentsGoBeforeTheName) {
 TEST(OpenVolume, UnknownKindsListTheSupportedOnes) {
   const TempDirectory directory;
   const auto path = write_file(directory / "a.xyz", std::string("some text"));
-  EXPECT_THAT(
-      complaint(path),
-      AllOf(HasSubstr("a.xyz: a file of an unknown kind"),
-            HasSubstr("supported are nrrd, metaimage, nifti, inrimage, raw, zarr, stack. ")));
+  EXPECT_THAT(complaint(path), AllOf(HasSubstr("a.xyz: a file of an unknown kind"),
+                                     HasSubstr("supported are nrrd, metaimage, nifti, inrimage, "
+                                               "vti, vtk, mrc, amira, raw, zarr, stack. ")));
   EXPECT_THAT(complaint(directory.path()), HasSubstr("no images in this directory"));
   EXPECT_THAT(complaint(directory / "none.nrrd"), HasSubstr("none.nrrd: no such file"));
   EXPECT_THAT(complaint(InputSpec{.path = ""}), HasSubstr("no path"));
   EXPECT_THAT(complaint(InputSpec{.path = path.string(), .format = "dicom"}),
               AllOf(HasSubstr("unknown input format 'dicom'"), HasSubstr("nrrd")));
-  for (const char* format : {"nrrd", "metaimage", "nifti", "inrimage"}) {
+  for (const char* format :
+       {"nrrd", "metaimage", "nifti", "inrimage", "vti", "vtk", "mrc", "amira"}) {
     EXPECT_THAT(complaint(InputSpec{.path = path.string(), .format = format}), HasSubstr("a.xyz"));
     EXPECT_THAT(complaint(InputSpec{.path = (directory / "none").string(), .format = format}),
                 HasSubstr("none: no such file"));
@@ -62,7 +62,8 @@ TEST(OpenVolume, NamesDecideWhereContentsSayNothing) {
 
 TEST(OpenVolume, EveryFormatHasItsRow) {
   const TempDirectory directory;
-  for (const char* name : {"a.nrrd", "a.mha", "a.nii.gz", "a.inr", "a.raw", "a.zarr", "a.png"}) {
+  for (const char* name : {"a.nrrd", "a.mha", "a.nii.gz", "a.inr", "a.vti", "a.vtk", "a.mrc",
+                           "a.am", "a.raw", "a.zarr", "a.png"}) {
     if (std::string(name).ends_with(".zarr"))
       std::filesystem::create_directory(directory / name);
     else
@@ -78,6 +79,10 @@ TEST(OpenVolume, EveryFormatHasItsRow) {
   EXPECT_EQ(known_by("a.mha"), "metaimage");
   EXPECT_EQ(known_by("a.nii.gz"), "nifti");
   EXPECT_EQ(known_by("a.inr"), "inrimage");
+  EXPECT_EQ(known_by("a.vti"), "vti");
+  EXPECT_EQ(known_by("a.vtk"), "vtk");
+  EXPECT_EQ(known_by("a.mrc"), "mrc");
+  EXPECT_EQ(known_by("a.am"), "amira");
   EXPECT_EQ(known_by("a.raw"), "raw");
   EXPECT_EQ(known_by("a.zarr"), "zarr");
   EXPECT_EQ(known_by("a.png"), "stack");

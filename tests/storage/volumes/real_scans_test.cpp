@@ -143,9 +143,8 @@ TEST(RealScans, AFloatInrimage) {
 }
 
 TEST(RealScans, WhatCannotBeReadIsNamed) {
-  VOXWELD_NEEDS_SHARED_DATA("nrrd/pynrrd/BallBinary30x30x30_bz2.nrrd");
+  VOXWELD_NEEDS_SHARED_DATA("nrrd/pynrrd/test1d_ascii.nrrd");
   const auto say = [](const char* name) { return complaint(shared_data(name)); };
-  EXPECT_THAT(say("nrrd/pynrrd/BallBinary30x30x30_bz2.nrrd"), HasSubstr("encoding 'bzip2'"));
   EXPECT_THAT(say("nrrd/pynrrd/BallBinary30x30x30_byteskip_minus_five.nhdr"), HasSubstr("'-5'"));
   EXPECT_THAT(say("nrrd/pynrrd/test1d_ascii.nrrd"), HasSubstr("1-D data are not a volume"));
   EXPECT_THAT(say("nrrd/pynrrd/test2d_ascii.nrrd"), HasSubstr("2-D data are not a volume"));
