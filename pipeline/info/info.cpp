@@ -72,6 +72,15 @@ bool holds_images(const fs::path& path) {
   return false;
 }
 
+// A folder that a reader knows by what is in it, and not as the last there is.
+bool known_by_contents(const InputSpec& input) {
+  if (input.format != "auto") return true;
+  const InputProbe probe = probe_input(input.path);
+  return std::ranges::any_of(volume_readers(), [&](const VolumeReader& reader) {
+    return reader.test(probe) == Match::contents;
+  });
+}
+
 InfoDocument describe_directory(const fs::path& path, const InfoOptions& options) {
   if (fs::exists(path / manifest_name)) return describe_output(path / manifest_name, options);
   if (holds_zarr_array(path)) return describe_array(path, options);
@@ -80,8 +89,8 @@ InfoDocument describe_directory(const fs::path& path, const InfoOptions& options
   try {
     return describe_volume(options);
   } catch (const InputError& error) {
-    if (holds_images(path))
-      throw;  // meant as a stack: what is wrong with it is all there is to say
+    if (known_by_contents(options.input) || holds_images(path))
+      throw;  // meant as that: what is wrong with it is all there is to say
     unknown(path.string(),
             fmt::format("a directory of an unknown kind (as an image stack: {})", error.what()));
   }
