@@ -13,6 +13,8 @@ source "$root/pipeline/apt_packages.sh"
 packages=(
   # tests
   libgtest-dev libgmock-dev librapidcheck-dev git xz-utils zstd time
+  # DICOM of other writers
+  python3-pydicom python3-gdcm python3-numpy dcmtk
   # checks
   clang-format clang-tidy
 )
