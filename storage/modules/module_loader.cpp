@@ -101,7 +101,11 @@ Module& load_module(const std::string& name, const std::string& purpose) {
 }
 
 std::unique_ptr<SampleSource> open_by_module(const VolumeReader& reader, const InputSpec& spec) {
-  Module& module = load_module(reader.module, fmt::format("read {} ({})", spec.path, reader.name));
+  const std::string purpose = reader.library.empty()
+                                  ? fmt::format("read {} ({})", spec.path, reader.name)
+                                  : fmt::format("read {} ({}) and built where {} is installed",
+                                                spec.path, reader.name, reader.library);
+  Module& module = load_module(reader.module, purpose);
   const std::vector<std::string> names = module.readers();
   if (std::find(names.begin(), names.end(), reader.name) == names.end())
     throw InputError(

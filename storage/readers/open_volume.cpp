@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "storage/dicom/dicom_probe.h"
 #include "storage/image/stack_source.h"
 #include "storage/modules/module_loader.h"
 #include "storage/store/open_zarr.h"
@@ -93,7 +94,7 @@ std::span<const VolumeReader> volume_readers() {
   static const std::vector<VolumeReader> table = {
       nrrd_reader(),  metaimage_reader(), nifti_reader(), inrimage_reader(),
       vti_reader(),   vtk_reader(),       mrc_reader(),   amira_reader(),
-      raw_reader(),   zarr_reader(),      n5_reader(),
+      raw_reader(),   zarr_reader(),      n5_reader(),    dicom_reader(),
       stack_reader(),  // last: it takes every directory
   };
   return table;

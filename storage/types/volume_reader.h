@@ -62,6 +62,8 @@ struct VolumeReader {
   std::function<std::unique_ptr<SampleSource>(const InputSpec&)> open{};
   // The module that opens the input, loaded when there is one to open; empty: built in.
   std::string module{};
+  // What that module is built with, for the message where it is missing.
+  std::string library{};
   // What of InputSpec::select it looks at. open_volume refuses the rest.
   std::vector<Selector> selects{};
   bool resamples = false;  // looks at InputSpec::resample

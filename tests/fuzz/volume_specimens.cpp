@@ -8,6 +8,7 @@
 #include "tests/fuzz/mutation.h"
 #include "tests/fuzz/specimens.h"
 #include "tests/fuzz/vtk_specimens.h"
+#include "tests/storage/dicom/dicom_writer.h"
 #include "tests/storage/image/tiff_writer.h"
 #include "tests/support/deflated.h"
 #include "tests/support/watched_process.h"
@@ -204,6 +205,37 @@ std::vector<TiffPage> tiff_pages() {
   return pages;
 }
 
+// Slice z of the ball, 2 mm from the next.
+DicomFile dicom_slice(int z) {
+  DicomFile file = ct_slice({.columns = size_x, .rows = size_y, .z = 2.0 * z, .instance = z + 1});
+  file.text(0x00281052, "DS", "0");
+  return file.raw(0x7fe00010, "OW", as_string(samples<std::int16_t>(z, z + 1)));
+}
+
+// All of them as the frames of one file.
+DicomFile dicom_frames() {
+  DicomFile file = dicom_slice(0);
+  file.text(0x00180088, "DS", "2").text(0x00280008, "IS", std::to_string(size_z));
+  return file.raw(0x7fe00010, "OW", raw_samples());
+}
+
+// Run lengths of a slice, none of them a run of more than one value.
+std::string dicom_runs(int z) {
+  const std::vector<std::int16_t> values = samples<std::int16_t>(z, z + 1);
+  std::string planes[2];
+  for (std::size_t p = 0; p < 2; ++p)
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (i % 128 == 0)
+        planes[p] += static_cast<char>(std::min<std::size_t>(128, values.size() - i) - 1);
+      planes[p] += static_cast<char>(values[i] >> (p == 0 ? 8 : 0));
+    }
+  std::string header(64, '\0');
+  put_at(header, 0, std::uint32_t{2});
+  put_at(header, 4, std::uint32_t{64});
+  put_at(header, 8, static_cast<std::uint32_t>(64 + planes[0].size()));
+  return header + planes[0] + planes[1];
+}
+
 class VolumeWriter {
  public:
   explicit VolumeWriter(const fs::path& root) : root_(root) {}
@@ -332,6 +364,26 @@ std::vector<Specimen> write_volumes(const fs::path& program, const fs::path& roo
   for (std::size_t z = 0; z < pages.size(); ++z)
     write_tiff(stack.folder / "v" / fmt::format("slice{:02}.tif", z), {pages[z]});
   to.finish(std::move(stack), "v", "spacing = 1\n");
+  Specimen dicom = to.begin("dicom");
+  fs::create_directory(dicom.folder / "v");
+  for (int z = 0; z < size_z; ++z)
+    write_bytes(dicom.folder / "v" / fmt::format("I{}", (5 * z + 3) % size_z),
+                dicom_slice(z).bytes(z % 2 == 0 ? explicit_little : implicit_little));
+  to.finish(std::move(dicom), "v");
+  to.add("dicom-frames", {{"v.dcm", dicom_frames().bytes()}});
+  std::vector<std::string> runs;
+  for (int z = 0; z < size_z; ++z) runs.push_back(dicom_runs(z));
+  DicomForm rle;
+  rle.syntax = "1.2.840.10008.1.2.5";
+  to.add("dicom-rle", {{"v.dcm", dicom_frames().fragments(runs).bytes(rle)}});
+  DicomForm deflated_form;
+  deflated_form.syntax = "1.2.840.10008.1.2.1.99";
+  const std::string plain = dicom_frames().bytes(deflated_form);
+  const std::size_t meta = DicomFile().bytes(deflated_form).size();
+  // A zlib stream without its head and checksum.
+  const std::string stream = packed(plain.substr(meta), Wrapper::zlib);
+  to.add("dicom-deflated",
+         {{"v.dcm", plain.substr(0, meta) + stream.substr(2, stream.size() - 6)}});
   Specimen greymaps = to.begin("stack-pgm");
   fs::create_directory(greymaps.folder / "v");
   for (int z = 0; z < size_z; ++z)
