@@ -14,7 +14,7 @@ packages=(
   # libraries
   libdraco-dev libopenmesh-dev libopenimageio-dev libtbb-dev libtomlplusplus-dev libcli11-dev
   nlohmann-json3-dev libfmt-dev libspdlog-dev libblosc-dev libzstd-dev libxxhash-dev zlib1g-dev
-  liblz4-dev libbz2-dev libeigen3-dev
+  liblz4-dev libbz2-dev libeigen3-dev libhdf5-dev
   # a real scan for the quickstart
   mricron-data
 )

@@ -13,6 +13,8 @@ source "$root/pipeline/apt_packages.sh"
 packages=(
   # tests
   libgtest-dev libgmock-dev librapidcheck-dev git xz-utils zstd time
+  # others' writers and readers of volumes
+  python3-h5py python3-numcodecs python3-nibabel
   # checks
   clang-format clang-tidy
 )

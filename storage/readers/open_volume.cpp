@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "storage/hdf5/hdf5_reader.h"
 #include "storage/image/stack_source.h"
 #include "storage/modules/module_loader.h"
 #include "storage/store/open_zarr.h"
@@ -86,8 +87,8 @@ InputProbe probe_input(const std::string& path) {
 
 std::span<const VolumeReader> volume_readers() {
   static const std::vector<VolumeReader> table = {
-      nrrd_reader(), metaimage_reader(), nifti_reader(), inrimage_reader(),
-      raw_reader(),  zarr_reader(),      stack_reader(),  // last: it takes every directory
+      nrrd_reader(), metaimage_reader(), nifti_reader(), inrimage_reader(), raw_reader(),
+      hdf5_reader(), zarr_reader(),      stack_reader(),  // last: it takes every directory
   };
   return table;
 }
