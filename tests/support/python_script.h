@@ -11,7 +11,9 @@
 namespace voxweld::testing {
 
 inline std::string quoted(const std::string& word) {
-  return "'" + word + "'";  // none of ours has a quote in it
+  std::string text("'");  // none of ours has a quote in it
+  text.append(word).append("'");
+  return text;
 }
 
 // A Python that has these modules ("h5py, numcodecs"): the one on the path, or the system's own.
@@ -28,7 +30,7 @@ inline std::optional<std::string> python_with(const std::string& modules) {
 inline void run_script(const std::string& python, const std::string& script,
                        const std::vector<std::string>& words) {
   std::string command = python + " " + quoted(script);
-  for (const std::string& word : words) command += " " + quoted(word);
+  for (const std::string& word : words) command.append(" ").append(quoted(word));
   if (std::system(command.c_str()) != 0) throw std::runtime_error("failed: " + command);
 }
 
