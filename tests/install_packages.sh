@@ -14,7 +14,8 @@ packages=(
   # tests
   libgtest-dev libgmock-dev librapidcheck-dev libcpp-httplib-dev git xz-utils zstd time
   # other readers and writers of volumes
-  python3-numpy python3-zarr python3-vtk9 python3-mrcfile python3-pydicom python3-gdcm dcmtk
+  python3-numpy python3-zarr python3-vtk9 python3-mrcfile python3-pydicom python3-gdcm
+  dcmtk python3-h5py python3-numcodecs python3-nibabel
   # checks
   clang-format clang-tidy
 )

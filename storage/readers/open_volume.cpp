@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "storage/dicom/dicom_probe.h"
+#include "storage/hdf5/hdf5_reader.h"
 #include "storage/image/stack_source.h"
 #include "storage/modules/module_loader.h"
 #include "storage/store/open_zarr.h"
@@ -92,9 +93,9 @@ InputProbe probe_input(const std::string& path) {
 
 std::span<const VolumeReader> volume_readers() {
   static const std::vector<VolumeReader> table = {
-      nrrd_reader(),  metaimage_reader(), nifti_reader(), inrimage_reader(),
-      vti_reader(),   vtk_reader(),       mrc_reader(),   amira_reader(),
-      raw_reader(),   zarr_reader(),      n5_reader(),    dicom_reader(),
+      nrrd_reader(),  metaimage_reader(), nifti_reader(), inrimage_reader(), vti_reader(),
+      vtk_reader(),   mrc_reader(),       amira_reader(), raw_reader(),      zarr_reader(),
+      n5_reader(),    dicom_reader(),     hdf5_reader(),
       stack_reader(),  // last: it takes every directory
   };
   return table;

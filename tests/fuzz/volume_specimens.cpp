@@ -5,6 +5,10 @@
 #include <cstring>
 #include <span>
 
+#ifdef VOXWELD_HDF5
+#include <hdf5.h>
+#endif
+
 #include "tests/fuzz/mutation.h"
 #include "tests/fuzz/specimens.h"
 #include "tests/fuzz/vtk_specimens.h"
@@ -195,6 +199,38 @@ void write_ome_zarr(const fs::path& group) {
       packed(as_string(samples<std::int16_t>(0, size_z, 0, size_y, 0, size_x)), Wrapper::zlib));
 }
 
+#ifdef VOXWELD_HDF5
+// With chunks, shuffle, deflate and checksums, in a group.
+void write_hdf5(const fs::path& path) {
+  const hsize_t size[] = {size_z, size_y, size_x}, chunk[] = {8, 9, 10};
+  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t group = H5Gcreate2(file, "scan", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t space = H5Screate_simple(3, size, nullptr), stored = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_chunk(stored, 3, chunk);
+  H5Pset_shuffle(stored);
+  H5Pset_deflate(stored, 6);
+  H5Pset_fletcher32(stored);
+  const hid_t dataset =
+      H5Dcreate2(group, "data", H5T_STD_I16LE, space, H5P_DEFAULT, stored, H5P_DEFAULT);
+  const hsize_t three = 3;
+  const double spacing[] = {2, 1.5, 1};
+  const hid_t row = H5Screate_simple(1, &three, nullptr);
+  const hid_t attribute =
+      H5Acreate2(dataset, "element_size_um", H5T_NATIVE_DOUBLE, row, H5P_DEFAULT, H5P_DEFAULT);
+  H5Awrite(attribute, H5T_NATIVE_DOUBLE, spacing);
+  const std::vector<std::int16_t> all = samples<std::int16_t>();
+  const herr_t written =
+      H5Dwrite(dataset, H5T_NATIVE_INT16, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data());
+  H5Aclose(attribute);
+  H5Sclose(row);
+  H5Dclose(dataset);
+  H5Pclose(stored);
+  H5Sclose(space);
+  H5Gclose(group);
+  if (H5Fclose(file) < 0 || written < 0) throw std::runtime_error("cannot write " + path.string());
+}
+#endif
+
 std::vector<TiffPage> tiff_pages() {
   std::vector<TiffPage> pages;
   for (int z = 0; z < size_z; ++z) {
@@ -352,6 +388,11 @@ std::vector<Specimen> write_volumes(const fs::path& program, const fs::path& roo
       sharded.folder, root / "made");
   if (made.exit_code != 0) throw std::runtime_error(made.err);
   to.finish(std::move(sharded), "v.zarr");
+#ifdef VOXWELD_HDF5
+  Specimen hdf5 = to.begin("hdf5");
+  write_hdf5(hdf5.folder / "v.h5");
+  to.finish(std::move(hdf5), "v.h5");
+#endif
   Specimen tiff = to.begin("tiff");
   write_tiff(tiff.folder / "v.tif", tiff_pages());
   to.finish(std::move(tiff), "v.tif", "spacing = 1\n");
