@@ -21,7 +21,7 @@ input.path: a path in quotes
   3; write paths in quotes | "" (a string)
   "a\tb" => "a\u0009b" (a string); it holds a control character; write backslashes twice
   ["a"] (a list of 1); write paths in quotes
-input.format: "auto", "nrrd", "metaimage", "nifti", "inrimage", "raw", "zarr", "stack", "empty" \
+input.format: "auto", "nrrd", "metaimage", "nifti", "inrimage", "raw", "zarr", "n5", "stack", "empty" \
 or "mesh" (default: "auto")
   "NRRD" (a string); did you mean "nrrd"? | "bmp" (a string) | 1
 input.crop: a list of 6 integers from 0 to 524287 (default: the whole volume)
