@@ -58,7 +58,10 @@ void check_label(const Config& config, const VolumeInfo& info) {
 ShardMemory shard_memory(const Config& config, const VolumeInfo& info) {
   const bool replaces = std::ranges::any_of(
       config.edits, [](const EditConfig& edit) { return edit.op == EditOp::replace; });
-  return shard_memory(brick_grid(config, info.geometry), info.type, config.labels.mode, replaces);
+  ShardMemory memory =
+      shard_memory(brick_grid(config, info.geometry), info.type, config.labels.mode, replaces);
+  memory.worker += info.largest_decode;
+  return memory;
 }
 
 }  // namespace

@@ -22,14 +22,15 @@ struct DecodedChunk {
 
 class ChunkCache {
  public:
-  // The chunk of `key`, by load(DecodedChunk&) where it is not held. Holds `capacity` chunks at most
+  // The chunk of `key`, by load(DecodedChunk&) where it is not held. load() sets all of it but
+  // `missing`, which is false; its vectors may hold what they held before. Holds `capacity` chunks at most
   // then, the latest asked for, besides those that are in use.
   template <class Load>
   std::shared_ptr<const DecodedChunk> get(std::uint64_t key, std::size_t capacity, Load&& load) {
     const std::shared_ptr<Entry> entry = place(key, std::max<std::size_t>(1, capacity));
     const std::scoped_lock lock(entry->mutex);
     if (!entry->loaded) {
-      entry->chunk = DecodedChunk{};  // what a failure left
+      entry->chunk.missing = false;
       load(entry->chunk);
       entry->loaded = true;
     }
@@ -51,8 +52,14 @@ class ChunkCache {
       entries_.splice(entries_.begin(), entries_, found->second);
       return entries_.front().second;
     }
-    for (; entries_.size() >= capacity; entries_.pop_back()) places_.erase(entries_.back().first);
-    entries_.emplace_front(key, std::make_shared<Entry>());
+    auto entry = std::make_shared<Entry>();
+    for (; entries_.size() >= capacity; entries_.pop_back()) {
+      places_.erase(entries_.back().first);
+      // Nobody else holds it: its memory is used again.
+      if (auto& last = entries_.back().second; last.use_count() == 1)
+        std::swap(entry->chunk, last->chunk);
+    }
+    entries_.emplace_front(key, std::move(entry));
     places_[key] = entries_.begin();
     return entries_.front().second;
   }

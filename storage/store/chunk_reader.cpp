@@ -16,16 +16,24 @@ Index3 multiply(Index3 a, Index3 b) {
   return {a.x * b.x, a.y * b.y, a.z * b.z};
 }
 
-// Chunks kept for each thread: what the boxes of a row of bricks have in common, but little memory.
+// Chunks kept for each thread: those that a row of bricks has a part in (4 bricks of 64 cells with
+// what they need around them), which the next row has in common with it. Less would be given up
+// before it is asked for again.
 std::size_t chunks_to_keep(const ZarrArray& array, Ownership ownership) {
-  constexpr std::uint64_t most_chunks = 8, most_bytes = std::uint64_t{64} << 20;
+  constexpr std::uint64_t few_chunks = 8, most_bytes = std::uint64_t{64} << 20;
+  constexpr Index3 row{4 * 64 + 4, 64 + 4, 64 + 4};
   if (ownership == Ownership::ours) return 0;
-  const std::uint64_t each = decoded_bytes(array);
-  return static_cast<std::size_t>(
-      std::min(most_chunks, most_bytes / std::max<std::uint64_t>(1, each)));
+  std::uint64_t chunks = 1;
+  const Index3 side = array.axes_of(array.chunk);
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t all = (array.size[axis] + side[axis] - 1) / side[axis];
+    chunks *= static_cast<std::uint64_t>(std::min(all, (row[axis] - 2) / side[axis] + 2));
+  }
+  const std::uint64_t fit = most_bytes / std::max<std::uint64_t>(1, decoded_bytes(array));
+  return static_cast<std::size_t>(chunks <= fit ? chunks : std::min(few_chunks, fit));
 }
 
-// The least each reader needs besides is one chunk that it copies from.
+// 16-bit floats to those of 32 bits, in place.
 void widen(std::vector<std::byte>& samples) {
   const std::size_t count = samples.size() / 2;
   samples.resize(count * sizeof(float));

@@ -139,8 +139,13 @@ std::uint64_t zip_member_data(const ReadFile& file, const std::string& name,
   const auto header = bytes_at(file, member.offset, local_bytes);
   if (number_at(header, 0, 4) != local_mark)
     wrong(fmt::format("no header of a member at byte {}", member.offset));
-  const std::uint64_t data =
-      member.offset + local_bytes + number_at(header, 26, 2) + number_at(header, 28, 2);
+  const std::uint64_t named = number_at(header, 26, 2);
+  const std::uint64_t data = member.offset + local_bytes + named + number_at(header, 28, 2);
+  if (data <= file.size()) {
+    const auto own = bytes_at(file, member.offset + local_bytes, named);
+    if (!std::ranges::equal(own, std::as_bytes(std::span(name))))
+      wrong("the list of members has it under another name than its header");
+  }
   if (data > file.size() || member.packed > file.size() - data)
     wrong(fmt::format("{} bytes at {}, the file has {}", member.packed, data, file.size()));
   return data;

@@ -154,6 +154,7 @@ class ZipStore final : public ByteStore {
     if (member.size > largest_inflated(member))
       throw FormatError(fmt::format("{}: damaged: {} bytes cannot inflate to {}", name,
                                     member.packed, member.size));
+    if (member.size == 0) return std::make_unique<InflatedMember>(name, std::vector<std::byte>());
     std::vector<std::byte> packed(member.packed), bytes(member.size);
     file_.read(begin, packed);
     if (const std::string wrong = inflate_all(packed, bytes, true); !wrong.empty())

@@ -14,6 +14,7 @@
 #include "tests/fuzz/vtk_specimens.h"
 #include "tests/storage/dicom/dicom_writer.h"
 #include "tests/storage/image/tiff_writer.h"
+#include "tests/storage/store/array_writers.h"
 #include "tests/support/deflated.h"
 #include "tests/support/watched_process.h"
 
@@ -230,6 +231,67 @@ void write_hdf5(const fs::path& path) {
   if (H5Fclose(file) < 0 || written < 0) throw std::runtime_error("cannot write " + path.string());
 }
 #endif
+std::string zarr2_metadata(const std::string& compressor) {
+  return fmt::format(R"({{"zarr_format": 2, "shape": [{}, {}, {}], "chunks": [8, 9, 10],
+"dtype": "<i2", "order": "C", "compressor": {}, "fill_value": 0, "filters": null}}
+)",
+                     size_z, size_y, size_x, compressor);
+}
+
+// An array of version 2 in a zip file.
+std::string zipped_zarr(const ZipForm& form) {
+  std::vector<std::pair<std::string, std::string>> members = {{".zarray", zarr2_metadata("null")}};
+  for (int z = 0; z < size_z; z += 8)
+    for (int y = 0; y < size_y; y += 9)
+      for (int x = 0; x < size_x; x += 10)
+        members.emplace_back(fmt::format("{}.{}.{}", z / 8, y / 9, x / 10),
+                             as_string(samples<std::int16_t>(z, z + 8, y, y + 9, x, x + 10)));
+  return zip_of(members, form);
+}
+
+// A pyramid of N5 of one level, in blocks of lz4.
+void write_n5(const fs::path& group) {
+  const fs::path folder = group / "s0";
+  fs::create_directories(folder / "0" / "0");
+  write_bytes(group / "attributes.json", R"({"n5": "2.0.0", "scales": [[1, 1, 1]],
+"pixelResolution": {"unit": "um", "dimensions": [1, 1.5, 2]}}
+)");
+  write_bytes(folder / "attributes.json",
+              fmt::format(R"({{"dimensions": [{0}, {1}, {2}], "blockSize": [{0}, {1}, {3}],
+"dataType": "uint8", "compression": {{"type": "lz4"}}}}
+)",
+                          size_x, size_y, size_z, size_z / 2));
+  for (int block = 0; block < 2; ++block)
+    write_bytes(folder / "0" / "0" / std::to_string(block),
+                n5_header({size_x, size_y, size_z / 2}) +
+                    lz4_blocks(as_string(samples<std::uint8_t>(block * size_z / 2,
+                                                               (block + 1) * size_z / 2)),
+                               1024));
+}
+
+// One shard of two, each of two chunks.
+void write_nested_shards(const fs::path& folder) {
+  fs::create_directories(folder / "c" / "0" / "0");
+  const std::string bytes = R"({"name": "bytes", "configuration": {"endian": "little"}})";
+  const auto sharding = [&](int z, const std::string& codecs) {
+    return fmt::format(
+        R"({{"name": "sharding_indexed", "configuration": {{"chunk_shape": [{}, {}, {}],
+"codecs": [{}], "index_codecs": [{}, {{"name": "crc32c"}}]}}}})",
+        z, size_y, size_x, codecs, bytes);
+  };
+  write_bytes(
+      folder / "zarr.json",
+      fmt::format(R"({{"zarr_format": 3, "node_type": "array", "shape": [{0}, {1}, {2}],
+"data_type": "int16", "chunk_grid": {{"name": "regular", "configuration": {{"chunk_shape": [{0}, {1}, {2}]}}}},
+"chunk_key_encoding": {{"name": "default"}}, "fill_value": 0, "codecs": [{3}], "attributes": {{}}}}
+)",
+                  size_z, size_y, size_x, sharding(size_z / 2, sharding(size_z / 4, bytes))));
+  std::vector<std::string> shards;
+  for (int z = 0; z < size_z; z += size_z / 2)
+    shards.push_back(shard_of({as_string(samples<std::int16_t>(z, z + size_z / 4)),
+                               as_string(samples<std::int16_t>(z + size_z / 4, z + size_z / 2))}));
+  write_bytes(folder / "c" / "0" / "0" / "0", shard_of(shards));
+}
 
 std::vector<TiffPage> tiff_pages() {
   std::vector<TiffPage> pages;
@@ -382,6 +444,14 @@ std::vector<Specimen> write_volumes(const fs::path& program, const fs::path& roo
   Specimen ome_zarr = to.begin("zarr-ome");
   write_ome_zarr(ome_zarr.folder / "v.zarr");
   to.finish(std::move(ome_zarr), "v.zarr");
+  to.add("zarr-zip", {{"v.zarr.zip", zipped_zarr({})}});
+  to.add("zarr-zip-deflated", {{"v.zarr.zip", zipped_zarr({.deflate = true, .zip64 = true})}});
+  Specimen nested = to.begin("zarr-nested");
+  write_nested_shards(nested.folder / "v.zarr");
+  to.finish(std::move(nested), "v.zarr");
+  Specimen n5 = to.begin("n5");
+  write_n5(n5.folder / "v.n5");
+  to.finish(std::move(n5), "v.n5");
   Specimen sharded = to.begin("zarr-sharded");
   const ProcessEnd made = run_watched(
       {program.string(), "phantom", "sphere", "--size", "20", "--type", "uint8", "-o", "v.zarr"},
