@@ -13,6 +13,7 @@ source "$root/pipeline/apt_packages.sh"
 packages=(
   # tests
   libgtest-dev libgmock-dev librapidcheck-dev git xz-utils zstd time
+  python3-tifffile libtiff-tools
   # checks
   clang-format clang-tidy
 )
