@@ -220,10 +220,19 @@ def imagej():
     refuse("short.tif", "has 6 pages, but the description of ImageJ says 12 images")
 
 
+def turned(page):
+    data = page.asarray()
+    if data.dtype == bool:
+        data = data.astype("u1")
+    if page.photometric == 0 and data.dtype.kind == "u":
+        data = ((1 << page.bitspersample) - 1 - data.astype("i8")).astype(data.dtype)
+    return data
+
+
 def stack_in(path):
-    """The pages as they are stored, white-is-zero turned; axes z, y, x, sample."""
+    """The pages as they are stored, each that is white-is-zero turned; axes z, y, x, sample."""
     with tifffile.TiffFile(path) as file:
-        pages = [page.asarray() for page in file.pages]
+        pages = [turned(page) for page in file.pages]
         page = file.pages[0]
         planar = page.samplesperpixel > 1 and page.planarconfig == 2
         data = numpy.stack(pages)
@@ -231,10 +240,6 @@ def stack_in(path):
             data = numpy.moveaxis(data, 1, -1)
         if page.samplesperpixel == 1:
             data = data[..., None]
-        if data.dtype == bool:
-            data = data.astype("u1")
-        if page.photometric == 0 and data.dtype.kind == "u":
-            data = ((1 << page.bitspersample) - 1 - data.astype("i8")).astype(data.dtype)
         return data
 
 
@@ -253,6 +258,13 @@ def files_of(top):
                     data = stack_in(path_of(source))
                     break
                 except Exception:  # pylint: disable=broad-except
+                    continue
+            with tifffile.TiffFile(path_of(link)) as file:
+                if len({page.photometric == 0 for page in file.pages}) > 1:
+                    refuse(link, "white is zero); expected")
+                    continue
+                if file.pages[0].photometric in (32844, 32845):
+                    refuse(link, "LogL or LogLuv are not supported")
                     continue
             if data is None:
                 print("not read by tifffile:", name)
