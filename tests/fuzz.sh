@@ -8,5 +8,5 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 build=${BUILD_DIR:-$root/build}
 
 [ -f "$build/build.ninja" ] || cmake -S "$root" -B "$build" -G Ninja >/dev/null
-cmake --build "$build" --target voxweld fuzz_files voxweld_image_module >/dev/null
+cmake --build "$build" --target voxweld fuzz_files voxweld_image_module voxweld_tiff_module >/dev/null
 "$build/fuzz_files" "$build/voxweld" "$@"

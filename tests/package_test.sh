@@ -55,7 +55,8 @@ BUILD=$build "$root/pipeline/package.sh" "$place/out"
 dpkg-deb --info "$place"/out/*.deb
 dpkg-deb --contents "$place"/out/*.deb
 dpkg-deb -x "$place"/out/*.deb "$place/files"
-for file in bin/voxweld lib/voxweld/libvoxweld_image.so; do
+for file in bin/voxweld lib/voxweld/libvoxweld_image.so \
+  lib/voxweld/libvoxweld_tiff.so; do
   file "$place/files/usr/$file" | grep -q ', stripped' || fail "$file is not stripped"
 done
 

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+
 #include "storage/modules/module_loader.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
@@ -16,40 +19,65 @@ InputFile describe_file(const std::filesystem::path& path) {
   return {file.path(), file.state()};
 }
 
-}  // namespace
+// "II" or "MM", then 42 or, of BigTIFF, 43 in that byte order.
+bool looks_tiff(const std::filesystem::path& path) {
+  std::array<std::byte, 4> head{};
+  const ReadFile file(path);
+  if (file.size() < head.size()) return false;
+  file.read(0, head);
+  const auto at = [&](std::size_t i) { return std::to_integer<int>(head[i]); };
+  const bool little = at(0) == 'I' && at(1) == 'I', big = at(0) == 'M' && at(1) == 'M';
+  const int high = little ? at(3) : at(2), low = little ? at(2) : at(3);
+  return (little || big) && high == 0 && (low == 42 || low == 43);
+}
 
-ImageService& image_service() {
-  ImageService* images = load_module("image", "read and write images").images();
+ImageService& service_of(const std::string& module, const std::string& purpose) {
+  ImageService* images = load_module(module, purpose).images();
   if (images == nullptr)
-    throw InputError(
-        "the module image has no images; install the module that came with this program");
+    throw InputError(fmt::format(
+        "the module {} has no images; install the module that came with this program", module));
   return *images;
 }
 
-ImageFile::ImageFile(const std::filesystem::path& path) : file_(describe_file(path)) {
+}  // namespace
+
+ImageService& image_service() {
+  return service_of("image", "read and write images");
+}
+
+ImageService& tiff_service() {
+  return service_of("tiff", "read TIFF files");
+}
+
+ImageFile::ImageFile(const std::filesystem::path& path, int level) : file_(describe_file(path)) {
   std::string error;
-  reader_.reset(image_service().open(file_.path, error));
+  ImageService& service = looks_tiff(file_.path) ? tiff_service() : image_service();
+  reader_.reset(service.open(file_.path, level, error));
   if (!reader_)
     throw FormatError(
         fmt::format("{}: cannot be read as an image ({} bytes): {}; if it opens elsewhere, convert "
                     "it to an uncompressed TIFF of 8, 16 or 32 bits",
                     file_.path, file_.state.size, error));
-  ImagePage page;
-  while (reader_->describe(static_cast<int>(pages_.size()), page, error)) pages_.push_back(page);
-  if (!error.empty() || pages_.empty())
-    throw FormatError(fmt::format("{}: page {}: {}", file_.path, pages_.size() + 1,
-                                  error.empty() ? "no image found" : error));
+  page_count_ = static_cast<std::size_t>(std::max(reader_->page_count(), 0));
+  if (page_count_ == 0) throw FormatError(file_.path + ": no image found");
 }
 
-void ImageFile::read_rows(std::size_t page, std::int64_t y0, std::int64_t y1,
-                          std::span<std::byte> out) {
+ImagePage ImageFile::page(std::size_t index) {
+  ImagePage page;
   std::string error;
-  if (!reader_->read_rows(static_cast<int>(page), y0, y1, out.data(), error))
+  if (!reader_->describe(static_cast<int>(index), page, error))
+    throw FormatError(fmt::format("{}: page {}: {}", file_.path, index + 1, error));
+  return page;
+}
+
+void ImageFile::read_rows(const ImageRows& rows, std::span<std::byte> out) {
+  std::string error;
+  if (!reader_->read_rows(rows, out.data(), error))
     throw FormatError(
         fmt::format("{}: rows {} to {} of page {} cannot be decoded: {}; the file is truncated or "
                     "damaged, copy "
                     "it from its source again",
-                    file_.path, y0, y1 - 1, page + 1, error));
+                    file_.path, rows.y0, rows.y1 - 1, rows.page + 1, error));
 }
 
 void write_png(const std::filesystem::path& path, const PngImage& image,

@@ -1,5 +1,6 @@
-// What the image module (the only code that knows OpenImageIO) does for the program. A call that
-// can fail returns false or null and says why in `error` (storage/modules/module_api.h).
+// What the modules that know images do for the program: "image" (OpenImageIO) for all formats but
+// TIFF, and "tiff" (libtiff). A call that can fail returns false or null and says why in `error`
+// (storage/modules/module_api.h).
 #pragma once
 
 #include <cstddef>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "storage/image/image_page.h"
+#include "storage/image/ome_metadata.h"
 
 namespace voxweld {
 
@@ -16,11 +18,11 @@ namespace voxweld {
 class ImageModuleReader {
  public:
   virtual ~ImageModuleReader() = default;
-  // False with an empty error: there is no such page.
+  virtual int page_count() = 0;
+  // Precondition: there is such a page.
   virtual bool describe(int page, ImagePage& out, std::string& error) = 0;
-  // Rows [y0, y1) of a page, channels interleaved, tightly packed, in the page's sample type.
-  virtual bool read_rows(int page, std::int64_t y0, std::int64_t y1, std::byte* out,
-                         std::string& error) = 0;
+  // Tightly packed, in the page's sample type.
+  virtual bool read_rows(const ImageRows& rows, std::byte* out, std::string& error) = 0;
 };
 
 struct PngImage {
@@ -31,13 +33,30 @@ struct PngImage {
 class ImageService {
  public:
   virtual ~ImageService() = default;
-  virtual ImageModuleReader* open(const std::string& path, std::string& error) = 0;
+  // Level 0: full resolution; others are those of ImagePage::levels.
+  virtual ImageModuleReader* open(const std::string& path, int level, std::string& error) = 0;
+  // Of the module "image".
   virtual bool encode_png(const PngImage& image, std::span<const std::byte> pixels,
-                          std::vector<unsigned char>& out, std::string& error) = 0;
+                          std::vector<unsigned char>& out, std::string& error);
+  // Of the module "tiff".
+  virtual bool read_ome(const std::string& xml, OmeMetadata& out, std::string& error);
 };
 
-// That of the module "image", which the first call from any thread loads.
+inline bool ImageService::encode_png(const PngImage& /*image*/, std::span<const std::byte>,
+                                     std::vector<unsigned char>& /*out*/, std::string& error) {
+  error = "this module writes no images";
+  return false;
+}
+
+inline bool ImageService::read_ome(const std::string& /*xml*/, OmeMetadata& /*out*/,
+                                   std::string& error) {
+  error = "this module reads no XML";
+  return false;
+}
+
+// Those of the modules, which the first call from any thread loads.
 // InputError as of load_module() (storage/modules/module_loader.h).
 ImageService& image_service();
+ImageService& tiff_service();
 
 }  // namespace voxweld

@@ -21,7 +21,11 @@ class OiioModule final : public Module, public ImageService {
 
   ImageService* images() override { return this; }
 
-  ImageModuleReader* open(const std::string& path, std::string& error) override try {
+  ImageModuleReader* open(const std::string& path, int level, std::string& error) override try {
+    if (level > 0) {
+      error = "has no resolutions to choose from";
+      return nullptr;
+    }
     return OiioReader::open(path, error).release();
   } catch (const std::exception& failure) {
     error = failure.what();

@@ -4,19 +4,12 @@
 #include <cstdint>
 #include <cstring>
 #include <exception>
-#include <limits>
 #include <optional>
 
 #include "storage/image/format_checks.h"
 
 namespace voxweld {
 namespace {
-
-namespace tiff {
-constexpr int compression_none = 1;
-constexpr int white_is_zero = 0;
-constexpr int palette = 3;
-}  // namespace tiff
 
 // By position in enum SampleType.
 constexpr OIIO::TypeDesc::BASETYPE oiio_types[] = {
@@ -41,24 +34,15 @@ std::uint64_t row_bytes(const ImagePage& page) {
 }
 
 void describe_layout(const OIIO::ImageSpec& spec, ImagePage& page) {
-  const bool is_tiff = page.format == "tiff";
-  const int compression = spec.get_int_attribute("tiff:Compression", 0);
   page.compression = spec.get_string_attribute("compression", "unknown");
   if (spec.tile_width > 0) {
     page.tile_width = spec.tile_width;
     page.tile_height = spec.tile_height;
   }
-  // A tag larger than the image means one strip; formats without the tag decode as a whole at worst
-  // (interlaced PNG).
-  const int tagged = spec.get_int_attribute("tiff:RowsPerStrip", 0);
-  page.strip_rows = page.tile_height > 0 ? std::min(page.tile_height, page.height)
-                    : tagged > 0         ? std::min<std::int64_t>(tagged, page.height)
-                                         : page.height;
-  // Compressed strips are held twice, as stored and as decoded; so is a tile row, as tiles and
-  // rows.
-  const std::uint64_t strip = row_bytes(page) * static_cast<std::uint64_t>(page.strip_rows);
-  const bool once = is_tiff && compression == tiff::compression_none && page.tile_height == 0;
-  page.decode_bytes = once ? strip : 2 * strip;
+  // Without tiles a page is decoded as a whole at worst (interlaced PNG).
+  page.strip_rows = page.tile_height > 0 ? std::min(page.tile_height, page.height) : page.height;
+  // Held twice, as stored and as decoded; so is a tile row, as tiles and rows.
+  page.decode_bytes = 2 * row_bytes(page) * static_cast<std::uint64_t>(page.strip_rows);
 }
 
 bool is_integer(SampleType type) {
@@ -67,7 +51,7 @@ bool is_integer(SampleType type) {
 
 // Bits that OpenImageIO stretched the samples by and that `restore` takes back.
 int stretched_bits(const ImagePage& page) {
-  const bool known = page.format == "tiff" || page.format == "png";
+  const bool known = page.format == "png";
   const bool is_unsigned =
       page.type == SampleType::u8 || page.type == SampleType::u16 || page.type == SampleType::u32;
   return known && is_unsigned ? static_cast<int>(8 * sample_bytes(page.type)) - page.stored_bits
@@ -76,10 +60,8 @@ int stretched_bits(const ImagePage& page) {
 
 void describe_meaning(const OIIO::ImageSpec& spec, const std::string& path, ImagePage& page) {
   const int type_bits = static_cast<int>(8 * sample_bytes(page.type));
-  const int photometric = spec.get_int_attribute("tiff:PhotometricInterpretation", -1);
   page.stored_bits =
       std::clamp(spec.get_int_attribute("oiio:BitsPerSample", type_bits), 1, type_bits);
-  page.palette = photometric == tiff::palette;
   if (page.format == "png") {
     const PngFacts facts = png_facts(path);
     page.stored_bits = std::clamp(facts.bits, 1, type_bits);
@@ -87,7 +69,7 @@ void describe_meaning(const OIIO::ImageSpec& spec, const std::string& path, Imag
   }
   page.rescaled =
       is_integer(page.type) && page.stored_bits < type_bits && stretched_bits(page) == 0;
-  page.white_is_zero = photometric == tiff::white_is_zero;
+  page.channel_names = spec.channelnames;
   page.orientation = spec.get_int_attribute("Orientation", 1);
   page.x_resolution = static_cast<double>(spec.get_float_attribute("XResolution", 0));
   page.y_resolution = static_cast<double>(spec.get_float_attribute("YResolution", 0));
@@ -95,32 +77,20 @@ void describe_meaning(const OIIO::ImageSpec& spec, const std::string& path, Imag
   page.description = spec.get_string_attribute("ImageDescription", "");
 }
 
-// Brings what OpenImageIO makes of odd bit depths back to the values of the file, seen as
-// brightness. It stretches n bits to the type's range as floor(v (2^t - 1) / (2^n - 1)), whose top
-// n bits are v, and turns white-is-zero images round only where they are read as uint8.
+// Brings what OpenImageIO makes of odd bit depths back to the values of the file. It stretches n
+// bits to the type's range as floor(v (2^t - 1) / (2^n - 1)), whose top n bits are v.
 template <class T>
-void restore_values(const ImagePage& page, T* samples, std::size_t count) {
-  const int shift = stretched_bits(page);
-  const bool invert = page.white_is_zero && sizeof(T) > 1;
-  const bool inverted = page.white_is_zero && sizeof(T) == 1;
-  constexpr T top = std::numeric_limits<T>::max();
-  const T mask = static_cast<T>(top >> shift);
-  for (std::size_t i = 0; i < count; ++i) {
-    // The stretched value is undone before the turn: floor does not commute with it.
-    const T stretched = inverted ? static_cast<T>(top - samples[i]) : samples[i];
-    const T stored = static_cast<T>(stretched >> shift);
-    samples[i] = invert || inverted ? static_cast<T>(mask - stored) : stored;
-  }
+void restore_values(int shift, T* samples, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) samples[i] = static_cast<T>(samples[i] >> shift);
 }
 
 void restore(const ImagePage& page, std::byte* data, std::size_t count) {
-  if (stretched_bits(page) == 0 && !page.white_is_zero) return;
+  const int shift = stretched_bits(page);
+  if (shift == 0) return;
   if (page.type == SampleType::u8)
-    restore_values(page, reinterpret_cast<std::uint8_t*>(data), count);
+    restore_values(shift, reinterpret_cast<std::uint8_t*>(data), count);
   if (page.type == SampleType::u16)
-    restore_values(page, reinterpret_cast<std::uint16_t*>(data), count);
-  if (page.type == SampleType::u32)
-    restore_values(page, reinterpret_cast<std::uint32_t*>(data), count);
+    restore_values(shift, reinterpret_cast<std::uint16_t*>(data), count);
 }
 
 OIIO::ImageSpec open_config() {
@@ -133,13 +103,6 @@ OIIO::ImageSpec open_config() {
 }  // namespace
 
 std::unique_ptr<OiioReader> OiioReader::open(const std::string& path, std::string& error) {
-  TiffDirectories directories;
-  if (list_tiff_directories(ReadFile(path), directories, error)) {
-    std::unique_ptr<OiioReader> reader(new OiioReader(nullptr, path));
-    reader->directories_ = std::move(directories);
-    return reader->open_tiff(error) ? std::move(reader) : nullptr;
-  }
-  if (!error.empty()) return nullptr;
   const OIIO::ImageSpec config = open_config();
   auto input = OIIO::ImageInput::open(path, &config);
   if (!input) {
@@ -152,33 +115,23 @@ std::unique_ptr<OiioReader> OiioReader::open(const std::string& path, std::strin
   return std::unique_ptr<OiioReader>(new OiioReader(std::move(input), path));
 }
 
-bool OiioReader::open_tiff(std::string& error) {
-  view_ = std::make_unique<TiffPageView>(path_, directories_);
-  input_ = OIIO::ImageInput::create("tiff");
-  if (!input_) error = OIIO::geterror();
-  return input_ != nullptr && seek(0, error);
-}
-
-// Makes a page the one `input_` reads. False with an empty error: there is no such page.
-bool OiioReader::seek(int page, std::string& error) {
-  if (page < 0) return false;
-  if (!view_) return input_->seek_subimage(page, 0);
-  if (static_cast<std::size_t>(page) >= directories_.offsets.size()) return false;
-  input_->close();
-  view_->choose(directories_.offsets[static_cast<std::size_t>(page)]);
-  input_->set_ioproxy(view_.get());
-  OIIO::ImageSpec spec;
-  if (input_->open(path_, spec, open_config())) return true;
-  error = input_->geterror();
-  if (error.empty()) error = "no reason given";
-  return false;
+int OiioReader::page_count() {
+  int count = 0;
+  while (input_->seek_subimage(count, 0)) ++count;
+  selected_ = -1;
+  static_cast<void>(input_->geterror());  // no more than "no such page"
+  return count;
 }
 
 bool OiioReader::select(int page, std::string& error) {
   if (page == selected_) return true;
   selected_ = -1;
   tile_row_index_ = -1;
-  if (!seek(page, error)) return false;
+  if (!input_->seek_subimage(page, 0)) {
+    error = input_->geterror();
+    if (error.empty()) error = "the page is not there any more";
+    return false;
+  }
   const OIIO::ImageSpec& spec = input_->spec();
   const std::optional<SampleType> type = sample_type(spec.format);
   if (!type) {
@@ -203,10 +156,7 @@ bool OiioReader::select(int page, std::string& error) {
 }
 
 bool OiioReader::describe(int page, ImagePage& out, std::string& error) try {
-  if (!select(page, error)) {
-    static_cast<void>(input_->geterror());  // no more than "no such page"
-    return false;
-  }
+  if (!select(page, error)) return false;
   out = page_;
   return true;
 } catch (const std::exception& failure) {
@@ -214,20 +164,18 @@ bool OiioReader::describe(int page, ImagePage& out, std::string& error) try {
   return false;
 }
 
-bool OiioReader::read_rows(int page, std::int64_t y0, std::int64_t y1, std::byte* out,
-                           std::string& error) try {
+bool OiioReader::read_rows(const ImageRows& rows, std::byte* out, std::string& error) try {
   static_cast<void>(input_->geterror());  // what earlier warnings left there
-  if (!select(page, error)) {
-    if (error.empty()) error = "the page is not there any more";
-    return false;
-  }
+  if (!select(rows.page, error)) return false;
   const OIIO::ImageSpec& spec = input_->spec();
-  const bool done =
-      page_.tile_height > 0
-          ? read_tiled(y0, y1, out)
-          : input_->read_scanlines(input_->current_subimage(), 0, spec.y + static_cast<int>(y0),
-                                   spec.y + static_cast<int>(y1), spec.z, 0, spec.nchannels,
-                                   oiio_type(page_.type), out);
+  const int first = rows.channel.value_or(0);
+  const int last = rows.channel ? first + 1 : spec.nchannels;
+  const bool done = page_.tile_height > 0
+                        ? read_tiled(rows, out)
+                        : input_->read_scanlines(input_->current_subimage(), 0,
+                                                 spec.y + static_cast<int>(rows.y0),
+                                                 spec.y + static_cast<int>(rows.y1), spec.z, first,
+                                                 last, oiio_type(page_.type), out);
   if (!done) {
     error = input_->geterror();
     if (error.empty()) error = "no reason given";
@@ -235,25 +183,31 @@ bool OiioReader::read_rows(int page, std::int64_t y0, std::int64_t y1, std::byte
   }
   if (page_.tile_height == 0)
     restore(page_, out,
-            static_cast<std::size_t>((y1 - y0) * page_.width) *
-                static_cast<std::size_t>(page_.channels));
+            static_cast<std::size_t>((rows.y1 - rows.y0) * page_.width) *
+                static_cast<std::size_t>(last - first));
   return true;
 } catch (const std::exception& failure) {
   error = failure.what();
   return false;
 }
 
-bool OiioReader::read_tiled(std::int64_t y0, std::int64_t y1, std::byte* out) {
+bool OiioReader::read_tiled(const ImageRows& rows, std::byte* out) {
   const std::uint64_t row = row_bytes(page_);
-  for (std::int64_t y = y0; y < y1;) {
+  const std::size_t width = sample_bytes(page_.type);
+  const std::size_t pixel = width * static_cast<std::size_t>(page_.channels);
+  for (std::int64_t y = rows.y0; y < rows.y1; ++y) {
     const std::int64_t index = y / page_.tile_height;
     if (!load_tile_row(index)) return false;
-    const std::int64_t end = std::min(y1, (index + 1) * page_.tile_height);
-    const std::uint64_t skip = static_cast<std::uint64_t>(y - index * page_.tile_height);
-    const std::uint64_t bytes = static_cast<std::uint64_t>(end - y) * row;
-    std::memcpy(out, tile_row_.data() + skip * row, bytes);
-    out += bytes;
-    y = end;
+    const std::byte* from =
+        tile_row_.data() + static_cast<std::uint64_t>(y - index * page_.tile_height) * row;
+    if (!rows.channel) {
+      std::memcpy(out, from, row);
+      out += row;
+      continue;
+    }
+    from += static_cast<std::size_t>(*rows.channel) * width;
+    for (std::int64_t x = 0; x < page_.width; ++x, from += pixel, out += width)
+      std::memcpy(out, from, width);
   }
   return true;
 }

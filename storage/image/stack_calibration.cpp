@@ -6,8 +6,6 @@
 #include <cmath>
 #include <string_view>
 
-#include "storage/support/error.h"
-
 namespace voxweld {
 namespace {
 
@@ -39,47 +37,21 @@ Unit canonical_unit(std::string_view text) {
   return {std::string(text), 1};
 }
 
-// "key=value" of a line of ImageJ's description; empty when absent.
-std::string_view imagej_value(std::string_view description, std::string_view key) {
-  for (std::size_t at = 0; at < description.size();) {
-    const std::size_t end = std::min(description.find('\n', at), description.size());
-    const std::string_view line = description.substr(at, end - at);
-    if (line.size() > key.size() && line.starts_with(key) && line[key.size()] == '=')
-      return line.substr(key.size() + 1);
-    at = end + 1;
-  }
-  return {};
-}
-
-void refuse_second_axis(const std::string& path, const char* axis, double count) {
-  throw FormatError(fmt::format(
-      "{}: holds {:g} {}, so its pages are not one volume; expected one channel and one time: save "
-      "the part to be meshed as a stack of its own",
-      path, count, axis));
-}
-
-double imagej_count(std::string_view description, std::string_view key) {
-  return parse_number(imagej_value(description, key)).value_or(1);
-}
-
-void check_imagej_axes(std::string_view text, const StackFileFacts& facts) {
-  const double images = imagej_count(text, "images"), slices = imagej_count(text, "slices");
-  const double frames = imagej_count(text, "frames");
-  if (const double channels = imagej_count(text, "channels"); channels > 1)
-    refuse_second_axis(facts.path, "channels", channels);
-  // ImageJ often keeps z as time: only both at once are ambiguous.
-  if (frames > 1 && slices > 1) refuse_second_axis(facts.path, "times", frames);
-  if (images > 1 && facts.pages == 1)
-    throw FormatError(
-        fmt::format("{}: ImageJ wrote {:g} images here but a directory for one only, as it does "
-                    "over 4 GiB; save "
-                    "it as BigTIFF or as an image sequence",
-                    facts.path, images));
+// Lengths in one unit are this times the lengths in the other; nothing where that is not known.
+std::optional<double> length_ratio(const std::string& from, const std::string& to) {
+  if (from == to) return 1;
+  const auto metres = [](const std::string& unit) {
+    if (unit == "nm") return 1e-9;
+    if (unit == "um") return 1e-6;
+    if (unit == "mm") return 1e-3;
+    return unit == "m" ? 1.0 : 0.0;
+  };
+  if (metres(from) == 0 || metres(to) == 0) return std::nullopt;
+  return metres(from) / metres(to);
 }
 
 StackCalibration from_imagej(const ImagePage& page, const StackFileFacts& facts) {
   StackCalibration result;
-  check_imagej_axes(page.description, facts);
   const Unit unit = canonical_unit(imagej_value(page.description, "unit"));
   const std::optional<double> z = parse_number(imagej_value(page.description, "spacing"));
   const bool has_xy = page.x_resolution > 0 && page.y_resolution > 0;
@@ -100,48 +72,6 @@ StackCalibration from_imagej(const ImagePage& page, const StackFileFacts& facts)
   return result;
 }
 
-// The value of an attribute of the first <Pixels ...> element; empty when absent.
-std::string_view ome_attribute(std::string_view xml, std::string_view name) {
-  const std::size_t begin = xml.find("<Pixels");
-  if (begin == std::string_view::npos) return {};
-  const std::string_view element = xml.substr(begin, xml.find('>', begin) - begin);
-  const std::string wanted = fmt::format(" {}=\"", name);
-  const std::size_t at = element.find(wanted);
-  if (at == std::string_view::npos) return {};
-  const std::size_t start = at + wanted.size();
-  return element.substr(start, element.find('"', start) - start);
-}
-
-StackCalibration from_ome(const ImagePage& page, const StackFileFacts& facts) {
-  const std::string_view xml = page.description;
-  const double channels = parse_number(ome_attribute(xml, "SizeC")).value_or(1);
-  const double times = parse_number(ome_attribute(xml, "SizeT")).value_or(1);
-  if (channels > 1) refuse_second_axis(facts.path, "channels", channels);
-  if (times > 1 && parse_number(ome_attribute(xml, "SizeZ")).value_or(1) > 1)
-    refuse_second_axis(facts.path, "times", times);
-  StackCalibration result;
-  Vec3 spacing;
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::string name = fmt::format("PhysicalSize{}", "XYZ"[axis]);
-    const std::optional<double> size = parse_number(ome_attribute(xml, name));
-    if (!size || !(*size > 0)) return result;
-    std::string_view unit_text = ome_attribute(xml, name + "Unit");
-    const Unit unit = canonical_unit(unit_text.empty() ? "um" : unit_text);
-    if (axis > 0 && unit.name != result.unit) {
-      result.unit.clear();
-      result.warnings.push_back(fmt::format(
-          "{}: the OME sizes are in different units; spacing 1 is used on all axes unless the "
-          "input's spacing is set",
-          facts.path));
-      return result;
-    }
-    result.unit = unit.name;
-    spacing[axis] = *size * unit.factor;
-  }
-  result.spacing = spacing;
-  return result;
-}
-
 StackCalibration from_tags(const ImagePage& page, const StackFileFacts& facts) {
   StackCalibration result;
   const Unit unit = canonical_unit(page.resolution_unit);
@@ -159,9 +89,44 @@ StackCalibration from_tags(const ImagePage& page, const StackFileFacts& facts) {
 
 }  // namespace
 
+std::string_view imagej_value(std::string_view description, std::string_view key) {
+  for (std::size_t at = 0; at < description.size();) {
+    const std::size_t end = std::min(description.find('\n', at), description.size());
+    const std::string_view line = description.substr(at, end - at);
+    if (line.size() > key.size() && line.starts_with(key) && line[key.size()] == '=')
+      return line.substr(key.size() + 1);
+    at = end + 1;
+  }
+  return {};
+}
+
+StackCalibration ome_calibration(const OmeImage& image, const std::string& path) {
+  StackCalibration result;
+  Vec3 spacing;
+  std::string first_unit;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto at = static_cast<std::size_t>(axis);
+    const std::optional<double> size = parse_number(image.step[at]);
+    if (!size || !(*size > 0)) return result;
+    const Unit unit = canonical_unit(image.unit[at]);
+    if (axis == 0) first_unit = unit.name;
+    const std::optional<double> scale = length_ratio(unit.name, first_unit);
+    if (!scale) {
+      result.warnings.push_back(fmt::format(
+          "{}: the OME sizes are in units that do not go together ('{}', '{}'); spacing 1 is used "
+          "on all axes unless the input's spacing is set",
+          path, first_unit, unit.name));
+      return result;
+    }
+    spacing[axis] = *size * unit.factor * *scale;
+  }
+  result.unit = first_unit;
+  result.spacing = spacing;
+  return result;
+}
+
 StackCalibration read_calibration(const ImagePage& first, const StackFileFacts& facts) {
   if (first.description.starts_with("ImageJ=")) return from_imagej(first, facts);
-  if (first.description.find("<OME") != std::string::npos) return from_ome(first, facts);
   return from_tags(first, facts);
 }
 

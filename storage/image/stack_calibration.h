@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "storage/image/image_page.h"
+#include "storage/image/ome_metadata.h"
 #include "storage/types/box.h"
 
 namespace voxweld {
@@ -22,8 +24,13 @@ struct StackFileFacts {
   std::size_t pages = 0;  // of the file; 1 when each slice has a file of its own
 };
 
-// Throws FormatError when the description tells of channels or times beside z, or of images that
-// the file has no page for (ImageJ's own form of files over 4 GiB).
+// Of a page of ImageJ or a plain one.
 StackCalibration read_calibration(const ImagePage& first, const StackFileFacts& facts);
+
+// Of an image of an OME-TIFF.
+StackCalibration ome_calibration(const OmeImage& image, const std::string& path);
+
+// "key=value" of a line of ImageJ's description; empty when absent.
+std::string_view imagej_value(std::string_view description, std::string_view key);
 
 }  // namespace voxweld

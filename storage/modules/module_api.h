@@ -55,7 +55,7 @@ struct ModuleEntry {
   const char* version;  // module_version, as the module was built
   Module* (*module)();  // always the same one; called where the version is the program's own
 };
-inline constexpr const char* module_version = VOXWELD_VERSION "/3";
+inline constexpr const char* module_version = VOXWELD_VERSION "/4";
 
 }  // namespace voxweld
 

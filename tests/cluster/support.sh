@@ -44,7 +44,7 @@ remove_shared_folder() {
 # below /tmp, of which every node has its own.
 install_program() {
   mkdir -p "$1/bin"
-  cp "$voxweld" "$(dirname "$voxweld")/libvoxweld_image.so" "$1/bin"
+  cp "$voxweld" "$(dirname "$voxweld")"/libvoxweld_*.so "$1/bin"
   voxweld=$1/bin/voxweld
 }
 

@@ -334,6 +334,15 @@ std::string dicom_runs(int z) {
   return header + planes[0] + planes[1];
 }
 
+std::string ome_text() {
+  return fmt::format(
+      "<?xml version=\"1.0\"?><OME UUID=\"urn:uuid:1\"><Image ID=\"Image:0\" Name=\"a\"><Pixels "
+      "DimensionOrder=\"XYZCT\" Type=\"int16\" SizeX=\"{}\" SizeY=\"{}\" SizeZ=\"{}\" SizeC=\"1\" "
+      "SizeT=\"1\" PhysicalSizeX=\"1\" PhysicalSizeY=\"1\" PhysicalSizeZ=\"2\"><TiffData IFD=\"0\" "
+      "PlaneCount=\"{}\"/></Pixels></Image></OME>",
+      size_x, size_y, size_z, size_z);
+}
+
 class VolumeWriter {
  public:
   explicit VolumeWriter(const fs::path& root) : root_(root) {}
@@ -469,6 +478,16 @@ std::vector<Specimen> write_volumes(const fs::path& program, const fs::path& roo
   Specimen big = to.begin("tiff-big");
   write_tiff(big.folder / "v.tif", tiff_pages(), true);
   to.finish(std::move(big), "v.tif", "spacing = 1\n");
+  std::vector<TiffPage> pages_told = tiff_pages();
+  pages_told[0].description = ome_text();
+  Specimen ome = to.begin("tiff-ome");
+  write_tiff(ome.folder / "v.tif", pages_told);
+  to.finish(std::move(ome), "v.tif");
+  pages_told[0].description =
+      fmt::format("ImageJ=1.53t\nimages={}\nslices={}\nunit=um\nspacing=2\n", size_z, size_z);
+  Specimen imagej = to.begin("tiff-imagej");
+  write_tiff(imagej.folder / "v.tif", pages_told);
+  to.finish(std::move(imagej), "v.tif");
   Specimen stack = to.begin("stack");
   fs::create_directory(stack.folder / "v");
   const std::vector<TiffPage> pages = tiff_pages();

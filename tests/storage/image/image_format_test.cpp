@@ -42,9 +42,9 @@ std::string image_refusal(const std::filesystem::path& path) {
 
 std::vector<std::uint8_t> read_bytes(const std::filesystem::path& path) {
   ImageFile file(path);
-  const ImagePage& page = file.pages().front();
+  const ImagePage page = file.page(0);
   std::vector<std::uint8_t> samples(static_cast<std::size_t>(page.width * page.height));
-  file.read_rows(0, 0, page.height, std::as_writable_bytes(std::span(samples)));
+  file.read_rows({.y0 = 0, .y1 = page.height}, std::as_writable_bytes(std::span(samples)));
   return samples;
 }
 
@@ -99,13 +99,13 @@ TEST(Png, KeepsTheValuesOfSmallDepths) {
   EXPECT_THAT(read_bytes(directory / "1.png"), ElementsAre(1, 0, 1, 1, 0, 0, 0, 1));
   write_small_png(directory / "4.png", 4, 0, "\x01\x23\xEF\x80");
   EXPECT_THAT(read_bytes(directory / "4.png"), ElementsAre(0, 1, 2, 3, 14, 15, 8, 0));
-  EXPECT_EQ(ImageFile(directory / "4.png").pages().front().stored_bits, 4);
+  EXPECT_EQ(ImageFile(directory / "4.png").page(0).stored_bits, 4);
 }
 
 TEST(Png, TellsAPalette) {
   const testing::TempDirectory directory;
   write_small_png(directory / "p.png", 1, 3, "\xB1");
-  EXPECT_TRUE(ImageFile(directory / "p.png").pages().front().palette);
+  EXPECT_TRUE(ImageFile(directory / "p.png").page(0).palette);
 }
 
 }  // namespace

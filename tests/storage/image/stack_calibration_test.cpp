@@ -3,9 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "storage/support/error.h"
-#include "tests/support/error_text.h"
-
 namespace voxweld {
 namespace {
 
@@ -19,12 +16,6 @@ ImagePage described(const std::string& description, double resolution, const std
   page.x_resolution = page.y_resolution = resolution;
   page.resolution_unit = unit;
   return page;
-}
-
-std::string calibration_refusal(const std::string& description, std::size_t pages) {
-  return testing::error_text<FormatError>([&] {
-    read_calibration(described(description, 0, ""), {"a.tif", pages});
-  });
 }
 
 TEST(Calibration, ReadsImageJ) {
@@ -50,36 +41,31 @@ TEST(Calibration, DoesNotGuessTheDistanceOfSlices) {
   EXPECT_THAT(read_calibration(described("", 72, "in"), {"a.tif", 8}).warnings, IsEmpty());
 }
 
-TEST(Calibration, RefusesWhatIsNotOneVolume) {
-  EXPECT_THAT(calibration_refusal("ImageJ=1\nimages=8\nchannels=2\nslices=4\n", 8),
-              HasSubstr("2 channels"));
-  EXPECT_THAT(calibration_refusal("ImageJ=1\nimages=8\nslices=4\nframes=2\n", 8),
-              HasSubstr("2 times"));
-  EXPECT_EQ(calibration_refusal("ImageJ=1\nimages=8\nframes=8\n", 8), "accepted");
-  EXPECT_THAT(calibration_refusal("ImageJ=1\nimages=900\nslices=900\n", 1),
-              HasSubstr("over 4 GiB"));
-  EXPECT_THAT(
-      calibration_refusal("<?xml?><OME><Pixels SizeC=\"3\" SizeZ=\"4\" SizeT=\"1\"></OME>", 12),
-      HasSubstr("3 channels"));
+OmeImage sized(std::array<std::string, 3> step, std::array<std::string, 3> unit) {
+  OmeImage image;
+  image.step = std::move(step);
+  image.unit = std::move(unit);
+  return image;
 }
 
 TEST(Calibration, ReadsOme) {
-  const auto result = read_calibration(
-      described(
-          "<OME><Image><Pixels ID=\"P\" SizeC=\"1\" SizeZ=\"4\" SizeT=\"1\" PhysicalSizeX=\"0.5\" "
-          "PhysicalSizeY=\"0.5\" PhysicalSizeZ=\"2\"></Pixels></Image></OME>",
-          0, ""),
-      {"a.tif", 4});
+  const auto result =
+      ome_calibration(sized({"0.5", "0.5", "2"}, {"um", "\xC2\xB5m", "um"}), "a.tif");
   ASSERT_TRUE(result.spacing);
   EXPECT_EQ(*result.spacing, (Vec3{0.5, 0.5, 2}));
   EXPECT_EQ(result.unit, "um");
-  const auto mixed = read_calibration(
-      described("<OME><Pixels PhysicalSizeX=\"1\" PhysicalSizeXUnit=\"nm\" PhysicalSizeY=\"1\" "
-                "PhysicalSizeZ=\"1\">",
-                0, ""),
-      {"a.tif", 4});
+  EXPECT_FALSE(ome_calibration(sized({"0.5", "0.5", ""}, {"um", "um", "um"}), "a.tif").spacing);
+}
+
+TEST(Calibration, BringsUnitsOfOmeTogether) {
+  const auto metric = ome_calibration(sized({"250", "250", "1.5"}, {"nm", "nm", "um"}), "a.tif");
+  ASSERT_TRUE(metric.spacing);
+  EXPECT_EQ(metric.unit, "nm");
+  EXPECT_DOUBLE_EQ(metric.spacing->x, 250);
+  EXPECT_DOUBLE_EQ(metric.spacing->z, 1500);
+  const auto mixed = ome_calibration(sized({"1", "1", "1"}, {"nm", "furlong", "nm"}), "a.tif");
   EXPECT_FALSE(mixed.spacing);
-  EXPECT_THAT(mixed.warnings, ElementsAre(HasSubstr("different units")));
+  EXPECT_THAT(mixed.warnings, ElementsAre(HasSubstr("do not go together")));
 }
 
 }  // namespace

@@ -165,7 +165,8 @@ TEST_F(Stack, RefusesColour) {
   page.photometric = 2;
   write_tiff(directory_ / "a.tif", {page});
   EXPECT_THAT(stack_refusal(directory_ / "a.tif"),
-              AllOf(HasSubstr("a.tif: has 3 channels"), HasSubstr("convert the slices to grey")));
+              AllOf(HasSubstr("a.tif: has 3 channels: 0 (red), 1 (green), 2 (blue)"),
+                    HasSubstr("set input.channel or --channel")));
 }
 
 TEST_F(Stack, NamesDamagedAndMissingSlices) {

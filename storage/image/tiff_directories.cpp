@@ -1,10 +1,9 @@
-#include "storage/image/tiff_pages.h"
+#include "storage/image/tiff_directories.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
-#include <exception>
+#include <array>
 #include <span>
 #include <unordered_set>
 
@@ -20,13 +19,6 @@ std::uint64_t decode(std::span<const std::byte> bytes, bool big_endian) {
     value = (value << 8) | std::to_integer<std::uint64_t>(bytes[at]);
   }
   return value;
-}
-
-void encode(std::uint64_t value, std::span<std::byte> bytes, bool big_endian) {
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    bytes[big_endian ? bytes.size() - 1 - i : i] = static_cast<std::byte>(value & 0xFF);
-    value >>= 8;
-  }
 }
 
 class Walker {
@@ -102,40 +94,6 @@ bool list_tiff_directories(const ReadFile& file, TiffDirectories& out, std::stri
   if (!walker.chain(first, error)) return false;
   if (out.offsets.empty()) error = "a TIFF without any page: it was not written to its end";
   return error.empty();
-}
-
-TiffPageView::TiffPageView(const std::string& path, const TiffDirectories& directories)
-    : IOProxy(path, Read),
-      file_(path),
-      big_(directories.big),
-      big_endian_(directories.big_endian),
-      header_bytes_(directories.big ? big_header : classic_header) {
-  file_.read(0, std::span(header_).first(header_bytes_));
-}
-
-void TiffPageView::choose(std::uint64_t directory_offset) {
-  const auto field = big_ ? std::span(header_).subspan(8, 8) : std::span(header_).subspan(4, 4);
-  encode(directory_offset, field, big_endian_);
-  m_pos = 0;
-}
-
-std::size_t TiffPageView::read(void* buffer, std::size_t size) {
-  const std::size_t got = pread(buffer, size, m_pos);
-  m_pos += static_cast<std::int64_t>(got);
-  return got;
-}
-
-std::size_t TiffPageView::pread(void* buffer, std::size_t size, std::int64_t offset) try {
-  const auto at = static_cast<std::uint64_t>(offset);
-  if (offset < 0 || at >= file_.size()) return 0;
-  size = static_cast<std::size_t>(std::min<std::uint64_t>(size, file_.size() - at));
-  file_.read(at, std::span(static_cast<std::byte*>(buffer), size));
-  if (at < header_bytes_)
-    std::memcpy(buffer, header_.data() + at, std::min(size, header_bytes_ - at));
-  return size;
-} catch (const std::exception& failure) {
-  error(failure.what());  // libtiff's C code must not be unwound
-  return 0;
 }
 
 }  // namespace voxweld
