@@ -173,8 +173,9 @@ class Expected:
 
 
 class Comparison:
-    def __init__(self, ours, expected, readers):
-        self.ours, self.expected, self.readers = ours, expected, readers
+    def __init__(self, ours, expected, readers, whole):
+        """whole: of all formats, so that what none of the readers knows is no format at all."""
+        self.ours, self.expected, self.readers, self.whole = ours, expected, readers, whole
         self.rows = []
         self.root = ""
 
@@ -253,6 +254,8 @@ class Comparison:
 
     def unknown(self, path):
         """What no independent reader knows: ours must refuse it, by name."""
+        if not self.whole:
+            return
         if os.path.isfile(path) and path.lower().endswith(MESHES):
             self.add(path, "mesh", "a mesh", "not compared here")
         elif os.path.isfile(path):
@@ -322,7 +325,8 @@ def main():
               "tests/compare/install_packages.sh installs it", file=sys.stderr)
     here = os.path.dirname(os.path.abspath(__file__))
     comparison = Comparison(Ours(arguments.program, arguments.scratch),
-                            Expected(os.path.join(here, "expected_refusals.txt")), ready)
+                            Expected(os.path.join(here, "expected_refusals.txt")), ready,
+                            whole=not missing and not arguments.only)
     for folder in arguments.folders:
         comparison.tree(folder)
     status = print_table(comparison.rows)

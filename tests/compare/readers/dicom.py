@@ -80,10 +80,9 @@ def load_series(slices):
         if len(slices) > 1:
             raise Unreadable("slices say no positions")
         data, samples = stored_samples(slices[0][0])
-        apart = data.get("PixelSpacing")
-        spacing = (float(apart[1]), float(apart[0]), 0.0) if apart else None
-        volume = Volume(samples.reshape((-1,) + samples.shape[-2:]))
-        volume.spacing = spacing and spacing[:2] + (None,)
+        rows, columns = (float(n) for n in data.get("PixelSpacing", (1, 1)))
+        # One slice has no distance to another.
+        volume = Volume(samples.reshape((-1,) + samples.shape[-2:]), (columns, rows, None))
         volume.slope, volume.intercept = scale_of(data)
         return volume
     x, y, normal = plane_of(first)

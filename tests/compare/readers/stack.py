@@ -94,8 +94,6 @@ def calibration(page):
 
 
 def why_not(page, pages):
-    if page.photometric == 3:
-        return "a palette"
     if page.samplesperpixel > 1:
         return f"{page.samplesperpixel} values a pixel"
     if pages.ndim != 3:

@@ -115,11 +115,21 @@ def array_cases(folder):
     return cases
 
 
+def only_array(group, mark, cases_of):
+    """A group with one array stands for it; of several none is chosen."""
+    arrays = [here for here, _, files in os.walk(group) if mark in files]
+    if mark == "zarr.json":
+        arrays = [a for a in arrays if read_json(os.path.join(a, mark)).get("node_type") == "array"]
+    if len(arrays) != 1:
+        return [Case(group, refused=f"a group of {len(arrays)} arrays and no choice")]
+    return [Case(group, case.load, case.arguments, case.refused) for case in cases_of(arrays[0])]
+
+
 def group_cases(folder):
     """Of an OME group: its full resolution, and a level. Of another group: no array is chosen."""
     images = attributes(folder).get("multiscales", [])
     if not images:
-        return [Case(folder, refused="a group, and no array of it is chosen")]
+        return only_array(folder, ".zarray", array_cases)
     paths = [os.path.join(folder, d["path"]) for d in images[0]["datasets"]]
     cases = []
     for level, path in [(None, paths[0])] + list(enumerate(paths))[1:2]:

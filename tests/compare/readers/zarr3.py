@@ -8,7 +8,7 @@ import numpy as np
 
 from volume import Case, Found, Unreadable, read_json
 
-from .zarr2 import ome_of, placed, attributes
+from .zarr2 import attributes, ome_of, only_array, placed
 
 ours = "zarr"
 needs = {"node": "nodejs"}
@@ -66,7 +66,7 @@ def array_cases(folder):
 def group_cases(folder):
     images = attributes(folder).get("multiscales", [])
     if not images:
-        return [Case(folder, refused="a group, and no array of it is chosen")]
+        return only_array(folder, "zarr.json", array_cases)
     paths = [os.path.join(folder, d["path"]) for d in images[0]["datasets"]]
     cases = []
     for level, path in [(None, paths[0])] + list(enumerate(paths))[1:2]:
