@@ -16,7 +16,7 @@ needs = {"tifffile": "python3-tifffile", "PIL": "python3-pil", "tiffcp": "libtif
 
 def unpacked_bits(page):
     """Uncompressed samples of a number of bits that tifffile leaves to others: rows begin at whole
-    bytes, the highest bit comes first; three bytes are in the file's order."""
+    bytes, the highest bit comes first, whatever the order of bytes."""
     file = page.parent.filehandle
     data = b""
     for offset, count in zip(page.dataoffsets, page.databytecounts):
@@ -25,9 +25,6 @@ def unpacked_bits(page):
     bits = page.bitspersample
     height, width = page.shape[:2]
     rows = np.frombuffer(data, "u1").reshape(height, -1)
-    if bits == 24:
-        rows = rows.reshape(height, width, 3)[..., :: -1 if page.parent.byteorder == "<" else 1]
-        return (rows.astype("u4") << np.array([16, 8, 0], "u4")).sum(axis=2, dtype="u4")
     every = np.unpackbits(rows, axis=1, bitorder="little" if page.fillorder == 2 else "big")
     every = every[:, : width * bits].reshape(height, width, bits).astype("u4")
     values = (every << np.arange(bits - 1, -1, -1, dtype="u4")).sum(axis=2, dtype="u4")
