@@ -58,10 +58,15 @@ std::string format_objection(const std::string& format, const std::string& path)
     return "the JPEG data does not come to its end: it is truncated";
   if (format != "pnm") return {};
   const int maximum = pnm_maximum(path);
-  if (maximum == 1 || maximum == 255 || maximum == 65535) return {};
+  if (maximum == 1 || maximum == 255) return {};
+  // OpenImageIO multiplies these by 65535 / 65536: all but 0 lose one, and 1 becomes 0.
+  if (maximum == 65535)
+    return "its grey values are of 16 bits, which cannot be read exactly; expected values up to "
+           "255: "
+           "convert it to PNG or TIFF";
   return fmt::format(
-      "its largest grey value is declared as {}; expected 255 or 65535, since others are stretched "
-      "to these",
+      "its largest grey value is declared as {}; expected 255, since others are stretched to that: "
+      "convert it to PNG or TIFF",
       maximum);
 }
 

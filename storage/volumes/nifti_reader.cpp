@@ -100,6 +100,10 @@ Vec3 pixdim_spacing(const NiftiHeader& header, const std::string& path, VolumeIn
   return spacing;
 }
 
+// How far apart one spacing is that the header says in two ways, of floats, as a share of it. What
+// is farther apart moves the far end of an axis: there the transform counts.
+constexpr double rounding = 2e-7;
+
 // The two ways a header gives the transform, the sform first, as the readers in the field do.
 void read_geometry(const NiftiHeader& header, const std::string& path, VolumeInfo& info) {
   VolumeGeometry& geometry = info.geometry;
@@ -114,13 +118,13 @@ void read_geometry(const NiftiHeader& header, const std::string& path, VolumeInf
   geometry.origin = affine.origin;
   geometry.space = "RAS";
   for (int axis = 0; axis < 3; ++axis) {
-    const double ratio = geometry.spacing[axis] / spacing[axis];
-    if (std::abs(ratio - 1) > 1e-3)
+    const double off = std::abs(geometry.spacing[axis] / spacing[axis] - 1);
+    if (off <= rounding)  // the digits as written, not as they come back from the matrix
+      geometry.spacing[axis] = spacing[axis];
+    else if (off > 1e-3)
       info.warnings.push_back(
           fmt::format("{}: axis {}: the {} has spacing {} but pixdim {}: the {} is used", path,
                       axis, form, geometry.spacing[axis], spacing[axis], form));
-    else  // the digits as written, not as they come back from the matrix
-      geometry.spacing[axis] = spacing[axis];
   }
 }
 

@@ -66,6 +66,8 @@ TEST(Pnm, IsRefusedWhereItWouldBeStretched) {
   EXPECT_THAT(read_bytes(directory / "a.pgm"), ElementsAre('A', 'B', 'C'));
   std::ofstream(directory / "b.pgm") << "P5\n3 1\n100\nABC";
   EXPECT_THAT(image_refusal(directory / "b.pgm"), HasSubstr("declared as 100; expected 255"));
+  std::ofstream(directory / "c.pgm") << "P5\n3 1\n65535\nABCDEF";
+  EXPECT_THAT(image_refusal(directory / "c.pgm"), HasSubstr("are of 16 bits"));
 }
 
 void append_chunk(std::string& png, const std::string& type, const std::string& data) {

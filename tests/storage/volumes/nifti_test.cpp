@@ -194,6 +194,21 @@ TEST(Nifti, GeometryFromForms) {
   }
 }
 
+// A thousandth of a step is half a sample at the far end of 512.
+TEST(Nifti, APixdimALittleOffTheSformDoesNotMoveTheFarEnd) {
+  const VolumeFolder directory;
+  const KnownVolume volume = make_volume(SampleType::u8, {3, 2, 4});
+  Header header(1, std::endian::little, volume);
+  header.pixdim({1, 0.5005, 0.7, 2});
+  header.sform({0.5, 0, 0, 10, 0, 0.7, 0, 20, 0, 0, 2, 30});
+  const auto source = directory.open("off.nii", header.bytes() + volume.stored());
+  const VolumeGeometry& geometry = source->info().geometry;
+  EXPECT_EQ(geometry.spacing.x, 0.5);
+  // As the float was written, which no length of a vector gives.
+  EXPECT_EQ(geometry.spacing.y, static_cast<double>(0.7F));
+  EXPECT_EQ(geometry.spacing.z, 2);
+}
+
 TEST(Nifti, HalfTurnsInTheQuaternion) {
   const VolumeFolder directory;
   const KnownVolume volume = make_volume(SampleType::u8, {3, 4, 5});

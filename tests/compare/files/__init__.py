@@ -1,0 +1,1 @@
+"""Writers of small files, one module for each format: write(folder)."""
