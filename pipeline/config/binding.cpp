@@ -72,6 +72,14 @@ Binding<Config> selected(std::optional<std::int64_t> InputSelection::*number) {
       IntegerRule{0, most}, [=](auto& config) -> auto& { return config.input.select.*number; });
 }
 
+// The default is not written: it is no choice, and keys do not change with it.
+Binding<Config> resample() {
+  const auto chosen = choice(&Config::input, &InputConfig::resample, {"none", "uniform"});
+  return {chosen.rule, chosen.set, [get = chosen.get](const Config& config) -> Written {
+            return config.input.resample == Resample::none ? std::nullopt : get(config);
+          }};
+}
+
 Binding<Config> raw_type() {
   ChoiceRule rule;
   for (int i = 0; i <= static_cast<int>(SampleType::f64); ++i)

@@ -162,6 +162,7 @@ Binding<Config> unit();
 Binding<Config> selected(std::string InputSelection::*text);
 // input.level, input.channel and input.time.
 Binding<Config> selected(std::optional<std::int64_t> InputSelection::*number);
+Binding<Config> resample();
 Binding<Config> raw_type();
 Binding<Config> isovalue();
 Binding<Config> surface_label();

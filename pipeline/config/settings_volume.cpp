@@ -45,8 +45,9 @@ std::vector<Setting> input_settings() {
           binding::selected(&InputSelection::time), ingest_and_build),
       row({"input", "resample",
            "DICOM: what to do where slices are not equally far apart. \"none\" refuses them; "
-           "\"uniform\" interpolates slices at equal distances."},
-          binding::choice(in, &In::resample, {"none", "uniform"}), ingest_and_build),
+           "\"uniform\" interpolates slices at equal distances.",
+           "\"none\""},
+          binding::resample(), ingest_and_build),
       row({"input", "size",
            "Raw files and empty space: samples along [x, y, z], x fastest in the file.",
            "none; raw files and empty space need it"},

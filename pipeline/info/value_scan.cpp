@@ -89,8 +89,9 @@ void check_scan(const SampleSource& source) {
 template <class F>
 void each_piece(const VolumeInfo& info, const F& f) {
   const Index3 size = info.geometry.size;
-  if (info.chunk != splat(1)) {
-    const ChunkGrid grid(info);
+  // What says that it is larger may be damaged, and is asked for less at once.
+  constexpr std::uint64_t largest_chunk = std::uint64_t{256} << 20;
+  if (const ChunkGrid grid(info); info.chunk != splat(1) && grid.chunk_bytes() <= largest_chunk) {
     const std::int64_t length = grid.run_length(band_bytes);
     for (std::uint64_t i = 0; i < grid.runs(length); ++i) f(grid.run(i, length));
     return;

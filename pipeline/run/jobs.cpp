@@ -9,11 +9,13 @@
 #include "pipeline/build/build_stage.h"
 #include "pipeline/build/contour_parameters.h"
 #include "pipeline/config/settings.h"
+#include "pipeline/ingest/ingest_layout.h"
 #include "pipeline/ingest/label_choice.h"
 #include "pipeline/run/output_frame.h"
 #include "pipeline/stage/unit_plan.h"
 #include "stages/encode/draco_codec.h"
 #include "stages/ingest/threshold.h"
+#include "storage/store/store_source.h"
 #include "storage/support/error.h"
 #include "storage/support/provenance.h"
 
@@ -55,12 +57,13 @@ void check_label(const Config& config, const VolumeInfo& info) {
                     key, config.input.path.string(), problem));
 }
 
-ShardMemory shard_memory(const Config& config, const VolumeInfo& info) {
+// decode: what the source of the samples holds while it decodes, in bytes.
+ShardMemory shard_memory(const Config& config, const VolumeInfo& info, std::uint64_t decode) {
   const bool replaces = std::ranges::any_of(
       config.edits, [](const EditConfig& edit) { return edit.op == EditOp::replace; });
   ShardMemory memory =
       shard_memory(brick_grid(config, info.geometry), info.type, config.labels.mode, replaces);
-  memory.worker += info.largest_decode;
+  memory.worker += decode;
   return memory;
 }
 
@@ -88,7 +91,8 @@ void Jobs::open_volume(Config& config) {
   const StagePaths paths = stage_paths(config, info, labels);
   build_.emplace(BuildJob{volume, brick_grid(config, info.geometry),
                           contour_parameters(config, volume.source->info(), volume.solid, labels),
-                          paths.build, paths.build_key, shard_memory(config, info)});
+                          paths.build, paths.build_key,
+                          shard_memory(config, info, info.largest_decode)});
   if (ingest_.mesh) build_->largest_bin = largest_bin(*ingest_.mesh);
   merge_ = {&*build_, paths.merge, paths.merge_key,
             static_cast<std::uint64_t>(config.output.tile_vertices)};
@@ -133,9 +137,14 @@ void check_budget(const RunContext& context, const Jobs& jobs) {
   const VolumeInfo& info = jobs.ingest().info;
   const Config& config = context.config;
   check_shards(config, info);
+  // The samples may be copied first, to a store that is not there yet.
+  const IngestJob& ingest = jobs.ingest();
+  const std::uint64_t decode = ingest.copy
+                                   ? StoreSource(store_layout(config, ingest)).info().largest_decode
+                                   : info.largest_decode;
   std::vector<StageMemory> needs = {
       ingest_stage(config, jobs.ingest())->memory({}),
-      build_memory(brick_grid(config, info.geometry), shard_memory(config, info))};
+      build_memory(brick_grid(config, info.geometry), shard_memory(config, info, decode))};
   // The largest first: the figure it is refused with does for all.
   const auto bytes = [](const StageMemory& need) {
     return need.base_bytes + need.per_unit_bytes + need.per_worker_bytes;

@@ -248,7 +248,7 @@ format = "auto"
 # level: the finest
 # channel: the only one there is
 # time: the only one there is
-resample = "none"
+# resample: "none"
 # size: none; raw files and empty space need it
 # type: none; raw files need it
 endian = "little"
