@@ -45,6 +45,8 @@ Setting row(SettingWords words, const binding::Binding<Config>& bound, Stages st
 Setting required(Setting setting);
 // Keyed by what the value comes to (Setting::by_effect).
 Setting by_effect(Setting setting);
+// In no key where it is open (Setting::when_given).
+Setting when_given(Setting setting);
 
 // Table by table.
 std::vector<Setting> input_settings();

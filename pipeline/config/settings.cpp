@@ -18,6 +18,7 @@ Setting row(SettingWords words, const binding::Binding<Config>& bound, Stages st
           words.table,
           stages,
           false,
+          false,
           bound.set,
           bound.get};
 }
@@ -25,6 +26,11 @@ Setting row(SettingWords words, const binding::Binding<Config>& bound, Stages st
 Setting required(Setting setting) {
   setting.required = true;
   setting.default_note = "required";
+  return setting;
+}
+
+Setting when_given(Setting setting) {
+  setting.when_given = true;
   return setting;
 }
 

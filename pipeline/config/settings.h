@@ -44,6 +44,9 @@ struct Setting : KeyFacts {
   // Their artifacts are keyed by what the value comes to (which label stands for what), not by the
   // value itself: it is in no parameter_hash().
   bool by_effect = false;
+  // It came after the others: where it is open it is in no parameter_hash(), so that work that was
+  // done before there was such a key goes on being used.
+  bool when_given = false;
 
   // Precondition: check(rule, value) accepts; a path is absolute.
   std::function<void(Config&, const ConfigValue&)> set;

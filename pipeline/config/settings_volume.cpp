@@ -28,26 +28,31 @@ std::vector<Setting> input_settings() {
           binding::member(in, &In::spacing, SpacingRule{}), lengths),
       row({"input", "unit", "Unit of the spacing. Overrides the file's.", "as the file says"},
           binding::unit(), encode),
-      row({"input", "dataset",
-           "Which array or grid, where a file holds several: its path or name in the file. "
-           "`voxweld info` lists them, and what the next four can be.",
-           "the only one there is"},
-          binding::selected(&InputSelection::dataset), ingest_and_build),
-      row({"input", "series",
-           "DICOM: which series, where a folder holds several: its UID, or its number.",
-           "the only one there is"},
-          binding::selected(&InputSelection::series), ingest_and_build),
-      row({"input", "level", "Which resolution of a pyramid. 0 is the finest.", "the finest"},
-          binding::selected(&InputSelection::level), ingest_and_build),
-      row({"input", "channel", "Which channel, counted from 0.", "the only one there is"},
-          binding::selected(&InputSelection::channel), ingest_and_build),
-      row({"input", "time", "Which point in time, counted from 0.", "the only one there is"},
-          binding::selected(&InputSelection::time), ingest_and_build),
-      row({"input", "resample",
-           "DICOM: what to do where slices are not equally far apart. \"none\" refuses them; "
-           "\"uniform\" interpolates slices at equal distances.",
-           "\"none\""},
-          binding::resample(), ingest_and_build),
+      when_given(
+          row({"input", "dataset",
+               "Which array or grid, where a file holds several: its path or name in the file. "
+               "`voxweld info` lists them, and what the next four can be.",
+               "the only one there is"},
+              binding::selected(&InputSelection::dataset), ingest_and_build)),
+      when_given(row({"input", "series",
+                      "DICOM: which series, where a folder holds several: its UID, or its number.",
+                      "the only one there is"},
+                     binding::selected(&InputSelection::series), ingest_and_build)),
+      when_given(
+          row({"input", "level", "Which resolution of a pyramid. 0 is the finest.", "the finest"},
+              binding::selected(&InputSelection::level), ingest_and_build)),
+      when_given(
+          row({"input", "channel", "Which channel, counted from 0.", "the only one there is"},
+              binding::selected(&InputSelection::channel), ingest_and_build)),
+      when_given(
+          row({"input", "time", "Which point in time, counted from 0.", "the only one there is"},
+              binding::selected(&InputSelection::time), ingest_and_build)),
+      when_given(
+          row({"input", "resample",
+               "DICOM: what to do where slices are not equally far apart. \"none\" refuses them; "
+               "\"uniform\" interpolates slices at equal distances.",
+               "\"none\""},
+              binding::resample(), ingest_and_build)),
       row({"input", "size",
            "Raw files and empty space: samples along [x, y, z], x fastest in the file.",
            "none; raw files and empty space need it"},

@@ -73,7 +73,8 @@ std::string ChangedSetting::text() const {
 std::vector<StageParameter> stage_parameters(const Config& config, Stage stage) {
   std::vector<StageParameter> parameters;
   for (const Setting& setting : settings())
-    if (setting.read_by(stage) && !setting.by_effect)
+    if (setting.read_by(stage) && !setting.by_effect &&
+        !(setting.when_given && !setting.get(config)))
       parameters.push_back({setting.name(), setting.get(config)});
   return parameters;
 }

@@ -139,9 +139,8 @@ void check_budget(const RunContext& context, const Jobs& jobs) {
   check_shards(config, info);
   // The samples may be copied first, to a store that is not there yet.
   const IngestJob& ingest = jobs.ingest();
-  const std::uint64_t decode = ingest.copy
-                                   ? StoreSource(store_layout(config, ingest)).info().largest_decode
-                                   : info.largest_decode;
+  const std::uint64_t decode =
+      ingest.copy ? store_decode_bytes(store_layout(config, ingest)) : info.largest_decode;
   std::vector<StageMemory> needs = {
       ingest_stage(config, jobs.ingest())->memory({}),
       build_memory(brick_grid(config, info.geometry), shard_memory(config, info, decode))};

@@ -45,6 +45,11 @@ std::size_t cached_records(const StoreLayout& layout) {
 
 }  // namespace
 
+std::uint64_t store_decode_bytes(const StoreLayout& layout) {
+  return ChunkReader(layout.zarr(), StoreFolder(folder_store(layout.array)), Ownership::ours)
+      .largest_decode();
+}
+
 StoreSource::StoreSource(const StoreLayout& layout)
     : layout_(checked(layout)),
       reader_(layout_.zarr(), StoreFolder(folder_store(layout_.array)), Ownership::ours),

@@ -10,6 +10,10 @@
 
 namespace voxweld {
 
+// What a reading thread of such a store holds beyond its buffer, in bytes; the store need not be
+// there yet.
+std::uint64_t store_decode_bytes(const StoreLayout& layout);
+
 // Access::box, thread-safe. Every chunk and index passes its checksum before it is used;
 // DamagedArtifact names the shard file, or the record, that must be written again. Memory beyond
 // info().largest_decode for each reading thread: the records cached by range(), at most 16 MiB.
