@@ -27,8 +27,8 @@ class IsovalueList : public ::testing::Test {
 
 TEST_F(IsovalueList, MakesTheMeshesThatEachWouldMakeAlone) {
   const ProgramResult run = place_.run({"run", place_.at("two.toml")});
-  EXPECT_THAT(run.out, AllOf(HasSubstr("ball.mesh/isovalue-180: "),
-                             HasSubstr("ball.mesh/isovalue-200: ")));
+  EXPECT_THAT(run.out,
+              AllOf(HasSubstr("ball.mesh/isovalue-180: "), HasSubstr("ball.mesh/isovalue-200: ")));
   for (const char* value : {"180", "200"}) {
     write("one.toml", value, std::string("one-") + value);
     place_.run({"run", place_.at("one.toml")});
