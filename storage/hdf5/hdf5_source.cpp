@@ -15,8 +15,8 @@
 namespace voxweld {
 namespace {
 
-constexpr std::uint64_t most_cached_bytes = std::uint64_t{16} << 20;
-constexpr std::uint64_t most_cached_blocks = 64;
+constexpr std::uint64_t most_cached_bytes = std::uint64_t{64} << 20;
+constexpr std::uint64_t most_cached_blocks = 256;
 
 // Distances of neighbouring samples in each dimension, the last fastest.
 std::vector<std::int64_t> strides_of(const std::vector<std::int64_t>& sides) {
