@@ -12,15 +12,6 @@
 namespace voxweld {
 namespace {
 
-// All but the few outermost samples, which would leave the rest a few cells.
-CellRange usual_range(std::span<const ValueCount> values, int cells) {
-  constexpr double outliers = 0.0005;
-  const auto lo = quantile_of(values, outliers), hi = quantile_of(values, 1 - outliers);
-  if (!lo) return {0, 0, cells};
-  if (*hi > *lo) return {*lo, *hi, cells};
-  return {values.front().value, values.back().value, cells};
-}
-
 nlohmann::ordered_json suggestion_json(const std::optional<IsovalueSuggestion>& suggestion,
                                        const char* clarity) {
   if (!suggestion) return nullptr;

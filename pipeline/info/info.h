@@ -9,9 +9,9 @@
 //   volume           format, size, type, slope, intercept (where real values are slope * stored +
 //                    intercept and these are not 1 and 0), samples, sample_bytes (of all), spacing,
 //                    unit, origin, direction [3][3], space, access, largest_decode_bytes, files,
-//                    file_bytes, choices [{selector, value, text, chosen}]
-//                    (where the input holds several volumes), warnings, values; verbose: file_list [{path, bytes}]; of Zarr also
-//                    zarr {chunk, file, compression}
+//                    file_bytes, choices [{selector, value, text, chosen}] (where the input holds
+//                    several volumes), warnings, values; verbose: file_list [{path, bytes}]; of Zarr
+//                    and N5 also zarr {chunk, file, compression}
 //   brick_store      as volume, and records, chunk, shard, compression, shards {total, present};
 //                    verbose: shard_list [{at, bytes, range}]
 //   octree           key, content_hash, version, made_by, input_hash, bricks, active_bricks,

@@ -10,14 +10,10 @@
 #include "pipeline/config/config.h"
 #include "stages/ingest/statistics.h"
 #include "storage/support/error.h"
-#include "storage/types/chunk_grid.h"
 #include "storage/types/volume.h"
-#include "storage/volumes/data_layout.h"
 
 namespace voxweld {
 namespace {
-
-constexpr std::uint64_t band_bytes = std::uint64_t{8} << 20;
 
 // Appends the samples of the box that lie on the volume's outermost layer: whole rows at its upper
 // and lower faces, else the ends of each row.
@@ -84,30 +80,6 @@ void check_scan(const SampleSource& source) {
                   name, size.x, size.y, size.z, info.piece_files, there));
 }
 
-// The volume in pieces as it is best read: along its chunks where it has any, else bands of whole
-// rows in rising order. Calls f with each.
-template <class F>
-void each_piece(const VolumeInfo& info, const F& f) {
-  const Index3 size = info.geometry.size;
-  // What says that it is larger may be damaged, and is asked for less at once.
-  constexpr std::uint64_t largest_chunk = std::uint64_t{256} << 20;
-  if (const ChunkGrid grid(info); info.chunk != splat(1) && grid.chunk_bytes() <= largest_chunk) {
-    const std::int64_t length = grid.run_length(band_bytes);
-    for (std::uint64_t i = 0; i < grid.runs(length); ++i) f(grid.run(i, length));
-    return;
-  }
-  const std::uint64_t row = static_cast<std::uint64_t>(size.x) * sample_bytes(info.type);
-  const auto fit = static_cast<std::int64_t>(std::max<std::uint64_t>(1, band_bytes / row));
-  // A stream gives whole slices where they are small, else bands of rows.
-  const bool whole = info.access == Access::stream &&
-                     row <= large_slice_bytes / static_cast<std::uint64_t>(size.y);
-  const std::int64_t rows = whole ? size.y : std::min(fit, size.y);
-  const std::int64_t slices = rows == size.y ? std::max<std::int64_t>(1, fit / size.y) : 1;
-  for (std::int64_t z = 0; z < size.z; z += slices)
-    for (std::int64_t y = 0; y < size.y; y += rows)
-      f(Box3{{0, y, z}, {size.x, std::min(size.y, y + rows), std::min(size.z, z + slices)}});
-}
-
 }  // namespace
 
 ScanResult scan_in_order(const SampleSource& source, const ScanHooks& hooks) {
@@ -118,7 +90,7 @@ ScanResult scan_in_order(const SampleSource& source, const ScanHooks& hooks) {
   ScanResult result;
   std::vector<std::byte> samples, border;
   double done = 0;
-  each_piece(info, [&](const Box3& piece) {
+  each_scan_piece(info, [&](const Box3& piece) {
     if (hooks.interrupt != nullptr) hooks.interrupt->check();
     samples.resize(static_cast<std::size_t>(piece.count()) * sample_bytes(info.type));
     source.read(piece, samples.data());

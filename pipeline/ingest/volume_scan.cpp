@@ -6,40 +6,36 @@
 #include "stages/ingest/statistics.h"
 #include "storage/types/chunk_grid.h"
 #include "storage/types/volume.h"
+#include "storage/volumes/data_layout.h"
 
 namespace voxweld {
-namespace {
 
-// Boxes of whole rows, or of whole chunks where there are any, each about ingest_band_bytes.
-std::vector<Box3> bands_of(const VolumeInfo& info) {
+void each_scan_piece(const VolumeInfo& info, const std::function<void(const Box3&)>& f) {
+  constexpr std::uint64_t bytes = ingest_band_bytes;
   const Index3 size = info.geometry.size;
-  if (info.chunk != splat(1)) {
-    const ChunkGrid grid(info);
-    const std::int64_t length = grid.run_length(ingest_band_bytes);
-    std::vector<Box3> runs(grid.runs(length));
-    for (std::size_t i = 0; i < runs.size(); ++i) runs[i] = grid.run(i, length);
-    return runs;
+  // What says that it is larger may be damaged, and is asked for less at once.
+  constexpr std::uint64_t largest_chunk = std::uint64_t{256} << 20;
+  if (const ChunkGrid grid(info); info.chunk != splat(1) && grid.chunk_bytes() <= largest_chunk) {
+    const std::int64_t length = grid.run_length(bytes);
+    for (std::uint64_t i = 0; i < grid.runs(length); ++i) f(grid.run(i, length));
+    return;
   }
   const std::uint64_t row = static_cast<std::uint64_t>(size.x) * sample_bytes(info.type);
-  const auto rows = static_cast<std::int64_t>(std::max<std::uint64_t>(1, ingest_band_bytes / row));
-  std::vector<Box3> bands;
-  if (rows < size.y) {
-    for (std::int64_t z = 0; z < size.z; ++z)
-      for (std::int64_t y = 0; y < size.y; y += rows)
-        bands.push_back({{0, y, z}, {size.x, std::min(size.y, y + rows), z + 1}});
-    return bands;
-  }
-  const std::int64_t slices = rows / size.y;
+  const auto fit = static_cast<std::int64_t>(std::max<std::uint64_t>(1, bytes / row));
+  // A stream gives whole slices where they are small, else bands of rows.
+  const bool whole = info.access == Access::stream &&
+                     row <= large_slice_bytes / static_cast<std::uint64_t>(size.y);
+  const std::int64_t rows = whole ? size.y : std::min(fit, size.y);
+  const std::int64_t slices = rows == size.y ? std::max<std::int64_t>(1, fit / size.y) : 1;
   for (std::int64_t z = 0; z < size.z; z += slices)
-    bands.push_back({{0, 0, z}, {size.x, size.y, std::min(size.z, z + slices)}});
-  return bands;
+    for (std::int64_t y = 0; y < size.y; y += rows)
+      f(Box3{{0, y, z}, {size.x, std::min(size.y, y + rows), std::min(size.z, z + slices)}});
 }
-
-}  // namespace
 
 ScanResult scan_volume(RunContext& context, const SampleSource& source, const std::string& stage) {
   const VolumeInfo& info = source.info();
-  const std::vector<Box3> bands = bands_of(info);
+  std::vector<Box3> bands;
+  each_scan_piece(info, [&](const Box3& piece) { bands.push_back(piece); });
   StageRun run;
   run.stage = stage;
   run.noun = "bands";

@@ -42,6 +42,14 @@ void spread(const ValueCount& v, HistogramCells& cells) {
 
 }  // namespace
 
+CellRange usual_range(std::span<const ValueCount> values, int most) {
+  constexpr double outliers = 0.0005;
+  const auto lo = quantile_of(values, outliers), hi = quantile_of(values, 1 - outliers);
+  if (!lo) return {0, 0, most};
+  if (*hi > *lo) return {*lo, *hi, most};
+  return {values.front().value, values.back().value, most};
+}
+
 HistogramCells cells_of(std::span<const ValueCount> values, const CellRange& range) {
   HistogramCells cells;
   const double width = cell_width(values, range);

@@ -19,6 +19,9 @@ struct HistogramCells {
   double below = 0, above = 0;  // samples outside of all cells
 };
 
+// All but the few outermost samples, which would leave the rest few cells. Precondition: ascending.
+CellRange usual_range(std::span<const ValueCount> values, int most);
+
 // Of values that are single numbers a cell is a whole number of steps wide and centred on them, for
 // cells that hold now two and now three of them would look like peaks and valleys. None where the
 // range is not finite. Precondition: ascending.

@@ -18,13 +18,9 @@ constexpr int smoothing_passes = 8;  // of 1 2 1: a Gaussian of 2 cells
 // smoothed, and as a share of the highest peak's.
 constexpr double least_persistence = 3, least_share = 0.02;
 
-// The few outermost samples are left out: they would leave the rest few cells.
 std::optional<HistogramCells> lay_out(std::span<const ValueCount> values) {
   if (values.size() < 2) return std::nullopt;
-  constexpr double outliers = 0.0005;
-  double lo = *quantile_of(values, outliers), hi = *quantile_of(values, 1 - outliers);
-  if (!(hi > lo)) lo = values.front().value, hi = values.back().value;
-  HistogramCells cells = cells_of(values, {lo, hi, most_cells});
+  HistogramCells cells = cells_of(values, usual_range(values, most_cells));
   constexpr std::size_t least_cells = 3;
   if (cells.counts.size() < least_cells) return std::nullopt;
   return cells;

@@ -1,11 +1,8 @@
 #include "storage/dicom/work_apart.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -13,12 +10,13 @@
 #include <cstring>
 #include <exception>
 
+#include "storage/support/child_process.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
 namespace {
 
-constexpr rlim_t cpu_seconds = 300;
+constexpr unsigned cpu_seconds = 300;
 
 // What both processes see.
 struct Shared {
@@ -50,47 +48,31 @@ void say(Shared& shared, const char* text) {
   std::strncpy(shared.why, text, sizeof shared.why - 1);
 }
 
-// Ends without the destructors and buffers that are the parent's.
-[[noreturn]] void work_and_end(Shared& shared, std::span<std::byte> out,
-                               const std::function<bool(std::span<std::byte>)>& work) {
-  const rlimit no_core{0, 0}, cpu{cpu_seconds, cpu_seconds};
-  setrlimit(RLIMIT_CORE, &no_core);
-  setrlimit(RLIMIT_CPU, &cpu);
-  if (const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC); nowhere >= 0) {
-    dup2(nowhere, STDOUT_FILENO);
-    dup2(nowhere, STDERR_FILENO);
-  }
-  try {
-    shared.done = work(out) ? 1 : 0;
-  } catch (const std::exception& failure) {
-    say(shared, failure.what());
-  } catch (...) {
-  }
-  _exit(0);
-}
-
 }  // namespace
 
 bool work_apart(std::span<std::byte> out, const std::function<bool(std::span<std::byte>)>& work,
                 std::string& why) {
   const SharedMemory memory(out_at + out.size());
-  const pid_t child = fork();
-  if (child < 0) throw StorageError("cannot start a process to decode a frame", errno);
-  if (child == 0) work_and_end(memory.shared(), {memory.out(), out.size()}, work);
-  int status = 0;
-  pid_t ended = 0;
-  do ended = waitpid(child, &status, 0);
-  while (ended < 0 && errno == EINTR);
-  if (memory.shared().done == 1) {
+  Shared& shared = memory.shared();
+  const auto apart = [&] {
+    try {
+      shared.done = work({memory.out(), out.size()}) ? 1 : 0;
+    } catch (const std::exception& failure) {
+      say(shared, failure.what());
+    }
+  };
+  const auto status = run_in_child(apart, {.most_seconds = cpu_seconds});
+  if (!status) throw StorageError("cannot start a process to decode a frame", errno);
+  if (shared.done == 1) {
     std::memcpy(out.data(), memory.out(), out.size());
     return true;
   }
-  memory.shared().why[sizeof(Shared::why) - 1] = '\0';
-  why = memory.shared().why;
+  shared.why[sizeof(Shared::why) - 1] = '\0';
+  why = shared.why;
   std::ranges::replace_if(
       why, [](char c) { return c < ' ' || c > '~'; }, ' ');
-  if (why.empty() && ended == child && WIFSIGNALED(status))
-    why = fmt::format("its decoder ended by signal {}", WTERMSIG(status));
+  if (why.empty() && WIFSIGNALED(*status))
+    why = fmt::format("its decoder ended by signal {}", WTERMSIG(*status));
   return false;
 }
 

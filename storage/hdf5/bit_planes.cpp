@@ -1,13 +1,13 @@
 #include "storage/hdf5/bit_planes.h"
 
 #include <fmt/format.h>
-#include <lz4.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
 
 #include "storage/support/byte_order.h"
+#include "storage/support/lz4_block.h"
 
 namespace voxweld {
 namespace {
@@ -76,9 +76,7 @@ std::string decode_bit_planes(const std::vector<unsigned>& values,
       const auto length = load_as<std::uint32_t>(stored.data(), 0, std::endian::big);
       if (length > stored.size() - 4) return "its bitshuffle blocks are cut short";
       planes.resize(bytes);
-      if (LZ4_decompress_safe(reinterpret_cast<const char*>(stored.data() + 4),
-                              reinterpret_cast<char*>(planes.data()), static_cast<int>(length),
-                              static_cast<int>(bytes)) != static_cast<int>(bytes))
+      if (!lz4_decode_block(stored.subspan(4, length), planes))
         return "its bitshuffle data is damaged";
       from = planes.data();
       stored = stored.subspan(4 + std::size_t{length});

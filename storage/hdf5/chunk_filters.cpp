@@ -10,6 +10,7 @@
 #include "storage/hdf5/bit_planes.h"
 #include "storage/store/codec.h"
 #include "storage/support/byte_order.h"
+#include "storage/support/lz4_block.h"
 
 namespace voxweld {
 namespace {
@@ -79,9 +80,7 @@ std::string decode_lz4_blocks(std::span<const std::byte> stored, std::span<std::
     if (length > stored.size() || bytes > LZ4_MAX_INPUT_SIZE) return "its lz4 blocks are cut short";
     if (length == bytes)
       std::memcpy(out.data(), stored.data(), bytes);
-    else if (LZ4_decompress_safe(reinterpret_cast<const char*>(stored.data()),
-                                 reinterpret_cast<char*>(out.data()), static_cast<int>(length),
-                                 static_cast<int>(bytes)) != static_cast<int>(bytes))
+    else if (!lz4_decode_block(stored.first(length), out.first(bytes)))
       return "its lz4 data is damaged";
     stored = stored.subspan(length);
     out = out.subspan(bytes);

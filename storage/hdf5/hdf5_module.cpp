@@ -7,8 +7,8 @@
 #include "storage/hdf5/hdf5_geometry.h"
 #include "storage/hdf5/hdf5_source.h"
 #include "storage/modules/reader_module.h"
+#include "storage/support/child_process.h"
 #include "storage/support/error.h"
-#include "storage/support/trial.h"
 #include "storage/volumes/data_layout.h"
 
 namespace voxweld {

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <type_traits>
+
+#include "storage/support/small_float.h"
 
 namespace voxweld {
 namespace {
@@ -56,29 +57,13 @@ std::uint64_t stored_bits_of(const std::byte* row, std::size_t index, const Tiff
   }
 }
 
-// Floats of 16 bits (5 of them exponent) and of 24 (7).
-float small_float(std::uint64_t bits, int width) {
-  const int exponent_bits = width == 16 ? 5 : 7, mantissa_bits = width - 1 - exponent_bits;
-  const auto mantissa = static_cast<std::uint32_t>(bits & ((1U << mantissa_bits) - 1));
-  const auto exponent = static_cast<int>((bits >> mantissa_bits) & ((1U << exponent_bits) - 1));
-  const bool negative = (bits >> (width - 1)) != 0;
-  const int bias = (1 << (exponent_bits - 1)) - 1;
-  if (exponent == (1 << exponent_bits) - 1)  // infinity, or not a number
-    return std::bit_cast<float>((negative ? 0x80000000U : 0U) | 0x7F800000U |
-                                mantissa << (23 - mantissa_bits));
-  const float size = exponent == 0
-                         ? std::ldexp(static_cast<float>(mantissa), 1 - bias - mantissa_bits)
-                         : std::ldexp(static_cast<float>(mantissa | 1U << mantissa_bits),
-                                      exponent - bias - mantissa_bits);
-  return negative ? -size : size;
-}
-
 template <class T>
 T converted(const TiffCoding& coding, std::uint64_t stored) {
   const int bits = coding.tags.bits;
   if constexpr (std::is_same_v<T, float>) {
-    return bits == 32 ? std::bit_cast<float>(static_cast<std::uint32_t>(stored))
-                      : small_float(stored, bits);
+    const auto low = static_cast<std::uint32_t>(stored);
+    if (bits == 16) return float_of_small<5, 10>(low);
+    return bits == 24 ? float_of_small<7, 16>(low) : std::bit_cast<float>(low);
   } else if constexpr (std::is_same_v<T, double>) {
     return std::bit_cast<double>(stored);
   } else if constexpr (std::is_signed_v<T>) {

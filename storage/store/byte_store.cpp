@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <system_error>
 
 #include "storage/support/error.h"
@@ -26,6 +27,22 @@ class FileObject final : public StoredObject {
 
  private:
   ReadFile file_;
+};
+
+class HeldObject final : public StoredObject {
+ public:
+  HeldObject(std::string name, std::vector<std::byte> bytes)
+      : name_(std::move(name)), bytes_(std::move(bytes)) {}
+  const std::string& name() const override { return name_; }
+  std::uint64_t size() const override { return bytes_.size(); }
+  void read(std::uint64_t offset, std::span<std::byte> out) const override {
+    require_range(*this, offset, out.size());
+    if (!out.empty()) std::memcpy(out.data(), bytes_.data() + offset, out.size());
+  }
+
+ private:
+  std::string name_;
+  std::vector<std::byte> bytes_;
 };
 
 class FolderStore final : public ByteStore {
@@ -74,6 +91,16 @@ class FolderStore final : public ByteStore {
 };
 
 }  // namespace
+
+void require_range(const StoredObject& object, std::uint64_t offset, std::uint64_t bytes) {
+  if (offset <= object.size() && bytes <= object.size() - offset) return;
+  throw FormatError(fmt::format("{}: truncated: {} bytes wanted at {}, it has {}", object.name(),
+                                bytes, offset, object.size()));
+}
+
+std::unique_ptr<StoredObject> held_object(std::string name, std::vector<std::byte> bytes) {
+  return std::make_unique<HeldObject>(std::move(name), std::move(bytes));
+}
 
 std::shared_ptr<const ByteStore> folder_store(const fs::path& directory) {
   return std::make_shared<FolderStore>(directory);

@@ -26,6 +26,12 @@ class StoredObject {
   virtual void read(std::uint64_t offset, std::span<std::byte> out) const = 0;
 };
 
+// FormatError unless the object has so many bytes from `offset` on.
+void require_range(const StoredObject& object, std::uint64_t offset, std::uint64_t bytes);
+
+// An object whose bytes are all in memory.
+std::unique_ptr<StoredObject> held_object(std::string name, std::vector<std::byte> bytes);
+
 // What will be read of an object: a store that is far away may fetch all of it at once.
 enum class ObjectUse : std::uint8_t { whole, ranges };
 

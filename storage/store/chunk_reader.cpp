@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "storage/store/chunk_reader_detail.h"
-#include "storage/store/half_float.h"
 #include "storage/support/error.h"
+#include "storage/support/small_float.h"
 
 namespace voxweld {
 namespace {

@@ -3,7 +3,6 @@
 #include <blosc.h>
 #include <bzlib.h>
 #include <fmt/format.h>
-#include <lz4.h>
 #include <lzma.h>
 #include <xxhash.h>
 #include <zlib.h>
@@ -15,6 +14,7 @@
 #include <tuple>
 
 #include "storage/support/byte_order.h"
+#include "storage/support/lz4_block.h"
 
 namespace voxweld {
 namespace {
@@ -103,10 +103,7 @@ std::string lz4_decode(std::span<const std::byte> encoded, std::span<std::byte> 
   const auto block = encoded.subspan(size_bytes);
   constexpr std::size_t most = std::numeric_limits<int>::max();
   if (block.size() > most || out.size() > most) return "lz4: more than 2^31 bytes in one block";
-  const int got = LZ4_decompress_safe(reinterpret_cast<const char*>(block.data()),
-                                      reinterpret_cast<char*>(out.data()),
-                                      static_cast<int>(block.size()), static_cast<int>(out.size()));
-  if (got < 0 || static_cast<std::size_t>(got) != out.size()) return "lz4: damaged";
+  if (!lz4_decode_block(block, out)) return "lz4: damaged";
   return {};
 }
 
@@ -147,9 +144,7 @@ std::string lz4_blocks_decode(std::span<const std::byte> encoded, std::span<std:
     const auto block = encoded.first(packed);
     if (method == 0x10)
       std::memcpy(out.data(), block.data(), size);
-    else if (LZ4_decompress_safe(reinterpret_cast<const char*>(block.data()),
-                                 reinterpret_cast<char*>(out.data()), static_cast<int>(packed),
-                                 static_cast<int>(size)) != static_cast<int>(size))
+    else if (!lz4_decode_block(block, out.first(size)))
       return "lz4: damaged";
     if ((XXH32(out.data(), size, seed) & kept_bits) != checksum) return "lz4: wrong checksum";
     encoded = encoded.subspan(packed);

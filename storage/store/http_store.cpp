@@ -30,27 +30,6 @@ std::string escaped(const std::string& key) {
   return text;
 }
 
-[[noreturn]] void truncated(const std::string& name, std::uint64_t end, std::uint64_t size) {
-  throw FormatError(fmt::format("{}: truncated: bytes to {} wanted, it has {}", name, end, size));
-}
-
-class FetchedObject final : public StoredObject {
- public:
-  FetchedObject(std::string name, std::vector<std::byte> bytes)
-      : name_(std::move(name)), bytes_(std::move(bytes)) {}
-  const std::string& name() const override { return name_; }
-  std::uint64_t size() const override { return bytes_.size(); }
-  void read(std::uint64_t offset, std::span<std::byte> out) const override {
-    if (offset > bytes_.size() || out.size() > bytes_.size() - offset)
-      truncated(name_, offset + out.size(), bytes_.size());
-    if (!out.empty()) std::memcpy(out.data(), bytes_.data() + offset, out.size());
-  }
-
- private:
-  std::string name_;
-  std::vector<std::byte> bytes_;
-};
-
 // Small ranges lie side by side in shards, and each request is a journey: they are cut from blocks,
 // of which some are kept.
 constexpr std::uint64_t block_bytes = std::uint64_t{1} << 20;
@@ -68,7 +47,7 @@ class RangedObject final : public StoredObject {
   const std::string& name() const override { return name_; }
   std::uint64_t size() const override { return size_; }
   void read(std::uint64_t offset, std::span<std::byte> out) const override {
-    if (offset > size_ || out.size() > size_ - offset) truncated(name_, offset + out.size(), size_);
+    require_range(*this, offset, out.size());
     if (out.size() > block_bytes) return fetch(offset, out);
     while (!out.empty()) {
       const std::uint64_t number = offset / block_bytes, begin = number * block_bytes;
@@ -92,9 +71,10 @@ class RangedObject final : public StoredObject {
                    .most_bytes = std::max<std::uint64_t>(largest_fetch, out.size())});
     // A server may answer a range with the whole.
     const std::uint64_t begin = answer.status == 206 ? 0 : offset;
-    if (!answer.found() || answer.body.size() < begin + out.size() ||
-        (answer.status == 206 && answer.body.size() != out.size()))
-      truncated(name_, offset + out.size(), begin + answer.body.size());
+    const bool longer = answer.status == 206 && answer.body.size() > out.size();
+    if (!answer.found() || longer || answer.body.size() < begin + out.size())
+      throw FormatError(fmt::format("{}: {} bytes wanted at {}, the server gives {}", name_,
+                                    out.size(), offset, answer.body.size()));
     std::memcpy(out.data(), answer.body.data() + begin, out.size());
   }
 
@@ -118,8 +98,7 @@ class HttpStore final : public ByteStore {
     if (use == ObjectUse::ranges) request.range = HttpRequest::Range{0, 1};
     HttpAnswer answer = send_http(request);
     if (!answer.found()) return nullptr;
-    if (answer.status == 200)
-      return std::make_unique<FetchedObject>(request.url, std::move(answer.body));
+    if (answer.status == 200) return held_object(request.url, std::move(answer.body));
     if (!answer.size)
       throw FormatError(request.url +
                         ": the server gives a byte range and does not say of how many "

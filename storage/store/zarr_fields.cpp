@@ -11,8 +11,8 @@
 #include <numeric>
 #include <type_traits>
 
-#include "storage/store/half_float.h"
 #include "storage/support/refused_text.h"
+#include "storage/support/small_float.h"
 #include "storage/volumes/axes.h"
 
 namespace voxweld {

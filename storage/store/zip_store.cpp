@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 
 #include "storage/store/decompress.h"
 #include "storage/store/zip_directory.h"
@@ -39,9 +38,7 @@ class StoredMember final : public StoredObject {
   const std::string& name() const override { return name_; }
   std::uint64_t size() const override { return size_; }
   void read(std::uint64_t offset, std::span<std::byte> out) const override {
-    if (offset > size_ || out.size() > size_ - offset)
-      throw FormatError(fmt::format("{}: truncated: {} bytes wanted at {}, it has {}", name_,
-                                    out.size(), offset, size_));
+    require_range(*this, offset, out.size());
     file_.read(begin_ + offset, out);
     if (out.size() == size_ && crc_of(out) != crc_)
       throw FormatError(name_ + ": damaged: wrong checksum of a member of a zip file");
@@ -52,25 +49,6 @@ class StoredMember final : public StoredObject {
   std::string name_;
   std::uint64_t begin_, size_;
   std::uint32_t crc_;
-};
-
-class InflatedMember final : public StoredObject {
- public:
-  InflatedMember(std::string name, std::vector<std::byte> bytes)
-      : name_(std::move(name)), bytes_(std::move(bytes)) {}
-
-  const std::string& name() const override { return name_; }
-  std::uint64_t size() const override { return bytes_.size(); }
-  void read(std::uint64_t offset, std::span<std::byte> out) const override {
-    if (offset > bytes_.size() || out.size() > bytes_.size() - offset)
-      throw FormatError(fmt::format("{}: truncated: {} bytes wanted at {}, it has {}", name_,
-                                    out.size(), offset, bytes_.size()));
-    if (!out.empty()) std::memcpy(out.data(), bytes_.data() + offset, out.size());
-  }
-
- private:
-  std::string name_;
-  std::vector<std::byte> bytes_;
 };
 
 class ZipStore final : public ByteStore {
@@ -154,14 +132,14 @@ class ZipStore final : public ByteStore {
     if (member.size > largest_inflated(member))
       throw FormatError(fmt::format("{}: damaged: {} bytes cannot inflate to {}", name,
                                     member.packed, member.size));
-    if (member.size == 0) return std::make_unique<InflatedMember>(name, std::vector<std::byte>());
+    if (member.size == 0) return held_object(name, {});
     std::vector<std::byte> packed(member.packed), bytes(member.size);
     file_.read(begin, packed);
     if (const std::string wrong = inflate_all(packed, bytes, true); !wrong.empty())
       throw FormatError(name + ": damaged member of a zip file: " + wrong);
     if (crc_of(bytes) != member.crc)
       throw FormatError(name + ": damaged: wrong checksum of a member of a zip file");
-    return std::make_unique<InflatedMember>(name, std::move(bytes));
+    return held_object(name, std::move(bytes));
   }
 
   ReadFile file_;

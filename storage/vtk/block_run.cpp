@@ -1,7 +1,6 @@
 #include "storage/vtk/block_run.h"
 
 #include <fmt/format.h>
-#include <lz4.h>
 #include <lzma.h>
 #include <zlib.h>
 
@@ -12,6 +11,7 @@
 #include "storage/support/bounded_cache.h"
 #include "storage/support/byte_order.h"
 #include "storage/support/error.h"
+#include "storage/support/lz4_block.h"
 
 namespace voxweld {
 namespace {
@@ -53,13 +53,6 @@ std::string inflate_block(std::span<const std::byte> in, std::span<std::byte> ou
   return size == out.size() ? "" : fmt::format("zlib: ends {} bytes short", out.size() - size);
 }
 
-std::string lz4_block(std::span<const std::byte> in, std::span<std::byte> out) {
-  const int got = LZ4_decompress_safe(reinterpret_cast<const char*>(in.data()),
-                                      reinterpret_cast<char*>(out.data()),
-                                      static_cast<int>(in.size()), static_cast<int>(out.size()));
-  return std::cmp_equal(got, out.size()) ? "" : "lz4: damaged";
-}
-
 // memory: the most it may take; when that is too little, what it would take.
 lzma_ret unpack_lzma(std::span<const std::byte> in, std::span<std::byte> out, std::size_t& got,
                      std::uint64_t& memory) {
@@ -83,7 +76,7 @@ std::string lzma_block(std::span<const std::byte> in, std::span<std::byte> out) 
 std::string decode_block(BlockCodec codec, std::span<const std::byte> in,
                          std::span<std::byte> out) {
   if (codec == BlockCodec::zlib) return inflate_block(in, out);
-  if (codec == BlockCodec::lz4) return lz4_block(in, out);
+  if (codec == BlockCodec::lz4) return lz4_decode_block(in, out) ? "" : "lz4: damaged";
   return lzma_block(in, out);
 }
 

@@ -125,15 +125,15 @@ def only_array(group, mark, cases_of):
     return [Case(group, case.load, case.arguments, case.refused) for case in cases_of(arrays[0])]
 
 
-def group_cases(folder):
+def group_cases(folder, mark, cases_of):
     """Of an OME group: its full resolution, and a level. Of another group: no array is chosen."""
     images = attributes(folder).get("multiscales", [])
     if not images:
-        return only_array(folder, ".zarray", array_cases)
+        return only_array(folder, mark, cases_of)
     paths = [os.path.join(folder, d["path"]) for d in images[0]["datasets"]]
     cases = []
     for level, path in [(None, paths[0])] + list(enumerate(paths))[1:2]:
-        for case in array_cases(path):
+        for case in cases_of(path):
             chosen = [] if level is None else ["--level", str(level)]
             cases.append(Case(folder, case.load, chosen + case.arguments, case.refused))
     return cases
@@ -155,5 +155,5 @@ def find(path):
                 groups.append(folder)
     else:
         return None
-    cases = [case for folder in groups for case in group_cases(folder)]
+    cases = [case for folder in groups for case in group_cases(folder, ".zarray", array_cases)]
     return Found(cases + [case for folder in arrays for case in array_cases(folder)])

@@ -8,7 +8,7 @@ import numpy as np
 
 from volume import Case, Found, Unreadable, read_json
 
-from .zarr2 import attributes, ome_of, only_array, placed
+from .zarr2 import group_cases, ome_of, placed
 
 ours = "zarr"
 needs = {"node": "nodejs"}
@@ -63,19 +63,6 @@ def array_cases(folder):
     return [Case(folder, lambda: placed(samples_of(folder), axes, ome))]
 
 
-def group_cases(folder):
-    images = attributes(folder).get("multiscales", [])
-    if not images:
-        return only_array(folder, "zarr.json", array_cases)
-    paths = [os.path.join(folder, d["path"]) for d in images[0]["datasets"]]
-    cases = []
-    for level, path in [(None, paths[0])] + list(enumerate(paths))[1:2]:
-        for case in array_cases(path):
-            chosen = [] if level is None else ["--level", str(level)]
-            cases.append(Case(folder, case.load, chosen + case.arguments, case.refused))
-    return cases
-
-
 def find(path):
     top = os.path.join(path, "zarr.json")
     if not os.path.isfile(top) or read_json(top).get("zarr_format") != 3:
@@ -89,5 +76,5 @@ def find(path):
             cases += array_cases(folder)
             folders.clear()
         else:
-            cases += group_cases(folder)
+            cases += group_cases(folder, "zarr.json", array_cases)
     return Found(cases)
