@@ -3,6 +3,7 @@
 // settings_*.cpp and, for edits, edit_settings.cpp; the members here have the same names.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -192,6 +193,46 @@ struct EditConfig {
   friend bool operator==(const EditConfig&, const EditConfig&) = default;
 };
 
+enum class FilterType : std::uint8_t {
+  window,
+  gaussian,
+  mean,
+  median,
+  downsample,
+  flip,
+  permute,
+  mask,
+  keep,
+  fill
+};
+
+// One [[filter]]: what happens to the samples between the file and the surface. What its type does
+// not take is as it is here. Lengths are in samples, values are real ones.
+struct FilterConfig {
+  enum class Method : std::uint8_t { mean, max, mode };
+
+  FilterType type = FilterType::window;
+  std::array<double, 2> clip = {};               // window: lo < hi
+  std::optional<std::array<double, 2>> scale{};  // window: where clip goes; two numbers apart
+  std::optional<SampleType> sample_type{};       // of the result; empty: as it was
+  Vec3 sigma = {};                               // gaussian: at least one above 0
+  Index3 radius = {1, 1, 1};                     // mean, median: at least one above 0
+  Index3 factor = {2, 2, 2};                     // downsample: at least one above 1
+  Method method = Method::mean;                  // downsample
+  std::array<bool, 3> flipped = {};              // flip: axes x, y, z
+  std::array<int, 3> order = {0, 1, 2};          // permute: axis a was axis order[a]
+  std::filesystem::path path = {};               // mask; absolute
+  std::vector<LabelRange> values = {};           // mask: ascending, apart; empty: all but 0
+  std::optional<double> outside{}, inside{};     // mask and keep; fill: what samples become
+  std::int64_t min_voxels = 0;                   // keep; 0: the largest piece alone
+  std::int64_t max_voxels = 0;                   // fill; above 0
+
+  // Whether it needs the whole volume before it gives one sample.
+  bool is_global() const { return type == FilterType::keep || type == FilterType::fill; }
+
+  friend bool operator==(const FilterConfig&, const FilterConfig&) = default;
+};
+
 struct Config {
   InputConfig input;
   WorkConfig work;
@@ -201,7 +242,8 @@ struct Config {
   OutputConfig output;
   RunConfig run;
   SlurmConfig slurm;
-  std::vector<EditConfig> edits;  // applied in this order
+  std::vector<FilterConfig> filters;  // applied in this order
+  std::vector<EditConfig> edits;      // applied in this order, after all filters
 
   friend bool operator==(const Config&, const Config&) = default;
 };
