@@ -40,10 +40,10 @@ void find_pieces(RunContext& context, const SampleSource& source, const PieceRul
                  const std::filesystem::path& path, Hash128 key);
 bool pieces_are_found(const std::filesystem::path& path, Hash128 key);
 
-// What is left of `before`, which is read by boxes. The artifact is opened when samples are first
-// read; then DamagedArtifact where it is missing, damaged or not of that key. Same info but for
-// Access and largest_decode.
-std::shared_ptr<SampleSource> pieces_source(std::shared_ptr<SampleSource> before, PieceRule rule,
+// What is left of `before`, which is read by boxes. The artifact, which knows the rule, is opened
+// when samples are first read; then DamagedArtifact where it is missing, damaged or not of that key.
+// Same info but for Access and largest_decode.
+std::shared_ptr<SampleSource> pieces_source(std::shared_ptr<SampleSource> before,
                                             std::filesystem::path path, Hash128 key);
 
 }  // namespace voxweld

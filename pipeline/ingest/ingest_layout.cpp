@@ -25,14 +25,10 @@ std::vector<Index3> shards_of(const StoreLayout& layout) {
   return shards;
 }
 
-namespace {
-
-void feed(KeyHasher& stamp, const FileState& state) {
-  stamp.integer(static_cast<std::int64_t>(state.size));
-  stamp.integer(state.mtime_ns).integer(state.ctime_ns);
+void feed(KeyHasher& key, const FileState& state) {
+  key.integer(static_cast<std::int64_t>(state.size));
+  key.integer(state.mtime_ns).integer(state.ctime_ns);
 }
-
-}  // namespace
 
 Hash128 files_stamp(const IngestJob& job, std::size_t begin, std::size_t end) {
   KeyHasher stamp;

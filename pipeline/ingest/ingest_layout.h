@@ -14,6 +14,8 @@ constexpr std::uint64_t ingest_band_bytes = std::uint64_t{8} << 20;  // of sampl
 StoreLayout store_layout(const Config& config, const IngestJob& job);
 std::vector<Index3> shards_of(const StoreLayout& layout);  // x fastest
 
+// Of a file as it is.
+void feed(KeyHasher& key, const FileState& state);
 // Of some of the input's files and how they are read.
 Hash128 files_stamp(const IngestJob& job, std::size_t begin, std::size_t end);
 // Of the input's files that samples of a box come from.

@@ -3,7 +3,12 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <functional>
+
 #include "pipeline/config/settings.h"
+#include "pipeline/filter/filter_source.h"
+#include "pipeline/ingest/filtered_input.h"
 #include "pipeline/ingest/ingest_layout.h"
 #include "pipeline/ingest/mesh_ingest.h"
 #include "pipeline/ingest/open_input.h"
@@ -34,7 +39,7 @@ class InPlaceIngest final : public StageWork {
   bool done(std::uint64_t) override { return true; }
   StageLook look(const UnitSelection&) override {
     StageLook look;
-    if (job_.histogram && !histogram_is_current(job_)) look.rest = no_histogram_text;
+    look.rest = missing_besides(job_);
     return look;
   }
   std::string current_text() const override { return read_in_place_text; }
@@ -42,8 +47,11 @@ class InPlaceIngest final : public StageWork {
     return {"ingest", 0, 0, "the histogram", "raise run.memory"};
   }
   void run(const Unit&, WorkerContext&) override {}
+  void open(RunContext& context, const StageLook& look) override {
+    if (!look.current()) finish_earlier(context, job_);
+  }
   void close(RunContext& context) override {
-    if (job_.histogram && !histogram_is_current(job_))
+    if (makes_histogram(job_) && !histogram_is_current(job_))
       write_histogram_artifact(histogram_path(job_.folder),
                                {job_.stamp, scan_volume(context, *job_.input, "ingest").histogram});
   }
@@ -64,6 +72,17 @@ bool histogram_is_current(const IngestJob& job) {
   }
 }
 
+bool makes_histogram(const IngestJob& job) {
+  return job.histogram && !job.pieces;
+}
+
+std::string missing_besides(const IngestJob& job) {
+  if (job.histogram && !histogram_is_current(histogram_job(job))) return "the histogram is missing";
+  if (!job.copy && !earlier_is_current(job))
+    return "what its filters need of the whole volume is missing";
+  return "";
+}
+
 namespace {
 
 // Those that are not in VolumeInfo::files.
@@ -79,13 +98,9 @@ std::vector<InputFile> files_besides(const Config& config) {
   return files;
 }
 
-}  // namespace
-
-IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder,
-                      const InterruptFlag* interrupt) {
-  IngestJob job;
-  job.folder = folder;
-  const std::vector<InputFile> besides = files_besides(config);
+// Whether samples can be read where they lie.
+bool open_plain(const Config& config, const std::filesystem::path& folder,
+                const InterruptFlag* interrupt, IngestJob& job) {
   const auto known = recorded_input(folder, input_record_key(config));
   if (known) {
     job.info = *known;
@@ -99,24 +114,43 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder,
     for (const std::string& warning : job.info.warnings) spdlog::warn("{}", warning);
   }
   const VolumeInfo& info = job.info;
+  job.file_per_slice = info.access == Access::slice && !config.input.crop &&
+                       static_cast<std::int64_t>(info.files.size()) == info.geometry.size.z;
+  return !known && info.access == Access::box;
+}
+
+}  // namespace
+
+IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder,
+                      const InterruptFlag* interrupt) {
+  IngestJob job;
+  bool by_box = false;
+  if (config.filters.empty()) {
+    by_box = open_plain(config, folder, interrupt, job);
+  } else {
+    job = plan_filtered(config, folder, interrupt);
+    by_box = true;
+  }
+  job.folder = folder;
+  const VolumeInfo& info = job.info;
+  const std::vector<InputFile> besides = files_besides(config);
   job.files = info.files;
   job.files.insert(job.files.end(), besides.begin(), besides.end());
   check_coordinates(info.geometry,
                     config.input.path.empty() ? "input.spacing" : config.input.path.string());
   job.parameters = parameter_hash(config, Stage::ingest);
   job.stamp = files_stamp(job, 0, info.files.size());
-  job.file_per_slice = info.access == Access::slice && !config.input.crop &&
-                       static_cast<std::int64_t>(info.files.size()) == info.geometry.size.z;
-  const bool by_box = !known && info.access == Access::box;
+  if (job.pieces) job.stamp = KeyHasher().hash(job.stamp).hash(job.pieces->key).finish();
   if (config.work.copy == WorkConfig::Copy::never && !by_box)
     throw InputError(
         fmt::format("work.copy = false: {} ({}) can be read by {} only, so a brick store is "
                     "needed; use work.copy = \"auto\"",
                     config.input.path.string(), info.format, access_name(info.access)));
   // Samples on a server are fetched once, not by every build.
-  const bool far =
-      is_url(config.input.path.string()) && config.work.copy != WorkConfig::Copy::never;
-  job.copy = (config.work.copy == WorkConfig::Copy::always || !by_box || far) &&
+  const bool far = is_url(config.input.path.string()) && !job.filtered;
+  const bool better = far || std::ranges::any_of(config.filters, std::not_fn(reads_through));
+  job.copy = (config.work.copy == WorkConfig::Copy::always || !by_box ||
+              (better && config.work.copy != WorkConfig::Copy::never)) &&
              config.input.has_samples();
   job.histogram = !config.surface.isovalue.has_value();
   job.labels = config.labels.mode != LabelMode::off;

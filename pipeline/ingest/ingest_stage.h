@@ -2,7 +2,9 @@
 // itself where it allows that, else a brick store.
 #pragma once
 
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include "pipeline/solids/streamed_mesh.h"
 #include "pipeline/stage/stage_work.h"
@@ -12,8 +14,18 @@
 
 namespace voxweld {
 
+struct EarlierIngest;
+
+// The config's last filter that has to have seen the whole volume (FilterConfig::is_global).
+struct PiecesJob {
+  std::shared_ptr<SampleSource> before;  // what it finds its pieces in
+  std::filesystem::path path;            // of what it finds
+  Hash128 key;
+};
+
 struct IngestJob {
-  VolumeInfo info;  // of the input: cropped, spacing and unit as the config has them
+  // Of the input: cropped, spacing and unit as the config has them, and filtered.
+  VolumeInfo info;
   // All files the result depends on, as they were before they were read: the input's, the map of
   // labels, meshes of edits.
   std::vector<InputFile> files;
@@ -28,11 +40,22 @@ struct IngestJob {
   bool copy = false;       // make a brick store
   bool histogram = false;  // needed: the isovalue is to be chosen
   bool labels = false;     // are to be counted
+  bool filtered = false;   // the input is read through filters
+  // What has to be ingested before, in this order, where filters read boxes of what the input gives
+  // otherwise: the volume up to some filter, masks.
+  std::vector<std::shared_ptr<const EarlierIngest>> earlier;
+  std::optional<PiecesJob> pieces;  // then earlier.front() is the volume up to that filter
   // A mesh as the input that is read by pieces: ingest cuts it up. Else null.
   std::shared_ptr<StreamedMesh> mesh;
 
   // Whether there are units: otherwise the input is read in place, and at once if at all.
   bool by_shards() const { return copy || labels; }
+};
+
+// An ingest with a folder of its own: another config with the same input may use it too.
+struct EarlierIngest {
+  Config config;
+  IngestJob job;
 };
 
 // Opens the input the config names. Throws InputError where work.copy = false does not fit it.

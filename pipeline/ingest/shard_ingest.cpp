@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <functional>
+#include <utility>
 
 #include "pipeline/executor/probe.h"
+#include "pipeline/ingest/filtered_input.h"
 #include "pipeline/ingest/ingest_layout.h"
 #include "pipeline/ingest/label_ingest.h"
 #include "pipeline/ingest/open_input.h"
@@ -233,8 +235,8 @@ class ShardIngest final : public StageWork {
       look.rest = "the store's zarr.json is missing or changed";
     else if (!counted_)
       look.rest = "the labels are not counted";
-    else if (job_.histogram && !histogram_is_current(job_))
-      look.rest = no_histogram_text;
+    else
+      look.rest = missing_besides(job_);
     return look;
   }
   std::string missing_text(const StageLook& look) const override {
@@ -252,7 +254,8 @@ class ShardIngest final : public StageWork {
   UnitOrder order() const override {
     return job_.info.access == Access::box ? UnitOrder::largest_first : UnitOrder::as_given;
   }
-  void open(RunContext& context, const StageLook&) override {
+  void open(RunContext& context, const StageLook& look) override {
+    if (!look.current()) finish_earlier(context, job_);
     if (job_.copy && !store_metadata_is_current(layout_)) write_store_metadata(layout_);
     // From here on no other process has to look at every slice to know what they are.
     // Of a volume of files that nobody lists, each shard is keyed by its own.
@@ -276,7 +279,7 @@ class ShardIngest final : public StageWork {
   }
   void close(RunContext& context) override {
     remove_spools(job_.folder);
-    if (job_.histogram && !histogram_is_current(job_))
+    if (makes_histogram(job_) && !histogram_is_current(job_))
       write_histogram_artifact(histogram_path(job_.folder), {job_.stamp, store_histogram(layout_)});
     if (!needs_no_counts(job_)) join_label_counts(context, job_, layout_);
   }
@@ -300,6 +303,8 @@ StageMemory ShardIngest::memory(std::span<const std::uint64_t>) {
   if (!job_.copy) return memory;
   const VolumeInfo& info = job_.info;
   memory.base_bytes = info.access == Access::box ? info.largest_decode : spooling_bytes(info, run_);
+  // Each worker filters for itself.
+  if (job_.filtered) memory.per_worker_bytes += std::exchange(memory.base_bytes, 0);
   memory.per_worker_bytes +=
       shard_writer_bytes(layout_, 1, ingest_band_bytes) + (std::uint64_t{16} << 20);
   return memory;

@@ -25,6 +25,12 @@ fs::path place_of(const fs::path& directory) {
   return path.has_filename() ? path : path.parent_path();
 }
 
+// Those of an ingest and of what it is made from.
+void add_folders(const IngestJob& job, std::set<fs::path>& folders) {
+  folders.insert(job.folder.filename());
+  for (const auto& earlier : job.earlier) add_folders(earlier->job, folders);
+}
+
 // What a run of one config would use of its work directory.
 struct Used {
   std::set<fs::path> folders;
@@ -35,7 +41,7 @@ Used used_by(RunContext& context) {
   Used used;
   Stages stages(context);
   StageWork& ingest = stages.open(Stage::ingest);
-  used.folders.insert(stages.jobs().ingest().folder.filename());
+  add_folders(stages.jobs().ingest(), used.folders);
   StageLook look = ingest.look({});
   ingest.prove(context, look);
   if (!look.current()) return used;

@@ -10,39 +10,17 @@
 #include "pipeline/build/contour_parameters.h"
 #include "pipeline/config/settings.h"
 #include "pipeline/ingest/ingest_layout.h"
+#include "pipeline/ingest/isovalue_choice.h"
 #include "pipeline/ingest/label_choice.h"
 #include "pipeline/run/output_frame.h"
 #include "pipeline/stage/unit_plan.h"
 #include "stages/encode/draco_codec.h"
-#include "stages/ingest/threshold.h"
 #include "storage/store/store_source.h"
 #include "storage/support/error.h"
 #include "storage/support/provenance.h"
 
 namespace voxweld {
 namespace {
-
-double choose_isovalue(const Config& config, const IngestJob& job) {
-  const Histogram histogram = read_histogram(job).value_or(Histogram{});
-  const ValueScale& scale = job.info.scale;
-  const IsovalueRule rule = config.surface.isovalue_rule;
-  const auto suggestion = suggest_isovalue(histogram, scale, rule);
-  const std::string name = isovalue_rule_name(rule);
-  if (!suggestion && rule == IsovalueRule::valley && suggest_isovalue(histogram, scale))
-    throw InputError(fmt::format(
-        "surface.isovalue = \"valley\": the histogram of {} has one peak, so no valley; see "
-        "`voxweld histogram`, give a number or \"otsu\"",
-        config.input.path.string()));
-  if (!suggestion)
-    throw InputError(
-        fmt::format("surface.isovalue = \"{}\": all samples of {} {}, so there is no threshold to "
-                    "find; give a number",
-                    name, config.input.path.string(), no_threshold_text(histogram, scale)));
-  spdlog::info(
-      "surface.isovalue = \"{}\": {}{}", name, suggestion->threshold.value,
-      suggestion->padding ? fmt::format(" (leaving out padding of {})", *suggestion->padding) : "");
-  return suggestion->threshold.value;
-}
 
 void check_label(const Config& config, const VolumeInfo& info) {
   if (!config.surface.label && config.labels.mode == LabelMode::off) return;
@@ -81,7 +59,14 @@ LabelParameters Jobs::chosen_labels(const Config& config) const {
 }
 
 void Jobs::open_volume(Config& config) {
-  if (!config.surface.isovalue) config.surface.isovalue = choose_isovalue(config, ingest_);
+  if (!config.surface.isovalue) {
+    const IsovalueSuggestion chosen = choose_isovalue(config, ingest_);
+    spdlog::info(
+        "surface.isovalue = \"{}\": {}{}", isovalue_rule_name(config.surface.isovalue_rule),
+        chosen.threshold.value,
+        chosen.padding ? fmt::format(" (leaving out padding of {})", *chosen.padding) : "");
+    config.surface.isovalue = chosen.threshold.value;
+  }
   if (config.output.tile_vertices == 0) config.output.tile_vertices = fitting_tile_vertices(config);
   const Volume volume = ingested_volume(config, ingest_);
   VolumeInfo info = volume.source->info();

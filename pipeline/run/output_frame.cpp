@@ -2,6 +2,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
+#include "pipeline/filter/filter_source.h"
 #include "pipeline/stage/volume.h"
 #include "stages/stitch/lattice_plan.h"
 
@@ -25,7 +28,7 @@ OutputFrame output_frame(const Config& config, const VolumeGeometry& geometry) {
   OutputFrame frame{output_geometry(geometry, from_zero), {from_zero, geometry.spacing}, {}};
   if (frame.geometry.first != geometry.first) {
     warn_of_origin(config, geometry.first);
-  } else if (config.input.crop) {
+  } else if (config.input.crop && !std::ranges::any_of(config.filters, moves_samples)) {
     request.first = config.input.crop->lo;
     frame.snap = {plan_lattice(request), geometry.spacing, request.first};
   } else {

@@ -16,15 +16,15 @@ std::uint64_t program_bytes() {
 
 void warn_of_nans(const Config& config, const NanCount& nans) {
   if (nans.samples == 0) return;
-  // In the file's own samples.
-  const Index3 shift = config.input.crop ? config.input.crop->lo : Index3{};
+  // In the file's own samples, or in those that the filters leave.
+  const bool own = config.filters.empty();
+  const Index3 shift = own && config.input.crop ? config.input.crop->lo : Index3{};
   const Index3 lo = nans.box.lo + shift, hi = nans.box.hi + shift - splat(1);
   spdlog::warn(
-      "{}: {} {} NaN and count as outside. They lie in the samples {} to {} along x, {} to {} "
-      "along "
-      "y, {} to {} along z; give them numbers if the material goes on there",
+      "{}: {} {} NaN{} and count as outside. They lie in the samples {} to {} along x, {} to {} "
+      "along y, {} to {} along z; give them numbers if the material goes on there",
       config.input.path.string(), nans.samples, nans.samples == 1 ? "sample is" : "samples are",
-      lo.x, hi.x, lo.y, hi.y, lo.z, hi.z);
+      own ? "" : " behind the filters", lo.x, hi.x, lo.y, hi.y, lo.z, hi.z);
 }
 
 int stage_threads(const RunContext& context, StageMemory memory) {

@@ -14,6 +14,8 @@ struct ValueScale {
   // Rounded after the product and after the sum. Never falls while `stored` rises, or, with a
   // negative slope, never rises.
   double real(double stored) const { return identity() ? stored : slope * stored + intercept; }
+  // The other way; of what real() gives, to rounding.
+  double stored(double real) const { return identity() ? real : (real - intercept) / slope; }
 
   friend bool operator==(const ValueScale&, const ValueScale&) = default;
 };

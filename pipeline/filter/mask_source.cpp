@@ -1,0 +1,157 @@
+#include "pipeline/filter/mask_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+#include "storage/support/error.h"
+
+namespace voxweld {
+namespace {
+
+// The mask's samples that are held at once.
+constexpr std::uint64_t most_mask_bytes = std::uint64_t{4} << 20;
+
+// Whether the mask keeps what lies under a sample of that value.
+class KeptValues {
+ public:
+  explicit KeptValues(std::vector<LabelRange> ranges) : ranges_(std::move(ranges)) {}
+
+  template <class T>
+  bool operator()(T value) const {
+    if (ranges_.empty()) return value != 0;
+    if (std::is_signed_v<T> && value < 0) return false;
+    const auto label = static_cast<std::uint64_t>(value);
+    const auto after = std::ranges::upper_bound(ranges_, label, {}, &LabelRange::first);
+    return after != ranges_.begin() && label <= std::prev(after)->last;
+  }
+
+ private:
+  std::vector<LabelRange> ranges_;  // ascending, apart; empty: all but 0
+};
+
+class MaskSource final : public SampleSource {
+ public:
+  MaskSource(std::shared_ptr<SampleSource> source, std::shared_ptr<SampleSource> mask,
+             const FilterConfig& filter, std::vector<std::byte> outside)
+      : source_(std::move(source)),
+        mask_(std::move(mask)),
+        kept_(filter.values),
+        outside_(std::move(outside)),
+        info_(source_->info()) {
+    const VolumeInfo& mask_info = mask_->info();
+    info_.access = Access::box;
+    info_.chunk = splat(1);
+    info_.chunk_first = {};
+    info_.row_major = false;
+    info_.largest_decode =
+        std::max(info_.largest_decode, mask_info.largest_decode + most_mask_bytes);
+    info_.files.insert(info_.files.end(), mask_info.files.begin(), mask_info.files.end());
+  }
+
+  const VolumeInfo& info() const override { return info_; }
+
+  void read(const Box3& box, std::byte* out) const override {
+    source_->read(box, out);
+    // In bands of rows, or in parts of one row: the mask may have wide samples.
+    const Index3 size = box.size();
+    const auto most = static_cast<std::int64_t>(most_mask_bytes / sample_bytes(mask_->info().type));
+    const std::int64_t length = std::min(size.x, most);
+    const std::int64_t rows = std::clamp<std::int64_t>(most / length, 1, size.y);
+    std::vector<std::byte> mask;
+    for (std::int64_t z = box.lo.z; z < box.hi.z; ++z)
+      for (std::int64_t y = box.lo.y; y < box.hi.y; y += rows)
+        for (std::int64_t x = box.lo.x; x < box.hi.x; x += length)
+          apply(intersect({{x, y, z}, {x + length, y + rows, z + 1}}, box), box, out, mask);
+  }
+
+  void each_file(const Box3& box, const FileVisitor& f) const override {
+    source_->each_file(box, f);
+    mask_->each_file(box, f);
+  }
+
+ private:
+  // Of a part of `box`, whose samples `out` holds.
+  void apply(const Box3& part, const Box3& box, std::byte* out,
+             std::vector<std::byte>& mask) const {
+    const SampleType type = mask_->info().type;
+    mask.resize(static_cast<std::size_t>(part.count()) * sample_bytes(type));
+    mask_->read(part, mask.data());
+    dispatch_sample_type(type, [&]<class Tag>(Tag) {
+      using T = typename Tag::type;
+      const std::byte* next = mask.data();
+      each_index(part, [&](Index3 p) {
+        T value;
+        std::memcpy(&value, next, sizeof value);
+        next += sizeof value;
+        if (kept_(value)) return;
+        const Index3 at = p - box.lo, size = box.size();
+        const auto index = static_cast<std::size_t>((at.z * size.y + at.y) * size.x + at.x);
+        std::copy(outside_.begin(), outside_.end(), out + index * outside_.size());
+      });
+    });
+  }
+
+  std::shared_ptr<SampleSource> source_, mask_;
+  KeptValues kept_;
+  std::vector<std::byte> outside_;  // one sample
+  VolumeInfo info_;
+};
+
+[[noreturn]] void refuse_mask(const MaskRequest& request, const std::string& problem) {
+  throw InputError(fmt::format("filter {}: {}", request.number, problem));
+}
+
+// The value as a sample. Integers hold whole numbers within their range only.
+std::vector<std::byte> sample_of(const MaskRequest& request, const VolumeInfo& info) {
+  const double real = request.filter.outside.value_or(0);
+  const double stored = info.scale.stored(real);
+  std::vector<std::byte> sample(sample_bytes(info.type));
+  dispatch_sample_type(info.type, [&]<class Tag>(Tag) {
+    using T = typename Tag::type;
+    T value{};
+    if constexpr (std::is_integral_v<T>) {
+      using Limits = std::numeric_limits<T>;
+      const double rounded = std::nearbyint(stored);
+      // 2^digits is the first number beyond; a double holds it, but not always the one before.
+      if (!(rounded >= static_cast<double>(Limits::lowest()) &&
+            rounded < std::ldexp(1.0, Limits::digits)))
+        refuse_mask(request, fmt::format("outside = {:g}: samples of type {} cannot be that; "
+                                         "choose a value that they can have",
+                                         real, sample_type_name(info.type)));
+      value = static_cast<T>(rounded);
+    } else {
+      value = static_cast<T>(stored);
+    }
+    std::memcpy(sample.data(), &value, sizeof value);
+  });
+  return sample;
+}
+
+}  // namespace
+
+std::shared_ptr<SampleSource> mask_source(std::shared_ptr<SampleSource> source,
+                                          std::shared_ptr<SampleSource> mask,
+                                          const MaskRequest& request) {
+  const std::string path = request.filter.path.string();
+  if (const std::string problem = no_labels_text(mask->info()); !problem.empty())
+    refuse_mask(request, fmt::format("a mask holds integers, {} {}", path, problem));
+  const Index3 size = source->info().geometry.size, own = mask->info().geometry.size;
+  if (own != size)
+    refuse_mask(request,
+                fmt::format("{} has {} x {} x {} samples, and what it masks has {} x {} x {}: "
+                            "expected the same size; mask before filters that change the size, and "
+                            "crop the mask as the volume is cropped",
+                            path, own.x, own.y, own.z, size.x, size.y, size.z));
+  auto outside = sample_of(request, source->info());
+  return std::make_shared<MaskSource>(std::move(source), std::move(mask), request.filter,
+                                      std::move(outside));
+}
+
+}  // namespace voxweld
