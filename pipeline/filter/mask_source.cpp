@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <limits>
 #include <span>
 #include <type_traits>
 #include <utility>
 
+#include "stages/filter/stored_value.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -111,26 +110,13 @@ class MaskSource final : public SampleSource {
 // The value as a sample. Integers hold whole numbers within their range only.
 std::vector<std::byte> sample_of(const MaskRequest& request, const VolumeInfo& info) {
   const double real = request.filter.outside.value_or(0);
-  const double stored = info.scale.stored(real);
+  const auto bits = nearest_stored(info.type, info.scale.stored(real));
+  if (!bits)
+    refuse_mask(request, fmt::format("outside = {:g}: samples of type {} cannot be that; "
+                                     "choose a value that they can have",
+                                     real, sample_type_name(info.type)));
   std::vector<std::byte> sample(sample_bytes(info.type));
-  dispatch_sample_type(info.type, [&]<class Tag>(Tag) {
-    using T = typename Tag::type;
-    T value{};
-    if constexpr (std::is_integral_v<T>) {
-      using Limits = std::numeric_limits<T>;
-      const double rounded = std::nearbyint(stored);
-      // 2^digits is the first number beyond; a double holds it, but not always the one before.
-      if (!(rounded >= static_cast<double>(Limits::lowest()) &&
-            rounded < std::ldexp(1.0, Limits::digits)))
-        refuse_mask(request, fmt::format("outside = {:g}: samples of type {} cannot be that; "
-                                         "choose a value that they can have",
-                                         real, sample_type_name(info.type)));
-      value = static_cast<T>(rounded);
-    } else {
-      value = static_cast<T>(stored);
-    }
-    std::memcpy(sample.data(), &value, sizeof value);
-  });
+  std::memcpy(sample.data(), &*bits, sample.size());
   return sample;
 }
 
