@@ -208,7 +208,7 @@ void add_key_options(CLI::App& command, EditArguments& arguments) {
   for (const EditSetting& setting : edit_settings()) {
     std::string help = setting.description;
     if (words_of(setting.rule).empty()) help += " Takes " + accepted_text(setting.rule) + ".";
-    if (!setting.shapes.empty()) help += " Of: " + setting.shapes_text() + ".";
+    if (!setting.kinds.empty()) help += " Of: " + edit_items().kinds_text(setting) + ".";
     command
         .add_option_function<std::string>(
             "--" + setting.key,

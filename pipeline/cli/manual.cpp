@@ -6,6 +6,7 @@
 #include <set>
 
 #include "pipeline/config/edit_settings.h"
+#include "pipeline/config/filter_settings.h"
 #include "pipeline/config/settings.h"
 
 namespace voxweld {
@@ -85,8 +86,12 @@ std::string config_text() {
     for (const Setting& setting : settings())
       if (setting.table == table) text += key_text(setting);
   }
-  text += fmt::format(".SS \"[[{}]]\"\n{}", edit_table, prose(std::string(edit_description())));
-  for (const EditSetting& setting : edit_settings()) text += key_text(setting);
+  const auto add_items = [&](const auto& table) {
+    text += fmt::format(".SS \"[[{}]]\"\n{}", table.name, prose(table.description));
+    for (const auto& setting : table.settings) text += key_text(setting);
+  };
+  add_items(filter_items());
+  add_items(edit_items());
   return text;
 }
 

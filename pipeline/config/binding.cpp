@@ -13,9 +13,13 @@ void Form::read(Value v, Texts& out) {
   for (const ConfigValue& item : *v.list()) out.push_back(*item.text());
 }
 
+void Form::read(Value v, Pair& out) {
+  out = {v.list()->front().number(), v.list()->back().number()};
+}
+
 void Form::read(Value v, Index3& out) {
   for (int axis = 0; axis < 3; ++axis)
-    out[axis] = *(*v.list())[static_cast<std::size_t>(axis)].integer();
+    out[axis] = *(v.list() == nullptr ? v : (*v.list())[static_cast<std::size_t>(axis)]).integer();
 }
 
 void Form::read(Value v, Vec3& out) {
@@ -80,11 +84,15 @@ Binding<Config> resample() {
           }};
 }
 
-Binding<Config> raw_type() {
+ChoiceRule sample_types() {
   ChoiceRule rule;
   for (int i = 0; i <= static_cast<int>(SampleType::f64); ++i)
     rule.names.emplace_back(sample_type_name(static_cast<SampleType>(i)));
-  return member(&Config::input, &InputConfig::type, std::move(rule));
+  return rule;
+}
+
+Binding<Config> raw_type() {
+  return member(&Config::input, &InputConfig::type, sample_types());
 }
 
 namespace {

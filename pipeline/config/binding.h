@@ -1,8 +1,9 @@
 // How a member of a config is read from a value and written as one: what a row of the table of
-// settings, or of the keys of an edit, is bound to.
+// settings, or of the keys of an edit or a filter, is bound to.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -33,6 +34,7 @@ struct Form {
   using Path = std::filesystem::path;
   using Value = const ConfigValue&;
   using Texts = std::vector<std::string>;
+  using Pair = std::array<double, 2>;
 
   static void read(Value v, bool& out) { out = *v.flag(); }
   static void read(Value v, std::int64_t& out) { out = *v.integer(); }
@@ -42,8 +44,10 @@ struct Form {
   static void read(Value v, Path& out) { out = *v.text(); }
   static void read(Value v, SampleType& out) { out = parse_sample_type(*v.text()).value(); }
   static void read(Value v, Texts& out);
+  static void read(Value v, Pair& out);
+  // Three numbers, or one for all three.
   static void read(Value v, Index3& out);
-  static void read(Value v, Vec3& out);  // three numbers, or one for all three
+  static void read(Value v, Vec3& out);
   static void read(Value v, Box3& out);
   template <class T>
   static void read(Value v, std::optional<T>& out) {
@@ -58,6 +62,7 @@ struct Form {
   static Written written(const Path& v);  // empty: open
   static Written written(SampleType v) { return ConfigValue{std::string(sample_type_name(v))}; }
   static Written written(const Texts& v);
+  static Written written(Pair v) { return ConfigValue{ConfigValue::List{{v[0]}, {v[1]}}}; }
   static Written written(Index3 v) { return ConfigValue{ConfigValue::List{{v.x}, {v.y}, {v.z}}}; }
   static Written written(Vec3 v) { return ConfigValue{ConfigValue::List{{v.x}, {v.y}, {v.z}}}; }
   static Written written(const Box3& v);
@@ -164,6 +169,8 @@ Binding<Config> selected(std::string InputSelection::*text);
 Binding<Config> selected(std::optional<std::int64_t> InputSelection::*number);
 Binding<Config> resample();
 Binding<Config> raw_type();
+// By their names.
+ChoiceRule sample_types();
 Binding<Config> isovalue();
 Binding<Config> surface_label();
 Binding<Config> selected_labels();

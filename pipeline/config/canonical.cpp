@@ -2,9 +2,24 @@
 
 #include "pipeline/config/config.h"
 #include "pipeline/config/edit_settings.h"
+#include "pipeline/config/filter_settings.h"
 #include "pipeline/config/settings.h"
 
 namespace voxweld {
+namespace {
+
+template <class Item, class Kind>
+std::string tables_of(const ItemTable<Item, Kind>& table, const std::vector<Item>& items) {
+  std::string text;
+  for (const Item& item : items) {
+    text += fmt::format("\n[[{}]]\n", table.name);
+    for (const auto& value : table.values_of(item))
+      text += value.setting->key + " = " + to_toml(value.value) + "\n";
+  }
+  return text;
+}
+
+}  // namespace
 
 std::string canonical_toml(const Config& config) {
   std::string text;
@@ -19,11 +34,8 @@ std::string canonical_toml(const Config& config) {
     text += value ? setting.key + " = " + to_toml(*value) + "\n"
                   : "# " + setting.key + ": " + setting.default_note + "\n";
   }
-  for (const EditConfig& edit : config.edits) {
-    text += fmt::format("\n[[{}]]\n", edit_table);
-    for (const EditValue& value : values_of(edit))
-      text += value.setting->key + " = " + to_toml(value.value) + "\n";
-  }
+  text += tables_of(filter_items(), config.filters);
+  text += tables_of(edit_items(), config.edits);
   return text;
 }
 

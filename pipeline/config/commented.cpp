@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "pipeline/config/edit_settings.h"
+#include "pipeline/config/filter_settings.h"
 #include "pipeline/config/settings.h"
 #include "pipeline/config/text_layout.h"
 
@@ -134,21 +135,22 @@ std::string table_text(const std::string& table, const Active& active, const Nam
   return text;
 }
 
-// What edits take, then one of each shape, all commented out.
-std::string edit_samples() {
-  std::string text = fmt::format("\n{}", wrapped(edit_description(), "# "));
-  for (const EditSetting& setting : edit_settings()) {
-    const std::string shapes =
-        setting.shapes.empty() ? "" : fmt::format(" ({})", setting.shapes_text());
-    text += fmt::format("#\n{}", described(setting, setting.key + shapes + ": ", true));
+// What the items of a list take, then one of each kind, all commented out.
+template <class Item, class Kind>
+std::string item_samples(const ItemTable<Item, Kind>& table) {
+  std::string text = fmt::format("\n{}", wrapped(table.description, "# "));
+  for (const auto& setting : table.settings) {
+    const std::string kinds =
+        setting.kinds.empty() ? "" : fmt::format(" ({})", table.kinds_text(setting));
+    text += fmt::format("#\n{}", described(setting, setting.key + kinds + ": ", true));
   }
-  for (const SolidShape shape : all_shapes) {
-    text += fmt::format("\n# [[{}]]\n", edit_table);
-    for (const EditSetting& setting : edit_settings())
-      if (setting.taken_by(shape))
-        text +=
-            fmt::format("# {} = {}\n", setting.key,
-                        setting.key == "shape" ? toml_string(shape_name(shape)) : setting.sample);
+  for (const Kind kind : table.kinds()) {
+    text += fmt::format("\n# [[{}]]\n", table.name);
+    for (const auto& setting : table.settings)
+      if (setting.taken_by(kind))
+        text += fmt::format(
+            "# {} = {}\n", setting.key,
+            setting.key == table.kind_key ? toml_string(table.kind_name(kind)) : setting.sample);
   }
   return text;
 }
@@ -280,7 +282,7 @@ std::string reference_config() {
   std::string text = "#:schema voxweld.schema.json\n";
   text += "# Every key there is. Those that begin with # have no value unless one is given.\n";
   for (const std::string& table : table_names()) text += table_text(table, active);
-  return text + edit_samples();
+  return text + item_samples(filter_items()) + item_samples(edit_items());
 }
 
 }  // namespace voxweld

@@ -1,6 +1,7 @@
 // The config of a run: what the TOML file and the --set overrides say, defaults filled in, every
 // value checked. The keys, their accepted values and the stages that read them are listed once, in
-// settings_*.cpp and, for edits, edit_settings.cpp; the members here have the same names.
+// settings_*.cpp and, for filters and edits, filter_settings.cpp and edit_settings.cpp; the members
+// here have the same names.
 #pragma once
 
 #include <array>

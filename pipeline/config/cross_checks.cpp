@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/config/filter_settings.h"
 #include "pipeline/config/settings.h"
 #include "storage/support/error.h"
 
@@ -22,10 +23,9 @@ class CrossChecks {
     // Empty space is neither read nor cut by an isovalue, and a mesh has its surface.
     if (config_.input.is_empty()) return;
     const bool mesh = config_.input.is_mesh();
-    const bool labels = config_.surface.label || config_.labels.mode != LabelMode::off;
     for (const Setting& setting : settings())
       if (setting.required && !places_.contains(setting.name()) &&
-          !((labels || mesh) && setting.name() == "surface.isovalue"))
+          !((has_labels() || mesh) && setting.name() == "surface.isovalue"))
         throw InputError(fmt::format("{}: missing key {} (expected {}): {}", file_, setting.name(),
                                      accepted_text(setting.rule), setting.description));
   }
@@ -157,6 +157,25 @@ class CrossChecks {
     }
   }
 
+  void filters() const {
+    for (std::size_t i = 0; i < config_.filters.size(); ++i) {
+      const FilterConfig& filter = config_.filters[i];
+      if (!config_.input.has_samples())
+        fail_filter(i, config_.input.is_mesh() ? "a mesh has no samples to filter; remove it"
+                                               : "empty space has no samples to filter; remove it");
+      if (has_labels() && !keeps_labels(filter))
+        fail_filter(i, fmt::format("{} makes no labels of labels; between labels and with "
+                                   "surface.label take downsample with method = \"mode\", flip, "
+                                   "permute or mask",
+                                   filter_text(filter)));
+      if (filter.type == FilterType::mask && !filter.outside && !has_labels())
+        fail_filter(i,
+                    "missing key outside: expected the real value that samples outside the "
+                    "mask get, " +
+                        accepted_text(filter_items().find("outside")->rule));
+    }
+  }
+
   void work() const {
     const WorkConfig& w = config_.work;
     if (w.chunk <= w.brick * w.shard) return;
@@ -201,6 +220,36 @@ class CrossChecks {
   }
 
  private:
+  bool has_labels() const { return config_.surface.label || config_.labels.mode != LabelMode::off; }
+
+  // Whether what it makes of labels are labels that were there, or outside.
+  static bool keeps_labels(const FilterConfig& filter) {
+    switch (filter.type) {
+      case FilterType::flip:
+      case FilterType::permute:
+      case FilterType::mask:
+        return true;
+      case FilterType::downsample:
+        return filter.method == FilterConfig::Method::mode;
+      default:
+        return false;
+    }
+  }
+  static std::string filter_text(const FilterConfig& filter) {
+    std::string text;
+    for (const auto& value : filter_items().values_of(filter))
+      if (value.setting->key == "type" || value.setting->key == "method")
+        text += fmt::format("{}{} = {}", text.empty() ? "" : " with ", value.setting->key,
+                            to_toml(value.value));
+    return text;
+  }
+  [[noreturn]] void fail_filter(std::size_t index, const std::string& problem) const {
+    const std::string name = fmt::format("{} {}", filter_table, index + 1);
+    const auto place = places_.find(name);
+    throw InputError(
+        fmt::format("{}: {}: {}", place == places_.end() ? file_ : place->second, name, problem));
+  }
+
   static const Setting& setting_of(const std::string& name) {
     const auto dot = name.find('.');
     return *find_setting(name.substr(0, dot), name.substr(dot + 1));
@@ -246,6 +295,7 @@ void check_across(const Config& config, const Places& places, const std::string&
   checks.label();
   checks.labels();
   checks.chosen_labels();
+  checks.filters();
   checks.edits_of_labels();
   checks.work();
   checks.output();

@@ -8,7 +8,8 @@
 
 namespace voxweld {
 
-// Where each value that was given stands: setting name to "file:line:column".
+// Where each value that was given stands: setting name to "file:line:column"; and each header of a
+// filter or an edit, by its name ("edit 2").
 using Places = std::map<std::string, std::string>;
 
 // InputError naming the place of the value that does not go with the others; `file` where that is

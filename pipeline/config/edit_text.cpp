@@ -7,7 +7,7 @@
 
 #include "pipeline/config/document.h"
 #include "pipeline/config/edit_settings.h"
-#include "pipeline/config/load_edits.h"
+#include "pipeline/config/item_reader.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -87,7 +87,7 @@ EditText::EditText(std::string text, std::string file)
 std::vector<EditText::Edit> EditText::locate() const {
   std::vector<Edit> edits;
   for (const DocumentEntry& entry : parse_document(text_, file_)) {
-    if (!EditReader::owns(entry)) continue;
+    if (!is_of_items(edit_table, entry)) continue;
     const std::size_t at = offset_of(text_, entry.key_at);
     const std::size_t value = offset_of(text_, entry.value_at);
     const std::string where = place_text(file_, entry.key_at);

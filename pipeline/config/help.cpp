@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "pipeline/config/edit_settings.h"
+#include "pipeline/config/filter_settings.h"
 #include "pipeline/config/refuse.h"
 #include "pipeline/config/settings.h"
 #include "pipeline/config/suggest.h"
@@ -23,26 +24,25 @@ std::string head_of(const std::string& table) {
   return fmt::format("[{}] {}\n", table, table_description(table));
 }
 
-std::string edits_head() {
-  return wrapped(fmt::format("[[{}]] {}", edit_table, edit_description()), "");
-}
-
 std::string help_of(const Setting& setting) {
   return key_help(setting, "re-runs: " + setting.stages_text());
 }
 
-std::string help_of(const EditSetting& setting) {
-  return key_help(
-      setting, fmt::format("shapes: {}; re-runs: build, where it reaches", setting.shapes_text()));
+// How the items of a list are told of.
+template <class Item, class Kind>
+std::string head_of(const ItemTable<Item, Kind>& table) {
+  return wrapped(fmt::format("[[{}]] {}", table.name, table.description), "");
+}
+
+template <class Item, class Kind>
+std::string help_of(const ItemTable<Item, Kind>& table, const ItemSetting<Item, Kind>& setting) {
+  return key_help(setting, fmt::format("{}s: {}; re-runs: {}", table.kind_key,
+                                       table.kinds_text(setting), table.reruns));
 }
 
 // The keys of a table that are asked for, below its head; empty where there is none.
-template <class Keys, class Asked>
-std::string part(const std::string& head, const Keys& keys, Asked&& asked) {
-  std::string text;
-  for (const auto& key : keys)
-    if (asked(key)) text += help_of(key);
-  return text.empty() ? text : head + text;
+std::string below(const std::string& head, const std::string& keys) {
+  return keys.empty() ? keys : head + keys;
 }
 
 // taken(table, key): whether it is asked for.
@@ -52,22 +52,34 @@ std::string help_where(Taken&& taken) {
   const auto add = [&](const std::string& one) {
     text += (text.empty() || one.empty() ? "" : "\n") + one;
   };
-  for (const std::string& table : table_names())
-    add(part(head_of(table), settings(), [&](const Setting& setting) {
-      return setting.table == table && taken(setting.table, setting.key);
-    }));
-  add(part(edits_head(), edit_settings(),
-           [&](const EditSetting& setting) { return taken(edit_table, setting.key); }));
+  for (const std::string& table : table_names()) {
+    std::string keys;
+    for (const Setting& setting : settings())
+      if (setting.table == table && taken(setting.table, setting.key)) keys += help_of(setting);
+    add(below(head_of(table), keys));
+  }
+  const auto add_items = [&](const auto& table) {
+    std::string keys;
+    for (const auto& setting : table.settings)
+      if (taken(table.name, setting.key)) keys += help_of(table, setting);
+    add(below(head_of(table), keys));
+  };
+  add_items(filter_items());
+  add_items(edit_items());
   return text;
 }
 
 std::vector<std::string> all_names() {
   std::vector<std::string> names = table_names();
-  names.emplace_back(edit_table);
   for (const Setting& setting : settings())
     names.insert(names.end(), {setting.name(), setting.key});
-  for (const EditSetting& setting : edit_settings())
-    names.insert(names.end(), {fmt::format("{}.{}", edit_table, setting.key), setting.key});
+  const auto add_items = [&](const auto& table) {
+    names.push_back(table.name);
+    for (const auto& setting : table.settings)
+      names.insert(names.end(), {fmt::format("{}.{}", table.name, setting.key), setting.key});
+  };
+  add_items(filter_items());
+  add_items(edit_items());
   return names;
 }
 

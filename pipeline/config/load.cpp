@@ -7,8 +7,8 @@
 #include "pipeline/config/config.h"
 #include "pipeline/config/cross_checks.h"
 #include "pipeline/config/document.h"
-#include "pipeline/config/edit_settings.h"
 #include "pipeline/config/load_edits.h"
+#include "pipeline/config/load_filters.h"
 #include "pipeline/config/number_list.h"
 #include "pipeline/config/refuse.h"
 #include "pipeline/config/settings.h"
@@ -48,20 +48,20 @@ std::string bracketed(const std::string& table, bool several) {
 }
 
 std::string the_tables() {
-  return "The tables are " + joined(table_names()) + " and any number of [[edit]]";
+  return "The tables are " + joined(table_names()) + " and any number of [[filter]] and [[edit]]";
 }
 
 [[noreturn]] void throw_unknown_table(const std::string& where, const DocumentEntry& entry) {
   auto names = table_names();
-  names.emplace_back(edit_table);
+  for (const auto list : {filter_table, edit_table}) names.emplace_back(list);
   const std::string nearest = nearest_name(entry.table, names);
+  const bool several = nearest == filter_table || nearest == edit_table;
   throw InputError(
       fmt::format("{}: unknown table {}{} {}", where, bracketed(shown(entry.table), entry.item > 0),
-                  nearest.empty() ? "." : did_you_mean(bracketed(nearest, nearest == edit_table)),
-                  the_tables()));
+                  nearest.empty() ? "." : did_you_mean(bracketed(nearest, several)), the_tables()));
 }
 
-// Overrides name settings only, so edits are left out.
+// Overrides name settings only, so filters and edits are left out.
 [[noreturn]] void throw_unknown_override(const std::string& where, const std::string& table) {
   const auto tables = table_names();
   const std::string nearest = nearest_name(table, tables);
@@ -117,10 +117,13 @@ void apply_setting(const DocumentEntry& entry, const fs::path& path, Config& con
 
 void apply_document(const std::string& text, const fs::path& path, Config& config, Places& places) {
   const auto entries = parse_document(text, path.string());
-  EditReader edits(entries, path.string());
+  const auto filters = filter_reader(entries, path.string());
+  const auto edits = edit_reader(entries, path.string());
   for (const DocumentEntry& entry : entries) {
-    if (edits.owns(entry))
-      edits.read(entry, config.edits);
+    if (filters.owns(entry))
+      filters.read(entry, config.filters, places);
+    else if (edits.owns(entry))
+      edits.read(entry, config.edits, places);
     else
       apply_setting(entry, path, config, places);
   }
@@ -136,8 +139,10 @@ void apply_override(const std::string& text, Config& config, Places& places) {
   const std::string where = "--set " + shown(text);
   const auto equals = text.find('=');
   const std::string name = trimmed(text.substr(0, equals));
-  if (name.starts_with(edit_table))
-    throw InputError(where + ": edits are written in the config file only, as [[edit]] tables");
+  for (const auto list : {filter_table, edit_table})
+    if (name.starts_with(list))
+      throw InputError(fmt::format(
+          "{0}: {1}s are written in the config file only, as [[{1}]] tables", where, list));
   const auto dot = name.find('.');
   if (equals == std::string::npos || dot == std::string::npos)
     throw InputError(where +
@@ -172,6 +177,13 @@ void set_default_directories(const fs::path& path, Config& config) {
   if (config.output.directory.empty()) config.output.directory = base.string() + ".mesh";
 }
 
+// Outside a mask is no label.
+void set_default_outside(Config& config) {
+  if (config.labels.mode == LabelMode::off && !config.surface.label) return;
+  for (FilterConfig& filter : config.filters)
+    if (filter.type == FilterType::mask && !filter.outside) filter.outside = 0;
+}
+
 }  // namespace
 
 Config parse_config(const std::string& text, const fs::path& path,
@@ -188,6 +200,7 @@ Config parse_config(const std::string& text, const fs::path& path,
   if (!places.contains("work.chunk"))  // chunks divide shards
     config.work.chunk = std::min(config.work.chunk, config.work.brick * config.work.shard);
   check_across(config, places, path.string());
+  set_default_outside(config);
   if (!config.input.has_samples()) {
     config.surface.isovalue = 1;  // above every sample of empty space
     config.surface.inside = SurfaceConfig::Inside::above;

@@ -1,7 +1,6 @@
 #include "pipeline/config/rule.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -17,18 +16,6 @@
 
 namespace voxweld {
 namespace {
-
-std::string alternatives(const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + toml_string(names[i]);
-  return text;
-}
-
-std::string range_text(std::int64_t lo, std::int64_t hi) {
-  if (hi == std::numeric_limits<std::int64_t>::max()) return fmt::format("of at least {}", lo);
-  return fmt::format("from {} to {}", lo, hi);
-}
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
@@ -158,6 +145,41 @@ Verdict check_triple(const TripleRule& rule, const ConfigValue& value) {
       {}};
 }
 
+Verdict check_number(const ConfigValue& value) {
+  return exact_number(value) ? Verdict{true, {}} : refuse(quote_hint(value));
+}
+
+Verdict check_pair(const NumberPairRule& rule, const ConfigValue& value) {
+  if (!is_list_of(value, 2, exact_number)) return refuse();
+  const double first = value.list()->front().number(), second = value.list()->back().number();
+  // A straight line is drawn between the two.
+  if (!std::isfinite(second - first)) return refuse("they are too far apart");
+  return {rule.of == NumberPairRule::Of::ascending ? first < second : first != second, {}};
+}
+
+Verdict check_per_axis(const PerAxisRule& rule, const ConfigValue& value) {
+  const auto least = static_cast<double>(rule.least), most = static_cast<double>(rule.most);
+  const auto fits = [&](const ConfigValue& item) {
+    if (rule.whole && item.integer() == nullptr) return false;
+    return item.is_number() && item.number() >= least && item.number() <= most;
+  };
+  const auto idle = [&](const ConfigValue& item) { return item.number() == least; };
+  if (value.list() == nullptr)
+    return fits(value) && !idle(value) ? Verdict{true, {}} : refuse(quote_hint(value));
+  return {is_list_of(value, 3, fits) && !is_list_of(value, 3, idle), {}};
+}
+
+Verdict check_axes(const ConfigValue& value) {
+  const std::string* text = value.text();
+  if (text == nullptr || text->empty()) return refuse();
+  for (const char letter : *text) {
+    if (letter < 'x' || letter > 'z') return refuse();
+    if (std::ranges::count(*text, letter) > 1)
+      return refuse(fmt::format("{} is listed twice", letter));
+  }
+  return {true, {}};
+}
+
 Verdict check_memory(const MemoryRule& rule, const ConfigValue& value) {
   if (rule.automatic && is_auto(value)) return {true, {}};
   if (const auto* whole = value.integer())
@@ -270,68 +292,6 @@ bool takes_any_text(const Rule& rule) {
          std::holds_alternative<TextRule>(rule) || std::holds_alternative<TimeLimitRule>(rule);
 }
 
-std::string accepted_text(const Rule& rule) {
-  using fmt::format;
-  return std::visit(
-      Overloaded{
-          [](const PathRule&) { return std::string("a path in quotes"); },
-          [](const ChoiceRule& r) { return alternatives(r.names); },
-          [](const ChoiceListRule& r) {
-            return "a list of one or more of " + alternatives(r.names) + ", each once";
-          },
-          [](const FlagRule&) { return std::string("true or false"); },
-          [](const SwitchRule&) { return std::string("\"auto\", true or false"); },
-          [](const IntegerRule& r) {
-            return (r.automatic ? "\"auto\" or an integer " : "an integer ") +
-                   range_text(r.lo, r.hi);
-          },
-          [](const PowerOfTwoRule& r) { return "a power of two " + range_text(r.lo, r.hi); },
-          [](const PositiveNumberRule&) { return std::string("a finite number above 0"); },
-          [](const NumberOrWordRule& r) {
-            return "a finite number, " + alternatives(r.words) + ", or a list of such";
-          },
-          [](const SpacingRule&) {
-            return std::string("a finite number above 0, or three of them: [x, y, z]");
-          },
-          [](const IntegerListRule& r) {
-            return format("a list of {} integers {}", r.count, range_text(r.lo, r.hi));
-          },
-          [](const TripleRule& r) {
-            constexpr std::array<const char*, 3> kinds = {"", " above 0", ", not all 0"};
-            return format("three finite numbers{}: [x, y, z]",
-                          kinds[static_cast<std::size_t>(r.of)]);
-          },
-          [](const MemoryRule& r) {
-            return format("{}text such as \"4GiB\" or a number of bytes, at least {}",
-                          r.automatic ? "\"auto\", " : "", bytes_text(r.least));
-          },
-          [](const NameRule&) {
-            return std::string("a name in quotes, without spaces, quotes, \\ and #");
-          },
-          [](const TextRule&) { return std::string("text in quotes, of one line"); },
-          [](const TimeLimitRule&) {
-            return std::string(
-                "a time in quotes: \"minutes\", \"m:s\", \"h:m:s\", \"days-h\", \"days-h:m\" or "
-                "\"days-h:m:s\"");
-          },
-          [](const OptionListRule&) {
-            return std::string("a list of options, each text of one line beginning with -");
-          },
-          [](const LineListRule&) { return std::string("a list of texts of one line each"); },
-          [](const LabelRule&) {
-            return format("an integer of at least 0, in quotes above {}",
-                          std::numeric_limits<std::int64_t>::max());
-          },
-          [](const LabelListRule& r) {
-            const std::string list = "a list of labels and ranges such as [1, 5, \"10-20\"]";
-            std::string words;
-            for (const std::string& word : r.words)
-              words += (words.empty() ? "" : ", ") + toml_string(word);
-            return words.empty() ? list : words + " or " + list;
-          }},
-      rule);
-}
-
 Verdict check(const Rule& rule, const ConfigValue& value) {
   return std::visit(
       Overloaded{[&](const PathRule&) { return check_path(value); },
@@ -353,6 +313,10 @@ Verdict check(const Rule& rule, const ConfigValue& value) {
                  [&](const SpacingRule&) { return check_spacing(value); },
                  [&](const IntegerListRule& r) { return check_integers(r, value); },
                  [&](const TripleRule& r) { return check_triple(r, value); },
+                 [&](const NumberRule&) { return check_number(value); },
+                 [&](const NumberPairRule& r) { return check_pair(r, value); },
+                 [&](const PerAxisRule& r) { return check_per_axis(r, value); },
+                 [&](const AxesRule&) { return check_axes(value); },
                  [&](const MemoryRule& r) { return check_memory(r, value); },
                  [&](const NameRule&) { return check_name(value); },
                  [&](const TextRule&) { return check_text(value); },

@@ -40,6 +40,16 @@ struct IntegerListRule {  // exactly `count`, each lo .. hi
 struct TripleRule {  // three finite numbers
   enum class Of : std::uint8_t { any, positive, not_all_zero } of = Of::any;
 };
+struct NumberRule {};    // finite
+struct NumberPairRule {  // two finite numbers
+  enum class Of : std::uint8_t { ascending, apart } of = Of::ascending;
+};
+// A number for all axes or three, each least .. most, not all of them the least, which does nothing.
+struct PerAxisRule {
+  std::int64_t least = 0, most = 0;
+  bool whole = false;  // integers
+};
+struct AxesRule {};  // letters x, y and z, at least one, each once
 struct MemoryRule {  // bytes, or text such as "4GiB"
   std::uint64_t least = 0;
   bool automatic = false;  // or "auto"
@@ -59,8 +69,9 @@ struct LabelListRule {   // one of the words, or a list of labels and ranges of 
 
 using Rule = std::variant<PathRule, ChoiceRule, ChoiceListRule, FlagRule, SwitchRule, IntegerRule,
                           PowerOfTwoRule, PositiveNumberRule, NumberOrWordRule, SpacingRule,
-                          IntegerListRule, TripleRule, MemoryRule, NameRule, TextRule,
-                          TimeLimitRule, OptionListRule, LineListRule, LabelRule, LabelListRule>;
+                          IntegerListRule, TripleRule, NumberRule, NumberPairRule, PerAxisRule,
+                          AxesRule, MemoryRule, NameRule, TextRule, TimeLimitRule, OptionListRule,
+                          LineListRule, LabelRule, LabelListRule>;
 
 // Whether the rule takes one text and nothing else, so that on a command line quotes say nothing.
 // Choices are left out: a number in the place of a name is worth a message.

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/config/edit_settings.h"
+#include "pipeline/config/filter_settings.h"
 #include "pipeline/config/settings.h"
 #include "storage/support/json_text.h"
 
@@ -83,6 +84,24 @@ struct RuleSchema {
     if (rule.of == Of::not_all_zero) list["contains"] = {{"not", {{"const", 0}}}};
     return list;
   }
+  Json operator()(const NumberRule&) const { return {{"type", "number"}}; }
+  Json operator()(const NumberPairRule&) const {
+    Json list = fixed_list({{"type", "number"}}, 2);
+    list["uniqueItems"] = true;
+    return list;
+  }
+  Json operator()(const PerAxisRule& rule) const {
+    Json one = whole(rule.least, rule.most);
+    if (!rule.whole) one["type"] = "number";
+    Json three = fixed_list(one, 3);
+    three["contains"] = {{"not", {{"const", rule.least}}}};
+    one.erase("minimum");
+    one["exclusiveMinimum"] = rule.least;
+    return either(std::move(one), std::move(three));
+  }
+  Json operator()(const AxesRule&) const {
+    return {{"type", "string"}, {"pattern", "^(?!.*(.).*\\1)[xyz]+$"}};
+  }
   Json operator()(const MemoryRule& rule) const {
     const std::string size = "[0-9]+([.][0-9]+)? *([kKmMgGtT][iI]?)?[bB]";
     return either(
@@ -145,41 +164,43 @@ Json table_schema(const std::string& table) {
   return json;
 }
 
-// Each shape asks for keys of its own and takes no others.
-Json shape_schema(SolidShape shape) {
+// Each kind asks for keys of its own and takes no others.
+template <class Item, class Kind>
+Json kind_schema(const ItemTable<Item, Kind>& table, Kind kind) {
   Json names = Json::array();
   Json required = Json::array();
-  for (const EditSetting& setting : edit_settings()) {
-    if (!setting.taken_by(shape)) continue;
+  for (const auto& setting : table.settings) {
+    if (!setting.taken_by(kind)) continue;
     names.push_back(setting.key);
-    if (setting.required_by(shape)) required.push_back(setting.key);
+    if (setting.required_by(kind)) required.push_back(setting.key);
   }
   Json json;
-  json["if"] = {{"properties", {{"shape", {{"const", std::string(shape_name(shape))}}}}},
-                {"required", Json::array({"shape"})}};
+  json["if"] = {{"properties", {{table.kind_key, {{"const", table.kind_name(kind)}}}}},
+                {"required", Json::array({table.kind_key})}};
   json["then"] = {{"required", std::move(required)},
                   {"propertyNames", {{"enum", std::move(names)}}}};
   return json;
 }
 
-Json edits_schema() {
+template <class Item, class Kind>
+Json items_schema(const ItemTable<Item, Kind>& table) {
   Json properties = Json::object();
   Json required = Json::array();
-  for (const EditSetting& setting : edit_settings()) {
+  for (const auto& setting : table.settings) {
     properties[setting.key] = key_schema(setting);
-    if (setting.required && setting.shapes.empty() && setting.optional_for.empty())
+    if (setting.required && setting.kinds.empty() && setting.optional_for.empty())
       required.push_back(setting.key);
   }
-  Json shapes = Json::array();
-  for (const SolidShape shape : all_shapes) shapes.push_back(shape_schema(shape));
+  Json kinds = Json::array();
+  for (const Kind kind : table.kinds()) kinds.push_back(kind_schema(table, kind));
   return {{"type", "array"},
-          {"description", std::string(edit_description())},
+          {"description", table.description},
           {"items",
            {{"type", "object"},
             {"additionalProperties", false},
             {"required", std::move(required)},
             {"properties", std::move(properties)},
-            {"allOf", std::move(shapes)}}}};
+            {"allOf", std::move(kinds)}}}};
 }
 
 Json requires_key(const char* name) {
@@ -252,7 +273,8 @@ std::string config_schema_json() {
   Json tables = Json::object();
   for (const std::string& table : table_names()) tables[table] = table_schema(table);
   add_cross_checks(tables);
-  tables[std::string(edit_table)] = edits_schema();
+  tables[filter_items().name] = items_schema(filter_items());
+  tables[edit_items().name] = items_schema(edit_items());
   const Json otherwise = {{"if", {{"properties", {{"input", mesh_input()}}}}},
                           {"then", {{"properties", {{"input", one_fineness()}}}}},
                           {"else", surface_needed()}};

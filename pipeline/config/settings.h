@@ -79,18 +79,19 @@ struct StageParameter {
 std::vector<StageParameter> stage_parameters(const Config& config, Stage stage);
 // What of the config goes into the keys and paths of the stage's artifacts. Edits do not: each
 // shard of the build is keyed by those that touch it, so that a changed edit rebuilds no other.
+// Filters go into ingest's; where one of them looks for pieces, with what is inside the surface.
 Hash128 parameter_hash(const Config& config, Stage stage);
 
 struct ChangedSetting {
-  const Setting* setting = nullptr;  // null: of the edits
+  const Setting* setting = nullptr;  // null: of the filters or the edits
   std::string name;                  // "simplify.tolerance", "edit 2: radius", "edits 2, 5, 7"
   std::string before, after;  // as TOML, or the default's note where unset; empty for several edits
+  std::vector<Stage> stages;  // whose artifacts may change with it
 
-  // Whether the stage's artifacts may change with it.
   bool read_by(Stage stage) const;
   std::string text() const;  // "simplify.tolerance was 0.1, is 0.2"
 };
-// In table order, edits last. For messages that say why a stage runs again.
+// In table order, then filters, then edits. For messages that say why a stage runs again.
 std::vector<ChangedSetting> changed_settings(const Config& before, const Config& after);
 
 }  // namespace voxweld

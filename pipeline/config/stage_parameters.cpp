@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pipeline/config/edit_settings.h"
+#include "pipeline/config/filter_settings.h"
 #include "pipeline/config/settings.h"
 
 namespace voxweld {
@@ -27,42 +28,89 @@ void feed_edits(KeyHasher& hasher, const std::vector<EditConfig>& edits) {
     for (const EditValue& value : values_of(edit)) feed(hasher, value.value);
 }
 
-// Another shape has other keys, so it is told alone.
-std::vector<ChangedSetting> changed_keys(const EditConfig& before, const EditConfig& after,
-                                         std::size_t number) {
+// Which values a filter has depends on its type, so each is fed with its key.
+void feed_filters(KeyHasher& hasher, const std::vector<FilterConfig>& filters) {
+  hasher.text(filter_table).integer(static_cast<std::int64_t>(filters.size()));
+  for (const FilterConfig& filter : filters) {
+    const auto values = filter_items().values_of(filter);
+    hasher.integer(static_cast<std::int64_t>(values.size()));
+    for (const auto& value : values) feed(hasher.text(value.setting->key), value.value);
+  }
+}
+
+// Pieces are of what is inside the surface: where it lies decides what their filters do.
+bool filters_see_surface(const Config& config) {
+  return std::ranges::any_of(config.filters, &FilterConfig::is_global);
+}
+// isovalue is a number or the name of a rule.
+bool is_seen_by_filters(const Setting& setting) {
+  return setting.table == "surface" && (setting.key == "isovalue" || setting.key == "inside");
+}
+
+template <class Item, class Kind>
+std::string shown(const ItemSetting<Item, Kind>& setting, const Item& item) {
+  const auto value = setting.get(item);
+  return value ? to_toml(*value) : setting.default_note;
+}
+
+// Another kind has other keys, so it is told alone.
+template <class Item, class Kind>
+std::vector<ChangedSetting> changed_keys(const ItemTable<Item, Kind>& table, const Item& before,
+                                         const Item& after, std::size_t number) {
   std::vector<ChangedSetting> changed;
-  for (const EditSetting& setting : edit_settings()) {
+  const Kind kind = before.*table.kind;
+  for (const auto& setting : table.settings) {
     const bool compared =
-        before.shape == after.shape ? setting.taken_by(before.shape) : setting.key == "shape";
+        kind == after.*table.kind ? setting.taken_by(kind) : setting.key == table.kind_key;
     if (compared && setting.get(before) != setting.get(after))
-      changed.push_back({nullptr, fmt::format("edit {}: {}", number, setting.key),
-                         to_toml(setting.get(before)), to_toml(setting.get(after))});
+      changed.push_back({nullptr,
+                         fmt::format("{} {}: {}", table.name, number, setting.key),
+                         shown(setting, before),
+                         shown(setting, after),
+                         {table.stage}});
   }
   return changed;
 }
 
-std::vector<ChangedSetting> changed_edits(const std::vector<EditConfig>& before,
-                                          const std::vector<EditConfig>& after) {
+template <class Item, class Kind>
+std::vector<ChangedSetting> changed_items(const ItemTable<Item, Kind>& table,
+                                          const std::vector<Item>& before,
+                                          const std::vector<Item>& after) {
   if (before.size() != after.size())
-    return {
-        {nullptr, "number of edits", std::to_string(before.size()), std::to_string(after.size())}};
+    return {{nullptr,
+             fmt::format("number of {}s", table.name),
+             std::to_string(before.size()),
+             std::to_string(after.size()),
+             {table.stage}}};
   std::vector<std::size_t> numbers;  // from 1
   for (std::size_t i = 0; i < before.size(); ++i)
     if (before[i] != after[i]) numbers.push_back(i + 1);
   if (numbers.empty()) return {};
   const std::size_t first = numbers.front();
-  if (numbers.size() == 1) return changed_keys(before[first - 1], after[first - 1], first);
+  if (numbers.size() == 1) return changed_keys(table, before[first - 1], after[first - 1], first);
   constexpr std::size_t most_told = 5;
   const std::size_t untold = numbers.size() - std::min(numbers.size(), most_told);
   numbers.resize(numbers.size() - untold);
   const std::string more = untold > 0 ? fmt::format(" and {} more", untold) : "";
-  return {{nullptr, fmt::format("edits {}{}", fmt::join(numbers, ", "), more), {}, {}}};
+  return {{nullptr,
+           fmt::format("{}s {}{}", table.name, fmt::join(numbers, ", "), more),
+           {},
+           {},
+           {table.stage}}};
+}
+
+// The stages that read the setting in one of the two.
+std::vector<Stage> stages_of(const Setting& setting, const Config& before, const Config& after) {
+  std::vector<Stage> stages = setting.stages;
+  if (is_seen_by_filters(setting) && (filters_see_surface(before) || filters_see_surface(after)))
+    stages.push_back(Stage::ingest);
+  return stages;
 }
 
 }  // namespace
 
 bool ChangedSetting::read_by(Stage stage) const {
-  return setting == nullptr ? stage == Stage::build : setting->read_by(stage);
+  return std::ranges::find(stages, stage) != stages.end();
 }
 
 std::string ChangedSetting::text() const {
@@ -84,6 +132,13 @@ Hash128 parameter_hash(const Config& config, Stage stage) {
   hasher.text(stage_name(stage));
   for (const StageParameter& parameter : stage_parameters(config, stage))
     feed_parameter(hasher, parameter);
+  // A config without filters keeps the keys it had before there were any.
+  if (stage == Stage::ingest && !config.filters.empty()) {
+    feed_filters(hasher, config.filters);
+    for (const Setting& setting : settings())
+      if (filters_see_surface(config) && is_seen_by_filters(setting))
+        feed_parameter(hasher, {setting.name(), setting.get(config)});
+  }
   return hasher.finish();
 }
 
@@ -91,8 +146,11 @@ std::vector<ChangedSetting> changed_settings(const Config& before, const Config&
   std::vector<ChangedSetting> changed;
   for (const Setting& setting : settings())
     if (setting.get(before) != setting.get(after))
-      changed.push_back({&setting, setting.name(), shown(setting, before), shown(setting, after)});
-  for (ChangedSetting& change : changed_edits(before.edits, after.edits))
+      changed.push_back({&setting, setting.name(), shown(setting, before), shown(setting, after),
+                         stages_of(setting, before, after)});
+  for (ChangedSetting& change : changed_items(filter_items(), before.filters, after.filters))
+    changed.push_back(std::move(change));
+  for (ChangedSetting& change : changed_items(edit_items(), before.edits, after.edits))
     changed.push_back(std::move(change));
   return changed;
 }
@@ -107,7 +165,8 @@ Hash128 config_fingerprint(const Config& config) {
   KeyHasher hasher;
   for (const Setting& setting : settings())
     feed_parameter(hasher, {setting.name(), setting.get(config)});
-  // A config without edits keeps the fingerprint it had before there were any.
+  // A config without filters or edits keeps the fingerprint it had before there were any.
+  if (!config.filters.empty()) feed_filters(hasher, config.filters);
   if (!config.edits.empty()) feed_edits(hasher, config.edits);
   return hasher.finish();
 }

@@ -163,7 +163,7 @@ TEST(EditError, OneTableIsNoEdit) {
 TEST(EditError, OtherTablesAreNotLists) {
   const std::string tables =
       "The tables are input, work, surface, labels, simplify, output, run, slurm and any number of "
-      "[[edit]]";
+      "[[filter]] and [[edit]]";
   EXPECT_EQ(error_of(least_config("[[edits]]\nshape = \"sphere\"\n")),
             "/data/scan.toml:3:1: unknown table [[edits]]; did you mean [[edit]]? " + tables);
   EXPECT_EQ(error_of(least_config("[[cameras]]\n")),

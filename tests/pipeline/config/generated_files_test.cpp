@@ -12,6 +12,7 @@
 
 #include "pipeline/config/commented.h"
 #include "pipeline/config/edit_settings.h"
+#include "pipeline/config/filter_settings.h"
 #include "pipeline/config/help.h"
 #include "pipeline/config/overloaded.h"
 #include "pipeline/config/schema.h"
@@ -61,6 +62,12 @@ std::string type_text(const Rule& rule) {
           [](const SpacingRule&) { return "number or list of numbers"; },
           [](const IntegerListRule&) { return "list of integers"; },
           [](const TripleRule&) { return "list of numbers"; },
+          [](const NumberRule&) { return "number"; },
+          [](const NumberPairRule&) { return "list of numbers"; },
+          [](const PerAxisRule& r) {
+            return r.whole ? "integer or list of integers" : "number or list of numbers";
+          },
+          [](const AxesRule&) { return "string"; },
           [](const MemoryRule&) { return "string or integer"; },
           [](const NameRule&) { return "string"; },
           [](const TextRule&) { return "string"; },
@@ -82,17 +89,17 @@ std::string cell(const std::string& text) {
   return out;
 }
 
-std::string edits_markdown() {
-  std::string text = fmt::format("\n## [[{}]]\n\n", edit_table);
-  text += wrapped(std::string(edit_description()) +
-                      " A change re-runs build where the edit reaches or reached.",
-                  "");
-  text += "\n| key | type | accepted | default | shapes | meaning |\n";
+// reruns: a sentence on what a change does.
+template <class Item, class Kind>
+std::string items_markdown(const ItemTable<Item, Kind>& table, const std::string& reruns) {
+  std::string text = fmt::format("\n## [[{}]]\n\n", table.name);
+  text += wrapped(table.description + " " + reruns, "");
+  text += fmt::format("\n| key | type | accepted | default | {}s | meaning |\n", table.kind_key);
   text += "| --- | --- | --- | --- | --- | --- |\n";
-  for (const EditSetting& setting : edit_settings())
+  for (const auto& setting : table.settings)
     text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", setting.key, type_text(setting.rule),
                         cell(accepted_text(setting.rule)), cell(setting.default_text()),
-                        setting.shapes_text(), cell(setting.description));
+                        table.kinds_text(setting), cell(setting.description));
   return text;
 }
 
@@ -116,7 +123,11 @@ std::string settings_markdown() {
                       setting.stages_text(), cell(setting.description));
     }
   }
-  return text + edits_markdown();
+  return text +
+         items_markdown(filter_items(),
+                        "A change re-runs ingest; with keep or fill, so does one of "
+                        "surface.isovalue or surface.inside.") +
+         items_markdown(edit_items(), "A change re-runs build where the edit reaches or reached.");
 }
 
 TEST(GeneratedFiles, Schema) {
@@ -137,15 +148,22 @@ TEST(GeneratedFiles, SchemaNamesEveryKey) {
   for (const std::string& table : table_names())
     keys += schema["properties"][table]["properties"].size();
   EXPECT_EQ(keys, settings().size());
-  EXPECT_EQ(schema["properties"].size(), table_names().size() + 1);
+  EXPECT_EQ(schema["properties"].size(), table_names().size() + 2);
   for (const Setting& setting : settings())
     EXPECT_TRUE(schema["properties"][setting.table]["properties"].contains(setting.key))
         << setting.name();
-  const auto& edit = schema["properties"]["edit"]["items"];
-  EXPECT_EQ(edit["properties"].size(), edit_settings().size());
-  for (const EditSetting& setting : edit_settings())
-    EXPECT_TRUE(edit["properties"].contains(setting.key)) << setting.key;
-  EXPECT_EQ(edit["allOf"].size(), all_shapes.size());
+  const auto expect_items = [&](const auto& table) {
+    const auto& item = schema["properties"][table.name]["items"];
+    EXPECT_EQ(item["properties"].size(), table.settings.size());
+    for (const auto& setting : table.settings)
+      EXPECT_TRUE(item["properties"].contains(setting.key)) << setting.key;
+    EXPECT_EQ(item["required"], nlohmann::json::array({table.kind_key}));
+    ASSERT_EQ(item["allOf"].size(), table.kind_names.size());
+    for (std::size_t i = 0; i < table.kind_names.size(); ++i)
+      EXPECT_EQ(item["allOf"][i]["if"]["properties"][table.kind_key]["const"], table.kind_names[i]);
+  };
+  expect_items(filter_items());
+  expect_items(edit_items());
 }
 
 TEST(GeneratedFiles, HelpNamesEveryKey) {
@@ -156,12 +174,17 @@ TEST(GeneratedFiles, HelpNamesEveryKey) {
     EXPECT_FALSE(setting.default_text().empty()) << setting.name();
     EXPECT_EQ(find_setting(setting.table, setting.key), &setting) << "listed twice";
   }
-  const std::string of_edits = help.substr(help.find("\n[[edit]] "));
-  for (const EditSetting& setting : edit_settings()) {
-    EXPECT_THAT(of_edits, HasSubstr("\n  " + setting.key + ": "));
-    EXPECT_FALSE(setting.description.empty());
-    EXPECT_EQ(find_edit_setting(setting.key), &setting) << "listed twice";
-  }
+  const auto expect_items = [&](const auto& table) {
+    const std::string of_items = help.substr(help.find("\n[[" + table.name + "]] "));
+    for (const auto& setting : table.settings) {
+      EXPECT_THAT(of_items, HasSubstr("\n  " + setting.key + ": "));
+      EXPECT_FALSE(setting.description.empty());
+      EXPECT_FALSE(setting.default_text().empty()) << setting.key;
+      EXPECT_EQ(table.find(setting.key), &setting) << "listed twice";
+    }
+  };
+  expect_items(filter_items());
+  expect_items(edit_items());
   std::size_t begin = 0;
   for (std::size_t end = 0; (end = help.find('\n', begin)) != std::string::npos; begin = end + 1)
     EXPECT_LE(end - begin, 100U) << help.substr(begin, end - begin);
@@ -189,19 +212,26 @@ TEST(GeneratedFiles, ExampleLoadsWithEveryKeyActive) {
   const auto is_of_meshes = [](const Setting& s) {
     return s.description.starts_with("Meshes only");
   };
+  for (const std::string header : {"\n# [[filter]]\n", "\n# [[edit]]\n"})
+    for (std::size_t at; (at = text.find(header)) != std::string::npos;)
+      for (++at; at < text.size() && text[at] != '\n'; at = text.find('\n', at) + 1)
+        text.erase(at, 2);
   for (const Setting& setting : settings())
-    if (is_of_meshes(setting))
+    if (is_of_meshes(setting) || setting.name() == "surface.label")
       continue;
     else if (const auto at = text.find("\n# " + setting.key + " = "); at != std::string::npos)
       text.erase(at + 1, 2);
-  for (std::size_t at = text.find("\n# [[edit]]\n"); at != std::string::npos;
-       at = text.find("\n# ", at + 1))
-    text.erase(at + 1, 2);
   const Config config = testing::parse(text);
+  const auto types = filter_items().kinds();
+  ASSERT_EQ(config.filters.size(), types.size());
+  for (std::size_t i = 0; i < types.size(); ++i) EXPECT_EQ(config.filters[i].type, types[i]);
   ASSERT_EQ(config.edits.size(), all_shapes.size());
   for (std::size_t i = 0; i < all_shapes.size(); ++i)
     EXPECT_EQ(config.edits[i].shape, all_shapes[i]);
   EXPECT_TRUE(config.input.crop && config.input.size && config.input.type);
+  text = reference_config();  // not all filters go with a label
+  text.erase(text.find("\n# label = ") + 1, 2);
+  EXPECT_TRUE(testing::parse(text).surface.label);
   for (const char* fineness : {"resolution", "cell"}) {
     text = reference_config();
     for (const std::string& key : {std::string(fineness), std::string("margin")})

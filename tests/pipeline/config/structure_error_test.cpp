@@ -28,13 +28,14 @@ TEST(StructureError, Syntax) {
 }
 
 TEST(StructureError, UnknownTable) {
-  EXPECT_EQ(
-      error_of(least_config("[surfce]\nisovalue = 3\n")),
-      "/data/scan.toml:3:2: unknown table [surfce]; did you mean [surface]? The tables are "
-      "input, work, surface, labels, simplify, output, run, slurm and any number of [[edit]]");
+  EXPECT_EQ(error_of(least_config("[surfce]\nisovalue = 3\n")),
+            "/data/scan.toml:3:2: unknown table [surfce]; did you mean [surface]? The tables are "
+            "input, work, surface, labels, simplify, output, run, slurm and any number of "
+            "[[filter]] and [[edit]]");
   EXPECT_EQ(error_of(least_config("[camera]\n")),
             "/data/scan.toml:3:2: unknown table [camera]. The tables are input, work, surface, "
-            "labels, simplify, output, run, slurm and any number of [[edit]]");
+            "labels, simplify, output, run, slurm and any number of "
+            "[[filter]] and [[edit]]");
 }
 
 TEST(StructureError, UnknownKey) {
@@ -59,10 +60,11 @@ TEST(StructureError, OutsideTables) {
   EXPECT_EQ(error_of("chunk = 32\n"),
             "/data/scan.toml:1:1: key chunk stands outside any table; did you mean work.chunk? The "
             "tables are input, work, surface, labels, simplify, output, run, slurm and any number "
-            "of [[edit]]");
+            "of [[filter]] and [[edit]]");
   EXPECT_EQ(error_of("bogus = 32\n"),
             "/data/scan.toml:1:1: key bogus stands outside any table. The tables are input, work, "
-            "surface, labels, simplify, output, run, slurm and any number of [[edit]]");
+            "surface, labels, simplify, output, run, slurm and any number of "
+            "[[filter]] and [[edit]]");
   EXPECT_EQ(error_of("run = 3\n"),
             "/data/scan.toml:1:1: expected a table [run] with keys executor, threads, memory, "
             "found 3");
