@@ -109,7 +109,7 @@ std::vector<FilterSetting> smoothing_settings() {
                   "How many samples along each axis become one. What is left over at the upper "
                   "ends is dropped.",
                   "[2, 2, 1]"},
-                 member(&FilterConfig::factor, PerAxisRule{1, 1024, true}), {downsample}),
+                 member(&FilterConfig::factor, PerAxisRule{1, 64, true}), {downsample}),
       filter_row({"method",
                   "What becomes of them: their mean, the greatest, or \"mode\", the value most of "
                   "them have, which is for labels.",

@@ -52,7 +52,7 @@ radius = [10, 0, 1]
 type = "downsample"
 [[filter]]
 type = "downsample"
-factor = [1, 1024, 1]
+factor = [1, 64, 1]
 method = "max"
 [[filter]]
 type = "downsample"
@@ -99,7 +99,7 @@ inside = 255
       {.type = mean, .sample_type = SampleType::f32, .radius = {50, 50, 50}},
       {.type = median, .radius = {10, 0, 1}},
       {.type = downsample},
-      {.type = downsample, .factor = {1, 1024, 1}, .method = Method::max},
+      {.type = downsample, .factor = {1, 64, 1}, .method = Method::max},
       {.type = downsample, .sample_type = SampleType::i16, .factor = {3, 3, 3}},
       {.type = flip, .flipped = {true, false, true}},
       {.type = permute, .order = {1, 2, 0}},
@@ -221,7 +221,7 @@ FilterConfig any_filter() {
   const std::int64_t widest = type == median ? most_median_radius : 50;
   if (type == mean || type == median) filter.radius = {any_whole(0, widest), 0, widest};
   if (type == downsample) {
-    filter.factor = {any_whole(1, 1024), any_whole(2, 9), 1};
+    filter.factor = {any_whole(1, 64), any_whole(2, 9), 1};
     filter.method = static_cast<FilterConfig::Method>(*rc::gen::inRange(0, 3));
   }
   const bool retyped = type == window || type == gaussian || type == mean ||

@@ -39,7 +39,7 @@ median radius: an integer above 0, at most 50, or three from 0 to 50, not all 0:
 (default: [1, 1, 1])
   0 | -1 | 51 | 1.0 | [0, 0, 0] (a list of 3) | [1, 1, 1.5] (a list of 3) | [1, 1] (a list of 2)
   [1, 51, 1] (a list of 3) | [-1, 1, 1] (a list of 3) | "1" (a string); write numbers without quotes
-downsample factor: an integer above 1, at most 1024, or three from 1 to 1024, not all 1: \
+downsample factor: an integer above 1, at most 64, or three from 1 to 64, not all 1: \
 [x, y, z] (default: [2, 2, 2])
   1 | 0 | 1025 | 2.0 | [1, 1, 1] (a list of 3) | [0, 2, 2] (a list of 3) | [2, 2] (a list of 2)
   [2, 1025, 2] (a list of 3)
