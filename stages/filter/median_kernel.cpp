@@ -40,9 +40,8 @@ class MedianKernel final : public GridKernel {
       if (is_small()) return bytes;
       const std::uint64_t pointers = buffer_bytes<const void*>(window_rows());
       if constexpr (sizeof(T) <= 2)
-        return bytes + pointers + SlidingHistogram<Key<T>>::bytes();
-      else
-        return bytes + pointers + SelectedMedian<Key<T>>::bytes(window_rows(), radius_.x);
+        if (slides<T>()) return bytes + pointers + SlidingHistogram<Key<T>>::bytes();
+      return bytes + pointers + MedianByBits<Key<T>>::bytes(window_rows(), radius_.x);
     });
   }
 
@@ -75,21 +74,28 @@ class MedianKernel final : public GridKernel {
              [&](std::int64_t y, std::int64_t z, Key<T>* keys) { cube.fill(rows, y, z, keys); });
   }
 
+  // Whether moving the window costs less than looking at all of it, or its samples are too many for
+  // a key of theirs to count.
+  template <class T>
+  bool slides() const {
+    return sizeof(T) <= 2 && window_rows() * (2 * radius_.x + 1) > 255;
+  }
+
   template <class T>
   void fill_large(const KeyRowsShape& shape, KeyRows<T>& rows, T* to) const {
-    const auto medians = [&] {
-      if constexpr (sizeof(T) <= 2)
-        return SlidingHistogram<Key<T>>();
-      else
-        return SelectedMedian<Key<T>>(window_rows(), radius_.x);
-    };
-    auto row_medians = medians();
+    if constexpr (sizeof(T) <= 2)
+      if (slides<T>()) return fill_windows(shape, rows, SlidingHistogram<Key<T>>(), to);
+    fill_windows(shape, rows, MedianByBits<Key<T>>(window_rows(), radius_.x), to);
+  }
+
+  template <class T, class Medians>
+  void fill_windows(const KeyRowsShape& shape, KeyRows<T>& rows, Medians medians, T* to) const {
     const auto window = buffer_of<const Key<T>*>(window_rows());
     each_row(shape, rows, to, [&](std::int64_t y, std::int64_t z, Key<T>* keys) {
       std::size_t i = 0;
       for (std::int64_t k = -radius_.z; k <= radius_.z; ++k)
         for (std::int64_t j = -radius_.y; j <= radius_.y; ++j) window[i++] = rows.row(y + j, z + k);
-      row_medians.fill(window.get(), window_rows(), radius_.x, shape.box.size().x, keys);
+      medians.fill(window.get(), window_rows(), radius_.x, shape.box.size().x, keys);
     });
   }
 

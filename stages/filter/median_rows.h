@@ -1,5 +1,5 @@
 // Three ways to the medians of a row: networks where no radius is above 1, a sliding histogram for
-// samples of 8 and 16 bits, selection for the others.
+// many samples of 8 and 16 bits, bit by bit for the others.
 #pragma once
 
 #include <algorithm>
@@ -130,31 +130,60 @@ class SlidingHistogram {
   std::int64_t below_ = 0;  // keys below at_
 };
 
+// The median's bits from the highest down: a bit is set where no more than half of the keys are below
+// what that gives. The same steps for every sample, so that loops over the row become vectors. At
+// most as many keys as a K can count.
 template <class K>
-class SelectedMedian {
+class MedianByBits {
  public:
-  SelectedMedian(std::int64_t rows, std::int64_t radius)
-      : keys_(buffer_of<K>(keys(rows, radius))) {}
+  static constexpr std::int64_t part = 256;  // of a row, at once: stays in the nearest cache
+
+  MedianByBits(std::int64_t rows, std::int64_t radius)
+      : sources_(buffer_of<const K*>(rows * (2 * radius + 1))) {}
   static std::uint64_t bytes(std::int64_t rows, std::int64_t radius) {
-    return buffer_bytes<K>(keys(rows, radius));
+    return buffer_bytes<const K*>(rows * (2 * radius + 1));
   }
 
   void fill(const K* const* rows, std::int64_t count, std::int64_t radius, std::int64_t width,
             K* out) {
-    for (std::int64_t x = 0; x < width; ++x) {
-      K* end = keys_.get();
-      for (std::int64_t i = 0; i < count; ++i) end = std::copy_n(rows[i] + x, 2 * radius + 1, end);
-      K* middle = keys_.get() + (end - keys_.get()) / 2;
-      std::nth_element(keys_.get(), middle, end);
-      out[x] = *middle;
+    for (std::int64_t begin = 0; begin < width; begin += part) {
+      std::size_t keys = 0;
+      for (std::int64_t i = 0; i < count; ++i)
+        for (std::int64_t k = 0; k <= 2 * radius; ++k) sources_[keys++] = rows[i] + begin + k;
+      fill_part(keys, std::min(part, width - begin), out + begin);
     }
   }
 
  private:
-  static std::int64_t keys(std::int64_t rows, std::int64_t radius) {
-    return rows * (2 * radius + 1);
+  void fill_part(std::size_t keys, std::int64_t width, K* __restrict out) {
+    const K half = static_cast<K>(keys / 2);
+    std::fill_n(out, width, K{});
+    for (K bit = static_cast<K>(K{1} << (8 * sizeof(K) - 1)); bit != 0;
+         bit = static_cast<K>(bit >> 1)) {
+      K candidates[part], below[part];
+      for (std::int64_t x = 0; x < width; ++x) candidates[x] = static_cast<K>(out[x] | bit);
+      std::fill_n(below, width, K{});
+      std::size_t i = 0;
+      for (; i + 5 <= keys; i += 5) count_five(sources_.get() + i, candidates, width, below);
+      for (; i < keys; ++i)
+        for (std::int64_t x = 0; x < width; ++x)
+          below[x] = static_cast<K>(below[x] + (sources_[i][x] < candidates[x]));
+      for (std::int64_t x = 0; x < width; ++x) out[x] = below[x] <= half ? candidates[x] : out[x];
+    }
   }
-  std::unique_ptr<K[]> keys_;
+
+  static void count_five(const K* const* sources, const K* candidates, std::int64_t width,
+                         K* __restrict below) {
+    const K *a = sources[0], *b = sources[1], *c = sources[2], *d = sources[3], *e = sources[4];
+    for (std::int64_t x = 0; x < width; ++x) {
+      const K t = candidates[x];
+      const K ab = static_cast<K>((a[x] < t) + (b[x] < t)),
+              cd = static_cast<K>((c[x] < t) + (d[x] < t));
+      below[x] = static_cast<K>(below[x] + ab + cd + (e[x] < t));
+    }
+  }
+
+  std::unique_ptr<const K*[]> sources_;
 };
 
 }  // namespace voxweld::filter_detail
