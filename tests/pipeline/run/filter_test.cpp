@@ -15,20 +15,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* smooth = "[[filter]]\ntype = \"gaussian\"\nsigma = [1.2, 0.7, 1.0]\n";
-constexpr const char* largest = "[[filter]]\ntype = \"keep\"\n";
-constexpr Index3 size = {70, 50, 44};
+constexpr const char* smoothing = "[[filter]]\ntype = \"gaussian\"\nsigma = [1.2, 0.7, 1.0]\n";
+constexpr const char* keep_largest = "[[filter]]\ntype = \"keep\"\n";
+constexpr Index3 balls_size = {70, 50, 44};
 
-double square(double v) {
+double squared(double v) {
   return v * v;
 }
 
 // Two balls apart, one with a void in it, and a speck; bright on dark, with blurred borders.
 std::uint8_t balls_at(Index3 p) {
   const auto ball = [&](Vec3 centre, double radius) {
-    const double distance = std::sqrt(square(static_cast<double>(p.x) - centre.x) +
-                                      square(static_cast<double>(p.y) - centre.y) +
-                                      square(static_cast<double>(p.z) - centre.z));
+    const double distance = std::sqrt(squared(static_cast<double>(p.x) - centre.x) +
+                                      squared(static_cast<double>(p.y) - centre.y) +
+                                      squared(static_cast<double>(p.z) - centre.z));
     return radius - distance;
   };
   double inside = std::max(ball({22, 24, 21}, 15), ball({55, 26, 20}, 9));
@@ -38,10 +38,10 @@ std::uint8_t balls_at(Index3 p) {
 }
 
 RawVolume balls() {
-  return volume_of(size, balls_at);
+  return volume_of(balls_size, balls_at);
 }
 
-double ball_volume(double radius) {
+double volume_of_ball(double radius) {
   return 4.0 / 3 * std::numbers::pi * radius * radius * radius;
 }
 
@@ -72,7 +72,7 @@ TEST(Filter, AnyPartitionGivesTheSameBytes) {
       "[[filter]]\ntype = \"permute\"\norder = \"zxy\"\n"
       "[[filter]]\ntype = \"mean\"\nradius = 1\nsample_type = \"float32\"\n"
       "[[filter]]\ntype = \"flip\"\naxes = \"xz\"\n",
-      smooth);
+      smoothing);
   filters.set(chain);
   scene.expect_one_tree({}, {cut(16, 1, 8, "true", 1), cut(16, 2, 16, "false", 2),
                              cut(32, 1, 32, "auto", 2), cut(64, 2, 32, "true", 2)});
@@ -83,17 +83,17 @@ TEST(Filter, KeepLeavesTheLargestPieceAndFillClosesItsVoid) {
   const EditScene filters(scene);
   VOXWELD_EXPECT_DONE(scene.run());
   EXPECT_EQ(components(scene), 4U);  // three solids and a void's wall
-  filters.set(largest);
+  filters.set(keep_largest);
   VOXWELD_EXPECT_DONE(scene.run());
   EXPECT_EQ(components(scene), 2U);
-  const double hollow = ball_volume(15) - ball_volume(5);
+  const double hollow = volume_of_ball(15) - volume_of_ball(5);
   EXPECT_NEAR(enclosed_volume(mesh_of(scene)), hollow, 0.01 * hollow);
   filters.set(
       "[[filter]]\ntype = \"keep\"\nmin_voxels = 1000\n"
       "[[filter]]\ntype = \"fill\"\nmax_voxels = 1000\n");
   VOXWELD_EXPECT_DONE(scene.run());
   EXPECT_EQ(components(scene), 2U);
-  const double both = ball_volume(15) + ball_volume(9);
+  const double both = volume_of_ball(15) + volume_of_ball(9);
   EXPECT_NEAR(enclosed_volume(mesh_of(scene)), both, 0.01 * both);
 }
 
@@ -104,7 +104,7 @@ TEST(Filter, KeepGoesByTheSideThatIsInside) {
     sample = static_cast<std::byte>(255 - static_cast<int>(sample));
   const Scene scene(volume);
   const EditScene filters(scene);
-  filters.set(largest);
+  filters.set(keep_largest);
   VOXWELD_EXPECT_DONE(scene.run({"surface.inside=below", "surface.isovalue=127"}));
   EXPECT_EQ(components(scene), 2U);
 }
@@ -112,7 +112,7 @@ TEST(Filter, KeepGoesByTheSideThatIsInside) {
 TEST(Filter, TheIsovalueIsChosenOnceForPiecesAndSurface) {
   const Scene scene(balls());
   const EditScene filters(scene);
-  filters.set(largest);
+  filters.set(keep_largest);
   const ProgramResult chosen = scene.run({"surface.isovalue=otsu"});
   VOXWELD_EXPECT_DONE(chosen);
   const double value = manifest_of(scene.output()).at("surface").at("isovalue").get<double>();
@@ -131,12 +131,13 @@ TEST(Filter, OfAStreamIsThatOfTheSamplesInPlace) {
   const fs::path path = scene.directory() / "stream.nrrd";
   std::ofstream(path) << fmt::format(
       "NRRD0004\ntype: uchar\ndimension: 3\nsizes: {} {} {}\nspacings: 1 1 1\nencoding: gzip\n\n",
-      size.x, size.y, size.z);
+      balls_size.x, balls_size.y, balls_size.z);
   gzFile out = gzopen(path.c_str(), "ab");
   gzwrite(out, volume.samples.data(), static_cast<unsigned>(volume.samples.size()));
   gzclose(out);
   const fs::path config = scene.directory() / "stream.toml";
-  for (const std::string& chain : {std::string(smooth) + turned, turned + largest, turned}) {
+  for (const std::string& chain :
+       {std::string(smoothing) + turned, turned + keep_largest, turned}) {
     filters.set(chain);
     std::ofstream(config) << "[input]\npath = \"stream.nrrd\"\n[surface]\nisovalue = 128\n"
                           << chain;
@@ -153,7 +154,7 @@ TEST(Filter, OfAStreamIsThatOfTheSamplesInPlace) {
 // middles of what is taken together.
 TEST(Filter, DownsampleGivesTheCoarserVolumeInItsPlace) {
   const RawVolume fine = balls();
-  const Index3 half = divide(size, splat(2));
+  const Index3 half = divide(balls_size, splat(2));
   RawVolume coarse = volume_of(half, [&](Index3 p) {
     int sum = 0;
     each_index(splat(2), [&](Index3 d) {
@@ -216,9 +217,9 @@ TEST(Filter, AMaskLeavesWhatItCovers) {
   std::ofstream(path) << fmt::format(
       "NRRD0004\ntype: ushort\nendian: little\ndimension: 3\nsizes: {} {} {}\nspacings: 1 1 1\n"
       "encoding: gzip\n\n",
-      size.x, size.y, size.z);
+      balls_size.x, balls_size.y, balls_size.z);
   std::vector<std::uint16_t> labels;
-  each_index(size, [&](Index3 p) {
+  each_index(balls_size, [&](Index3 p) {
     labels.push_back(p.x < 42 ? std::uint16_t{7} : p.y < 36 ? std::uint16_t{300} : std::uint16_t{});
   });
   gzFile out = gzopen(path.c_str(), "ab");
@@ -231,7 +232,7 @@ TEST(Filter, AMaskLeavesWhatItCovers) {
   filters.set(mask + "values = [\"200-400\"]\n");
   VOXWELD_EXPECT_DONE(scene.run());
   EXPECT_EQ(components(scene), 1U);
-  EXPECT_NEAR(enclosed_volume(mesh_of(scene)), ball_volume(9), 0.01 * ball_volume(9));
+  EXPECT_NEAR(enclosed_volume(mesh_of(scene)), volume_of_ball(9), 0.01 * volume_of_ball(9));
 
   filters.set("[[filter]]\ntype = \"downsample\"\n" + mask);
   expect_refused(scene.run(), "expected the same size");
@@ -242,13 +243,13 @@ TEST(Filter, AMaskLeavesWhatItCovers) {
 TEST(Filter, WhatChangedIsDoneAgainAndNoMore) {
   const Scene scene(balls());
   const EditScene filters(scene);
-  const std::string chain = std::string(smooth) + largest;
+  const std::string chain = std::string(smoothing) + keep_largest;
   filters.set(chain);
   VOXWELD_EXPECT_DONE(scene.run());
   const Tree tree = output_tree(scene.output());
   VOXWELD_EXPECT_DONE(scene.run());
   for (const auto& [stage, units] : units_run(scene.output())) EXPECT_EQ(units, 0U) << stage;
-  filters.set(largest);
+  filters.set(keep_largest);
   VOXWELD_EXPECT_DONE(scene.run());
   EXPECT_NE(difference(tree, output_tree(scene.output())), "");
   filters.set(chain);
@@ -264,10 +265,10 @@ TEST(Filter, WhatChangedIsDoneAgainAndNoMore) {
 TEST(Filter, ANewVolumeIsFilteredAnew) {
   const Scene scene(balls());
   const EditScene filters(scene);
-  filters.set(largest);
+  filters.set(keep_largest);
   VOXWELD_EXPECT_DONE(scene.run());
   RawVolume volume = balls();
-  each_index(size, [&](Index3 p) {  // the large ball is cut in two by a plane
+  each_index(balls_size, [&](Index3 p) {  // the large ball is cut in two by a plane
     if (p.x > 18 && p.x < 25)
       volume.samples[static_cast<std::size_t>(volume.index(p))] = std::byte{20};
   });
@@ -282,7 +283,7 @@ TEST(Filter, ANewVolumeIsFilteredAnew) {
 TEST(Filter, WhatWasFoundOfPiecesIsMadeAgainWhereItIsDamaged) {
   const Scene scene(balls());
   const EditScene filters(scene);
-  filters.set(largest);
+  filters.set(keep_largest);
   VOXWELD_EXPECT_DONE(scene.run());
   const Tree tree = output_tree(scene.output());
   const std::vector<fs::path> found = files_ending(scene.work(), "pieces");
@@ -302,7 +303,7 @@ TEST(Filter, WhatWasFoundOfPiecesIsMadeAgainWhereItIsDamaged) {
 TEST(Filter, SharesOfIngestAreFiltered) {
   const Scene scene(balls());
   const EditScene filters(scene);
-  filters.set(std::string(smooth) + largest);
+  filters.set(std::string(smoothing) + keep_largest);
   const Settings settings = cut(16, 1, 16, "auto", 2);
   const Tree tree = scene.clean_tree(settings);
   scene.forget();
@@ -315,7 +316,9 @@ TEST(Filter, SharesOfIngestAreFiltered) {
 }
 
 TEST(Filter, LabelsAreMadeCoarserByWhatMostHave) {
-  const Scene scene(volume_of(size, [](Index3 p) { return p.x < 30 ? 0 : p.y < 25 ? 3 : 9; }));
+  const Scene scene(volume_of(balls_size, [](Index3 p) {
+    return p.x < 30 ? 0 : p.y < 25 ? 3 : 9;
+  }));
   const EditScene filters(scene);
   filters.set("[[filter]]\ntype = \"downsample\"\nmethod = \"mode\"\n");
   VOXWELD_EXPECT_DONE(scene.run({"labels.mode=each"}));
