@@ -40,7 +40,7 @@ class HeldVolume : public SampleSource {
   }
   std::vector<std::byte> samples;
 
- private:
+ protected:
   VolumeInfo info_;
 };
 

@@ -92,7 +92,7 @@ TEST(Pieces, RunInThisProcess) {
   EXPECT_EQ(setting.context.executor, &cluster);
 }
 
-// Stops, or fails, when so many boxes were read.
+// Stops, or fails, when so many boxes were read. The last of these is the 100th.
 class TroubledVolume : public HeldVolume {
  public:
   TroubledVolume(const HeldVolume& volume, int good, InterruptFlag* flag)
@@ -112,7 +112,7 @@ class TroubledVolume : public HeldVolume {
 TEST(Pieces, TroubleLeavesNothingBehind) {
   const HeldVolume volume = held_volume(SampleType::u8, {9, 40, 40}, noise(0.3, 4), 1);
   for (const int threads : {1, 4})
-    for (const int good : {1, 7, 60, 99}) {
+    for (const int good : {1, 7, 60, 100}) {
       const TempDirectory directory;
       Setting setting(threads);
       const PieceRule rule = rule_of(What::keep, 0);

@@ -181,6 +181,25 @@ TEST(Pieces, OfEqualPiecesTheFirstIsKept) {
     });
 }
 
+// Chunks of the volume's own that are larger than blocks are left as they are.
+TEST(Pieces, InfoSaysWhatReadingCosts) {
+  class Chunked : public HeldVolume {
+   public:
+    Chunked() : HeldVolume(SampleType::u8, splat(300)) {
+      info_.chunk = {32, 100, 1};
+      info_.chunk_first = {3, 4, 0};
+      info_.access = Access::chunks;
+    }
+  };
+  const Chunked volume;
+  const auto source = filtered(volume, rule_of(What::keep, 0), "no such file");
+  EXPECT_EQ(source->info().chunk, (Index3{64, 100, 64}));
+  EXPECT_EQ(source->info().chunk_first, (Index3{0, 4, 0}));
+  EXPECT_EQ(source->info().access, Access::box);
+  EXPECT_EQ(source->info().geometry.size, splat(300));
+  EXPECT_EQ(source->ranges(), nullptr);
+}
+
 TEST(Pieces, NothingAndEverything) {
   check({9, 8, 7}, [](Index3) { return false; });
   for (const std::uint64_t voxels : {0, 1}) {
