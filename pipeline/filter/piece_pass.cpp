@@ -166,7 +166,8 @@ StageMemory pass_memory(const PieceRule& rule, const VolumeInfo& info, const Pie
   const auto block = static_cast<std::uint64_t>(grid.side * grid.side * grid.side);
   const std::uint64_t digests = std::min(most_digest_bytes, block * 8 + 1024) * blocks;
   // The least that a layer may take: its faces, with a few pieces on each. And the units.
-  const auto layer = static_cast<std::uint64_t>(grid.blocks.x * grid.blocks.y) * 8192;
+  const auto layer =
+      static_cast<std::uint64_t>(grid.blocks.x * grid.blocks.y * (64 + 128 * grid.side));
   const std::uint64_t units = grid.bands() * (sizeof(Unit) + sizeof(std::size_t));
   return {filter_name(rule),
           layer + units,

@@ -42,7 +42,8 @@ bool pieces_are_found(const std::filesystem::path& path, Hash128 key);
 
 // What is left of `before`, which is read by boxes. The artifact, which knows the rule, is opened
 // when samples are first read; then DamagedArtifact where it is missing, damaged or not of that key.
-// Same info but for Access and largest_decode.
+// Same info but for access, largest_decode and chunk: a block of 64 samples a side that changes is
+// found again whole.
 std::shared_ptr<SampleSource> pieces_source(std::shared_ptr<SampleSource> before,
                                             std::filesystem::path path, Hash128 key);
 

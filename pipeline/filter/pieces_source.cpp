@@ -62,6 +62,12 @@ class PiecesSource final : public SampleSource {
     const std::uint64_t block_bytes =
         mask_bytes / sizeof(std::uint64_t) * most_block_side * sample_bytes(info_.type);
     info_.access = Access::box;
+    // A part of a block that changes costs the whole of it.
+    for (int axis = 0; axis < 3; ++axis) {
+      if (info_.chunk[axis] > most_block_side) continue;
+      info_.chunk[axis] = most_block_side;
+      info_.chunk_first[axis] = 0;
+    }
     info_.largest_decode += block_bytes + label_bytes + 2 * mask_bytes + kept_masks * mask_bytes +
                             PieceChanges::memory_bytes;
   }
