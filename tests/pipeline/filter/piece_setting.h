@@ -34,7 +34,7 @@ inline PieceRule rule_of(What what, std::uint64_t voxels, Inside inside = Inside
   return rule;
 }
 
-inline std::shared_ptr<SampleSource> filtered(const HeldVolume& volume, const PieceRule& rule,
+inline std::shared_ptr<SampleSource> filtered(const HeldVolume& volume,
                                               const std::filesystem::path& path) {
   return pieces_source(std::make_shared<HeldVolume>(volume), path, test_key);
 }

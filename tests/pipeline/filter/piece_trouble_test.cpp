@@ -153,7 +153,7 @@ TEST(Pieces, DamagedArtifact) {
   const HeldVolume volume = held_volume(SampleType::u8, {40, 40, 40}, noise(0.3, 4), 1);
   const auto path = directory / "a";
   const auto read = [&](const HeldVolume& of) {
-    read_box(*filtered(of, rule, path), {{}, of.info().geometry.size});
+    read_box(*filtered(of, path), {{}, of.info().geometry.size});
   };
   EXPECT_THROW(read(volume), DamagedArtifact) << "missing";
   find_pieces_in_blocks(setting.context, volume, rule, path, test_key, 7);
@@ -161,9 +161,9 @@ TEST(Pieces, DamagedArtifact) {
   EXPECT_THROW(read(held_volume(SampleType::u8, {40, 40, 40}, noise(0.3, 5), 1)), DamagedArtifact);
   EXPECT_THROW(read(held_volume(SampleType::u8, {40, 40, 41}, noise(0.3, 4), 1)), DamagedArtifact);
   EXPECT_THROW(read(held_volume(SampleType::i8, {40, 40, 40}, noise(0.3, 4), 1)), DamagedArtifact);
-  EXPECT_THROW(read_box(*pieces_source(std::make_shared<HeldVolume>(volume), path, {1, 1}),
-                        {{}, splat(1)}),
-               DamagedArtifact);
+  EXPECT_THROW(
+      read_box(*pieces_source(std::make_shared<HeldVolume>(volume), path, {1, 1}), {{}, splat(1)}),
+      DamagedArtifact);
   const auto whole = read_whole_file(path);
   for (std::size_t at = 0; at < whole.size(); at += 97) {
     auto damaged = whole;

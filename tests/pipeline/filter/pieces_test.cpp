@@ -90,7 +90,7 @@ void check_in_blocks(const HeldVolume& volume, const PieceRule& rule, const Patt
   EXPECT_EQ(PieceChanges(directory / "one").content_hash(),
             PieceChanges(directory / "four").content_hash());
   const auto expected = expected_samples(volume, rule, pattern);
-  const auto source = filtered(volume, rule, directory / "four");
+  const auto source = filtered(volume, directory / "four");
   const Index3 size = volume.info().geometry.size;
   EXPECT_EQ(read_box(*source, {{}, size}), expected) << side;
   std::mt19937 random(7);
@@ -192,7 +192,7 @@ TEST(Pieces, InfoSaysWhatReadingCosts) {
     }
   };
   const Chunked volume;
-  const auto source = filtered(volume, rule_of(What::keep, 0), "no such file");
+  const auto source = filtered(volume, "no such file");
   EXPECT_EQ(source->info().chunk, (Index3{64, 100, 64}));
   EXPECT_EQ(source->info().chunk_first, (Index3{0, 4, 0}));
   EXPECT_EQ(source->info().access, Access::box);
@@ -234,7 +234,7 @@ TEST(Pieces, Nans) {
     const TempDirectory directory;
     Setting setting;
     find_pieces_in_blocks(setting.context, volume, rule, directory / "a", test_key, 4);
-    const auto bytes = read_box(*filtered(volume, rule, directory / "a"), {{}, size});
+    const auto bytes = read_box(*filtered(volume, directory / "a"), {{}, size});
     std::vector<float> samples(729);
     std::memcpy(samples.data(), bytes.data(), bytes.size());
     return samples;
@@ -272,8 +272,7 @@ TEST(Pieces, AsScipyLabelsThem) {
   const PieceRule rule = rule_of(What::keep, 0);
   const HeldVolume volume = held_volume(SampleType::u8, {150, 140, 130}, noise(0.32, 9), 1);
   find_pieces(setting.context, volume, rule, directory / "a", test_key);
-  const auto left =
-      read_box(*filtered(volume, rule, directory / "a"), {{}, volume.info().geometry.size});
+  const auto left = read_box(*filtered(volume, directory / "a"), {{}, volume.info().geometry.size});
   write_whole_file(directory / "before", volume.samples, Durability::rename_only);
   write_whole_file(directory / "after", left, Durability::rename_only);
   testing::run_python(*python, directory.path(), R"(
