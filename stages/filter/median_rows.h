@@ -172,8 +172,9 @@ class MedianByBits {
     }
   }
 
-  static void count_five(const K* const* sources, const K* candidates, std::int64_t width,
-                         K* __restrict below) {
+  // Inlined, it does not become vectors (GCC 12).
+  [[gnu::noinline]] static void count_five(const K* const* sources, const K* candidates,
+                                           std::int64_t width, K* __restrict below) {
     const K *a = sources[0], *b = sources[1], *c = sources[2], *d = sources[3], *e = sources[4];
     for (std::int64_t x = 0; x < width; ++x) {
       const K t = candidates[x];
