@@ -62,8 +62,8 @@ std::unique_ptr<FilterKernel> median_kernel(const SampleGrid& input, Index3 radi
 
 enum class DownsampleMethod : std::uint8_t { mean, max, mode };
 // One sample of factor.x * factor.y * factor.z; what is left over at the upper ends is dropped.
-// mode: the value that most of them have, of several the least. NaN is one value, the largest. type: of the result; of max and
-// mode that of the input. Precondition: 1 <= factor <= size.
+// mode: the value that most of them have, of several the least. NaN is one value, the largest.
+// type: of the result; of max and mode that of the input. Precondition: 1 <= factor <= size.
 std::unique_ptr<FilterKernel> downsample_kernel(const SampleGrid& input, Index3 factor,
                                                 DownsampleMethod method, SampleType type);
 // Turns around the axes that are true.

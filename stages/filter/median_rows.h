@@ -62,7 +62,8 @@ void fill_from_rows(const KeyRows<T>& rows, const KeyRowsShape& shape, std::int6
 }
 
 // T. S. Huang, G. J. Yang, G. Y. Tang, "A Fast Two-Dimensional Median Filtering Algorithm", IEEE
-// Transactions on Acoustics, Speech, and Signal Processing 27(1), 1979. Differs in that whole blocks
+// Transactions on Acoustics, Speech, and Signal Processing 27(1), 1979. Differs in that whole
+// blocks
 // of values are stepped over by their own counts.
 template <class K>
 class SlidingHistogram {
@@ -130,7 +131,8 @@ class SlidingHistogram {
   std::int64_t below_ = 0;  // keys below at_
 };
 
-// The median's bits from the highest down: a bit is set where no more than half of the keys are below
+// The median's bits from the highest down: a bit is set where no more than half of the keys are
+// below
 // what that gives. The same steps for every sample, so that loops over the row become vectors. At
 // most as many keys as a K can count.
 template <class K>

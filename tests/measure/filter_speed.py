@@ -1,6 +1,7 @@
 """Our filters and those of scipy.ndimage on the same kind of volume, one thread each, in one run.
 
-usage: filter_speed.py PROGRAM [FILTER]    PROGRAM is build/filter_speed; FILTER: the start of a name
+usage: filter_speed.py PROGRAM [FILTER]
+PROGRAM is build/filter_speed; FILTER: only those whose name begins so.
 Prints type, filter, millions of samples a second of ours and of scipy's, and their ratio. scipy's
 is measured on a slab, which it is given at once.
 """
@@ -29,16 +30,24 @@ FILTERS = {
 
 
 def main():
-    ours = subprocess.run(sys.argv[1:3], capture_output=True, text=True, check=True).stdout
     random = np.random.default_rng(1)
+    prefix = sys.argv[2] if len(sys.argv) > 2 else ""
+    for name in FILTERS:
+        if name.startswith(prefix):
+            compare(name, random)
+
+
+def compare(name, random):
+    ours = subprocess.run([sys.argv[1], name], capture_output=True, text=True, check=True).stdout
     for line in ours.splitlines():
-        kind, name, speed = line.split()
-        if name not in FILTERS:
-            continue
+        kind, _, speed = line.split()
         samples = (random.random(SLAB) * 0.8 * (255 if kind == "uint8" else 65535)).astype(kind)
-        start = time.perf_counter()
-        FILTERS[name](samples)
-        theirs = samples.size / (time.perf_counter() - start) / 1e6
+        seconds = []
+        for _ in range(3):
+            start = time.perf_counter()
+            FILTERS[name](samples)
+            seconds.append(time.perf_counter() - start)
+        theirs = samples.size / min(seconds) / 1e6
         print(kind, name, speed, f"{theirs:.2f} x{float(speed) / theirs:.1f}", flush=True)
 
 
