@@ -45,7 +45,7 @@ class FilterKernel {
 
 // value -> clip -> straight line from `clip` to `scale` -> type. In stored values.
 struct WindowParameters {
-  double lo = 0, hi = 0;  // clipped to; lo < hi
+  double lo = 0, hi = 0;  // clipped to; lo < hi, hi - lo a finite number
   // Where lo and hi go; empty: nowhere else. Of a range that falls the result is turned over.
   std::optional<std::array<double, 2>> scale{};
   SampleType type = SampleType::u8;  // of the result
@@ -62,8 +62,8 @@ std::unique_ptr<FilterKernel> median_kernel(const SampleGrid& input, Index3 radi
 
 enum class DownsampleMethod : std::uint8_t { mean, max, mode };
 // One sample of factor.x * factor.y * factor.z; what is left over at the upper ends is dropped.
-// mode: the value that most of them have, of several the least. type: of the result; of max and
-// mode that of the input. Precondition: 1 <= factor <= size.
+// mode: the value that most of them have, of several the least. NaN is one value, the largest.
+// type: of the result; of max and mode that of the input. Precondition: 1 <= factor <= size.
 std::unique_ptr<FilterKernel> downsample_kernel(const SampleGrid& input, Index3 factor,
                                                 DownsampleMethod method, SampleType type);
 // Turns around the axes that are true.

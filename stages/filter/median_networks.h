@@ -71,7 +71,8 @@ void median_of_nine(const K* const* rows, std::int64_t count, K* __restrict out)
 }
 
 // Three sets of three sorted rows become nine sorted rows. R. W. Floyd's network of 25 exchanges
-// for nine keys, less the nine that sort threes (Knuth, "The Art of Computer Programming" 3, 5.3.4).
+// for nine keys, less the nine that sort threes (Knuth, "The Art of Computer Programming" 3,
+// 5.3.4).
 template <class K>
 void sort_nine_rows(const K* const* triples, std::int64_t count, K* __restrict out,
                     std::int64_t pitch) {

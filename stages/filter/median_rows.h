@@ -62,7 +62,8 @@ void fill_from_rows(const KeyRows<T>& rows, const KeyRowsShape& shape, std::int6
 }
 
 // T. S. Huang, G. J. Yang, G. Y. Tang, "A Fast Two-Dimensional Median Filtering Algorithm", IEEE
-// Transactions on Acoustics, Speech, and Signal Processing 27(1), 1979. Differs in that whole blocks
+// Transactions on Acoustics, Speech, and Signal Processing 27(1), 1979. Differs in that whole
+// blocks
 // of values are stepped over by their own counts.
 template <class K>
 class SlidingHistogram {
@@ -130,7 +131,8 @@ class SlidingHistogram {
   std::int64_t below_ = 0;  // keys below at_
 };
 
-// The median's bits from the highest down: a bit is set where no more than half of the keys are below
+// The median's bits from the highest down: a bit is set where no more than half of the keys are
+// below
 // what that gives. The same steps for every sample, so that loops over the row become vectors. At
 // most as many keys as a K can count.
 template <class K>
@@ -172,8 +174,9 @@ class MedianByBits {
     }
   }
 
-  static void count_five(const K* const* sources, const K* candidates, std::int64_t width,
-                         K* __restrict below) {
+  // Inlined, it does not become vectors (GCC 12).
+  [[gnu::noinline]] static void count_five(const K* const* sources, const K* candidates,
+                                           std::int64_t width, K* __restrict below) {
     const K *a = sources[0], *b = sources[1], *c = sources[2], *d = sources[3], *e = sources[4];
     for (std::int64_t x = 0; x < width; ++x) {
       const K t = candidates[x];
