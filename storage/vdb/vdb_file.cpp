@@ -21,9 +21,9 @@ namespace {
 ServiceRules rules_for(std::uint64_t file_bytes) {
   constexpr std::uint64_t mib = std::uint64_t{1} << 20;
   ServiceRules rules;
-  rules.most_more_bytes = 512 * mib + 40 * std::min(file_bytes, std::uint64_t{1} << 50);
+  rules.most_more_bytes = 256 * mib + 40 * std::min(file_bytes, std::uint64_t{1} << 50);
   rules.most_seconds =
-      10 + static_cast<unsigned>(std::min<std::uint64_t>(file_bytes / (8 * mib), 36000));
+      6 + static_cast<unsigned>(std::min<std::uint64_t>(file_bytes / (8 * mib), 36000));
   return rules;
 }
 

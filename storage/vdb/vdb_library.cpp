@@ -18,7 +18,7 @@ namespace voxweld {
 namespace {
 
 // For a box of samples: seconds, and what the buffers of its leaves take.
-constexpr ServiceRules rules_of_reading{.most_seconds = 60,
+constexpr ServiceRules rules_of_reading{.most_seconds = 10,
                                         .most_more_bytes = std::uint64_t{256} << 20};
 constexpr std::int64_t leaf_side = openvdb::FloatTree::LeafNodeType::DIM;
 
@@ -29,6 +29,9 @@ class GridList final : public openvdb::io::Archive {
   // The byte behind the last grid.
   std::uint64_t end(std::istream& file) {
     readHeader(file);
+    setFormatVersion(file);  // which what follows depends on
+    setLibraryVersion(file);
+    setDataCompression(file);
     openvdb::MetaMap of_file;
     of_file.readMeta(file);
     if (!inputHasGridOffsets())
