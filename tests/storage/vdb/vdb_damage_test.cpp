@@ -6,7 +6,6 @@
 namespace voxweld::testing {
 namespace {
 
-using ::testing::AnyOf;
 using ::testing::HasSubstr;
 
 namespace io = openvdb::io;
@@ -58,12 +57,13 @@ TEST_F(VdbDamage, ChangedBytesAnywhere) {
   }
 }
 
+// Of zlib's OpenVDB ignores the checksum.
 TEST_F(VdbDamage, SamplesThatCannotBeDecodedAreNamed) {
-  Bytes bytes = sound(io::COMPRESS_ZIP | io::COMPRESS_ACTIVE_MASK);
+  Bytes bytes = sound(io::COMPRESS_BLOSC | io::COMPRESS_ACTIVE_MASK);
   // The leaves' values come last.
   for (std::size_t at = bytes.size() * 3 / 4; at < bytes.size(); at += 20)
     bytes[at] = static_cast<std::byte>(0x5a);
-  EXPECT_THAT(said_of(bytes), AnyOf(HasSubstr("the voxels from ("), HasSubstr("grid 'surface'")));
+  expect_says(said_of(bytes), {"damaged.vdb: the voxels from (", "OpenVDB: ", "sound copy"});
 }
 
 // A voxel far off makes a box that no volume has.
