@@ -30,7 +30,7 @@ std::optional<int> run_in_child(const std::function<void()>& what, const ChildRu
 
 enum class TrialEnd : std::uint8_t { survived, crashed, out_of_time };
 
-// What a wait status says of a child with `ends_when_told`.
+// What a wait status says.
 TrialEnd trial_end(int status);
 
 // The same, to see what becomes of it. Where no child can be made it counts as survived.

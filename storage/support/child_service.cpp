@@ -97,8 +97,7 @@ ChildService::ChildService(std::size_t bytes, std::function<void(std::span<std::
     throw StorageError("cannot make a socket for a child process", errno);
   map_ = map_shared(memory_at + bytes_);
   const std::optional<int> child =
-      start_child([&] { run_child(ends[1], serve); },
-                  {.ends_when_told = true, .most_more_bytes = rules.most_more_bytes});
+      start_child([&] { run_child(ends[1], serve); }, {.most_more_bytes = rules.most_more_bytes});
   const int error = errno;
   close(ends[1]);
   socket_ = ends[0];
@@ -125,6 +124,8 @@ void ChildService::run_child(int socket,
   const auto end = static_cast<unsigned>(socket);
   if (end > 3) close_range(3, end - 1, 0);
   close_range(end + 1, ~0U, 0);
+  // A Ctrl-C is for the parent to see to, which then ends this.
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_IGN);
   while (receive_byte(socket)) {
     limit_time(rules_.most_seconds);
     try {
@@ -166,9 +167,8 @@ void ChildService::apart(const std::function<void()>& what, const ServiceRules& 
       keep_text(shared->why, failure.what());
     }
   };
-  const auto status = run_in_child(guarded, {.most_seconds = rules.most_seconds,
-                                             .ends_when_told = true,
-                                             .most_more_bytes = rules.most_more_bytes});
+  const auto status = run_in_child(
+      guarded, {.most_seconds = rules.most_seconds, .most_more_bytes = rules.most_more_bytes});
   if (!status) throw std::runtime_error("no process can be started to decode them");
   if (shared->done == 1) return;
   if (trial_end(*status) == TrialEnd::out_of_time)

@@ -10,6 +10,7 @@
 
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
+#include "storage/types/sample_type.h"
 #include "storage/vdb/vdb_library.h"
 #include "storage/volumes/data_layout.h"
 
@@ -30,6 +31,14 @@ ServiceRules rules_for(std::uint64_t file_bytes) {
 FileState state_of_file(const std::string& path) {
   require_input_file(path);
   return ReadFile(path).state();
+}
+
+// What a child says whose memory may be damaged.
+void settle(VdbGrid& grid) {
+  for (const std::span<char> text : {std::span<char>(grid.name), std::span<char>(grid.type),
+                                     std::span<char>(grid.grid_class), std::span<char>(grid.map)})
+    text.back() = '\0';
+  if (grid.sample > static_cast<std::int32_t>(SampleType::f64)) grid.sample = -1;
 }
 
 // In the child, which has one for all calls.
@@ -57,6 +66,7 @@ VdbFile::VdbFile(std::string path)
         fmt::format("{}: truncated: its grids end at byte {}, but the file has {}: get a complete "
                     "copy",
                     path_, talk().needed_bytes, state_.size));
+  for (std::size_t i = 0; i < grids().size(); ++i) settle(talk().grid[i]);
 }
 
 VdbTalk& VdbFile::talk() const {

@@ -85,12 +85,13 @@ TEST_F(Vdb, TheMeshIsTheSameHoweverItIsRead) {
   const fs::path config = directory_ / "ball.toml";
   std::ofstream(config)
       << "[input]\npath = \"ball.vdb\"\n[surface]\nisovalue = 0\ninside = \"below\"\n";
-  done({"run", config.string(), "--set", "output.directory=first.mesh"});
-  done({"run", config.string(), "--set", "output.directory=second.mesh", "--set",
-        "work.directory=second.work", "--set", "work.copy=true", "--set", "run.threads=1"});
-  EXPECT_EQ(
-      difference(output_tree(directory_ / "first.mesh"), output_tree(directory_ / "second.mesh")),
-      "");
+  const Tree in_place = output_tree(done({"run", config.string()}));
+  fs::remove_all(directory_ / "ball.mesh");
+  fs::remove_all(directory_ / "ball.work");
+  const Tree copied = output_tree(
+      done({"run", config.string(), "--set", "work.copy=true", "--set", "run.threads=1"}));
+  EXPECT_TRUE(in_place.contains("mesh.drc"));
+  EXPECT_EQ(difference(in_place, copied), "");
 }
 
 TEST_F(Vdb, ABoxTooLargeForARunIsToldInFigures) {
@@ -104,8 +105,7 @@ TEST_F(Vdb, ABoxTooLargeForARunIsToldInFigures) {
   std::ofstream(config) << "[input]\npath = \"far.vdb\"\n[surface]\nisovalue = 0.5\n";
   const ProgramResult result = run_voxweld({"run", config.string()});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("600003"));
-  EXPECT_THAT(result.err, HasSubstr("524287"));
+  EXPECT_THAT(result.err, HasSubstr("over 600004 needs"));
 }
 
 }  // namespace

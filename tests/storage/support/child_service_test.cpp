@@ -102,6 +102,13 @@ TEST(ChildService, APartApartLeavesTheChildAsItWas) {
   EXPECT_EQ(child.call().kind, Kind::done);
 }
 
+// A Ctrl-C goes to all processes at once; what it means is for the parent to say.
+TEST(ChildService, ACtrlCDoesNotEndIt) {
+  ChildService child(
+      8, [](std::span<std::byte>) { std::raise(SIGINT); }, usual_rules);
+  EXPECT_EQ(child.call().kind, Kind::done);
+}
+
 // A second one must not keep the first one waiting for an end that it holds open.
 TEST(ChildService, SeveralEndInAnyOrder) {
   const auto make = [] {
