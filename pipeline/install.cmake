@@ -49,9 +49,9 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "meshes from scanned volumes too large for
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
 "voxweld turns CT, MR and microscopy volumes into watertight, simplified and
 compressed triangle meshes, by adaptive dual contouring of bricks on disk.
-It reads DICOM, NRRD, MetaImage, NIfTI, HDF5, Zarr, N5, VTK, MRC, TIFF, raw
-files and image stacks and writes Draco and glTF; on a Slurm cluster it runs as
-job arrays.")
+It reads DICOM, NRRD, MetaImage, NIfTI, HDF5, Zarr, N5, OpenVDB, VTK, MRC,
+TIFF, raw files and image stacks and writes Draco and glTF; on a Slurm cluster
+it runs as job arrays.")
 # What the program and its module link decides what the package needs.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS TRUE)
 include(CPack)

@@ -15,7 +15,7 @@ packages=(
   libgtest-dev libgmock-dev librapidcheck-dev libcpp-httplib-dev git xz-utils zstd time
   # other readers and writers of volumes
   python3-numpy python3-zarr python3-vtk9 python3-mrcfile python3-pydicom python3-gdcm
-  dcmtk python3-h5py python3-numcodecs python3-nibabel python3-tifffile libtiff-tools
+  dcmtk python3-openvdb python3-h5py python3-numcodecs python3-nibabel python3-tifffile libtiff-tools
   # checks
   clang-format clang-tidy
 )

@@ -83,6 +83,12 @@ SurfaceConfig::Inside suggest_inside(const Histogram& border, const ValueScale& 
 
 void suggest_surface(const InitArguments& arguments, const VolumeInfo& info, const ScanResult& scan,
                      InitSuggestion& suggestion) {
+  if (info.surface) {
+    suggestion.isovalue = info.surface->isovalue;
+    suggestion.inside =
+        info.surface->inside_below ? SurfaceConfig::Inside::below : SurfaceConfig::Inside::above;
+    return;
+  }
   const auto isovalue = suggest_isovalue(scan.histogram, info.scale);
   const ValueRange range = real_range(scan.range, info.scale);
   if (!isovalue && range.lo < range.hi)

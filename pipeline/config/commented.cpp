@@ -243,10 +243,10 @@ std::string commented_config(const VolumeInfo& info, const InitSuggestion& sugge
   // Where the number came from belongs beside it.
   const auto isovalue = text.find("\nisovalue = ");
   if (isovalue != std::string::npos)
-    text.insert(isovalue + 1,
-                fmt::format("# Suggested by the histogram (\"otsu\"); the samples lie "
-                            "in {} to {}.\n",
-                            real(suggestion.lowest), real(suggestion.highest)));
+    text.insert(isovalue + 1, fmt::format("# {}; the samples lie in {} to {}.\n",
+                                          info.surface ? "The surface that the file says it has"
+                                                       : "Suggested by the histogram (\"otsu\")",
+                                          real(suggestion.lowest), real(suggestion.highest)));
   return text;
 }
 

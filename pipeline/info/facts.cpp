@@ -55,6 +55,9 @@ void add_volume_facts(InfoDocument& document, const VolumeInfo& info, bool verbo
     document["slope"] = info.scale.slope;
     document["intercept"] = info.scale.intercept;
   }
+  if (info.surface)
+    document["surface"] = {{"isovalue", info.surface->isovalue},
+                           {"inside", info.surface->inside_below ? "below" : "above"}};
   document["samples"] = samples;
   document["sample_bytes"] = samples * sample_bytes(info.type);
   document["spacing"] = facts_of(g.spacing);

@@ -7,7 +7,8 @@
 //
 //   kind             further keys
 //   volume           format, size, type, slope, intercept (where real values are slope * stored +
-//                    intercept and these are not 1 and 0), samples, sample_bytes (of all), spacing,
+//                    intercept and these are not 1 and 0), surface {isovalue, inside} (where the
+//                    file itself says that it has one), samples, sample_bytes (of all), spacing,
 //                    unit, origin, direction [3][3], space, access, largest_decode_bytes, files,
 //                    file_bytes, choices [{selector, value, text, chosen}] (where the input holds
 //                    several volumes), warnings, values; verbose: file_list [{path, bytes}]; of Zarr

@@ -13,6 +13,7 @@
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "storage/support/text_fields.h"
+#include "storage/vdb/vdb_reader.h"
 #include "storage/volumes/data_layout.h"
 #include "storage/volumes/filters.h"
 #include "storage/volumes/inflate_stream.h"
@@ -95,7 +96,7 @@ std::span<const VolumeReader> volume_readers() {
   static const std::vector<VolumeReader> table = {
       nrrd_reader(),  metaimage_reader(), nifti_reader(), inrimage_reader(), vti_reader(),
       vtk_reader(),   mrc_reader(),       amira_reader(), raw_reader(),      zarr_reader(),
-      n5_reader(),    dicom_reader(),     hdf5_reader(),
+      n5_reader(),    dicom_reader(),     hdf5_reader(),  vdb_reader(),
       stack_reader(),  // last: it takes every directory
   };
   return table;

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,12 @@ struct InputChoice {
   bool chosen = false;
 };
 
+// A surface that the file itself says is in the volume, in real values.
+struct KnownSurface {
+  double isovalue = 0;
+  bool inside_below = false;  // material is where values are lower
+};
+
 // One file the volume is made of, as it was when it was opened.
 struct InputFile {
   std::string path;
@@ -67,6 +74,7 @@ struct VolumeInfo {
   SampleType type = SampleType::u8;
   VolumeGeometry geometry;
   ValueScale scale;  // from the samples as stored to the file's real values
+  std::optional<KnownSurface> surface;
   Access access = Access::box;
   // The largest piece the reader must hold decoded at once, in bytes, beyond the caller's buffer.
   std::uint64_t largest_decode = 0;

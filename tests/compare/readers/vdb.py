@@ -1,5 +1,5 @@
-"""OpenVDB by its own library from Python: the box of active voxels; of a level set one voxel more
-on each side, which closes it."""
+"""OpenVDB by its own library from Python: the box of active voxels and one voxel more on each side,
+which closes a surface."""
 
 import os
 
@@ -20,8 +20,7 @@ def load(path, name):
     low, high = (np.array(c) for c in grid.evalActiveVoxelBoundingBox())
     if (high < low).any():
         raise Unreadable("no active voxel")
-    around = 1 if grid.gridClass == "level set" else 0
-    low, high = low - around, high + around
+    low, high = low - 1, high + 1
     kind = TYPES.get(grid.valueTypeName, "f4")
     samples = np.zeros(high - low + 1, kind)
     grid.copyToArray(samples, ijk=tuple(int(n) for n in low))

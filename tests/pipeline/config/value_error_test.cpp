@@ -22,7 +22,7 @@ input.path: a path in quotes
   "a\tb" => "a\u0009b" (a string); it holds a control character; write backslashes twice
   ["a"] (a list of 1); write paths in quotes
 input.format: "auto", "nrrd", "metaimage", "nifti", "inrimage", "vti", "vtk", "mrc", "amira", \
-"raw", "zarr", "n5", "dicom", "hdf5", "stack", "empty" or "mesh" (default: "auto")
+"raw", "zarr", "n5", "dicom", "hdf5", "vdb", "stack", "empty" or "mesh" (default: "auto")
   "NRRD" (a string); did you mean "nrrd"? | "bmp" (a string) | 1
 input.crop: a list of 6 integers from 0 to 524287 (default: the whole volume)
   [0, 0, 0, 9, 9] (a list of 5) | [-1, 0, 0, 9, 9, 9] (a list of 6)

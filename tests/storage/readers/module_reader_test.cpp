@@ -56,7 +56,7 @@ class ModuleReader : public ::testing::Test {
 
 TEST_F(ModuleReader, IsLoadedByItsOwnFilesAlone) {
   const auto text = write_file(directory_ / "a.txt", std::string("some text"));
-  EXPECT_THAT(failure_of<InputError>(text), HasSubstr("hdf5, stack, made_up."));
+  EXPECT_THAT(failure_of<InputError>(text), HasSubstr("hdf5, vdb, stack, made_up."));
   const bool first = !mapped("libvoxweld_made_up.so");
   failure_of<Error>(file("MADE-UP 1 1 1\nx"));
   EXPECT_TRUE(mapped("libvoxweld_made_up.so"));

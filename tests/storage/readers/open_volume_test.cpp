@@ -31,7 +31,7 @@ TEST(OpenVolume, UnknownKindsListTheSupportedOnes) {
   EXPECT_THAT(complaint(path),
               AllOf(HasSubstr("a.xyz: a file of an unknown kind"),
                     HasSubstr("supported are nrrd, metaimage, nifti, inrimage, "
-                              "vti, vtk, mrc, amira, raw, zarr, n5, dicom, hdf5, stack. ")));
+                              "vti, vtk, mrc, amira, raw, zarr, n5, dicom, hdf5, vdb, stack. ")));
   EXPECT_THAT(complaint(directory.path()), HasSubstr("no images in this directory"));
   EXPECT_THAT(complaint(directory / "none.nrrd"), HasSubstr("none.nrrd: no such file"));
   EXPECT_THAT(complaint(InputSpec{.path = ""}), HasSubstr("no path"));
