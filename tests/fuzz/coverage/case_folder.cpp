@@ -1,4 +1,5 @@
 // The files of one input.
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -68,7 +69,7 @@ std::optional<PartHead> part_at(std::string_view text, std::size_t at) {
 
 // Files that cannot be made (a name that is a folder already) are left out.
 void unpack(std::string_view text, const fs::path& folder) {
-  const std::string next = "\n" + std::string(mark);
+  const std::string next = fmt::format("\n{}", mark);
   std::size_t count = 0;
   for (std::size_t at = 0; at < text.size() && count < most_files; ++count) {
     const std::size_t end = std::min(text.find(next, at), text.size());
@@ -100,8 +101,9 @@ fs::path write_case(Bytes bytes, const std::string& ending) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const auto head = text.starts_with(mark) ? part_at(text, 0) : std::nullopt;
   if (!head) {
-    write_file(folder / ("v" + ending), text);
-    return folder / ("v" + ending);
+    const fs::path path = folder / fmt::format("v{}", ending);
+    write_file(path, text);
+    return path;
   }
   tidy = false;
   unpack(text, folder);
@@ -112,7 +114,8 @@ std::string bundle_of(const std::vector<std::pair<std::string, std::string>>& fi
   std::string text;
   for (const auto& [name, bytes] : files) {
     if (!is_usable(name)) throw std::logic_error("a bundle cannot name " + name);
-    text += (text.empty() ? "" : "\n") + std::string(mark) + name + "\n" + bytes;
+    if (!text.empty()) text += '\n';
+    text += fmt::format("{}{}\n{}", mark, name, bytes);
   }
   return text;
 }

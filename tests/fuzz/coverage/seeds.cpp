@@ -3,8 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <map>
+#include <set>
 
+#include "storage/artifact/container.h"
+#include "storage/manifest/task_report.h"
+#include "storage/spool/spool_record.h"
 #include "tests/fuzz/ball.h"
 #include "tests/fuzz/coverage/entries.h"
 #include "tests/fuzz/mutation.h"
@@ -68,11 +73,66 @@ std::string one_name(std::string path) {
   return path;
 }
 
+// The same as sections, whose checksums are made anew.
+std::string sections_of(const fs::path& path, const std::string& bytes) {
+  ArtifactStamp stamp;
+  std::memcpy(stamp.kind.data(), bytes.data() + 8, 4);
+  std::memcpy(&stamp.version, bytes.data() + 12, 4);
+  const ArtifactReader file(path, stamp.kind, stamp.version);
+  std::string text = bytes.substr(8, 4);
+  std::vector<std::byte> data;
+  for (const SectionRecord& section : file.sections()) {
+    file.read(section.name, data);
+    text.append(reinterpret_cast<const char*>(&section.name), 8);
+    const auto size = static_cast<std::uint32_t>(data.size());
+    text.append(reinterpret_cast<const char*>(&size), 4);
+    text.append(reinterpret_cast<const char*>(data.data()), data.size());
+  }
+  return text;
+}
+
+void add_run_files(const Specimen& specimen, std::vector<Seed>& seeds) {
+  for (const std::string& file : std::set(specimen.targets.begin(), specimen.targets.end())) {
+    const fs::path path = specimen.folder / file;
+    const std::string entry = run_file_entry(path), bytes = bytes_of_file(path);
+    if (entry.empty() || bytes.size() > (std::size_t{64} << 10)) continue;
+    const std::string name = specimen.name + "-" + one_name(file);
+    seeds.push_back({entry, name, bytes});
+    if (entry == "container") seeds.push_back({"sections", name, sections_of(path, bytes)});
+  }
+}
+
+// What no specimen has by itself.
+void add_records(const fs::path& folder, std::vector<Seed>& seeds) {
+  TaskReport report;
+  report.stage = "build";
+  report.units = 3;
+  report.wall_s = 1.5;
+  report.failures.push_back({.unit = 7, .message = "no", .exit_code = 2, .damaged_path = "a/b"});
+  report.provenance = "{}";
+  write_task_report(folder / "report", report);
+  seeds.push_back({"task-report", "failed", bytes_of_file(folder / "report")});
+  SpoolRecord record;
+  record.info.format = "nrrd";
+  record.info.geometry.size = {size_x, size_y, size_z};
+  record.info.files.push_back({"/nowhere/v.nrrd", {}});
+  record.info.warnings.push_back("no unit");
+  write_spool_record(folder / "v", record);
+  seeds.push_back({"spool-record", "nrrd", bytes_of_file(spool_record_path(folder / "v"))});
+}
+
+// For the reader itself, and, where the reader is in the program, for finding out whose it is.
+void add_volume(const Specimen& specimen, const std::string& entry, std::vector<Seed>& seeds) {
+  const std::string bytes = bytes_of(specimen);
+  seeds.push_back({entry, specimen.name, bytes});
+  if (parser_named(entry)->module.empty()) seeds.push_back({"detect", specimen.name, bytes});
+}
+
 void add_seeds(const Specimen& specimen, std::vector<Seed>& seeds) {
   const std::string& name = specimen.name;
   const std::string target = specimen.targets.front();
-  if (const std::string entry = volume_entry(name); !entry.empty())
-    seeds.push_back({entry, name, bytes_of(specimen)});
+  if (const std::string volume = volume_entry(name); !volume.empty())
+    add_volume(specimen, volume, seeds);
   else if (name.starts_with("config-"))
     seeds.push_back({"config", name, bytes_of_file(specimen.folder / target)});
   else if (name.starts_with("mesh-"))
@@ -82,12 +142,7 @@ void add_seeds(const Specimen& specimen, std::vector<Seed>& seeds) {
     seeds.push_back({"labels-" + fs::path(target).extension().string().substr(1), name,
                      bytes_of_file(specimen.folder / target)});
   else if (name.starts_with("work-") || name.starts_with("output-"))
-    for (const std::string& file : specimen.targets) {
-      const std::string entry = run_file_entry(specimen.folder / file);
-      if (!entry.empty() && fs::file_size(specimen.folder / file) < (std::size_t{64} << 10))
-        seeds.push_back(
-            {entry, name + "-" + one_name(file), bytes_of_file(specimen.folder / file)});
-    }
+    add_run_files(specimen, seeds);
 }
 
 // Chunks of each compressor that zlib can make, and one of none.
@@ -107,6 +162,7 @@ std::vector<Seed> make_seeds(const fs::path& program, const fs::path& scratch) {
   std::vector<Seed> seeds;
   for (const Specimen& specimen : make_specimens(program, scratch)) add_seeds(specimen, seeds);
   add_chunks(seeds);
+  add_records(scratch, seeds);
   return seeds;
 }
 

@@ -1,5 +1,9 @@
 // What voxweld itself has written: chunks of arrays, containers and what is in them.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cstring>
+#include <set>
 
 #include "storage/artifact/asset_record.h"
 #include "storage/artifact/histogram_artifact.h"
@@ -98,46 +102,56 @@ const ArtifactParser parsers[] = {
     {"tile", tile_version, read_tile},
     {"tops", top_version, read_top}};
 
-// A file as it lies there. Its kind says who reads it; where nobody knows it, all are asked.
+const ArtifactParser* parser_of(Bytes kind) {
+  for (const ArtifactParser& parser : parsers)
+    if (kind.size() >= 4 && std::memcmp(kind.data(), parser.kind, 4) == 0) return &parser;
+  return nullptr;
+}
+
+// A file as it lies there. Its kind says who reads it.
 void parse_container(const ParserEntry& entry, Bytes bytes) {
   const fs::path path = write_case(bytes, entry.ending);
-  for (const ArtifactParser& parser : parsers)
-    if (bytes.size() > 12 && std::memcmp(bytes.data() + 8, parser.kind, 4) == 0)
-      return parser.read(path);
+  if (const ArtifactParser* parser = bytes.size() < 12 ? nullptr : parser_of(bytes.subspan(8)))
+    return parser->read(path);
   read_unfinished_head(path);
 }
 
 void parse_spool_record(const ParserEntry& entry, Bytes bytes) {
   const fs::path path = write_case(bytes, entry.ending + ".record");
-  read_spool_record(path.parent_path() / ("v" + entry.ending));
+  read_spool_record(path.parent_path() / fmt::format("v{}", entry.ending));
 }
 void parse_asset_record(const ParserEntry& entry, Bytes bytes) {
   read_asset_record(write_case(bytes, entry.ending));
 }
 
-// What a file of ours may hold with all its checksums right: the number of the kind, then sections:
-// name u8, size u16, that many bytes.
+template <class T>
+T take(Bytes& bytes) {
+  T value{};
+  const std::size_t there = std::min(bytes.size(), sizeof value);
+  std::memcpy(&value, bytes.data(), there);
+  bytes = bytes.subspan(there);
+  return value;
+}
+
+// What a file of ours may hold with all its checksums right: the kind, then of each section the name
+// u64, the size u32, and so many bytes.
 void parse_sections(const ParserEntry& entry, Bytes bytes) {
-  if (bytes.empty()) return;
-  const ArtifactParser& parser = parsers[static_cast<std::size_t>(bytes[0]) % std::size(parsers)];
-  bytes = bytes.subspan(1);
-  ArtifactStamp stamp{.version = parser.version};
-  std::memcpy(stamp.kind.data(), parser.kind, 4);
-  const fs::path path = case_folder() / ("v" + entry.ending);
+  const ArtifactParser* parser = parser_of(bytes);
+  if (parser == nullptr) return;
+  ArtifactStamp stamp;
+  stamp.version = parser->version;
+  std::memcpy(stamp.kind.data(), parser->kind, 4);
+  const fs::path path = case_folder() / fmt::format("v{}", entry.ending);
   ArtifactWriter file(path, stamp);
-  bool used[256] = {};
-  while (bytes.size() >= 3) {
-    const auto name = static_cast<std::uint8_t>(bytes[0]);
-    std::uint16_t size = 0;
-    std::memcpy(&size, bytes.data() + 1, 2);
-    bytes = bytes.subspan(3);
-    const Bytes part = bytes.first(std::min<std::size_t>(size, bytes.size()));
-    if (!used[name]) file.section(name, part);
-    used[name] = true;
-    bytes = bytes.subspan(part.size());
+  std::set<std::uint64_t> names;
+  for (bytes = bytes.subspan(4); bytes.size() >= 12;) {
+    const auto name = take<std::uint64_t>(bytes);
+    const std::size_t size = std::min<std::size_t>(take<std::uint32_t>(bytes), bytes.size());
+    if (names.insert(name).second) file.section(name, bytes.first(size));
+    bytes = bytes.subspan(size);
   }
   file.commit();
-  parser.read(path);
+  parser->read(path);
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ void parse_config_text(const ParserEntry&, Bytes bytes) {
 }
 
 void parse_labels(const ParserEntry& entry, Bytes bytes) {
-  parse_label_map(text_of(bytes), "map" + entry.ending);
+  parse_label_map(text_of(bytes), std::filesystem::path("map").replace_extension(entry.ending));
 }
 
 void parse_manifest(const ParserEntry& entry, Bytes bytes) {
