@@ -41,7 +41,7 @@ std::string volume_entry(const std::string& specimen) {
 // The files but the config, what is opened first; of one file its bytes.
 std::string bytes_of(const Specimen& specimen) {
   std::vector<std::string> names = specimen.targets;
-  std::ranges::stable_partition(names, [&](const std::string& name) {
+  std::stable_partition(names.begin(), names.end(), [&](const std::string& name) {
     return name == specimen.input || name.starts_with(specimen.input + "/");
   });
   std::vector<std::pair<std::string, std::string>> files;

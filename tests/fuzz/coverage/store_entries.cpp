@@ -146,7 +146,8 @@ void parse_sections(const ParserEntry& entry, Bytes bytes) {
   std::set<std::uint64_t> names;
   for (bytes = bytes.subspan(4); bytes.size() >= 12;) {
     const auto name = take<std::uint64_t>(bytes);
-    const std::size_t size = std::min<std::size_t>(take<std::uint32_t>(bytes), bytes.size());
+    std::size_t size = take<std::uint32_t>(bytes);
+    size = std::min(size, bytes.size());
     if (names.insert(name).second) file.section(name, bytes.first(size));
     bytes = bytes.subspan(size);
   }
