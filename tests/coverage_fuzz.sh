@@ -6,6 +6,7 @@
 #   --jobs      entries at once, as many as there are processors
 #   --modules   also the entries that are in modules (tiff, hdf5, dicom, image)
 #   --finds     build-fuzz/finds
+# With the usual build (BUILD_DIR, else build) there are more seeds.
 # Needs clang with its runtime libraries; exit code 77 without. The build is build-fuzz; what was learned of each parser
 # stays in build-fuzz/corpus, so that later turns go on from there.
 set -euo pipefail
@@ -13,6 +14,9 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 build=$root/build-fuzz
+# Of the usual build: finished runs are seeds too.
+program=("${BUILD_DIR:-$root/build}/voxweld")
+[ -x "${program[0]}" ] || program=()
 seconds=60 jobs=$(nproc) modules='' finds=$build/finds
 entries=()
 while [ $# -gt 0 ]; do
@@ -66,7 +70,7 @@ fi
 scratch=$(mktemp -d "$([ -w /dev/shm ] && echo /dev/shm || echo "${TMPDIR:-/tmp}")/voxweld-fuzz-XXXXXX")
 trap 'rm -rf "$scratch"' EXIT
 mkdir -p "$finds" "$scratch/logs"
-TMPDIR=$scratch "$build/write_seeds" "$scratch/seeds"
+TMPDIR=$scratch "$build/write_seeds" "$scratch/seeds" "${program[@]}"
 
 # fuzz ENTRY: until the time is over. libFuzzer ends with each find: then again, five times at most.
 fuzz() {
@@ -77,9 +81,9 @@ fuzz() {
   for turn in 1 2 3 4 5; do
     left=$((end - SECONDS))
     [ "$left" -gt 0 ] || break
-    # The clock's limit is for inputs that wait; processor time is counted by the program.
+    # A module has copies of code that the program has as well. The clock's limit is for inputs that wait; processor time is counted by the program.
     TMPDIR=$scratch/tmp-$entry VOXWELD_PARSER=$entry VOXWELD_MODULES=$build \
-      UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
+      ASAN_OPTIONS=detect_odr_violation=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
       "$build/fuzz_parsers" -max_total_time="$left" -timeout=60 -max_len=65536 \
       -malloc_limit_mb=512 -rss_limit_mb=2048 -print_final_stats=1 -verbosity=1 \
       -artifact_prefix="$finds/$entry-" "${folders[@]}" \
