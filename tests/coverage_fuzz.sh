@@ -17,19 +17,23 @@ build=$root/build-fuzz
 # Of the usual build: finished runs are seeds too.
 program=("${BUILD_DIR:-$root/build}/voxweld")
 [ -x "${program[0]}" ] || program=()
-seconds=60 jobs=$(nproc) modules='' finds=$build/finds
+seconds=60 jobs=$(nproc) modules=() finds=$build/finds
 entries=()
+in_modules=(tiff hdf5 dicom image) # so are their entries called
 while [ $# -gt 0 ]; do
   case $1 in
     --seconds) seconds=$2 && shift ;;
     --jobs) jobs=$2 && shift ;;
     --finds) finds=$2 && shift ;;
-    --modules) modules=1 ;;
+    --modules) modules=("${in_modules[@]}") ;;
     -*)
       echo "unknown option $1; see --help" >&2
       exit 2
       ;;
-    *) entries+=("$1") ;;
+    *)
+      entries+=("$1")
+      case " ${in_modules[*]} " in *" $1 "*) modules+=("$1") ;; esac
+      ;;
   esac
   shift
 done
@@ -42,9 +46,8 @@ cmake -C "$root/configs/presets/fuzzers.cmake" -S "$root" -B "$build" -G Ninja >
 # The modules that the build can have, among those with entries.
 targets=(fuzz_parsers write_seeds)
 there=()
-for module in tiff hdf5 dicom image; do
-  if [ -n "$modules" ] && [ -d "$build/storage" ] &&
-    ninja -C "$build" -t query "voxweld_${module}_module" >/dev/null 2>&1; then
+for module in "${modules[@]}"; do
+  if ninja -C "$build" -t query "voxweld_${module}_module" >/dev/null 2>&1; then
     targets+=("voxweld_${module}_module")
     there+=("$module")
   fi
@@ -81,7 +84,8 @@ fuzz() {
   for turn in 1 2 3 4 5; do
     left=$((end - SECONDS))
     [ "$left" -gt 0 ] || break
-    # A module has copies of code that the program has as well. The clock's limit is for inputs that wait; processor time is counted by the program.
+    # The clock's limit is for inputs that wait; processor time is counted by the program. Modules
+    # have copies of code that the program has as well.
     TMPDIR=$scratch/tmp-$entry VOXWELD_PARSER=$entry VOXWELD_MODULES=$build \
       ASAN_OPTIONS=detect_odr_violation=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
       "$build/fuzz_parsers" -max_total_time="$left" -timeout=60 -max_len=65536 \
