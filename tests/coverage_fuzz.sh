@@ -77,7 +77,9 @@ TMPDIR=$scratch "$build/write_seeds" "$scratch/seeds" "${program[@]}"
 
 # fuzz ENTRY: until the time is over. libFuzzer ends with each find: then again, five times at most.
 fuzz() {
-  local entry=$1 end=$((SECONDS + seconds)) turn left
+  local entry=$1 end=$((SECONDS + seconds)) turn left leaks=1
+  # HDF5 1.10 loses some bytes of each damaged dataset that it refuses (H5D__layout_oh_read).
+  [ "$entry" != hdf5 ] || leaks=0
   mkdir -p "$build/corpus/$entry" "$scratch/seeds/$entry" "$scratch/tmp-$entry"
   local folders=("$build/corpus/$entry" "$scratch/seeds/$entry")
   [ ! -d "$root/tests/fuzz/finds/$entry" ] || folders+=("$root/tests/fuzz/finds/$entry")
@@ -89,7 +91,7 @@ fuzz() {
     TMPDIR=$scratch/tmp-$entry VOXWELD_PARSER=$entry VOXWELD_MODULES=$build \
       ASAN_OPTIONS=detect_odr_violation=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
       "$build/fuzz_parsers" -max_total_time="$left" -timeout=60 -max_len=65536 \
-      -malloc_limit_mb=512 -rss_limit_mb=2048 -print_final_stats=1 -verbosity=1 \
+      -detect_leaks=$leaks -malloc_limit_mb=512 -rss_limit_mb=2048 -print_final_stats=1 -verbosity=1 \
       -artifact_prefix="$finds/$entry-" "${folders[@]}" \
       >"$scratch/logs/$entry.$turn" 2>&1 && break
     # What stopped it, where it is to be looked for.
