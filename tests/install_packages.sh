@@ -17,7 +17,7 @@ packages=(
   python3-numpy python3-zarr python3-vtk9 python3-mrcfile python3-pydicom python3-gdcm
   dcmtk python3-openvdb python3-h5py python3-numcodecs python3-nibabel python3-tifffile libtiff-tools
   # checks
-  clang-format clang-tidy
+  clang-format clang-tidy clang libclang-rt-dev
 )
 
 want "${packages[@]}"

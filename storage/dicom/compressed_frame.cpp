@@ -117,9 +117,9 @@ bool jpeg_2000_facts(Stored data, StreamFacts& facts) {
   constexpr std::array start{std::byte{0xff}, std::byte{0x4f}, std::byte{0xff}, std::byte{0x51}};
   constexpr std::size_t searched = 4096, header = 47;
   const Stored front = data.first(std::min(searched, data.size()));
-  const auto found = std::ranges::search(front, start);
-  if (found.empty()) return false;
-  const auto at = static_cast<std::size_t>(found.begin() - front.begin());
+  const auto found = std::search(front.begin(), front.end(), start.begin(), start.end());
+  if (found == front.end()) return false;
+  const auto at = static_cast<std::size_t>(found - front.begin());
   if (data.size() - at < header) return false;
   const Stored siz = data.subspan(at);
   const std::uint64_t x1 = big32(siz, 8), y1 = big32(siz, 12), x0 = big32(siz, 16),

@@ -155,8 +155,11 @@ std::string lz4_blocks_decode(std::span<const std::byte> encoded, std::span<std:
 
 // xz, or the older .lzma.
 std::string xz_decode(std::span<const std::byte> encoded, std::span<std::byte> out) {
-  // A header's dictionary is memory that is asked for, but touched as far as there are samples.
-  constexpr std::uint64_t most_memory = std::uint64_t{1} << 30;
+  // A header's dictionary is memory that is asked for at once, though touched as far as there are
+  // samples only. More than the largest preset asks for, and more than twice what there is to
+  // decode, is damage.
+  constexpr std::uint64_t largest_preset = std::uint64_t{80} << 20;
+  const std::uint64_t most_memory = std::max<std::uint64_t>(largest_preset, 2 * out.size());
   lzma_stream stream = LZMA_STREAM_INIT;
   if (lzma_auto_decoder(&stream, most_memory, 0) != LZMA_OK) return "xz: out of memory";
   stream.next_in = reinterpret_cast<const std::uint8_t*>(encoded.data());
@@ -165,8 +168,11 @@ std::string xz_decode(std::span<const std::byte> encoded, std::span<std::byte> o
   stream.avail_out = out.size();
   const lzma_ret code = lzma_code(&stream, LZMA_FINISH);
   const std::size_t missing = stream.avail_out;
+  const std::uint64_t asked = lzma_memusage(&stream);
   lzma_end(&stream);
-  if (code == LZMA_MEMLIMIT_ERROR) return "xz: would take more than 1 GiB to decode";
+  if (code == LZMA_MEMLIMIT_ERROR)
+    return fmt::format("xz: its header asks for {} bytes of memory for {} bytes, {} are given",
+                       asked, out.size(), most_memory);
   if (code == LZMA_BUF_ERROR || code == LZMA_OK)
     return missing == 0 ? "xz holds more bytes than expected" : "xz: truncated";
   if (code != LZMA_STREAM_END) return fmt::format("xz: damaged (error {})", static_cast<int>(code));

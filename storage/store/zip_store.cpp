@@ -99,7 +99,7 @@ class ZipStore final : public ByteStore {
                                               : members_.lower_bound(prefix + names.back() + '0');
     }
     std::ranges::sort(names);
-    names.erase(std::ranges::unique(names).begin(), names.end());
+    names.erase(std::unique(names.begin(), names.end()), names.end());
     return names;
   }
 

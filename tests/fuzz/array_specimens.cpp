@@ -168,12 +168,14 @@ void write_arrays(VolumeWriter& to, const std::filesystem::path& program,
   Specimen n5 = to.begin("n5");
   write_n5(n5.folder / "v.n5");
   to.finish(std::move(n5), "v.n5");
-  Specimen sharded = to.begin("zarr-sharded");
-  const ProcessEnd made = run_watched(
-      {program.string(), "phantom", "sphere", "--size", "20", "--type", "uint8", "-o", "v.zarr"},
-      sharded.folder, scratch / "made");
-  if (made.exit_code != 0) throw std::runtime_error(made.err);
-  to.finish(std::move(sharded), "v.zarr");
+  if (!program.empty()) {
+    Specimen sharded = to.begin("zarr-sharded");
+    const ProcessEnd made = run_watched(
+        {program.string(), "phantom", "sphere", "--size", "20", "--type", "uint8", "-o", "v.zarr"},
+        sharded.folder, scratch / "made");
+    if (made.exit_code != 0) throw std::runtime_error(made.err);
+    to.finish(std::move(sharded), "v.zarr");
+  }
 #ifdef VOXWELD_HDF5
   Specimen hdf5 = to.begin("hdf5");
   write_hdf5(hdf5.folder / "v.h5");

@@ -33,22 +33,30 @@ class Maker {
   std::vector<Specimen> all() {
     fs::create_directories(root_ / "inputs");
     specimens_ = write_volumes(program_, root_);
-    make("inputs", {"phantom", "gyroid", "--size", "24", "--type", "uint8", "-o", "v.nrrd"});
-    make("inputs", {"phantom", "labels", "--size", "24", "--type", "uint8", "-o", "l.nrrd"});
+    if (!program_.empty()) phantoms();
     write_mesh(root_ / "inputs" / "little.ply", dented_ball({0, 0, 0}, 10, 3));
     meshes();
     configs();
     label_maps();
+    if (!program_.empty()) runs();
+    return std::move(specimens_);
+  }
+
+ private:
+  void phantoms() const {
+    make("inputs", {"phantom", "gyroid", "--size", "24", "--type", "uint8", "-o", "v.nrrd"});
+    make("inputs", {"phantom", "labels", "--size", "24", "--type", "uint8", "-o", "l.nrrd"});
+  }
+
+  void runs() {
     const std::string volume = input("v.nrrd") + "[surface]\nisovalue = 127.5\n";
     finished("volume", volume + "inside = \"below\"\n");
     finished("copied", volume + "inside = \"below\"\n", "copy = true\n");
     finished("each", input("l.nrrd") + "[labels]\nmode = \"each\"\n");
     finished("shared", input("l.nrrd") + "[labels]\nmode = \"shared\"\n", "copy = true\n");
     finished("mesh", input("little.ply") + "resolution = 20\n");
-    return std::move(specimens_);
   }
 
- private:
   std::string input(const std::string& name) const {
     return fmt::format("[input]\npath = \"{}\"\n", (root_ / "inputs" / name).string());
   }

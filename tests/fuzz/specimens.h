@@ -14,13 +14,15 @@ struct Specimen {
   std::string name;
   std::filesystem::path folder;      // to be copied; commands run in the copy
   std::vector<std::string> targets;  // files in it that may be changed
+  std::string input;                 // of volumes: the file or folder that is opened
   std::vector<Words> commands;       // voxweld's arguments
   // Of outputs and work: what is in case.mesh, by name, but the manifest. Whatever becomes of them,
   // a run leaves this again.
   std::map<std::string, std::string> clean;
 };
 
-// Makes them below `root` with the program. The same each time but for times and names.
+// Makes them below `root` with the program; without one (an empty path) those that need none. The
+// same each time but for times and names.
 std::vector<Specimen> make_specimens(const std::filesystem::path& program,
                                      const std::filesystem::path& root);
 

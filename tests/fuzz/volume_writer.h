@@ -44,6 +44,7 @@ class VolumeWriter {
           specimen.targets.push_back(
               std::filesystem::relative(entry.path(), specimen.folder).string());
     std::sort(specimen.targets.begin(), specimen.targets.end());
+    specimen.input = input;
     write_bytes(specimen.folder / "case.toml",
                 fmt::format("[input]\npath = \"{}\"\n{}[surface]\nisovalue = 100\n[work]\nbrick = "
                             "16\nshard = 2\nchunk = 16\n[run]\nthreads = 2\nmemory = \"256MiB\"\n",
