@@ -97,7 +97,7 @@ void add_run_command(CLI::App& app, Program& program) {
   auto arguments = std::make_shared<RunArguments>();
   add_config_options(*run, *arguments);
   add_force(*run, *arguments);
-  run->add_flag("--dry-run", arguments->dry_run, "Says what would run and why, and does nothing");
+  run->add_flag("--dry-run", arguments->dry_run, "Says what would run and why, and runs nothing");
   run->add_flag("--json", arguments->json, "Prints the manifest on standard output at the end");
   when_chosen(*run, program, [&program, arguments] {
     const std::vector<RunArguments> surfaces = each_surface(*arguments);

@@ -15,6 +15,16 @@ std::string known_formats() {
   return text;
 }
 
+// Where the text is no such number CLI11 would tell of its type's whole range.
+CLI::Validator whole_number() {
+  return {[](std::string& text) {
+            const bool digits = !text.empty() && text.size() < 19 &&
+                                text.find_first_not_of("0123456789") == std::string::npos;
+            return digits ? std::string() : "expected an integer of at least 0, found " + text;
+          },
+          ""};
+}
+
 void add_selection(CLI::App& command, VolumeArguments& arguments) {
   const char* group = "Which volume, where a file or folder holds several";
   InputSelection& select = arguments.select;
@@ -23,7 +33,7 @@ void add_selection(CLI::App& command, VolumeArguments& arguments) {
   command.add_option("--series", select.series, "DICOM: UID of the series, or its number")
       ->group(group);
   const auto number = [&](const char* name, std::optional<std::int64_t>& value, const char* text) {
-    command.add_option(name, value, text)->check(CLI::NonNegativeNumber)->group(group);
+    command.add_option(name, value, text)->check(whole_number())->group(group);
   };
   number("--level", select.level, "Which resolution; 0 is the finest");
   number("--channel", select.channel, "Which channel, counted from 0");

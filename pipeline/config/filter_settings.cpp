@@ -126,11 +126,13 @@ std::vector<FilterSetting> other_settings() {
                            "\"zyx\" x and z change places.",
                            "\"zyx\""},
                           axis_order(), {permute})),
-      required(filter_row({"path",
-                           "A volume of integers that has the size the samples have here: a file "
-                           "or folder of any format that is read.",
-                           "\"mask.nrrd\""},
-                          member(&FilterConfig::path, PathRule{}), {mask})),
+      required(
+          filter_row({"path",
+                      "A volume of integers that has the size the samples have here, in a file "
+                      "or folder of any format that is read. Samples correspond by their "
+                      "index.",
+                      "\"mask.nrrd\""},
+                     member(&FilterConfig::path, PathRule{}), {mask})),
       open("all but 0",
            filter_row({"values", "Where the mask has one of these, samples stay as they are.",
                        "[1, \"5-9\"]"},
@@ -146,11 +148,12 @@ std::vector<FilterSetting> other_settings() {
            filter_row(
                {"min_voxels", "Pieces of the material with fewer samples are taken away.", "1000"},
                voxels(&FilterConfig::min_voxels), {keep})),
-      required(filter_row({"max_voxels",
-                           "Holes in the material of at most so many samples are "
-                           "filled.",
-                           "1000"},
-                          voxels(&FilterConfig::max_voxels), {fill})),
+      required(
+          filter_row({"max_voxels",
+                      "Holes in the material of at most so many samples are filled. A hole does "
+                      "not reach the volume's border.",
+                      "1000"},
+                     voxels(&FilterConfig::max_voxels), {fill})),
       open("the greatest sample where inside is above, else the least",
            filter_row({"inside", "The real value that the samples of filled holes get.", "255.0"},
                       member(&FilterConfig::inside, NumberRule{}), {fill}))};

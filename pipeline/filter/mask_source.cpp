@@ -1,6 +1,7 @@
 #include "pipeline/filter/mask_source.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cstring>
@@ -10,6 +11,7 @@
 
 #include "stages/filter/stored_value.h"
 #include "storage/support/error.h"
+#include "storage/types/counted_from_zero.h"
 
 namespace voxweld {
 namespace {
@@ -107,6 +109,30 @@ class MaskSource final : public SampleSource {
   throw InputError(fmt::format("filter {}: {}", request.number, problem));
 }
 
+// Whether both say the same of where their samples lie, to a tenth of one; what says nothing agrees.
+bool same_place(const VolumeGeometry& a, const VolumeGeometry& b) {
+  const auto silent = [](const VolumeGeometry& g) {
+    const VolumeGeometry nothing;
+    return g.spacing == nothing.spacing && g.origin == nothing.origin &&
+           g.direction == nothing.direction;
+  };
+  if (silent(a) || silent(b)) return true;
+  const auto corner = [](const VolumeGeometry& g, int number) {
+    Vec3 at = counted_from_zero(g).origin;
+    for (int axis = 0; axis < 3; ++axis)
+      if ((number >> axis & 1) != 0)
+        at = at + g.direction[static_cast<std::size_t>(axis)] *
+                      (g.spacing[axis] * static_cast<double>(g.size[axis] - 1));
+    return at;
+  };
+  const double near = 0.1 * std::min({a.spacing.x, a.spacing.y, a.spacing.z});
+  for (int number = 0; number < 8; ++number) {
+    const Vec3 apart = corner(a, number) - corner(b, number);
+    if (!(dot(apart, apart) <= near * near)) return false;
+  }
+  return true;
+}
+
 // The value as a sample. Integers hold whole numbers within their range only.
 std::vector<std::byte> sample_of(const MaskRequest& request, const VolumeInfo& info) {
   const double real = request.filter.outside.value_or(0);
@@ -135,6 +161,11 @@ std::shared_ptr<SampleSource> mask_source(std::shared_ptr<SampleSource> source,
                             "expected the same size; mask before filters that change the size, and "
                             "crop the mask as the volume is cropped",
                             path, own.x, own.y, own.z, size.x, size.y, size.z));
+  if (!same_place(source->info().geometry, mask->info().geometry))
+    spdlog::warn(
+        "filter {}: {} says that it lies elsewhere in the world than what it masks, or turned "
+        "otherwise: its samples are taken by their index all the same",
+        request.number, path);
   auto outside = sample_of(request, source->info());
   return std::make_shared<MaskSource>(std::move(source), std::move(mask), request.filter,
                                       std::move(outside));

@@ -61,13 +61,14 @@ StoredBits value_found(const PieceRule& rule, SampleType type, const FoundPieces
 void tell_of(const PieceRule& rule, const PieceChangesSummary& s) {
   const auto type = static_cast<SampleType>(s.type);
   const std::string becomes =
-      s.changed_samples == 0 ? "nothing changes"
-                             : fmt::format("{} samples of {} become {}", grouped(s.changed_samples),
-                                           grouped(s.samples), stored_text(type, s.value));
+      s.changed_samples == 0
+          ? "nothing changes"
+          : fmt::format("{} of their {} samples become {}", grouped(s.changed_samples),
+                        grouped(s.samples), stored_text(type, s.value));
   const bool keep = takes_away(rule);
   spdlog::info("{}: {} of {} {} {}, {}", filter_name(rule),
                grouped(keep ? s.pieces - s.changed_pieces : s.changed_pieces), grouped(s.pieces),
-               keep ? "pieces" : "voids", keep ? "kept" : "filled", becomes);
+               keep ? "pieces" : "holes", keep ? "kept" : "filled", becomes);
 }
 
 // While it lives, units run in this process, whatever the context's executor is.

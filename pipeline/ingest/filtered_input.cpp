@@ -1,5 +1,7 @@
 #include "pipeline/ingest/filtered_input.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <mutex>
 #include <utility>
@@ -13,6 +15,7 @@
 #include "pipeline/stage/artifacts.h"
 #include "stages/contouring/stored_surface.h"
 #include "storage/store/store_source.h"
+#include "storage/support/error.h"
 
 namespace voxweld {
 namespace {
@@ -93,10 +96,18 @@ std::shared_ptr<const EarlierIngest> plan_earlier(const Config& config,
 }
 
 // Adds the filter's mask to the job's earlier ingests, where it has one.
-std::shared_ptr<SampleSource> plan_mask(const Config& config, const FilterConfig& filter,
+std::shared_ptr<SampleSource> plan_mask(const Config& config, std::size_t number,
                                         const InterruptFlag* interrupt, IngestJob& job) {
+  const FilterConfig& filter = config.filters[number - 1];
   if (filter.type != FilterType::mask) return nullptr;
-  job.earlier.push_back(plan_earlier(config_of_mask(config, filter), interrupt));
+  try {
+    job.earlier.push_back(plan_earlier(config_of_mask(config, filter), interrupt));
+  } catch (const Error& error) {
+    if (error.exit_code() != 2) throw;
+    throw InputError(
+        fmt::format("filter {}: the mask cannot be opened; its file has to hold one volume: {}",
+                    number, error.what()));
+  }
   return std::make_shared<LaterVolume>(job.earlier.back());
 }
 
@@ -151,8 +162,9 @@ IngestJob plan_filtered(const Config& config, const std::filesystem::path& folde
     source = pieces_source(source, job.pieces->path, job.pieces->key);
   }
   for (; next < config.filters.size(); ++next) {
-    const FilterConfig& filter = config.filters[next];
-    source = filter_source(source, {filter, next + 1, plan_mask(config, filter, interrupt, job)});
+    const std::size_t number = next + 1;
+    source = filter_source(
+        source, {config.filters[next], number, plan_mask(config, number, interrupt, job)});
   }
   job.filtered = true;
   job.input = source;

@@ -19,9 +19,17 @@ namespace voxweld {
 namespace {
 
 std::string values_text(const ValueRange& range) {
+  if (!range.empty && range.lo == range.hi)
+    return fmt::format("all samples are {}", isovalue_text(range.lo));
   return range.empty ? "all samples are NaN, which counts as outside"
                      : fmt::format("the values run from {} to {}", isovalue_text(range.lo),
                                    isovalue_text(range.hi));
+}
+
+// What the messages are about: filters may have made other values of the file's.
+std::string volume_text(const Config& config) {
+  const std::string path = config.input.path.string();
+  return config.filters.empty() ? path : path + ", filtered";
 }
 
 // Whether a range says that all samples are inside.
@@ -90,8 +98,8 @@ void check_surface(RunContext& context, Stages& stages) {
       "surface.isovalue = {}: no surface: no sample is {} it. {}: {}{}",
       isovalue_text(*context.config.surface.isovalue),
       context.config.surface.inside == SurfaceConfig::Inside::above ? "at or above" : "at or below",
-      context.config.input.path.string(), values_text(range),
-      range.empty ? "" : "; choose one between"));
+      volume_text(context.config), values_text(range),
+      range.empty || range.lo == range.hi ? "" : "; choose one between"));
 }
 
 // A directory that cannot be written is better found now than after hours of work. Nothing is made

@@ -191,10 +191,11 @@ std::string chosen_dataset(const Hdf5File& file, const InputSpec& spec, VolumeIn
         file.path(), all.size(), list_of(catalog)));
   if (spec.survey && spec.select.dataset.empty() && all.size() > 1 &&
       chosen != default_dataset(file))
-    info.warnings.push_back(fmt::format(
-        "{}: holds {} datasets that may be the volume; this is {}, the largest: set input.dataset "
-        "or --dataset to choose",
-        file.path(), all.size(), chosen));
+    info.warnings.push_back(
+        fmt::format("{}: holds {} datasets that may be the volume; this is {}, the first of the "
+                    "largest: set input.dataset "
+                    "or --dataset to choose",
+                    file.path(), all.size(), chosen));
   return chosen;
 }
 

@@ -67,7 +67,7 @@ TEST(Pieces, TellsWhatIsFoundOnceOnly) {
   for (int i = 0; i < 2; ++i)
     find_pieces(setting.context, volume, rule_of(What::keep, 0), directory / "a", test_key);
   spdlog::set_default_logger(before);
-  EXPECT_EQ(text.str(), "keep: 1 of 2 pieces kept, 2,880 samples of 12,480 become 0\n");
+  EXPECT_EQ(text.str(), "keep: 1 of 2 pieces kept, 2,880 of their 12,480 samples become 0\n");
   EXPECT_TRUE(pieces_are_found(directory / "a", test_key));
   EXPECT_FALSE(pieces_are_found(directory / "a", Hash128{3, 5}));
   EXPECT_FALSE(pieces_are_found(directory / "b", test_key));

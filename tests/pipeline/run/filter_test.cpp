@@ -235,6 +235,24 @@ TEST(Filter, AMaskLeavesWhatItCovers) {
   EXPECT_EQ(components(scene), 1U);
   EXPECT_NEAR(enclosed_volume(mesh_of(scene)), volume_of_ball(9), 0.01 * volume_of_ball(9));
 
+  // A mask that says it lies elsewhere is told of.
+  std::string header = text_of_file(path);
+  const std::string plain = header, spacings = "spacings: 1 1 1\n";
+  header.replace(header.find(spacings), spacings.size(),
+                 "space: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (3,0,0)\n");
+  std::ofstream(path, std::ios::binary) << header;
+  const ProgramResult elsewhere = scene.run({"input.spacing=2"});
+  VOXWELD_EXPECT_DONE(elsewhere);
+  expect_says(elsewhere, "elsewhere in the world");
+  std::ofstream(path, std::ios::binary) << plain;
+
+  filters.set("[[filter]]\ntype = \"mask\"\npath = \"scene.toml\"\n");
+  expect_refused(scene.run(), "filter 1: missing key outside");
+  filters.set("[[filter]]\ntype = \"mask\"\npath = \"scene.toml\"\noutside = 0\n");
+  expect_refused(scene.run(), "filter 1: the mask cannot be opened");
+  filters.set("[[filter]]\ntype = \"window\"\nclip = [0, 100]\n");
+  expect_refused(scene.run(), "filtered: the values run from 20 to 100");
+
   filters.set("[[filter]]\ntype = \"downsample\"\n" + mask);
   expect_refused(scene.run(), "expected the same size");
   filters.set("[[filter]]\ntype = \"mask\"\npath = \"mask.nrrd\"\noutside = 300\n");
