@@ -88,7 +88,7 @@ Binding<Owner> bound(Rule rule, At at) {
 
 // An enumeration: names[i] is the name of the enumerator i.
 template <class Owner, class At>
-Binding<Owner> bound_choice(std::vector<std::string> names, At at) {
+Binding<Owner> bound_choice(const std::vector<std::string>& names, At at) {
   return bound<Owner>(
       ChoiceRule{names}, at,
       [names](const ConfigValue& value, auto& member) {

@@ -26,11 +26,15 @@ class KeptValues {
 
   template <class T>
   bool operator()(T value) const {
-    if (ranges_.empty()) return value != 0;
-    if (std::is_signed_v<T> && value < 0) return false;
-    const auto label = static_cast<std::uint64_t>(value);
-    const auto after = std::ranges::upper_bound(ranges_, label, {}, &LabelRange::first);
-    return after != ranges_.begin() && label <= std::prev(after)->last;
+    if constexpr (std::is_floating_point_v<T>) {
+      return false;  // masks are of integers
+    } else {
+      if (ranges_.empty()) return value != 0;
+      if (std::is_signed_v<T> && value < 0) return false;
+      const std::uint64_t label = static_cast<std::make_unsigned_t<T>>(value);
+      const auto after = std::ranges::upper_bound(ranges_, label, {}, &LabelRange::first);
+      return after != ranges_.begin() && label <= std::prev(after)->last;
+    }
   }
 
  private:

@@ -199,6 +199,7 @@ FoundPieces pass_over_pieces(RunContext& context, const SampleSource& source, co
   InOrder<BandDigest> order(workers_of * ahead, context.interrupt,
                             [&](std::size_t, BandDigest&& band) { assembly.add(std::move(band)); });
   std::vector<std::unique_ptr<PieceWorker>> workers;
+  workers.reserve(workers_of);
   for (int i = 0; i < threads; ++i) workers.push_back(std::make_unique<PieceWorker>());
   std::vector<Unit> units;
   for (std::uint64_t i = 0; i < grid.bands(); ++i) {

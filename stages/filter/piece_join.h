@@ -40,7 +40,7 @@ class PieceJoin {
 
  private:
   // A parent, which grows to twice that; facts here and those that are carried; a group; its next.
-  static constexpr std::uint64_t node_bytes = 3 * 4 + 2 * sizeof(PieceFacts) + 4 + 4;
+  static constexpr std::uint64_t node_bytes = 5 * sizeof(std::uint32_t) + 2 * sizeof(PieceFacts);
 
   void join(const FaceRuns& a, const FaceRuns& b);
   void unite(std::uint32_t a, std::uint32_t b);

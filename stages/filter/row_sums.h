@@ -28,7 +28,7 @@ void sum_row_part(const T* const* rows, const double* weights, std::int64_t radi
     else
       return std::integral_constant<int, 1>{};
   };
-  const auto times = [](A sum, auto w) {
+  const auto times = [](A sum, [[maybe_unused]] auto w) {
     if constexpr (weighted)
       return sum * w;
     else

@@ -101,7 +101,7 @@ fs::path write_case(Bytes bytes, const std::string& ending) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const auto head = text.starts_with(mark) ? part_at(text, 0) : std::nullopt;
   if (!head) {
-    const fs::path path = folder / fmt::format("v{}", ending);
+    fs::path path = folder / fmt::format("v{}", ending);
     write_file(path, text);
     return path;
   }

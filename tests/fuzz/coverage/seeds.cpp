@@ -45,6 +45,7 @@ std::string bytes_of(const Specimen& specimen) {
     return name == specimen.input || name.starts_with(specimen.input + "/");
   });
   std::vector<std::pair<std::string, std::string>> files;
+  files.reserve(names.size());
   for (const std::string& name : names)
     files.emplace_back(name, bytes_of_file(specimen.folder / name));
   return files.size() == 1 && specimen.input == names.front() ? files.front().second

@@ -83,7 +83,8 @@ TEST(FilterError, NamesPlaceFilterKeyExpectedAndFound) {
     const std::string type = testing::split(wrong_key.name, " ")[0];
     const std::string key = testing::split(wrong_key.name, " ")[1];
     for (const WrongValue& wrong : wrong_key.values) {
-      std::string text = mean_text + "[[filter]]\n" + key + " = " + wrong.value + "\n";
+      std::string text = mean_text;
+      text.append("[[filter]]\n").append(key).append(" = ").append(wrong.value).append("\n");
       if (key != "type") text += "type = " + toml_string(type) + "\n";
       EXPECT_EQ(error_of(least_config(text)),
                 fmt::format("/data/scan.toml:7:{}: filter 2: {}: expected {}, found {}",

@@ -116,7 +116,8 @@ TEST(FilterKeys, PiecesAreKeyedByTheSurface) {
     const Config before = parse(least_config(filter_sample(type)));
     const bool global = type == FilterType::keep || type == FilterType::fill;
     for (const auto& [name, value] : changes) {
-      const Config after = parse(least_config(filter_sample(type)), {name + "=" + value});
+      const Config after =
+          parse(least_config(filter_sample(type)), {std::string(name).append("=").append(value)});
       const bool seen = global && name != "surface.border";
       EXPECT_EQ(keys_changed(before, after).contains(Stage::ingest), seen) << name;
       EXPECT_EQ(changed_settings(before, after).at(0).read_by(Stage::ingest), seen) << name;

@@ -100,7 +100,7 @@ Grid<double> plain_mean(const Grid<T>& in, Index3 radius) {
 }
 
 inline std::vector<long double> plain_weights(double sigma) {
-  const auto radius = static_cast<int>(4 * sigma + 0.5);
+  const auto radius = static_cast<int>(std::floor(4 * sigma + 0.5));
   std::vector<long double> weights;
   long double sum = 0;
   for (int k = -radius; k <= radius; ++k) {
