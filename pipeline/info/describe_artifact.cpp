@@ -1,9 +1,11 @@
 // The artifacts of build, merge, stitch and encode, and ingest's histogram and labels.
 #include "pipeline/info/kinds.h"
 #include "pipeline/info/label_survey.h"
+#include "stages/filter/stored_value.h"
 #include "storage/artifact/asset_record.h"
 #include "storage/artifact/histogram_artifact.h"
 #include "storage/artifact/label_shard_artifact.h"
+#include "storage/artifact/piece_changes.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/top_artifact.h"
@@ -181,6 +183,24 @@ InfoDocument describe_labels(const fs::path& path) {
   return document;
 }
 
+// What keep or fill found.
+InfoDocument describe_pieces(const fs::path& path) {
+  const PieceChanges artifact(path);
+  const PieceChangesSummary& summary = artifact.summary();
+  InfoDocument document = artifact_document("pieces", path, artifact, piece_changes_version);
+  const auto type = static_cast<SampleType>(summary.type);
+  document["filter"] = summary.outside != 0 ? "fill" : "keep";
+  document["size"] = facts_of(summary.size);
+  document["type"] = sample_type_name(type);
+  document["pieces"] = summary.pieces;
+  document["changed_pieces"] = summary.changed_pieces;
+  document["samples"] = summary.samples;
+  document["changed_samples"] = summary.changed_samples;
+  document["stored_isovalue"] = summary.isovalue;
+  document["stored_value"] = stored_text(type, summary.value);
+  return document;
+}
+
 InfoDocument describe_kind(const fs::path& path, const ArtifactHead& head,
                            const InfoOptions& options) {
   const std::string kind = head.name();
@@ -190,6 +210,7 @@ InfoDocument describe_kind(const fs::path& path, const ArtifactHead& head,
   if (kind == "tile") return describe_tile(path);
   if (kind == "hist") return describe_histogram(path);
   if (kind == "lcnt") return describe_labels(path);
+  if (kind == "pcch") return describe_pieces(path);
   if (kind == "mesh" || kind == "mbin" || kind == "mtab") return describe_mesh_pieces(path, kind);
   if (kind == "shrd") return describe_shard_record(path, options);
   if (kind == "spol") {

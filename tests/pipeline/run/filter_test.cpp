@@ -307,6 +307,12 @@ TEST(Filter, WhatWasFoundOfPiecesIsMadeAgainWhereItIsDamaged) {
   const Tree tree = output_tree(scene.output());
   const std::vector<fs::path> found = files_ending(scene.work(), "pieces");
   ASSERT_EQ(found.size(), 1U);
+  const ProgramResult told = run_voxweld({"info", "--json", found.front().string()});
+  VOXWELD_EXPECT_DONE(told);
+  const auto facts = nlohmann::json::parse(told.out);
+  EXPECT_EQ(facts.at("filter"), "keep");
+  EXPECT_EQ(facts.at("pieces"), 3);
+  EXPECT_EQ(facts.at("changed_pieces"), 2);
   const std::string whole = text_of_file(found.front());
   for (const std::size_t at : {whole.size() / 2, whole.size() - 3}) {
     std::string damaged = whole;
