@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # Has libFuzzer look for inputs that break a parser (fuzz/README.md), each entry for a while. What is
 # found stays in a folder. Prints a table; exit code 1 with finds.
-# Usage: tests/coverage_fuzz.sh [--seconds T] [--jobs N] [--modules] [--finds FOLDER] [ENTRY...]
+# Usage: tests/coverage_fuzz.sh [--seconds T] [--jobs N] [--seed N] [--modules] [--finds FOLDER]
+#        [ENTRY...]
 #   --seconds   for each entry, 60
 #   --jobs      entries at once, as many as there are processors
+#   --seed      of the choices it makes, 0: another one each time (0)
 #   --modules   also the entries that are in modules (tiff, hdf5, dicom, image)
 #   --finds     build-fuzz/finds
 # With the usual build (BUILD_DIR, else build) there are more seeds.
@@ -17,12 +19,13 @@ build=$root/build-fuzz
 # Of the usual build: finished runs are seeds too.
 program=("${BUILD_DIR:-$root/build}/voxweld")
 [ -x "${program[0]}" ] || program=()
-seconds=60 jobs=$(nproc) modules=() finds=$build/finds
+seconds=60 seed=0 jobs=$(nproc) modules=() finds=$build/finds
 entries=()
 in_modules=(tiff hdf5 dicom image) # so are their entries called
 while [ $# -gt 0 ]; do
   case $1 in
     --seconds) seconds=$2 && shift ;;
+    --seed) seed=$2 && shift ;;
     --jobs) jobs=$2 && shift ;;
     --finds) finds=$2 && shift ;;
     --modules) modules=("${in_modules[@]}") ;;
@@ -90,7 +93,7 @@ fuzz() {
     # have copies of code that the program has as well.
     TMPDIR=$scratch/tmp-$entry VOXWELD_PARSER=$entry VOXWELD_MODULES=$build \
       ASAN_OPTIONS=detect_odr_violation=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
-      "$build/fuzz_parsers" -max_total_time="$left" -timeout=60 -max_len=65536 \
+      "$build/fuzz_parsers" -max_total_time="$left" -seed="$seed" -timeout=60 -max_len=65536 \
       -detect_leaks=$leaks -malloc_limit_mb=512 -rss_limit_mb=2048 -print_final_stats=1 -verbosity=1 \
       -artifact_prefix="$finds/$entry-" "${folders[@]}" \
       >"$scratch/logs/$entry.$turn" 2>&1 && break
@@ -110,7 +113,7 @@ report() {
 }
 
 export -f fuzz report
-export root build scratch finds seconds
+export root build scratch finds seconds seed
 printf '%s\n' "${entries[@]}" | xargs -P "$jobs" -I{} bash -c 'fuzz {}'
 
 printf '%-14s %12s %10s %6s\n' entry executions coverage finds
