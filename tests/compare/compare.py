@@ -120,14 +120,19 @@ def same_places(facts, volume):
 def difference(facts, samples, volume):
     if list(volume.samples.shape[::-1]) != facts["size"]:
         return f"size {facts['size']}, theirs {list(volume.samples.shape[::-1])}"
+    scale = {key: facts[key] for key in ("slope", "intercept")}
+    if scale["slope"] != 1 and volume.slope == 1 and volume.samples.dtype.kind in "ui":
+        # VTK writes bytes as text of n / 255, and multiplies by 255 as it reads.
+        samples = np.rint(samples * scale["slope"] + scale["intercept"]).astype(volume.samples.dtype)
+        scale = {"slope": 1, "intercept": 0}
     found = same_samples(samples, volume.samples) or same_places(facts, volume)
     if found:
         return found
     if volume.unit is not None and facts["unit"] != volume.unit:
         return f"unit '{facts['unit']}', theirs '{volume.unit}'"
     for key in ("slope", "intercept"):
-        if not np.isclose(facts[key], getattr(volume, key), rtol=1e-6, atol=1e-12):
-            return f"{key} {facts[key]}, theirs {getattr(volume, key)}"
+        if not np.isclose(scale[key], getattr(volume, key), rtol=1e-6, atol=1e-12):
+            return f"{key} {scale[key]}, theirs {getattr(volume, key)}"
     return ""
 
 
