@@ -93,8 +93,8 @@ fuzz() {
     # have copies of code that the program has as well.
     TMPDIR=$scratch/tmp-$entry VOXWELD_PARSER=$entry VOXWELD_MODULES=$build \
       ASAN_OPTIONS=detect_odr_violation=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
-      "$build/fuzz_parsers" -max_total_time="$left" -seed="$seed" -timeout=60 -max_len=65536 \
-      -detect_leaks=$leaks -malloc_limit_mb=512 -rss_limit_mb=2048 -print_final_stats=1 -verbosity=1 \
+      "$build/fuzz_parsers" -max_total_time="$left" -seed="$seed" -timeout=60 -report_slow_units=60 \
+      -max_len=65536 -detect_leaks=$leaks -malloc_limit_mb=512 -rss_limit_mb=2048 -print_final_stats=1 -verbosity=1 \
       -artifact_prefix="$finds/$entry-" "${folders[@]}" \
       >"$scratch/logs/$entry.$turn" 2>&1 && break
     # What stopped it, where it is to be looked for.
