@@ -3,13 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "pipeline/filter/mask_source.h"
 #include "stages/filter/kernel.h"
-#include "storage/support/error.h"
 #include "storage/types/counted_from_zero.h"
 
 namespace voxweld {
@@ -91,16 +89,6 @@ class KernelSource final : public SampleSource {
   std::uint64_t most_held_ = most_with_halo;
 };
 
-// What all filters leave of what the source says: samples are made anew, wherever they lay.
-VolumeInfo filtered_info(const VolumeInfo& source) {
-  VolumeInfo info = source;
-  info.access = Access::box;
-  info.chunk = splat(1);
-  info.chunk_first = {};
-  info.row_major = false;
-  return info;
-}
-
 VolumeGeometry flipped(VolumeGeometry geometry, const std::array<bool, 3>& axes) {
   geometry = counted_from_zero(geometry);
   for (int axis = 0; axis < 3; ++axis) {
@@ -139,10 +127,6 @@ VolumeGeometry coarser(VolumeGeometry geometry, Index3 factor) {
   return geometry;
 }
 
-[[noreturn]] void refuse(const FilterRequest& request, const std::string& problem) {
-  throw InputError(fmt::format("filter {}: {}", request.number, problem));
-}
-
 // The config's numbers are real values, the kernel's are stored ones.
 WindowParameters window_parameters(const FilterConfig& filter, const VolumeInfo& info,
                                    SampleType type) {
@@ -174,9 +158,10 @@ void check_factor(const FilterRequest& request, Index3 size) {
   const Index3 factor = request.filter.factor;
   for (int axis = 0; axis < 3; ++axis)
     if (factor[axis] > size[axis])
-      refuse(request, fmt::format("factor = [{}, {}, {}]: expected at most the samples there are "
-                                  "along each axis, {} x {} x {}; lower it",
-                                  factor.x, factor.y, factor.z, size.x, size.y, size.z));
+      refuse_filter(request,
+                    fmt::format("factor = [{}, {}, {}]: expected at most the samples there are "
+                                "along each axis, {} x {} x {}; lower it",
+                                factor.x, factor.y, factor.z, size.x, size.y, size.z));
 }
 
 std::unique_ptr<FilterKernel> kernel_of(const FilterRequest& request, const VolumeInfo& info) {
@@ -212,9 +197,8 @@ std::unique_ptr<FilterKernel> kernel_of(const FilterRequest& request, const Volu
 std::shared_ptr<SampleSource> filter_source(std::shared_ptr<SampleSource> source,
                                             const FilterRequest& request) {
   const FilterConfig& filter = request.filter;
-  VolumeInfo info = filtered_info(source->info());
-  if (filter.type == FilterType::mask)
-    return mask_source(std::move(source), request.mask, {filter, request.number});
+  if (filter.type == FilterType::mask) return mask_source(std::move(source), request);
+  VolumeInfo info = read_by_any_box(source->info());
   auto kernel = kernel_of(request, source->info());
   VolumeGeometry& geometry = info.geometry;
   if (filter.type == FilterType::flip) geometry = flipped(geometry, filter.flipped);

@@ -1,20 +1,12 @@
 // A volume as a filter of the config leaves it: a source around a source.
 #pragma once
 
-#include <cstddef>
 #include <memory>
 
-#include "pipeline/config/config.h"
+#include "pipeline/filter/filter_request.h"
 #include "storage/types/volume.h"
 
 namespace voxweld {
-
-struct FilterRequest {
-  const FilterConfig& filter;  // not keep or fill (pieces.h)
-  std::size_t number = 1;      // of it in the config, from 1: for messages
-  // What the filter's path holds, of Access::box; of a mask.
-  std::shared_ptr<SampleSource> mask{};
-};
 
 // Access::box, from any thread; boxes of any size take at most info().largest_decode for each
 // thread beside the caller's buffer. Files, choices and warnings are the source's. The place in the

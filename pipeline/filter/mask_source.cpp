@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "stages/filter/stored_value.h"
-#include "storage/support/error.h"
 #include "storage/types/counted_from_zero.h"
 
 namespace voxweld {
@@ -49,12 +48,8 @@ class MaskSource final : public SampleSource {
         mask_(std::move(mask)),
         kept_(filter.values),
         outside_(std::move(outside)),
-        info_(source_->info()) {
+        info_(read_by_any_box(source_->info())) {
     const VolumeInfo& mask_info = mask_->info();
-    info_.access = Access::box;
-    info_.chunk = splat(1);
-    info_.chunk_first = {};
-    info_.row_major = false;
     info_.largest_decode =
         std::max(info_.largest_decode, mask_info.largest_decode + most_mask_bytes);
     info_.files.insert(info_.files.end(), mask_info.files.begin(), mask_info.files.end());
@@ -109,10 +104,6 @@ class MaskSource final : public SampleSource {
   VolumeInfo info_;
 };
 
-[[noreturn]] void refuse_mask(const MaskRequest& request, const std::string& problem) {
-  throw InputError(fmt::format("filter {}: {}", request.number, problem));
-}
-
 // Whether both say the same of where their samples lie, to a tenth of one; what says nothing agrees.
 bool same_place(const VolumeGeometry& a, const VolumeGeometry& b) {
   const auto silent = [](const VolumeGeometry& g) {
@@ -138,13 +129,13 @@ bool same_place(const VolumeGeometry& a, const VolumeGeometry& b) {
 }
 
 // The value as a sample. Integers hold whole numbers within their range only.
-std::vector<std::byte> sample_of(const MaskRequest& request, const VolumeInfo& info) {
+std::vector<std::byte> sample_of(const FilterRequest& request, const VolumeInfo& info) {
   const double real = request.filter.outside.value_or(0);
   const auto bits = nearest_stored(info.type, info.scale.stored(real));
   if (!bits)
-    refuse_mask(request, fmt::format("outside = {:g}: samples of type {} cannot be that; "
-                                     "choose a value that they can have",
-                                     real, sample_type_name(info.type)));
+    refuse_filter(request, fmt::format("outside = {:g}: samples of type {} cannot be that; "
+                                       "choose a value that they can have",
+                                       real, sample_type_name(info.type)));
   std::vector<std::byte> sample(sample_bytes(info.type));
   std::memcpy(sample.data(), &*bits, sample.size());
   return sample;
@@ -153,26 +144,26 @@ std::vector<std::byte> sample_of(const MaskRequest& request, const VolumeInfo& i
 }  // namespace
 
 std::shared_ptr<SampleSource> mask_source(std::shared_ptr<SampleSource> source,
-                                          std::shared_ptr<SampleSource> mask,
-                                          const MaskRequest& request) {
+                                          const FilterRequest& request) {
+  const std::shared_ptr<SampleSource>& mask = request.mask;
   const std::string path = request.filter.path.string();
   if (const std::string problem = no_labels_text(mask->info()); !problem.empty())
-    refuse_mask(request, fmt::format("a mask holds integers, {} {}", path, problem));
+    refuse_filter(request, fmt::format("a mask holds integers, {} {}", path, problem));
   const Index3 size = source->info().geometry.size, own = mask->info().geometry.size;
   if (own != size)
-    refuse_mask(request,
-                fmt::format("{} has {} x {} x {} samples, and what it masks has {} x {} x {}: "
-                            "expected the same size; mask before filters that change the size, and "
-                            "crop the mask as the volume is cropped",
-                            path, own.x, own.y, own.z, size.x, size.y, size.z));
+    refuse_filter(
+        request,
+        fmt::format("{} has {} x {} x {} samples, and what it masks has {} x {} x {}: "
+                    "expected the same size; mask before filters that change the size, and "
+                    "crop the mask as the volume is cropped",
+                    path, own.x, own.y, own.z, size.x, size.y, size.z));
   if (!same_place(source->info().geometry, mask->info().geometry))
     spdlog::warn(
         "filter {}: {} says that it lies elsewhere in the world than what it masks, or turned "
         "otherwise: its samples are taken by their index all the same",
         request.number, path);
   auto outside = sample_of(request, source->info());
-  return std::make_shared<MaskSource>(std::move(source), std::move(mask), request.filter,
-                                      std::move(outside));
+  return std::make_shared<MaskSource>(std::move(source), mask, request.filter, std::move(outside));
 }
 
 }  // namespace voxweld

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pipeline/filter/piece_pass.h"
+#include "pipeline/stage/units_here.h"
 #include "storage/artifact/piece_changes.h"
 #include "storage/support/error.h"
 
@@ -70,22 +71,6 @@ void tell_of(const PieceRule& rule, const PieceChangesSummary& s) {
                grouped(keep ? s.pieces - s.changed_pieces : s.changed_pieces), grouped(s.pieces),
                keep ? "pieces" : "holes", keep ? "kept" : "filled", becomes);
 }
-
-// While it lives, units run in this process, whatever the context's executor is.
-class UnitsHere {
- public:
-  explicit UnitsHere(RunContext& context) : context_(context), before_(context.executor) {
-    if (before_ == nullptr || !before_->in_process()) context_.executor = &here_;
-  }
-  ~UnitsHere() { context_.executor = before_; }
-  UnitsHere(const UnitsHere&) = delete;
-  UnitsHere& operator=(const UnitsHere&) = delete;
-
- private:
-  RunContext& context_;
-  Executor* before_;
-  LocalExecutor here_;
-};
 
 }  // namespace
 

@@ -13,6 +13,7 @@
 #include "pipeline/ingest/isovalue_choice.h"
 #include "pipeline/ingest/shard_ingest.h"
 #include "pipeline/stage/artifacts.h"
+#include "pipeline/stage/units_here.h"
 #include "stages/contouring/stored_surface.h"
 #include "storage/store/store_source.h"
 #include "storage/support/error.h"
@@ -26,9 +27,7 @@ class LaterVolume final : public SampleSource {
   explicit LaterVolume(std::shared_ptr<const EarlierIngest> earlier)
       : earlier_(std::move(earlier)), info_(earlier_->job.info) {
     if (!earlier_->job.copy) return;
-    info_.access = Access::box;
-    info_.chunk = splat(1);
-    info_.chunk_first = {};
+    info_ = read_by_any_box(info_);
     info_.largest_decode = store_decode_bytes(store_layout(earlier_->config, earlier_->job));
   }
 
@@ -166,7 +165,6 @@ IngestJob plan_filtered(const Config& config, const std::filesystem::path& folde
     source = filter_source(
         source, {config.filters[next], number, plan_mask(config, number, interrupt, job)});
   }
-  job.filtered = true;
   job.input = source;
   job.info = source->info();
   return job;
@@ -181,12 +179,10 @@ bool earlier_is_current(const IngestJob& job) {
 }
 
 void finish_earlier(RunContext& context, const IngestJob& job) {
-  if (job.earlier.empty()) return;
-  LocalExecutor here;
-  const auto in_this_process = [&](const Config& config) {
+  // What belongs to no unit of the stage under way.
+  const auto apart = [&](const Config& config) {
     RunContext one = context;
     one.config = config;
-    one.executor = &here;
     one.selection = {};
     one.reports.clear();
     one.nans = {};
@@ -195,11 +191,12 @@ void finish_earlier(RunContext& context, const IngestJob& job) {
   for (const auto& earlier : job.earlier) {
     const auto work = ingest_stage(earlier->config, earlier->job);
     if (work->look({}).current()) continue;
-    RunContext one = in_this_process(earlier->config);
+    RunContext one = apart(earlier->config);
+    const UnitsHere here(one);
     do_stage(one, *work);
   }
   if (!job.pieces || pieces_are_found(job.pieces->path, job.pieces->key)) return;
-  RunContext one = in_this_process(context.config);
+  RunContext one = apart(context.config);
   find_pieces(one, *job.pieces->before, piece_rule(context.config, job), job.pieces->path,
               job.pieces->key);
 }

@@ -147,7 +147,7 @@ IngestJob plan_ingest(const Config& config, const std::filesystem::path& folder,
                     "needed; use work.copy = \"auto\"",
                     config.input.path.string(), info.format, access_name(info.access)));
   // Samples on a server are fetched once, not by every build.
-  const bool far = is_url(config.input.path.string()) && !job.filtered;
+  const bool far = is_url(config.input.path.string()) && config.filters.empty();
   const bool better = far || std::ranges::any_of(config.filters, std::not_fn(reads_through));
   job.copy = (config.work.copy == WorkConfig::Copy::always || !by_box ||
               (better && config.work.copy != WorkConfig::Copy::never)) &&

@@ -40,7 +40,6 @@ struct IngestJob {
   bool copy = false;       // make a brick store
   bool histogram = false;  // needed: the isovalue is to be chosen
   bool labels = false;     // are to be counted
-  bool filtered = false;   // the input is read through filters
   // What has to be ingested before, in this order, where filters read boxes of what the input gives
   // otherwise: the volume up to some filter, masks.
   std::vector<std::shared_ptr<const EarlierIngest>> earlier;

@@ -213,6 +213,7 @@ class ShardIngest final : public StageWork {
   ShardIngest(const Config& config, const IngestJob& job)
       : job_(job),
         run_(config.run),
+        filtered_(!config.filters.empty()),
         record_key_(input_record_key(config)),
         layout_(store_layout(config, job)),
         shards_(shards_of(layout_)),
@@ -287,6 +288,7 @@ class ShardIngest final : public StageWork {
  private:
   const IngestJob& job_;
   const RunConfig run_;
+  const bool filtered_;
   const Hash128 record_key_;
   const StoreLayout layout_;
   const std::vector<Index3> shards_;
@@ -304,7 +306,7 @@ StageMemory ShardIngest::memory(std::span<const std::uint64_t>) {
   const VolumeInfo& info = job_.info;
   memory.base_bytes = info.access == Access::box ? info.largest_decode : spooling_bytes(info, run_);
   // Each worker filters for itself.
-  if (job_.filtered) memory.per_worker_bytes += std::exchange(memory.base_bytes, 0);
+  if (filtered_) memory.per_worker_bytes += std::exchange(memory.base_bytes, 0);
   memory.per_worker_bytes +=
       shard_writer_bytes(layout_, 1, ingest_band_bytes) + (std::uint64_t{16} << 20);
   return memory;

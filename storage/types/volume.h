@@ -93,6 +93,16 @@ struct VolumeInfo {
   std::vector<std::string> warnings;
 };
 
+// What a source says of itself whose samples are another's, made anew or copied: boxes cost what
+// they hold, however the other's lie.
+inline VolumeInfo read_by_any_box(VolumeInfo info) {
+  info.access = Access::box;
+  info.chunk = splat(1);
+  info.chunk_first = {};
+  info.row_major = false;
+  return info;
+}
+
 class RangedSource;
 
 using FileVisitor = std::function<void(const std::filesystem::path&)>;

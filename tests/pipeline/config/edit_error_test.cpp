@@ -8,7 +8,7 @@
 
 #include "pipeline/config/edit_settings.h"
 #include "tests/pipeline/config/config_texts.h"
-#include "tests/pipeline/config/wrong_values.h"
+#include "tests/pipeline/config/wrong_items.h"
 
 namespace voxweld {
 namespace {
@@ -16,7 +16,6 @@ namespace {
 using testing::error_of;
 using testing::least_config;
 using testing::WrongKey;
-using testing::WrongValue;
 
 // Of a key its shape comes first.
 const std::vector<WrongKey> wrong_edit_keys = testing::read_wrong_keys(R"table(
@@ -60,17 +59,7 @@ TEST(EditError, CoversEveryKey) {
 }
 
 TEST(EditError, NamesPlaceEditKeyExpectedAndFound) {
-  for (const WrongKey& wrong_key : wrong_edit_keys) {
-    const std::string shape = testing::split(wrong_key.name, " ")[0];
-    const std::string key = testing::split(wrong_key.name, " ")[1];
-    for (const WrongValue& wrong : wrong_key.values) {
-      std::string text = sphere_text + "[[edit]]\n" + key + " = " + wrong.value + "\n";
-      if (key != "shape") text += "shape = " + toml_string(shape) + "\n";
-      EXPECT_EQ(error_of(least_config(text)),
-                fmt::format("/data/scan.toml:8:{}: edit 2: {}: expected {}, found {}",
-                            key.size() + 4, key, wrong_key.expected, wrong.found));
-    }
-  }
+  testing::expect_values_refused(wrong_edit_keys, {"edit", "shape", sphere_text, 8});
 }
 
 TEST(EditError, UnknownKeys) {

@@ -8,7 +8,7 @@
 
 #include "tests/pipeline/config/config_texts.h"
 #include "tests/pipeline/config/filter_texts.h"
-#include "tests/pipeline/config/wrong_values.h"
+#include "tests/pipeline/config/wrong_items.h"
 
 namespace voxweld {
 namespace {
@@ -17,7 +17,6 @@ using testing::error_of;
 using testing::filter_sample;
 using testing::least_config;
 using testing::WrongKey;
-using testing::WrongValue;
 
 // Of a key its type comes first.
 const std::vector<WrongKey> wrong_filter_keys = testing::read_wrong_keys(R"table(
@@ -79,18 +78,7 @@ TEST(FilterError, CoversEveryKey) {
 }
 
 TEST(FilterError, NamesPlaceFilterKeyExpectedAndFound) {
-  for (const WrongKey& wrong_key : wrong_filter_keys) {
-    const std::string type = testing::split(wrong_key.name, " ")[0];
-    const std::string key = testing::split(wrong_key.name, " ")[1];
-    for (const WrongValue& wrong : wrong_key.values) {
-      std::string text = mean_text;
-      text.append("[[filter]]\n").append(key).append(" = ").append(wrong.value).append("\n");
-      if (key != "type") text += "type = " + toml_string(type) + "\n";
-      EXPECT_EQ(error_of(least_config(text)),
-                fmt::format("/data/scan.toml:7:{}: filter 2: {}: expected {}, found {}",
-                            key.size() + 4, key, wrong_key.expected, wrong.found));
-    }
-  }
+  testing::expect_values_refused(wrong_filter_keys, {"filter", "type", mean_text, 7});
 }
 
 TEST(FilterError, UnknownKeys) {
