@@ -12,6 +12,7 @@
 #include "storage/dicom/choose_series.h"
 #include "storage/dicom/dicom_files.h"
 #include "storage/dicom/frame_store.h"
+#include "storage/dicom/padding.h"
 #include "storage/support/error.h"
 #include "storage/volumes/axes.h"
 #include "storage/volumes/data_layout.h"
@@ -30,6 +31,8 @@ class DicomSource final : public SampleSource {
   void keep_images(std::vector<DicomImage> all);
   void set_scale();
   void warn_of_image(const DicomImage& image);
+  void read_rows(const DicomSlice& slice, std::int64_t begin, std::int64_t end,
+                 std::byte* out) const;
   void blend_rows(std::int64_t plane, std::int64_t begin, std::int64_t end, std::byte* out) const;
 
   VolumeInfo info_;
@@ -117,16 +120,17 @@ void DicomSource::warn_of_image(const DicomImage& image) {
         "stored");
   if (image.syntax.uid == "1.2.840.10008.1.2.4.50" || image.syntax.uid == "1.2.840.10008.1.2.4.51")
     warn("JPEG is lossy; its blocks show in the surface");
-  if (!image.padding) return;
+  const std::optional<Padding> padding = padding_of(image);
+  if (!padding) return;
   const FrameFacts& facts = image.frames.front();
   const ValueScale scale = value_scale(facts.slope, facts.intercept);
-  std::string range = fmt::format("{:g}", scale.real(static_cast<double>(*image.padding)));
-  if (image.padding_limit)
-    range += fmt::format(" to {:g}", scale.real(static_cast<double>(*image.padding_limit)));
-  warn(fmt::format(
-      "samples of {} lie outside of the scanned field (PixelPaddingValue) and are taken "
-      "as they are: an isovalue below what surrounds them shows the field's border",
-      range));
+  const auto real = [&](std::int64_t stored) { return scale.real(static_cast<double>(stored)); };
+  std::string range = fmt::format("{:g}", real(padding->lo));
+  if (padding->hi != padding->lo) range += fmt::format(" to {:g}", real(padding->hi));
+  warn(fmt::format("samples of {} lie outside of the scanned field (PixelPaddingValue): {}", range,
+                   padding->high
+                       ? fmt::format("they are read as {:g}", real(padding->lowest))
+                       : "an isovalue below what surrounds them shows the field's border"));
 }
 
 void DicomSource::read(const Box3& box, std::byte* out) const {
@@ -136,9 +140,18 @@ void DicomSource::read(const Box3& box, std::byte* out) const {
       static_cast<std::size_t>(box.size().x * box.size().y) * sample_bytes(info_.type);
   for (std::int64_t z = box.lo.z; z < box.hi.z; ++z, out += bytes)
     if (stack_.at.empty())
-      frames_->read_rows(stack_.slices[static_cast<std::size_t>(z)], box.lo.y, box.hi.y, out);
+      read_rows(stack_.slices[static_cast<std::size_t>(z)], box.lo.y, box.hi.y, out);
     else
       blend_rows(z, box.lo.y, box.hi.y, out);
+}
+
+void DicomSource::read_rows(const DicomSlice& slice, std::int64_t begin, std::int64_t end,
+                            std::byte* out) const {
+  frames_->read_rows(slice, begin, end, out);
+  const std::optional<Padding> padding = padding_of(images_[slice.image]);
+  if (padding && padding->high)
+    lower_padding(out, static_cast<std::size_t>((end - begin) * info_.geometry.size.x), info_.type,
+                  *padding);
 }
 
 // Between the slices below and above the plane, by their distances from it.
@@ -153,11 +166,11 @@ void DicomSource::blend_rows(std::int64_t plane, std::int64_t begin, std::int64_
   const auto upper = static_cast<std::size_t>(above), lower = upper - 1;
   const double weight = (z - at[lower]) / (at[upper] - at[lower]);
   const bool is_lower = z - at[lower] < at_slice, is_upper = at[upper] - z < at_slice;
-  frames_->read_rows(stack_.slices[is_upper ? upper : lower], begin, end, out);
+  read_rows(stack_.slices[is_upper ? upper : lower], begin, end, out);
   if (is_lower || is_upper) return;
   const auto count = static_cast<std::size_t>((end - begin) * info_.geometry.size.x);
   std::vector<std::byte> top(count * sample_bytes(info_.type));
-  frames_->read_rows(stack_.slices[upper], begin, end, top.data());
+  read_rows(stack_.slices[upper], begin, end, top.data());
   dispatch_sample_type(info_.type, [&](auto tag) {
     using T = typename decltype(tag)::type;
     for (std::size_t i = 0; i < count; ++i) {

@@ -232,5 +232,26 @@ TEST(DicomSlices, PaddingAndInvertedDisplayAreSaid) {
   expect_says(warnings_of(*source), {"samples of -3024 lie outside", "MONOCHROME1"});
 }
 
+TEST(DicomSlices, HighPaddingIsOutside) {
+  DicomFolder folder;
+  for (DicomFile& slice : folder.slices)
+    slice.u16(0x00280120, 32767, "SS").u16(0x00280121, 20000, "SS");
+  KnownVolume expected = folder.volume;
+  int lowered = 0;
+  for (std::size_t at = 0; at < expected.samples.size(); at += 2) {
+    std::int16_t value;
+    std::memcpy(&value, &expected.samples[at], 2);
+    if (value < 20000) continue;
+    value = -32768;
+    std::memcpy(&expected.samples[at], &value, 2);
+    ++lowered;
+  }
+  ASSERT_GT(lowered, 0);
+  const auto source = folder.opened();
+  expect_slices(*source, expected);
+  expect_says(warnings_of(*source),
+              {"samples of 18976 to 31743 lie outside", "they are read as -33792"});
+}
+
 }  // namespace
 }  // namespace voxweld::testing
