@@ -137,9 +137,7 @@ void add_verify_command(CLI::App& app, Program& program) {
     arguments->options.origin = !arguments->no_origin;
     arguments->options.interrupt = &program.interrupt;
     const PromptStop prompt(program.interrupt);
-    if (!std::filesystem::exists(std::filesystem::path(arguments->directory) / manifest_name))
-      throw InputError(arguments->directory + ": not an output directory: it has no " +
-                       manifest_name + "; name the output.directory of a finished run");
+    require_output(arguments->directory);
     const VerifyReport report = verify_output(arguments->directory, arguments->options);
     fmt::print("{}", arguments->json ? to_json_text(report) : to_text(report));
     return report.good() ? 0 : 1;

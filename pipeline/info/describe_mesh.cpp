@@ -1,6 +1,7 @@
 // Mesh files, and the summaries that list them.
 #include <algorithm>
 
+#include "pipeline/config/config.h"
 #include "pipeline/info/kinds.h"
 #include "pipeline/output/load.h"
 #include "pipeline/output/render.h"
@@ -79,6 +80,28 @@ InfoDocument check_files(const fs::path& directory, const Manifest& manifest,
   return check.facts();
 }
 
+// What the meshes are of and what they are made with: the settings that a reader of the meshes asks
+// for. Those of another version may not be understood; they are left out then.
+void add_settings(InfoDocument& document, const Manifest& manifest) {
+  const auto text_of = [&](const char* key) {
+    const bool there = manifest.config && manifest.config->contains(key);
+    return there ? manifest.config->at(key).get<std::string>() : std::string();
+  };
+  InfoDocument facts;
+  try {
+    facts = settings_facts(parse_config(text_of("toml"), text_of("path")));
+  } catch (const InputError&) {
+    return;
+  } catch (const nlohmann::json::exception&) {
+    return;
+  }
+  document["config"] = text_of("path");
+  // Where labels are meshed, the surface's table says nothing, else theirs.
+  for (const char* table :
+       {manifest.labels == LabelMode::off ? "surface" : "labels", "simplify", "filter", "edit"})
+    if (facts.contains(table)) document[table] = facts[table];
+}
+
 }  // namespace
 
 InfoDocument describe_mesh(const fs::path& path) {
@@ -140,6 +163,7 @@ InfoDocument describe_output(const fs::path& manifest_path, const InfoOptions& o
   }
   if (manifest.error) document["error"] = *manifest.error;
   if (manifest.input) document["input"] = *manifest.input;
+  add_settings(document, manifest);
   if (options.verbose) {
     document["file_list"] = InfoDocument::array();
     for_each_file(directory, manifest, [&](const FileRecord& file) {

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <map>
 
+#include "pipeline/config/edit_settings.h"
+#include "pipeline/config/filter_settings.h"
 #include "pipeline/config/settings.h"
 #include "pipeline/info/kinds.h"
 #include "pipeline/stage/file_layout.h"
@@ -136,13 +138,34 @@ InfoDocument describe_stage_directory(const fs::path& path, const InfoOptions& o
   return document;
 }
 
+namespace {
+
+template <class Item, class Kind>
+void add_items(InfoDocument& document, const ItemTable<Item, Kind>& table,
+               const std::vector<Item>& items) {
+  for (const Item& item : items) {
+    InfoDocument one = InfoDocument::object();
+    for (const auto& value : table.values_of(item)) one[value.setting->key] = value_of(value.value);
+    document[table.name].push_back(std::move(one));
+  }
+}
+
+}  // namespace
+
+InfoDocument settings_facts(const Config& config) {
+  InfoDocument facts = InfoDocument::object();
+  for (const Setting& setting : settings())
+    if (const auto value = setting.get(config))
+      facts[setting.table][setting.key] = value_of(*value);
+  add_items(facts, filter_items(), config.filters);
+  add_items(facts, edit_items(), config.edits);
+  return facts;
+}
+
 InfoDocument describe_config(const fs::path& path) {
   const Config config = load_config(path);
   InfoDocument document = file_document("config", path);
-  document["settings"] = InfoDocument::object();
-  for (const Setting& setting : settings())
-    if (const auto value = setting.get(config))
-      document["settings"][setting.table][setting.key] = value_of(*value);
+  document["settings"] = settings_facts(config);
   return document;
 }
 

@@ -87,6 +87,7 @@ InfoDocument describe_directory(const fs::path& path, const InfoOptions& options
   if (holds_zarr_array(path)) return describe_array(path, options);
   if (is_stage_directory(path)) return describe_stage_directory(path, options);
   if (is_work_directory(path)) return describe_work_directory(path, options);
+  if (!outputs_within(path).empty()) require_output(path);
   try {
     return describe_volume(options);
   } catch (const InputError& error) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "pipeline/config/config.h"
 #include "pipeline/info/facts.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/top_artifact.h"
@@ -42,5 +43,7 @@ InfoDocument describe_work_directory(const std::filesystem::path& path, const In
 InfoDocument describe_stage_directory(const std::filesystem::path& path,
                                       const InfoOptions& options);
 InfoDocument describe_config(const std::filesystem::path& path);
+// All settings that have a value by table and key; of lists of tables an array each.
+InfoDocument settings_facts(const Config& config);
 
 }  // namespace voxweld

@@ -20,6 +20,7 @@ void each_mesh_file(
     const std::filesystem::path& path,
     const std::function<void(const std::filesystem::path&, std::optional<Material> label)>& f) {
   if (!std::filesystem::is_directory(path)) return f(path, std::nullopt);
+  require_output(path);
   bool any = false;
   TileListReader tiles(path / tiles_name);
   while (const auto tile = tiles.next()) {

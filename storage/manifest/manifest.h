@@ -131,6 +131,12 @@ void write_manifest(const Manifest& manifest, const std::filesystem::path& path,
 // FormatError naming path and key where it is not what is described above.
 Manifest read_manifest(const std::filesystem::path& path);
 
+// InputError where the directory is no output of a run: it has no manifest. A run of several
+// isovalues makes an output directory for each in one folder; of that folder the message names them.
+void require_output(const std::filesystem::path& directory);
+// Those outputs: the names of folders in this one that have a manifest, sorted.
+std::vector<std::string> outputs_within(const std::filesystem::path& directory);
+
 // One line of tiles.jsonl, with its newline.
 std::string to_json_line(const TileRecord& record);
 // FormatError, starting with `where` (path and line number).

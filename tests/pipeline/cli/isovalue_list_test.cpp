@@ -70,6 +70,26 @@ TEST_F(IsovalueList, AllCommandsGoThroughIt) {
   EXPECT_THAT(place_.run({"clean", config}).out, HasSubstr("0 B freed"));
 }
 
+TEST_F(IsovalueList, WhereAnOutputIsAskedForTheFolderNamesThem) {
+  place_.run({"run", place_.at("two.toml")});
+  const std::string folder = place_.at("ball.mesh");
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+           {"verify", folder},
+           {"info", folder},
+           {"render", folder, "-o", place_.at("x.png")},
+           {"export", folder, "-o", place_.at("x.ply"), "--world"}})
+    expect_refused(command, {folder, "no manifest.json", "isovalue-180, isovalue-200; name one"});
+}
+
+TEST_F(IsovalueList, InfoSaysWhichItIs) {
+  place_.run({"run", place_.at("two.toml")});
+  const nlohmann::json info = place_.info(place_.at("ball.mesh/isovalue-200"));
+  EXPECT_EQ(info.at("surface").at("isovalue"), 200);
+  EXPECT_EQ(info.at("config"), place_.at("two.toml"));
+  EXPECT_FALSE(info.contains("labels"));
+  EXPECT_FALSE(info.contains("filter"));
+}
+
 TEST_F(IsovalueList, IsForSamples) {
   for (const auto& [key, value] : {std::pair("surface.label", "5"), {"labels.mode", "each"}})
     expect_refused({"run", place_.at("two.toml"), "--set", std::string(key) + "=" + value},
