@@ -13,7 +13,7 @@ namespace voxweld {
 namespace {
 
 constexpr std::array<char, 4> record_kind = {'s', 'h', 'r', 'd'};
-constexpr std::uint32_t record_version = 1;
+
 enum Section : std::uint64_t { summary = 1, ranges = 2, bins = 3, counts = 4 };
 
 struct SummaryRecord {
@@ -54,7 +54,7 @@ void write_shard_record(const std::filesystem::path& path, const ShardRecord& re
     bin_numbers.push_back(bin.bin);
     bin_counts.push_back(bin.count);
   }
-  ArtifactWriter writer(path, {record_kind, record_version, record.key});
+  ArtifactWriter writer(path, {record_kind, shard_record_version, record.key});
   writer.section(summary, as_record(head));
   writer.section(ranges, as_section(chunk_ranges));
   writer.section(bins, as_section(bin_numbers));
@@ -67,7 +67,7 @@ ShardRecord read_shard_record(const StoreLayout& layout, Index3 shard) {
   std::error_code error;
   if (!std::filesystem::exists(path, error) && !error)
     throw DamagedArtifact(path.string(), "missing; ingest this shard again");
-  const ArtifactReader reader(path, record_kind, record_version);
+  const ArtifactReader reader(path, record_kind, shard_record_version);
   const auto head = reader.read_array<SummaryRecord>(summary);
   const auto chunk_ranges = reader.read_array<RangeRecord>(ranges);
   const auto bin_numbers = reader.read_array<std::uint32_t>(bins);

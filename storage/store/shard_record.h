@@ -21,6 +21,8 @@
 
 namespace voxweld {
 
+inline constexpr std::uint32_t shard_record_version = 1;
+
 struct ShardRecord {
   Hash128 key;  // of the inputs and parameters the shard was made from
   std::uint64_t file_size = 0;

@@ -66,7 +66,7 @@ std::string run_file_entry(const fs::path& file) {
   const std::string kind = bytes.substr(8, 4);
   if (kind == "spol") return "spool-record";
   if (kind == "asst") return "asset-record";
-  return kind == "shrd" ? "" : "container";  // records of shards want their array's layout
+  return "container";
 }
 
 std::string one_name(std::string path) {

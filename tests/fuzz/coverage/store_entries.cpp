@@ -17,6 +17,7 @@
 #include "storage/artifact/unfinished_note.h"
 #include "storage/spool/spool_record.h"
 #include "storage/store/codec.h"
+#include "storage/store/shard_record.h"
 #include "storage/support/error.h"
 #include "tests/fuzz/coverage/entries.h"
 
@@ -85,6 +86,25 @@ void read_bins(const fs::path& path) {
   for (std::uint64_t brick = 0; brick < bins.bricks().size(); ++brick)
     if (bins.bricks()[brick] == MeshSide::reached) bins.triangles(brick);
 }
+// Records want their array's layout: one of the sizes of the specimens' stores.
+void read_shard_of_store(const fs::path& path) {
+  StoreLayout layout;
+  layout.records = path.parent_path() / "records";
+  const fs::path record = layout.record_path({});
+  fs::create_directories(record.parent_path());
+  fs::copy_file(path, record, fs::copy_options::overwrite_existing);
+  for (const SampleType type : {SampleType::u8, SampleType::u16, SampleType::f32})
+    for (const std::int64_t chunks : {1, 2, 4}) {
+      layout.type = type;
+      layout.parameters.shard = chunks * layout.parameters.chunk;
+      try {
+        read_shard_record(layout, {}).range();
+        return;
+      } catch (const DamagedArtifact&) {
+        if (type == SampleType::f32 && chunks == 4) throw;
+      }
+    }
+}
 
 struct ArtifactParser {
   const char* kind;  // four characters
@@ -99,6 +119,7 @@ const ArtifactParser parsers[] = {
     {"mbin", mesh_bins_version, read_bins},
     {"mtab", mesh_bins_version, [](const fs::path& path) { read_mesh_table(path); }},
     {"octr", shard_version, read_shard},
+    {"shrd", shard_record_version, read_shard_of_store},
     {"tile", tile_version, read_tile},
     {"tops", top_version, read_top}};
 

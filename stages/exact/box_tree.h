@@ -1,0 +1,62 @@
+// Boxes on the output lattice, to be asked which of them meet another.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "storage/types/output_lattice.h"
+
+namespace voxweld {
+
+struct LatticeBox {
+  LatticePoint lo{}, hi{};  // both included
+
+  static LatticeBox around(std::span<const LatticePoint> points) {  // at least one
+    LatticeBox box{points.front(), points.front()};
+    for (const LatticePoint& p : points.subspan(1)) box.extend({p, p});
+    return box;
+  }
+  void extend(const LatticeBox& other) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (other.lo[a] < lo[a]) lo[a] = other.lo[a];
+      if (other.hi[a] > hi[a]) hi[a] = other.hi[a];
+    }
+  }
+  bool meets(const LatticeBox& other) const {
+    for (std::size_t a = 0; a < 3; ++a)
+      if (hi[a] < other.lo[a] || other.hi[a] < lo[a]) return false;
+    return true;
+  }
+};
+
+// A tree of eight branches over the boxes in Morton order of their middles, without pointers.
+class BoxTree {
+ public:
+  explicit BoxTree(const std::vector<LatticeBox>& boxes);
+
+  // f(number) for each box that meets `box`, in an order that depends on the boxes alone.
+  template <class F>
+  void each_meeting(const LatticeBox& box, F&& f) const {
+    if (!levels_.empty()) visit(levels_.size() - 1, 0, box, f);
+  }
+
+ private:
+  static constexpr std::size_t branches = 8;
+
+  // Of the node `at` of that level its branches.
+  template <class F>
+  void visit(std::size_t level, std::size_t at, const LatticeBox& box, F& f) const {
+    if (!levels_[level][at].meets(box)) return;
+    if (level == 0) return f(order_[at]);
+    const std::size_t end = std::min((at + 1) * branches, levels_[level - 1].size());
+    for (std::size_t below = at * branches; below < end; ++below) visit(level - 1, below, box, f);
+  }
+
+  std::vector<std::uint32_t> order_;  // numbers of boxes, along the curve
+  std::vector<std::vector<LatticeBox>>
+      levels_;  // first the boxes themselves; last one that holds all
+};
+
+}  // namespace voxweld

@@ -1,0 +1,40 @@
+// Which triangles of a mesh cut each other.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "stages/exact/box_tree.h"
+#include "stages/exact/triangle_pair.h"
+
+namespace voxweld {
+
+struct TriangleList {
+  std::span<const LatticePoint> positions;
+  std::span<const std::array<std::uint32_t, 3>> triangles;
+
+  LatticeTriangle operator[](std::size_t i) const {
+    return {positions[triangles[i][0]], positions[triangles[i][1]], positions[triangles[i][2]]};
+  }
+  std::size_t size() const { return triangles.size(); }
+};
+
+// The boxes of the triangles, in their order.
+std::vector<LatticeBox> boxes_of(const TriangleList& mesh);
+
+using CrossingPair = std::function<void(std::uint32_t, std::uint32_t)>;
+
+// f(i, j), i < j, for each pair that cuts each other (cut_each_other), ascending by i.
+void each_crossing(const TriangleList& mesh, const CrossingPair& f);
+
+// f(i, j) for each triangle i of the one and j of the others that cut each other.
+struct OtherTriangles {
+  std::span<const LatticeTriangle> triangles;
+  const BoxTree& tree;  // of their boxes
+};
+void each_crossing(const TriangleList& mesh, const OtherTriangles& others, const CrossingPair& f);
+
+}  // namespace voxweld
