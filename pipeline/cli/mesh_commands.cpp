@@ -131,6 +131,9 @@ void add_verify_command(CLI::App& app, Program& program) {
                     "Leaves out the file with the whole mesh, which needs memory for all of it");
   command->add_flag("--no-origin", arguments->no_origin,
                     "Leaves out whether the input and the config are as they were");
+  command->add_flag("--intersections", arguments->options.intersections,
+                    "Also counts pairs of triangles that intersect, exactly, and triangles without "
+                    "an area. They are told and are no problem of the output");
   command->add_flag("--json", arguments->json, "Prints the report as JSON");
   when_chosen(*command, program, [&program, arguments] {
     arguments->options.merged = !arguments->no_merged;

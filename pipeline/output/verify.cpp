@@ -22,24 +22,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Calls work for each listed tile on many threads, and then fold for each, in the list's order.
+// Calls work(record, its place in the list) for each listed tile on many threads, and then fold for
+// each result, in the list's order.
 template <class Result, class Work, class Fold>
 void for_each_tile(const fs::path& list, int threads, Work work, Fold fold) {
   TileListReader reader(list);
+  std::size_t number = 0;
+  using Numbered = std::pair<TileRecord, std::size_t>;
   const auto next = [&](tbb::flow_control& control) {
     std::optional<TileRecord> record = reader.next();
     if (!record) control.stop();
-    return record ? std::make_shared<TileRecord>(std::move(*record)) : nullptr;
+    return record ? std::make_shared<Numbered>(std::move(*record), number++) : nullptr;
   };
-  using In = std::shared_ptr<TileRecord>;
+  using In = std::shared_ptr<Numbered>;
   using Out = std::shared_ptr<Result>;
   const auto serial = tbb::filter_mode::serial_in_order;
   tbb::parallel_pipeline(
       static_cast<std::size_t>(threads),
       tbb::make_filter<void, In>(serial, next) &
           tbb::make_filter<In, Out>(tbb::filter_mode::parallel,
-                                    [&](const In& record) {
-                                      return std::make_shared<Result>(work(std::move(*record)));
+                                    [&](const In& in) {
+                                      return std::make_shared<Result>(
+                                          work(std::move(in->first), in->second));
                                     }) &
           tbb::make_filter<Out, void>(serial, [&](const Out& result) { fold(*result); }));
 }
@@ -51,6 +55,7 @@ struct Surface {
   SeamCheck seams;
   std::uint64_t tiles = 0, triangles = 0;
   std::uint64_t counted_twice = 0;  // vertices inside their tile, and kept by another
+  IntersectionCheck intersections;  // where asked for
   // Of a label.
   std::vector<TileRecord> records;
   MeshMeasure measure;
@@ -76,15 +81,16 @@ class Verifier {
                                     static_cast<std::size_t>(threads_));
     for_each_tile<TileResult>(
         directory_ / tiles_name, threads_,
-        [&](TileRecord record) {
+        [&](TileRecord record, std::size_t) {
           check_interrupt();
-          return tiles_.check(std::move(record));
+          return tiles_.check(std::move(record), options_.intersections);
         },
-        [&](const TileResult& result) { fold(result); });
+        [&](TileResult& result) { fold(result); });
     close_surface();
     if (each_) check_labels_to_end();
     check_totals();
     check_merged();
+    place_intersections();
     if (options_.origin) note_all(check_origin(manifest_));
     return std::move(report_);
   }
@@ -102,11 +108,12 @@ class Verifier {
     for (const Problem& problem : problems) note(problem);
   }
 
-  void fold(const TileResult& result) {
+  void fold(TileResult& result) {
     note_all(result.problems);
     if (each_) turn_to_label(result.record);
     Surface& surface = *surface_;
     surface.seams.add(result.record.tile, result.seams);
+    if (options_.intersections) surface.intersections.add(std::move(result.intersections));
     surface.triangles += result.triangles.count;
     ++surface.tiles;
     if (each_) {
@@ -144,6 +151,7 @@ class Verifier {
     Surface& surface = *surface_;
     surface.seams.finish([&](Problem problem) { note(std::move(problem)); });
     check_doubtful(surface);
+    if (options_.intersections) count_intersections(surface);
     const std::uint64_t vertices = surface.seams.vertices() - surface.counted_twice;
     report_.tiles += surface.tiles;
     report_.vertices += vertices;
@@ -156,7 +164,7 @@ class Verifier {
   void check_doubtful(Surface& surface) {
     const auto doubtful = surface.seams.doubtful();
     if (doubtful.empty()) return;
-    const auto work = [&](const TileRecord& record) {
+    const auto work = [&](const TileRecord& record, std::size_t) {
       check_interrupt();
       const auto found = doubtful.find(tile_name(record.tile));
       return found == doubtful.end() ? Problems{} : tiles_.use_of(record, found->second);
@@ -165,8 +173,39 @@ class Verifier {
       surface.counted_twice += problems.size();
       if (promises_manifold()) note_all(problems);
     };
-    if (!each_) return for_each_tile<Problems>(directory_ / tiles_name, threads_, work, fold_in);
-    for (const TileRecord& record : surface.records) fold_in(work(record));
+    each_tile_again<Problems>(surface, work, fold_in);
+  }
+
+  // f(record, its place) for the surface's tiles, on many threads where they are not those of one
+  // label, and then fold for each result in the order of the tiles.
+  template <class Result, class Work, class Fold>
+  void each_tile_again(const Surface& surface, Work work, Fold fold) {
+    if (each_) {
+      for (std::size_t i = 0; i < surface.records.size(); ++i) fold(work(surface.records[i], i));
+      return;
+    }
+    for_each_tile<Result>(directory_ / tiles_name, threads_, work, fold);
+  }
+
+  void count_intersections(Surface& surface) {
+    surface.intersections.close();
+    if (!report_.intersections) report_.intersections.emplace();
+    *report_.intersections += surface.intersections.within();
+    each_tile_again<IntersectionCount>(
+        surface,
+        [&](const TileRecord& record, std::size_t number) {
+          check_interrupt();
+          if (!surface.intersections.needs(number)) return IntersectionCount{};
+          return surface.intersections.between(number, tiles_.mesh_again(record), record.tile,
+                                               frame_);
+        },
+        [&](const IntersectionCount& found) { *report_.intersections += found; });
+  }
+
+  void place_intersections() {
+    if (!report_.intersections) return;
+    for (const LatticePoint& q : report_.intersections->first)
+      report_.intersection_places.push_back(frame_.position(q));
   }
 
   // The next line of labels.jsonl that has tiles.

@@ -11,10 +11,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "pipeline/executor/interrupt.h"
+#include "pipeline/output/intersection_check.h"
 #include "stages/encode/mesh_writers.h"
 
 namespace voxweld {
@@ -24,6 +26,7 @@ struct VerifyOptions {
   std::size_t listed_problems = 20;
   bool merged = true;                        // also decode the merged mesh and build it in OpenMesh
   bool origin = true;                        // also look at input and config, where they are there
+  bool intersections = false;                // also count triangles that intersect
   MeshWriters formats = mesh_writers();      // those it knows how to read
   const InterruptFlag* interrupt = nullptr;  // asked before each tile and file
 };
@@ -38,9 +41,11 @@ struct VerifyReport {
   std::uint64_t tiles = 0;
   std::uint64_t vertices = 0;  // of the welded mesh
   std::uint64_t triangles = 0;
-  std::uint64_t seam_vertices = 0;   // in more than one tile, equal in all to the bit
-  std::uint64_t boundary_edges = 0;  // of the welded mesh
-  std::uint64_t labels = 0;          // with a mesh of their own, all of the above their sum
+  std::uint64_t seam_vertices = 0;                 // in more than one tile, equal in all to the bit
+  std::uint64_t boundary_edges = 0;                // of the welded mesh
+  std::optional<IntersectionCount> intersections;  // where asked for; of labels within each
+  std::vector<Vec3> intersection_places;           // of the first of them, output coordinates
+  std::uint64_t labels = 0;  // with a mesh of their own, all of the above their sum
   bool merged_checked = false;
   std::uint64_t problem_count = 0;
   std::vector<Problem> problems;  // the first of them

@@ -14,6 +14,13 @@ std::string to_text(const VerifyReport& r) {
       r.labels > 0 ? counted(r.labels, "labels") + ", " : "", counted(r.tiles, "tiles"),
       counted(r.vertices, "vertices"), r.seam_vertices, counted(r.triangles, "triangles"),
       counted(r.boundary_edges, "boundary edges"), r.merged_checked ? ", merged mesh checked" : "");
+  if (r.intersections) {
+    out += fmt::format("{} intersect, {} without an area\n",
+                       counted(r.intersections->pairs, "pairs of triangles"),
+                       counted(r.intersections->degenerate, "triangles"));
+    for (const Vec3& p : r.intersection_places)
+      out += fmt::format("  at ({}, {}, {})\n", p.x, p.y, p.z);
+  }
   for (const Problem& p : r.problems) out += fmt::format("  {}: {}\n", p.where, p.what);
   if (r.problem_count > r.problems.size())
     out += fmt::format("  and {} more\n", r.problem_count - r.problems.size());
@@ -37,6 +44,12 @@ std::string to_json_text(const VerifyReport& r) {
                                 {"problem_count", r.problem_count},
                                 {"problems", std::move(problems)}};
   if (r.labels > 0) out["labels"] = r.labels;
+  if (r.intersections) {
+    out["intersecting_pairs"] = r.intersections->pairs;
+    out["degenerate_triangles"] = r.intersections->degenerate;
+    out["intersections_at"] = nlohmann::ordered_json::array();
+    for (const Vec3& p : r.intersection_places) out["intersections_at"].push_back({p.x, p.y, p.z});
+  }
   return json_text(out) + "\n";
 }
 

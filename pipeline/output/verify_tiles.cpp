@@ -92,24 +92,32 @@ std::string record_name(const TileRecord& record) {
   return record.label ? fmt::format("label {} {}", *record.label, tile) : tile;
 }
 
-TileResult TileReader::check(TileRecord record) const {
+TileResult TileReader::check(TileRecord record, bool intersections) const {
   TileResult result;
   result.record = std::move(record);
   std::optional<LatticeMesh> mesh = read(result);
   check_listing(result);
-  if (mesh) check_mesh(*mesh, result);
+  if (!mesh) return result;
+  check_mesh(*mesh, result);
+  if (intersections) result.intersections = intersections_within(*mesh, result.record.tile, frame_);
   return result;
+}
+
+LatticeMesh TileReader::mesh_again(const TileRecord& record) const {
+  TileResult result;
+  result.record = record;
+  std::optional<LatticeMesh> mesh = read(result);
+  if (!mesh) return {};
+  drop_degenerate(*mesh);
+  return std::move(*mesh);
 }
 
 Problems TileReader::use_of(const TileRecord& record,
                             const std::vector<LatticePoint>& points) const {
-  TileResult result;
-  result.record = record;
-  const std::optional<LatticeMesh> mesh = read(result);
+  const LatticeMesh mesh = mesh_again(record);
   Problems problems;
-  if (!mesh) return problems;  // said before
   PointIndex index;
-  for (const LatticePoint& q : mesh->positions) index.add(q);
+  for (const LatticePoint& q : mesh.positions) index.add(q);
   for (const LatticePoint& q : points) {
     if (index.find(q) == PointIndex::none) continue;
     const Vec3 p = frame_.position(q);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "pipeline/output/intersection_check.h"
 #include "pipeline/output/tile_check.h"
 #include "pipeline/output/verify.h"
 #include "stages/encode/mesh_measure.h"
@@ -38,7 +39,8 @@ struct TileResult {
   Problems problems;
   TileSeams seams;
   TriangleDigest triangles;
-  MeshMeasure measure;  // of tiles of a label
+  MeshMeasure measure;              // of tiles of a label
+  TileIntersections intersections;  // where asked for
   std::uint64_t files = 0, bytes = 0;
 };
 
@@ -48,9 +50,11 @@ class TileReader {
   TileReader(const std::filesystem::path& directory, const Manifest& manifest, MeshWriters formats)
       : directory_(directory), manifest_(manifest), formats_(formats), frame_(manifest) {}
 
-  TileResult check(TileRecord record) const;
+  TileResult check(TileRecord record, bool intersections) const;
   // Those of `points` that the tile has: each is surrounded in it and used by another tile too.
   Problems use_of(const TileRecord& record, const std::vector<LatticePoint>& points) const;
+  // Its mesh once more, without a word of what is wrong with it. Empty when it cannot be read.
+  LatticeMesh mesh_again(const TileRecord& record) const;
 
  private:
   std::optional<LatticeMesh> read(TileResult& result) const;

@@ -115,11 +115,11 @@ bool boxes_part(const LatticeTriangle& a, const LatticeTriangle& b) {
 
 }  // namespace
 
-bool is_degenerate(const LatticeTriangle& triangle) {
+bool has_no_area(const LatticeTriangle& triangle) {
   return Facet(triangle).degenerate();
 }
 
-bool cut_each_other(const LatticeTriangle& first, const LatticeTriangle& second) {
+bool intersect_beyond_shared(const LatticeTriangle& first, const LatticeTriangle& second) {
   if (boxes_part(first, second)) return false;
   LatticeTriangle a = first, b = second;
   const int shared = align(a, b);

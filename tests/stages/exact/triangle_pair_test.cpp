@@ -97,11 +97,11 @@ TEST_P(Pairs, AreAsSeparatingAxesSay) {
     LatticeTriangle b = triangle();
     for (int k = 0; k < i % 3; ++k)
       b[static_cast<std::size_t>(k)] = a[static_cast<std::size_t>(2 - k)];
-    if (is_degenerate(a) || is_degenerate(b)) {
-      ASSERT_FALSE(cut_each_other(a, b));
+    if (has_no_area(a) || has_no_area(b)) {
+      ASSERT_FALSE(intersect_beyond_shared(a, b));
       continue;
     }
-    const bool answer = cut_each_other(a, b);
+    const bool answer = intersect_beyond_shared(a, b);
     ASSERT_EQ(answer, expected(a, b)) << i;
     const auto shared =
         std::ranges::count_if(a, [&](const auto& p) { return std::ranges::count(b, p); });
@@ -121,10 +121,10 @@ TEST(PairsOfTriangles, OrderAndCornersDoNotMatter) {
     LatticeTriangle a, b;
     for (auto* t : {&a, &b})
       for (LatticePoint& p : *t) p = {any(random), any(random), any(random)};
-    const bool answer = cut_each_other(a, b);
+    const bool answer = intersect_beyond_shared(a, b);
     std::ranges::rotate(a, a.begin() + 1);
     std::ranges::reverse(b);
-    ASSERT_EQ(cut_each_other(b, a), answer);
+    ASSERT_EQ(intersect_beyond_shared(b, a), answer);
   }
 }
 
@@ -132,7 +132,7 @@ TEST(PairsOfTriangles, NeighboursInAMeshDoNotCut) {
   const LatticePoint a{0, 0, 0}, b{10, 0, 0}, c{0, 10, 0}, d{10, 10, 3}, e{-5, 10, 1};
   const LatticeTriangle abc{a, b, c};
   const auto cuts = [&](LatticePoint p, LatticePoint q, LatticePoint r) {
-    return cut_each_other(abc, {p, q, r});
+    return intersect_beyond_shared(abc, {p, q, r});
   };
   EXPECT_FALSE(cuts(c, b, d));
   EXPECT_FALSE(cuts(c, d, e));

@@ -1,4 +1,4 @@
-#include "stages/exact/crossings.h"
+#include "stages/exact/intersections.h"
 
 namespace voxweld {
 
@@ -9,22 +9,23 @@ std::vector<LatticeBox> boxes_of(const TriangleList& mesh) {
   return boxes;
 }
 
-void each_crossing(const TriangleList& mesh, const CrossingPair& f) {
+void each_intersection(const TriangleList& mesh, const PairVisitor& f) {
   const std::vector<LatticeBox> boxes = boxes_of(mesh);
   const BoxTree tree(boxes);
   for (std::uint32_t i = 0; i < mesh.size(); ++i) {
     const LatticeTriangle own = mesh[i];
     tree.each_meeting(boxes[i], [&](std::uint32_t j) {
-      if (j > i && cut_each_other(own, mesh[j])) f(i, j);
+      if (j > i && intersect_beyond_shared(own, mesh[j])) f(i, j);
     });
   }
 }
 
-void each_crossing(const TriangleList& mesh, const OtherTriangles& others, const CrossingPair& f) {
+void each_intersection(const TriangleList& mesh, const OtherTriangles& others,
+                       const PairVisitor& f) {
   for (std::uint32_t i = 0; i < mesh.size(); ++i) {
     const LatticeTriangle own = mesh[i];
     others.tree.each_meeting(LatticeBox::around(own), [&](std::uint32_t j) {
-      if (cut_each_other(own, others.triangles[j])) f(i, j);
+      if (intersect_beyond_shared(own, others.triangles[j])) f(i, j);
     });
   }
 }

@@ -1,5 +1,5 @@
 // The tree finds what asking for every pair finds.
-#include "stages/exact/crossings.h"
+#include "stages/exact/intersections.h"
 
 #include <gtest/gtest.h>
 
@@ -37,15 +37,15 @@ Soup make_soup(std::uint64_t seed, std::size_t count) {
 
 using PairSet = std::set<std::pair<std::uint32_t, std::uint32_t>>;
 
-TEST(Crossings, AreThoseOfAllPairs) {
+TEST(Intersections, AreThoseOfAllPairs) {
   const Soup soup = make_soup(1, 1500);
   PairSet expected, found;
   const TriangleList list = soup.list();
   for (std::uint32_t i = 0; i < list.size(); ++i)
     for (std::uint32_t j = i + 1; j < list.size(); ++j)
-      if (cut_each_other(list[i], list[j])) expected.emplace(i, j);
+      if (intersect_beyond_shared(list[i], list[j])) expected.emplace(i, j);
   std::uint32_t last = 0;
-  each_crossing(list, [&](std::uint32_t i, std::uint32_t j) {
+  each_intersection(list, [&](std::uint32_t i, std::uint32_t j) {
     EXPECT_GE(i, last);
     last = i;
     EXPECT_TRUE(found.emplace(i, j).second);
@@ -54,7 +54,7 @@ TEST(Crossings, AreThoseOfAllPairs) {
   EXPECT_GT(expected.size(), 50U);
 }
 
-TEST(Crossings, WithOthersAreThoseOfAllPairs) {
+TEST(Intersections, WithOthersAreThoseOfAllPairs) {
   const Soup one = make_soup(2, 900), two = make_soup(3, 900);
   std::vector<LatticeTriangle> others;
   for (std::size_t j = 0; j < two.list().size(); ++j) others.push_back(two.list()[j]);
@@ -62,16 +62,18 @@ TEST(Crossings, WithOthersAreThoseOfAllPairs) {
   PairSet expected, found;
   for (std::uint32_t i = 0; i < one.list().size(); ++i)
     for (std::uint32_t j = 0; j < others.size(); ++j)
-      if (cut_each_other(one.list()[i], others[j])) expected.emplace(i, j);
-  each_crossing(one.list(), {others, tree},
-                [&](std::uint32_t i, std::uint32_t j) { EXPECT_TRUE(found.emplace(i, j).second); });
+      if (intersect_beyond_shared(one.list()[i], others[j])) expected.emplace(i, j);
+  each_intersection(one.list(), {others, tree}, [&](std::uint32_t i, std::uint32_t j) {
+    EXPECT_TRUE(found.emplace(i, j).second);
+  });
   EXPECT_EQ(found, expected);
   EXPECT_GT(expected.size(), 50U);
 }
 
-TEST(Crossings, OfNothingAreNone) {
-  each_crossing(TriangleList{}, [](std::uint32_t, std::uint32_t) { FAIL(); });
-  each_crossing(TriangleList{}, {{}, BoxTree({})}, [](std::uint32_t, std::uint32_t) { FAIL(); });
+TEST(Intersections, OfNothingAreNone) {
+  each_intersection(TriangleList{}, [](std::uint32_t, std::uint32_t) { FAIL(); });
+  each_intersection(TriangleList{}, {{}, BoxTree({})},
+                    [](std::uint32_t, std::uint32_t) { FAIL(); });
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Which triangles of a mesh cut each other.
+// Which triangles of a mesh intersect.
 #pragma once
 
 #include <array>
@@ -25,16 +25,17 @@ struct TriangleList {
 // The boxes of the triangles, in their order.
 std::vector<LatticeBox> boxes_of(const TriangleList& mesh);
 
-using CrossingPair = std::function<void(std::uint32_t, std::uint32_t)>;
+using PairVisitor = std::function<void(std::uint32_t, std::uint32_t)>;
 
-// f(i, j), i < j, for each pair that cuts each other (cut_each_other), ascending by i.
-void each_crossing(const TriangleList& mesh, const CrossingPair& f);
+// f(i, j), i < j, for each pair that intersects (intersect_beyond_shared), ascending by i.
+void each_intersection(const TriangleList& mesh, const PairVisitor& f);
 
-// f(i, j) for each triangle i of the one and j of the others that cut each other.
+// f(i, j) for each triangle i of the one and j of the others that do.
 struct OtherTriangles {
   std::span<const LatticeTriangle> triangles;
   const BoxTree& tree;  // of their boxes
 };
-void each_crossing(const TriangleList& mesh, const OtherTriangles& others, const CrossingPair& f);
+void each_intersection(const TriangleList& mesh, const OtherTriangles& others,
+                       const PairVisitor& f);
 
 }  // namespace voxweld
