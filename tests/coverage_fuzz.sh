@@ -92,7 +92,7 @@ fuzz() {
     # The clock's limit is for inputs that wait; processor time is counted by the program. Modules
     # have copies of code that the program has as well.
     TMPDIR=$scratch/tmp-$entry VOXWELD_PARSER=$entry VOXWELD_MODULES=$build \
-      ASAN_OPTIONS=detect_odr_violation=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
+      ASAN_OPTIONS=detect_odr_violation=0:detect_leaks=$leaks UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
       "$build/fuzz_parsers" -max_total_time="$left" -seed="$seed" -timeout=60 -report_slow_units=60 \
       -max_len=65536 -detect_leaks=$leaks -malloc_limit_mb=512 -rss_limit_mb=2048 -print_final_stats=1 -verbosity=1 \
       -artifact_prefix="$finds/$entry-" "${folders[@]}" \

@@ -305,6 +305,12 @@ StageMemory ShardIngest::memory(std::span<const std::uint64_t>) {
   if (!job_.copy) return memory;
   const VolumeInfo& info = job_.info;
   memory.base_bytes = info.access == Access::box ? info.largest_decode : spooling_bytes(info, run_);
+  // What the input asks for does not shrink with the store's chunks.
+  if (info.largest_decode > run_.memory / 4) {
+    memory.unit = fmt::format("the input, of which a piece takes {} to decode",
+                              readable_bytes(static_cast<double>(info.largest_decode)));
+    memory.advice = "raise run.memory, or rewrite the input in smaller pieces";
+  }
   // Each worker filters for itself.
   if (filtered_) memory.per_worker_bytes += std::exchange(memory.base_bytes, 0);
   memory.per_worker_bytes +=

@@ -92,7 +92,9 @@ void read_shard_of_store(const fs::path& path) {
   layout.records = path.parent_path() / "records";
   const fs::path record = layout.record_path({});
   fs::create_directories(record.parent_path());
-  fs::copy_file(path, record, fs::copy_options::overwrite_existing);
+  std::error_code none;  // of a bundle of files that names none: the record is missing then
+  fs::remove(record, none);
+  fs::copy_file(path, record, none);
   for (const SampleType type : {SampleType::u8, SampleType::u16, SampleType::f32})
     for (const std::int64_t chunks : {1, 2, 4}) {
       layout.type = type;

@@ -65,5 +65,21 @@ TEST(InfoBounds, AZarrChunkTooSmallForWhatItDecodesToIsRefusedUnread) {
                  {"its chunk has 1000 bytes", "549755813888"});
 }
 
+// Smaller chunks of the store would not help where those of the input are large.
+TEST(InfoBounds, RunSaysWhatMemoryTheChunksOfAZarrTake) {
+  const Workplace place;
+  std::filesystem::create_directories(place.at("large.zarr"));
+  write_bytes(place.at("large.zarr/.zarray"),
+              R"({"zarr_format": 2, "shape": [8, 4096, 4096], "chunks": [4, 4096, 4096],
+                  "dtype": "<u2", "compressor": {"id": "zlib", "level": 1}, "fill_value": 0,
+                  "order": "C", "filters": null})");
+  write_bytes(place.at("large.toml"),
+              "[input]\npath = \"large.zarr\"\n[surface]\nisovalue = 5\n"
+              "[run]\nmemory = \"300MiB\"\n");
+  expect_refused({"run", place.at("large.toml"), "--log-level", "quiet"},
+                 {"run.memory = 300MiB is too small", "stage ingest needs at least",
+                  "the input, of which a piece takes 288.1 MiB to decode", "rewrite the input"});
+}
+
 }  // namespace
 }  // namespace voxweld::testing
