@@ -14,6 +14,7 @@
 #include "pipeline/ingest/shard_ingest.h"
 #include "pipeline/stage/artifacts.h"
 #include "pipeline/stage/units_here.h"
+#include "pipeline/stage/work_claim.h"
 #include "stages/contouring/stored_surface.h"
 #include "storage/store/store_source.h"
 #include "storage/support/error.h"
@@ -191,11 +192,18 @@ void finish_earlier(RunContext& context, const IngestJob& job) {
   for (const auto& earlier : job.earlier) {
     const auto work = ingest_stage(earlier->config, earlier->job);
     if (work->look({}).current()) continue;
+    const WorkClaim claim(context, earlier->job.folder);
+    if (work->look({}).current()) continue;  // another task's work meanwhile
     RunContext one = apart(earlier->config);
     const UnitsHere here(one);
     do_stage(one, *work);
   }
-  if (!job.pieces || pieces_are_found(job.pieces->path, job.pieces->key)) return;
+  const auto found = [&] {
+    return !job.pieces || pieces_are_found(job.pieces->path, job.pieces->key);
+  };
+  if (found()) return;
+  const WorkClaim claim(context, job.pieces->path.parent_path());
+  if (found()) return;
   RunContext one = apart(context.config);
   find_pieces(one, *job.pieces->before, piece_rule(context.config, job), job.pieces->path,
               job.pieces->key);

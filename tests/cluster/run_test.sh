@@ -12,11 +12,12 @@ voxweld=$(realpath "${1:-$root/build/voxweld}")
 require_cluster
 make_shared_folder vxwrun
 
-# on NAME COMMAND [OPTION...]: of the config, into directories of that name.
+# on NAME COMMAND [OPTION...]: of $config, into directories of that name.
+config=scene
 on() {
   local name=$1 command=$2
   shift 2
-  timeout 300 "$voxweld" "$command" "$data/scene.toml" --set "work.directory=$data/$name.work" \
+  timeout 300 "$voxweld" "$command" "$data/$config.toml" --set "work.directory=$data/$name.work" \
     --set "output.directory=$data/$name.mesh" "$@" >"$data/$name.$command.log" 2>&1
 }
 same() { # same NAME: as the local run
@@ -144,4 +145,24 @@ on slices run --set "input.path=$data/slices" --set run.executor=slurm --set sur
 grep -qE "^ingest +9 shards" "$data/slices.run.log" || fail "not only the layer was done again"
 "$voxweld" verify "$data/slices.mesh" >"$data/slices.verify.log" 2>&1 || fail "verify"
 step "an image that cannot be read: its layer is missing, and done when it is mended"
+
+# Slices are ingested before they are filtered, and keep looks at the whole volume first.
+sed "s|porous.nrrd|slices|" "$data/scene.toml" - >"$data/filtered.toml" <<'END'
+[[filter]]
+type = "median"
+[[filter]]
+type = "keep"
+[[filter]]
+type = "gaussian"
+sigma = 0.7
+END
+config=filtered
+on filtered_local run || fail "the local run with filters"
+expected=$(tree_hash "$data/filtered_local.mesh")
+on filtered run --set run.executor=slurm || fail "the driven run with filters"
+same filtered
+on filtered_handed submit || fail "submit with filters"
+wait_until_finished filtered_handed
+same filtered_handed
+step "filters, driven from here and handed over: the same bytes"
 ok=yes

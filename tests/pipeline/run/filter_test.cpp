@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <numbers>
+#include <thread>
 
 #include "tests/pipeline/run/edit_scene.h"
 #include "tests/support/mesh_check.h"
@@ -123,6 +124,16 @@ TEST(Filter, TheIsovalueIsChosenOnceForPiecesAndSurface) {
   EXPECT_EQ(difference(tree, output_tree(scene.output())), "");
 }
 
+// As a stream: gzip NRRD.
+void write_stream(const fs::path& path, const RawVolume& volume) {
+  std::ofstream(path) << fmt::format(
+      "NRRD0004\ntype: uchar\ndimension: 3\nsizes: {} {} {}\nspacings: 1 1 1\nencoding: gzip\n\n",
+      balls_size.x, balls_size.y, balls_size.z);
+  gzFile out = gzopen(path.c_str(), "ab");
+  gzwrite(out, volume.samples.data(), static_cast<unsigned>(volume.samples.size()));
+  gzclose(out);
+}
+
 // A stream is copied before it is filtered, and what comes out is the same.
 TEST(Filter, OfAStreamIsThatOfTheSamplesInPlace) {
   const RawVolume volume = balls();
@@ -130,12 +141,7 @@ TEST(Filter, OfAStreamIsThatOfTheSamplesInPlace) {
   const EditScene filters(scene);
   const std::string turned = "[[filter]]\ntype = \"flip\"\naxes = \"z\"\n";
   const fs::path path = scene.directory() / "stream.nrrd";
-  std::ofstream(path) << fmt::format(
-      "NRRD0004\ntype: uchar\ndimension: 3\nsizes: {} {} {}\nspacings: 1 1 1\nencoding: gzip\n\n",
-      balls_size.x, balls_size.y, balls_size.z);
-  gzFile out = gzopen(path.c_str(), "ab");
-  gzwrite(out, volume.samples.data(), static_cast<unsigned>(volume.samples.size()));
-  gzclose(out);
+  write_stream(path, volume);
   const fs::path config = scene.directory() / "stream.toml";
   for (const std::string& chain :
        {std::string(smoothing) + turned, turned + keep_largest, turned}) {
@@ -338,6 +344,33 @@ TEST(Filter, SharesOfIngestAreFiltered) {
   VOXWELD_EXPECT_DONE(scene.run(settings));
   EXPECT_EQ(units_run(scene.output()).at("ingest"), 0U);
   EXPECT_EQ(difference(tree, output_tree(scene.output())), "");
+}
+
+// As tasks of a cluster that nobody drives: each may be the first to need what comes before.
+TEST(Filter, SharesAtOnceDoOnceWhatComesBefore) {
+  const Scene scene(balls());
+  write_stream(scene.directory() / "stream.nrrd", balls());
+  const std::string config = (scene.directory() / "stream.toml").string();
+  std::ofstream(config) << "[input]\npath = \"stream.nrrd\"\n[surface]\nisovalue = 128\n"
+                        << "[work]\nbrick = 16\nshard = 1\nchunk = 16\n"
+                        << smoothing << keep_largest;
+  VOXWELD_EXPECT_DONE(run_voxweld({"run", config}));
+  const Tree tree = output_tree(scene.directory() / "stream.mesh");
+  for (int turn = 0; turn < 5; ++turn) {
+    for (const char* folder : {"stream.work", "stream.mesh"})
+      fs::remove_all(scene.directory() / folder);
+    std::vector<ProgramResult> results(4);
+    {
+      std::vector<std::jthread> tasks;
+      for (std::size_t part = 0; part < results.size(); ++part)
+        tasks.emplace_back([&, part] {
+          results[part] = run_voxweld({"ingest", config, "--part", fmt::format("{}/4", part)});
+        });
+    }
+    for (const ProgramResult& result : results) VOXWELD_EXPECT_DONE(result);
+    VOXWELD_EXPECT_DONE(run_voxweld({"run", config}));
+    EXPECT_EQ(difference(tree, output_tree(scene.directory() / "stream.mesh")), "");
+  }
 }
 
 TEST(Filter, LabelsAreMadeCoarserByWhatMostHave) {

@@ -143,7 +143,7 @@ TEST(OutputOwner, RunsWithOtherEditsWaitForTheShardsTheyShare) {
     for (int i = 0; i < 300 && !fs::exists(scene.directory() / "other.mesh" / "manifest.json"); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     EXPECT_EQ(difference(of_other, output_tree(scene.directory() / "other.mesh")), "");
-    EXPECT_THAT(text_of_file(said), HasSubstr("at work on the same shards for " + one.string()));
+    EXPECT_THAT(text_of_file(said), HasSubstr("at work on the same files for " + one.string()));
   }
 }
 

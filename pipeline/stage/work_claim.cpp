@@ -1,4 +1,4 @@
-#include "pipeline/run/work_claim.h"
+#include "pipeline/stage/work_claim.h"
 
 #include <spdlog/spdlog.h>
 
@@ -12,7 +12,7 @@ LockOptions lock_options(const RunContext& context) {
   options.waiting = [&context, told = false](const LockHolder& holder) mutable {
     if (context.interrupt != nullptr) context.interrupt->check();
     if (!std::exchange(told, true))
-      spdlog::info("waiting for process {} on {}, which is at work on the same shards for {}",
+      spdlog::info("waiting for process {} on {}, which is at work on the same files for {}",
                    holder.process, holder.host, holder.owner);
   };
   return options;
@@ -20,7 +20,7 @@ LockOptions lock_options(const RunContext& context) {
 
 }  // namespace
 
-WorkClaim::WorkClaim(const RunContext& context, const std::filesystem::path& build_folder)
-    : lock_(build_folder, context.config_file.string(), lock_options(context)) {}
+WorkClaim::WorkClaim(const RunContext& context, const std::filesystem::path& folder)
+    : lock_(folder, context.config_file.string(), lock_options(context)) {}
 
 }  // namespace voxweld
