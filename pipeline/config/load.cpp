@@ -73,16 +73,16 @@ std::string the_tables() {
 [[noreturn]] void throw_unknown_key(const std::string& where, const std::string& table,
                                     const std::string& key) {
   // A key of another table is a better guess than one that is merely spelled alike.
+  const std::string name = fmt::format("{}.{}", table, key);
   for (const Setting& setting : settings())
     if (setting.key == key)
       throw InputError(fmt::format("{}: unknown key {}; did you mean {}? [{}] takes {}", where,
-                                   shown(table + "." + key), setting.name(), table,
-                                   joined(key_names(table))));
+                                   shown(name), setting.name(), table, joined(key_names(table))));
   const auto keys = key_names(table);
   const std::string nearest = nearest_name(key, keys);
-  throw InputError(fmt::format(
-      "{}: unknown key {}{} [{}] takes {}", where, shown(table + "." + key),
-      nearest.empty() ? "." : did_you_mean(table + "." + nearest), table, joined(keys)));
+  throw InputError(fmt::format("{}: unknown key {}{} [{}] takes {}", where, shown(name),
+                               nearest.empty() ? "." : did_you_mean(table + "." + nearest), table,
+                               joined(keys)));
 }
 
 [[noreturn]] void throw_outside_tables(const std::string& where, const DocumentEntry& entry) {

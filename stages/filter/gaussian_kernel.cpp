@@ -22,7 +22,7 @@ double falling_exponential(double x) {
 
 // By distance.
 std::vector<double> gaussian_weights(double sigma) {
-  const auto radius = static_cast<std::int64_t>(4 * sigma + 0.5);
+  const auto radius = static_cast<std::int64_t>(std::floor(4 * sigma + 0.5));
   std::vector<double> weights{1};
   double sum = 0;
   for (std::int64_t k = 1; k <= radius; ++k) {

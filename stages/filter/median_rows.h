@@ -47,7 +47,7 @@ template <class T>
 void fill_from_rows(const KeyRows<T>& rows, const KeyRowsShape& shape, std::int64_t y,
                     std::int64_t z, Key<T>* out) {
   const Index3 r = shape.radius;
-  const Key<T>* sources[9];
+  const Key<T>* sources[9] = {};
   std::size_t count = 0;
   for (std::int64_t k = -r.z; k <= r.z; ++k)
     for (std::int64_t j = -r.y; j <= r.y; ++j)
@@ -63,8 +63,7 @@ void fill_from_rows(const KeyRows<T>& rows, const KeyRowsShape& shape, std::int6
 
 // T. S. Huang, G. J. Yang, G. Y. Tang, "A Fast Two-Dimensional Median Filtering Algorithm", IEEE
 // Transactions on Acoustics, Speech, and Signal Processing 27(1), 1979. Differs in that whole
-// blocks
-// of values are stepped over by their own counts.
+// blocks of values are stepped over by their own counts.
 template <class K>
 class SlidingHistogram {
  public:

@@ -8,13 +8,14 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <exception>
 #include <iterator>
 #include <map>
 #include <vector>
 
 #include "pipeline/output/load.h"
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   if (argc != 2) {
     fmt::print(stderr, "usage: cgal_intersections OUTPUT_DIRECTORY\n");
     return 2;
@@ -47,4 +48,7 @@ int main(int argc, char** argv) {
   pmp::self_intersections(mesh, std::back_inserter(pairs));
   fmt::print("{} triangles, {} intersecting pairs\n", triangles.size(), pairs.size());
   return 0;
+} catch (const std::exception& error) {
+  fmt::print(stderr, "cgal_intersections: {}\n", error.what());
+  return 1;
 }

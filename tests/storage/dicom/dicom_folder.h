@@ -51,9 +51,9 @@ class DicomFolder : public VolumeFolder {
   // Names tell nothing of the order.
   void write(const DicomForm& form = explicit_little) const {
     std::filesystem::remove_all(path());
+    const std::size_t apart = slices.size() % 5 == 0 ? 100 : 0;  // else two would have one name
     for (std::size_t i = 0; i < slices.size(); ++i)
-      write_file(file((i * 5 + 3) % slices.size() + 100 * (slices.size() % 5 == 0) * i),
-                 slices[i].bytes(form));
+      write_file(file((i * 5 + 3) % slices.size() + apart * i), slices[i].bytes(form));
   }
   std::unique_ptr<SampleSource> opened(InputSpec spec = {}) const {
     write();

@@ -4,10 +4,6 @@
 namespace voxweld::testing {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::Not;
-
 constexpr std::uint32_t position = 0x00200032, orientation = 0x00200037;
 const InputSpec uniform{.path = {}, .resample = Resample::uniform};
 

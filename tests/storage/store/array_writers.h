@@ -57,12 +57,15 @@ inline std::string zip_of(const std::vector<std::pair<std::string, std::string>>
     const std::string extra =
         form.zip64 ? number_bytes(1, 2) + number_bytes(24, 2) + wide + number_bytes(offset, 8) : "";
     const std::string local = form.zip64 ? number_bytes(1, 2) + number_bytes(16, 2) + wide : "";
-    file += "PK\3\4" + same + sizes + number_bytes(name.size(), 2) + number_bytes(local.size(), 2) +
-            name + local + data;
-    list += "PK\1\2" + number_bytes(45, 2) + same + sizes + number_bytes(name.size(), 2) +
-            number_bytes(extra.size(), 2) + number_bytes(0, 8) + number_bytes(0, 2) +
-            number_bytes(form.zip64 ? all : offset, 4);
-    list += name + extra;
+    for (const std::string& part :
+         {std::string("PK\3\4"), same, sizes, number_bytes(name.size(), 2),
+          number_bytes(local.size(), 2), name, local, data})
+      file += part;
+    for (const std::string& part :
+         {std::string("PK\1\2"), number_bytes(45, 2), same, sizes, number_bytes(name.size(), 2),
+          number_bytes(extra.size(), 2), number_bytes(0, 8), number_bytes(0, 2),
+          number_bytes(form.zip64 ? all : offset, 4), name, extra})
+      list += part;
   }
   const std::uint64_t begin = file.size(), count = members.size();
   file += list;

@@ -7,7 +7,6 @@ namespace voxweld::testing {
 namespace {
 
 using ::testing::Contains;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 class VdbChoice : public VdbFiles {};
