@@ -9,6 +9,7 @@
 namespace voxweld {
 
 std::string tile_name(const CellKey& tile) {
+  if (tile == whole_mesh) return "the mesh";
   return fmt::format("tile {}/{},{},{}", tile.level, tile.at.x, tile.at.y, tile.at.z);
 }
 

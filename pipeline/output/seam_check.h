@@ -14,6 +14,8 @@
 namespace voxweld {
 
 std::string tile_name(const CellKey& tile);  // "tile 5/1,0,2": level and position
+// In place of a tile where the mesh is in one piece: holds every cell.
+inline constexpr CellKey whole_mesh{max_levels, {}};
 
 struct SeamRules {
   bool open_border = false;    // boundary edges may lie on the border

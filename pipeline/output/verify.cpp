@@ -79,13 +79,16 @@ class Verifier {
   VerifyReport run() {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(threads_));
-    for_each_tile<TileResult>(
-        directory_ / tiles_name, threads_,
-        [&](TileRecord record, std::size_t) {
-          check_interrupt();
-          return tiles_.check(std::move(record), options_.intersections);
-        },
-        [&](TileResult& result) { fold(result); });
+    if (has_no_tiles())
+      fold_whole();
+    else
+      for_each_tile<TileResult>(
+          directory_ / tiles_name, threads_,
+          [&](TileRecord record, std::size_t) {
+            check_interrupt();
+            return tiles_.check(std::move(record), {.intersections = options_.intersections});
+          },
+          [&](TileResult& result) { fold(result); });
     close_surface();
     if (each_) check_labels_to_end();
     check_totals();
@@ -106,6 +109,30 @@ class Verifier {
   }
   void note_all(const Problems& problems) {
     for (const Problem& problem : problems) note(problem);
+  }
+
+  // output.tiles = false: the merged mesh is all there is.
+  bool has_no_tiles() const {
+    return manifest_.merged && manifest_.counts.tiles == 0 &&
+           !TileListReader(directory_ / tiles_name).next();
+  }
+
+  // Checks the merged mesh as the one tile there is.
+  void fold_whole() {
+    TileRecord record;
+    record.tile = whole_mesh;
+    record.vertices = manifest_.counts.vertices;
+    record.triangles = manifest_.counts.output_triangles;
+    record.quads = manifest_.counts.quads;
+    record.polygon_triangles = manifest_.counts.triangles;
+    for (const FileRecord& file : manifest_.files)
+      if (file.role == "merged") record.files.push_back(file);
+    TileResult result = tiles_.check(
+        std::move(record), {.intersections = options_.intersections, .vertices_listed = false});
+    // check_merged() counts its files.
+    result.files = result.bytes = 0;
+    fold(result);
+    surface_->tiles = 0;
   }
 
   void fold(TileResult& result) {

@@ -92,14 +92,15 @@ std::string record_name(const TileRecord& record) {
   return record.label ? fmt::format("label {} {}", *record.label, tile) : tile;
 }
 
-TileResult TileReader::check(TileRecord record, bool intersections) const {
+TileResult TileReader::check(TileRecord record, const TileChecks& checks) const {
   TileResult result;
   result.record = std::move(record);
   std::optional<LatticeMesh> mesh = read(result);
   check_listing(result);
   if (!mesh) return result;
-  check_mesh(*mesh, result);
-  if (intersections) result.intersections = intersections_within(*mesh, result.record.tile, frame_);
+  check_mesh(*mesh, checks, result);
+  if (checks.intersections)
+    result.intersections = intersections_within(*mesh, result.record.tile, frame_);
   return result;
 }
 
@@ -144,8 +145,9 @@ std::optional<LatticeMesh> TileReader::read(TileResult& result) const {
   return decode(files, manifest_.lattice, result.problems);
 }
 
-void TileReader::check_mesh(LatticeMesh& mesh, TileResult& result) const {
-  expect(result, "vertices", mesh.positions.size(), result.record.vertices);
+void TileReader::check_mesh(LatticeMesh& mesh, const TileChecks& checks, TileResult& result) const {
+  if (checks.vertices_listed)
+    expect(result, "vertices", mesh.positions.size(), result.record.vertices);
   expect(result, "triangles", mesh.triangles.size(), result.record.triangles);
   result.triangles = digest(mesh);
   if (result.record.label) result.measure = measure(mesh.positions, mesh.triangles);

@@ -44,13 +44,18 @@ struct TileResult {
   std::uint64_t files = 0, bytes = 0;
 };
 
+struct TileChecks {
+  bool intersections = false;
+  bool vertices_listed = true;  // by the tile's own record
+};
+
 class TileReader {
  public:
   // All outlive it.
   TileReader(const std::filesystem::path& directory, const Manifest& manifest, MeshWriters formats)
       : directory_(directory), manifest_(manifest), formats_(formats), frame_(manifest) {}
 
-  TileResult check(TileRecord record, bool intersections) const;
+  TileResult check(TileRecord record, const TileChecks& checks) const;
   // Those of `points` that the tile has: each is surrounded in it and used by another tile too.
   Problems use_of(const TileRecord& record, const std::vector<LatticePoint>& points) const;
   // Its mesh once more, without a word of what is wrong with it. Empty when it cannot be read.
@@ -58,7 +63,7 @@ class TileReader {
 
  private:
   std::optional<LatticeMesh> read(TileResult& result) const;
-  void check_mesh(LatticeMesh& mesh, TileResult& result) const;
+  void check_mesh(LatticeMesh& mesh, const TileChecks& checks, TileResult& result) const;
 
   const std::filesystem::path& directory_;
   const Manifest& manifest_;

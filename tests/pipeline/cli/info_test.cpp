@@ -44,6 +44,17 @@ TEST(Info, RecognisesEveryFileThatARunLeaves) {
   EXPECT_EQ(output.size(), 3u);
 }
 
+TEST(Info, OfAnOutputWithoutTilesFitsWhatVerifyFinds) {
+  const Workplace place;
+  place.run_scene({"output.tiles=false"});
+  const std::string mesh = place.at("scene.mesh");
+  const auto found = nlohmann::json::parse(place.run({"verify", mesh, "--json"}).out);
+  const nlohmann::json counts = place.info(mesh).at("counts");
+  EXPECT_EQ(counts.at("tiles"), 0);
+  EXPECT_EQ(found.at("vertices"), counts.at("vertices"));
+  EXPECT_EQ(found.at("triangles"), counts.at("output_triangles"));
+}
+
 TEST(Info, KeepsTheHistogramOfAVolumeReadInPlace) {
   const Workplace place;
   place.run_scene({"surface.isovalue=otsu"});

@@ -28,6 +28,7 @@ struct OutputDirectory {
   std::vector<TileMesh> tiles;
   std::vector<Material> labels;  // of each tile, ascending; empty: one surface
   bool glb = true, merged = true, open = false, free_topology = false;
+  bool listed = true;  // else the tiles are not written: the merged mesh is all there is
   // Hooks, each called where set: on a tile's mesh before it is encoded (the merged mesh and the
   // listing are made from the meshes before), on the listing, on the manifest.
   std::function<void(std::size_t, TileMesh&)> damage;
@@ -51,6 +52,11 @@ struct OutputDirectory {
       vertices[labels.empty() ? 0 : labels[i]].insert(tiles[i].positions.begin(),
                                                       tiles[i].positions.end());
       list += line(directory, i, manifest.counts);
+    }
+    if (!listed) {
+      list.clear();
+      manifest.counts.tiles = 0;
+      std::filesystem::remove_all(directory / "tiles");
     }
     for (const auto& [label, points] : vertices) manifest.counts.vertices += points.size();
     if (!labels.empty()) write_labels(directory, vertices, manifest);

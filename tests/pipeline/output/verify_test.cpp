@@ -62,6 +62,22 @@ TEST(Verify, TilesOfAnySizeAndNoMergedMesh) {
   }
 }
 
+TEST(Verify, TheMergedMeshMayBeAllThereIs) {
+  OutputDirectory output = torus_output();
+  output.listed = false;
+  const VerifyReport report = verified(output, {.intersections = true});
+  EXPECT_TRUE(report.good()) << to_text(report);
+  EXPECT_EQ(report.tiles, 0U);
+  EXPECT_EQ(report.vertices, 48u * 24);
+  EXPECT_EQ(report.triangles, 2u * 48 * 24);
+  EXPECT_EQ(report.files, 2U);
+  EXPECT_EQ(report.boundary_edges, 0U);
+  ASSERT_TRUE(report.intersections);
+  EXPECT_EQ(report.intersections->pairs, 0U);
+  output.remerge = without_last_triangle;
+  expect_problem(output, "the mesh at (");
+}
+
 TEST(Verify, EndsWhereAStopIsAskedFor) {
   const testing::TempDirectory directory;
   torus_output().write(directory.path());
