@@ -23,3 +23,8 @@ debian_root() {
   rm -f "$settings"
   return $rc
 }
+
+# recommended_by DEB: the packages that it recommends, by name.
+recommended_by() {
+  dpkg-deb -f "$1" Recommends | tr ',' '\n' | sed -E 's/^ *([^ (|]+).*/\1/'
+}

@@ -52,6 +52,10 @@ compressed triangle meshes, by adaptive dual contouring of bricks on disk.
 It reads DICOM, NRRD, MetaImage, NIfTI, HDF5, Zarr, N5, OpenVDB, VTK, MRC,
 TIFF, raw files and image stacks and writes Draco and glTF; on a Slurm cluster
 it runs as job arrays.")
-# What the program and its module link decides what the package needs.
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS TRUE)
+foreach(module IN LISTS modules)
+  get_target_property(name ${module} OUTPUT_NAME)
+  list(APPEND module_names ${name})
+endforeach()
+configure_file(pipeline/package_dependencies.cmake.in documents/package_dependencies.cmake @ONLY)
+set(CPACK_PROJECT_CONFIG_FILE ${documents}/package_dependencies.cmake)
 include(CPack)

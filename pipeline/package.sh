@@ -6,13 +6,14 @@
 #   OUT, default build/package, gets voxweld_VERSION_ARCH.deb and voxweld_VERSION_ARCH.tar.gz.
 #   BUILD in the environment names the build folder, default build.
 # The .deb:   apt install ./voxweld_*.deb
+#             (with --no-install-recommends it comes without the libraries of some formats)
 # The image:  mkdir voxweld && tar -C voxweld -xf voxweld_*.tar.gz
 #             apptainer exec voxweld voxweld --help
 #             (or, as root and with /proc mounted in it: chroot voxweld voxweld --help)
 #             docker import voxweld_*.tar.gz voxweld && docker run voxweld voxweld --help
 set -euo pipefail
 case ${1:-} in -h | --help)
-  sed -n '2,13s/^# //p' "$0"
+  sed -n '2,14s/^# //p' "$0"
   exit 0
   ;;
 esac
@@ -49,12 +50,14 @@ image=${deb%.deb}.tar.gz
 # graphics cards.
 place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
+# What it recommends too, and not what that recommends.
+recommended=$(recommended_by "$deb" | paste -sd' ')
 # shellcheck disable=SC2016
 debian_root "$place/root" \
   --dpkgopt='path-exclude=/usr/lib/*/dri/*' --dpkgopt='path-exclude=/usr/lib/*/libLLVM*' \
   --dpkgopt='path-exclude=/usr/lib/*/libz3.so*' --dpkgopt='path-exclude=/usr/lib/*/*mfx*hw64*' \
   --customize-hook="upload $deb /tmp/voxweld.deb" \
-  --customize-hook='chroot "$1" apt-get -qq -y install /tmp/voxweld.deb >/dev/null' \
+  --customize-hook='chroot "$1" apt-get -qq -y install /tmp/voxweld.deb '"$recommended"' >/dev/null' \
   --customize-hook='rm "$1"/tmp/voxweld.deb "$1"/etc/apt/apt.conf.d/99mmdebstrap' \
   --customize-hook='rm -f "$1"/etc/resolv.conf "$1"/etc/hostname'
 # Device nodes only root can unpack; who enters the image brings /dev along.

@@ -64,9 +64,24 @@ say "the .deb in a minimal system"
 debian_root "$place/clean"
 cp "$place"/out/*.deb "$place/clean/voxweld.deb"
 # What is installed by apt is what a user would install.
-inside "$place/clean" sh -ec 'apt-get -qq update
-  DEBIAN_FRONTEND=noninteractive apt-get -qq -y --no-install-recommends install /voxweld.deb
-  dpkg --verify voxweld' >"$place/log" 2>&1 || { cat "$place/log"; fail "apt does not install it"; }
+install() { # install PACKAGE...
+  inside "$place/clean" sh -ec 'DEBIAN_FRONTEND=noninteractive apt-get -qq -y install "$@"
+    dpkg --verify voxweld' sh "$@" >"$place/log" 2>&1 || { cat "$place/log"; fail "apt does not install it"; }
+}
+inside "$place/clean" apt-get -qq update
+install --no-install-recommends /voxweld.deb
+say "without what it recommends"
+mapfile -t recommended < <(recommended_by "$place"/out/*.deb)
+for library in libgdcm libhdf5 libopenvdb libopenimageio; do
+  case ${recommended[*]} in *$library*) ;; *) fail "$library is not recommended: ${recommended[*]}" ;; esac
+  inside "$place/clean" sh -c "! dpkg -l | grep -q '^ii  $library'" || fail "$library is installed"
+done
+inside "$place/clean" sh -ec 'mkdir -p /small; cd /small; voxweld phantom gyroid --size 64 -o a.nrrd
+  voxweld init a.nrrd; voxweld run a.toml; voxweld verify a.mesh'
+! inside "$place/clean" sh -ec 'cd /small; voxweld render a.mesh -o a.png' 2>"$place/log" ||
+  fail "a picture without the library of pictures"
+grep -q 'libvoxweld_image.so' "$place/log" || { cat "$place/log"; fail "what is missing is not said"; }
+install --no-install-recommends "${recommended[@]}"
 say "its mesh"
 make_mesh "$place/clean"
 
