@@ -88,7 +88,7 @@ struct IsovalueChoice {
 struct SurfaceConfig {
   enum class Inside : std::uint8_t { above, below };
   enum class Border : std::uint8_t { closed, open };
-  enum class Gradient : std::uint8_t { eno, central };
+  enum class Gradient : std::uint8_t { eno, central, subcell };
 
   // Of a label volume, the value whose surface is asked for; isovalue is then the same number.
   std::optional<std::uint64_t> label{};
