@@ -28,6 +28,7 @@ Gradient gradient_of(SurfaceConfig::Gradient gradient) {
       return Gradient::eno;
     case SurfaceConfig::Gradient::central:
       return Gradient::central;
+    case SurfaceConfig::Gradient::automatic:
     case SurfaceConfig::Gradient::subcell:
       break;
   }
@@ -51,6 +52,7 @@ ContourParameters contour_parameters(const Config& config, const VolumeInfo& inf
   p.surface.border =
       config.surface.border == SurfaceConfig::Border::closed ? Border::closed : Border::open;
   p.surface.gradient = gradient_of(config.surface.gradient);
+  p.surface.noise = config.surface.noise.value_or(0);
   p.labels = std::move(labels);
   const SimplifyConfig& s = config.simplify;
   p.simplify.enabled = s.enabled;

@@ -142,8 +142,10 @@ std::vector<Setting> surface_settings() {
           binding::choice(surface, &Surface::border, {"closed", "open"}), border),
       row({"surface", "gradient",
            "How crossings and normals are estimated: \"central\" blurs noise and creases, \"eno\" "
-           "keeps normals apart at creases, \"subcell\" places crossings there too."},
-          binding::choice(surface, &Surface::gradient, {"eno", "central", "subcell"}), build),
+           "keeps normals apart at creases, \"subcell\" places crossings there too. \"auto\" does "
+           "so where creases are clearer than the samples' noise, which it measures."},
+          binding::choice(surface, &Surface::gradient, {"auto", "subcell", "eno", "central"}),
+          build),
   };
 }
 

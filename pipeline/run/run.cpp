@@ -11,6 +11,7 @@
 #include "pipeline/encode/output_files.h"
 #include "pipeline/executor/error_set.h"
 #include "pipeline/ingest/label_rules.h"
+#include "pipeline/ingest/noise_choice.h"
 #include "pipeline/merge/merge_stage.h"
 #include "pipeline/run/checks.h"
 #include "pipeline/run/last_config.h"
@@ -29,7 +30,8 @@ namespace {
 void build_what_is_there(RunContext& context, Stages& stages) {
   const StageLook look = stages.open(Stage::ingest).look(context.selection);
   if (look.missing.size() == look.units || !context.config.surface.isovalue.has_value() ||
-      asks_for_sizes(context.config.labels))
+      asks_for_sizes(context.config.labels) ||
+      (asks_for_noise(context.config) && !noise_is_known(context.config, stages.jobs().ingest())))
     return;
   spdlog::warn("{} of {} shards of the input cannot be read; building what the others allow",
                look.missing.size(), look.units);

@@ -4,7 +4,7 @@
 // usage: measure_crossings KIND SIZE [NEAR]
 // A crossing is near a crease where the field's gradient, up to NEAR voxels (0.6) away along each
 // axis, turns by more than 25 degrees. Edges that noise makes cross, or cross no longer, are left
-// out. Positions are distances to the true surface, in voxels; normals are off in degrees.
+// out. "known" knows the noise, "auto" measures it, here of all samples. Positions are distances to the true surface, in voxels; normals are off in degrees.
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -19,6 +19,7 @@
 
 #include "pipeline/phantom/fields.h"
 #include "stages/build/edge_estimator.h"
+#include "stages/ingest/noise_level.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -202,10 +203,15 @@ struct Method {
 
 void measure(const char* name, const AnalyticField& field, const Samples& samples, Index3 size,
              const std::vector<TrueEdge>& edges, double noise) {
+  NoiseMeter meter(SampleType::f32, Isovalue(0.0));
+  meter.add(size, reinterpret_cast<const std::byte*>(samples.data()));
+  const double measured = meter.level();
+  fmt::print("{}: noise of {:.4f} measured\n", name, measured);
   const Method methods[] = {{"central", Gradient::central, 0},
                             {"eno", Gradient::eno, 0},
                             {"subcell", Gradient::subcell, 0},
-                            {"known", Gradient::subcell, noise}};
+                            {"known", Gradient::subcell, noise},
+                            {"auto", Gradient::subcell, measured}};
   for (const bool at_crease : {true, false})
     for (const Method& method : methods) {
       ContourParameters parameters;
