@@ -100,7 +100,7 @@ struct SurfaceConfig {
   std::vector<IsovalueChoice> isovalues{};
   Inside inside = Inside::above;
   Border border = Border::closed;
-  Gradient gradient = Gradient::eno;
+  Gradient gradient = Gradient::automatic;
   // Of Gradient::automatic: the standard deviation of the samples as stored, measured. No setting.
   std::optional<double> noise{};
 

@@ -103,8 +103,11 @@ VolumeNoise measure_noise(const SampleSource& source, const Isovalue& stored_iso
   return {meter.level(), most};
 }
 
-double choose_noise(const Config& config, const IngestJob& job, const SampleSource& source) {
+double choose_noise(const Config& config, const IngestJob& job) {
   if (const auto known = known_noise(config, job)) return *known;
+  // What it keeps to read on goes with it: build counts what is free.
+  const Volume volume = ingested_volume(config, job);
+  const SampleSource& source = *volume.source;
   SurfaceParameters surface;
   surface.isovalue = config.surface.isovalue.value();
   to_stored(surface, source.info().scale, source.info().type);

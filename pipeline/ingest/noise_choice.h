@@ -14,8 +14,8 @@ bool noise_is_known(const Config& config, const IngestJob& job);
 
 // Of the samples as stored, around the surface. Reads a few samples of the volume, the same for the
 // same volume, and keeps what comes out in ingest's folder for the next time.
-// Precondition: ingest is current, `source` is what it leaves.
-double choose_noise(const Config& config, const IngestJob& job, const SampleSource& source);
+// Precondition: ingest is current.
+double choose_noise(const Config& config, const IngestJob& job);
 
 struct VolumeNoise {
   double level = 0;         // standard deviation of the samples as stored

@@ -26,7 +26,8 @@ namespace voxweld {
 namespace {
 
 // Something of the input cannot be read, and that is the user's to mend. What the rest of it is
-// enough for is built meanwhile: when it is mended only the remainder is left to do.
+// enough for is built meanwhile: when it is mended only the remainder is left to do. Not where the
+// whole volume decides something: its isovalue, the sizes of labels, its noise.
 void build_what_is_there(RunContext& context, Stages& stages) {
   const StageLook look = stages.open(Stage::ingest).look(context.selection);
   if (look.missing.size() == look.units || !context.config.surface.isovalue.has_value() ||

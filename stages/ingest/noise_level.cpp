@@ -45,6 +45,10 @@ void NoiseMeter::add(Index3 size, const std::byte* samples) {
 
 template <class T>
 void NoiseMeter::add_typed(Index3 size, const T* samples) {
+  const std::int64_t all = size.x * size.y * size.z;
+  std::int64_t below = 0;
+  for (std::int64_t i = 0; i < all; ++i) below += static_cast<double>(samples[i]) < isovalue_;
+  if (below == 0 || below == all) return;  // as of most boxes: nothing crosses
   const std::array<std::int64_t, 3> strides{1, size.x, size.x * size.y};
   for (int axis = 0; axis < 3; ++axis) {
     const std::int64_t stride = strides[static_cast<std::size_t>(axis)];
