@@ -22,6 +22,19 @@ Edits make_edits(const Config& config, const VolumeGeometry& geometry,
   return edits;
 }
 
+Gradient gradient_of(SurfaceConfig::Gradient gradient) {
+  switch (gradient) {
+    case SurfaceConfig::Gradient::eno:
+      return Gradient::eno;
+    case SurfaceConfig::Gradient::central:
+      return Gradient::central;
+    case SurfaceConfig::Gradient::automatic:
+    case SurfaceConfig::Gradient::subcell:
+      break;
+  }
+  return Gradient::subcell;
+}
+
 }  // namespace
 
 ContourParameters contour_parameters(const Config& config, const VolumeInfo& info,
@@ -38,8 +51,8 @@ ContourParameters contour_parameters(const Config& config, const VolumeInfo& inf
     to_stored(p.surface, info.scale, info.type);
   p.surface.border =
       config.surface.border == SurfaceConfig::Border::closed ? Border::closed : Border::open;
-  p.surface.gradient =
-      config.surface.gradient == SurfaceConfig::Gradient::eno ? Gradient::eno : Gradient::central;
+  p.surface.gradient = gradient_of(config.surface.gradient);
+  p.surface.noise = config.surface.noise.value_or(0);
   p.labels = std::move(labels);
   const SimplifyConfig& s = config.simplify;
   p.simplify.enabled = s.enabled;

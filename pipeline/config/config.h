@@ -88,7 +88,7 @@ struct IsovalueChoice {
 struct SurfaceConfig {
   enum class Inside : std::uint8_t { above, below };
   enum class Border : std::uint8_t { closed, open };
-  enum class Gradient : std::uint8_t { eno, central };
+  enum class Gradient : std::uint8_t { automatic, subcell, eno, central };
 
   // Of a label volume, the value whose surface is asked for; isovalue is then the same number.
   std::optional<std::uint64_t> label{};
@@ -100,7 +100,9 @@ struct SurfaceConfig {
   std::vector<IsovalueChoice> isovalues{};
   Inside inside = Inside::above;
   Border border = Border::closed;
-  Gradient gradient = Gradient::eno;
+  Gradient gradient = Gradient::automatic;
+  // Of Gradient::automatic: the standard deviation of the samples as stored, measured. No setting.
+  std::optional<double> noise{};
 
   friend bool operator==(const SurfaceConfig&, const SurfaceConfig&) = default;
 };

@@ -141,8 +141,11 @@ std::vector<Setting> surface_settings() {
            "\"closed\" caps material that reaches the volume's border; \"open\" leaves it open."},
           binding::choice(surface, &Surface::border, {"closed", "open"}), border),
       row({"surface", "gradient",
-           "How normals are estimated: \"eno\" keeps sharp features, \"central\" blurs noise."},
-          binding::choice(surface, &Surface::gradient, {"eno", "central"}), build),
+           "How crossings and normals are estimated: \"central\" blurs noise and creases, \"eno\" "
+           "keeps normals apart at creases, \"subcell\" places crossings there too. \"auto\" does "
+           "so where creases are clearer than the samples' noise, which it measures."},
+          binding::choice(surface, &Surface::gradient, {"auto", "subcell", "eno", "central"}),
+          build),
   };
 }
 

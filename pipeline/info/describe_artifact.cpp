@@ -5,6 +5,7 @@
 #include "storage/artifact/asset_record.h"
 #include "storage/artifact/histogram_artifact.h"
 #include "storage/artifact/label_shard_artifact.h"
+#include "storage/artifact/noise_artifact.h"
 #include "storage/artifact/piece_changes.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
@@ -175,6 +176,13 @@ InfoDocument describe_histogram(const fs::path& path) {
   return document;
 }
 
+InfoDocument describe_noise(const fs::path& path) {
+  const NoiseArtifact artifact = read_noise_artifact(path);
+  InfoDocument document = keyed_document("noise", path, artifact.key);
+  document["deviation"] = artifact.level;
+  return document;
+}
+
 InfoDocument describe_labels(const fs::path& path) {
   const LabelCounts counts(path);
   InfoDocument document = keyed_document("label_counts", path, counts.key());
@@ -209,6 +217,7 @@ InfoDocument describe_kind(const fs::path& path, const ArtifactHead& head,
   if (kind == "tops") return describe_top(path, options);
   if (kind == "tile") return describe_tile(path);
   if (kind == "hist") return describe_histogram(path);
+  if (kind == "nois") return describe_noise(path);
   if (kind == "lcnt") return describe_labels(path);
   if (kind == "pcch") return describe_pieces(path);
   if (kind == "mesh" || kind == "mbin" || kind == "mtab") return describe_mesh_pieces(path, kind);

@@ -9,9 +9,11 @@
 #include "pipeline/build/build_stage.h"
 #include "pipeline/build/contour_parameters.h"
 #include "pipeline/config/settings.h"
+#include "pipeline/executor/resources.h"
 #include "pipeline/ingest/ingest_layout.h"
 #include "pipeline/ingest/isovalue_choice.h"
 #include "pipeline/ingest/label_choice.h"
+#include "pipeline/ingest/noise_choice.h"
 #include "pipeline/run/output_frame.h"
 #include "pipeline/stage/unit_plan.h"
 #include "stages/encode/draco_codec.h"
@@ -68,6 +70,10 @@ void Jobs::open_volume(Config& config) {
     config.surface.isovalue = chosen.threshold.value;
   }
   if (config.output.tile_vertices == 0) config.output.tile_vertices = fitting_tile_vertices(config);
+  if (asks_for_noise(config)) {
+    config.surface.noise = choose_noise(config, ingest_);
+    release_free_memory();
+  }
   const Volume volume = ingested_volume(config, ingest_);
   VolumeInfo info = volume.source->info();
   const LabelParameters labels = final_labels(config, map_, ingest_);
@@ -217,6 +223,7 @@ Manifest make_manifest(const RunContext& context, const Jobs& jobs, const TopArt
     (*m.input)["slope"] = info.scale.slope;
     (*m.input)["intercept"] = info.scale.intercept;
   }
+  if (config.surface.noise) (*m.input)["noise"] = *config.surface.noise;
   m.config = std::make_unique<nlohmann::json>(
       nlohmann::json{{"path", context.config_file.string()},
                      {"result", context.config_result ? to_hex(*context.config_result) : ""},

@@ -22,7 +22,7 @@ class Jobs {
   const IngestJob& ingest() const { return ingest_; }
 
   // Once ingest is current: opens its result, puts the chosen isovalue into `config` where it says
-  // "otsu", and the size of tiles where that is "auto", and makes the later jobs. Throws InputError
+  // "otsu", the samples' noise and the size of tiles where these are "auto", and makes the later jobs. Throws InputError
   // where no isovalue can be chosen, no label is left, or no lattice planned.
   void open_volume(Config& config);
 

@@ -11,6 +11,7 @@
 #include "pipeline/encode/output_files.h"
 #include "pipeline/executor/error_set.h"
 #include "pipeline/ingest/label_rules.h"
+#include "pipeline/ingest/noise_choice.h"
 #include "pipeline/merge/merge_stage.h"
 #include "pipeline/run/checks.h"
 #include "pipeline/run/last_config.h"
@@ -25,11 +26,13 @@ namespace voxweld {
 namespace {
 
 // Something of the input cannot be read, and that is the user's to mend. What the rest of it is
-// enough for is built meanwhile: when it is mended only the remainder is left to do.
+// enough for is built meanwhile: when it is mended only the remainder is left to do. Not where the
+// whole volume decides something: its isovalue, the sizes of labels, its noise.
 void build_what_is_there(RunContext& context, Stages& stages) {
   const StageLook look = stages.open(Stage::ingest).look(context.selection);
   if (look.missing.size() == look.units || !context.config.surface.isovalue.has_value() ||
-      asks_for_sizes(context.config.labels))
+      asks_for_sizes(context.config.labels) ||
+      (asks_for_noise(context.config) && !noise_is_known(context.config, stages.jobs().ingest())))
     return;
   spdlog::warn("{} of {} shards of the input cannot be read; building what the others allow",
                look.missing.size(), look.units);

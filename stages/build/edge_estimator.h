@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "stages/build/hermite_edge.h"
+#include "stages/build/subcell.h"
 #include "stages/contouring/inside_test.h"
 #include "stages/contouring/parameters.h"
 #include "storage/types/halo_block.h"
@@ -119,7 +120,8 @@ class EdgeEstimator {
                       ? 0
                       : parameters.surface.isovalue.value - static_cast<double>(base_)),
         outward_(parameters.surface.inside == Inside::above ? -1.0 : 1.0),
-        eno_(parameters.surface.gradient == Gradient::eno) {}
+        gradient_(parameters.surface.gradient),
+        noise_(parameters.surface.noise) {}
 
   // The edge along `axis` from sample `s` to the next; low_inside: the sign of its low end.
   HermiteEdge edge(int axis, Index3 s, bool low_inside) const {
@@ -133,14 +135,10 @@ class EdgeEstimator {
       if (!std::isfinite(v1 - v0)) t = (0.5 * isovalue_ - 0.5 * v0) / (0.5 * v1 - 0.5 * v0);
     if (!std::isfinite(v0) || !std::isfinite(v1) || !std::isfinite(t)) t = 0.5;
     t = std::clamp(t, lowest_crossing, highest_crossing);
+    const Vec3 g =
+        gradient_ == Gradient::subcell ? subcell_gradient(axis, s, t) : plain_gradient(axis, s, t);
     result.t = static_cast<float>(t);
-    Vec3 g = gradient_at(axis, s, t);
-    double length = std::sqrt(dot(g, g));
-    if constexpr (may_overflow)
-      if (!(length > least_length && std::isfinite(length))) {
-        g = gradient_at(axis, s, t, scale_around(axis, s));
-        length = std::sqrt(dot(g, g));
-      }
+    const double length = std::sqrt(dot(g, g));
     if (length > 0 && std::isfinite(length)) {
       for (int a = 0; a < 3; ++a)
         result.normal[static_cast<std::size_t>(a)] = static_cast<float>(outward_ * g[a] / length);
@@ -162,8 +160,10 @@ class EdgeEstimator {
   Vec3 gradient(const T* p, Index3 s) const {
     Vec3 g;
     for (int a = 0; a < 3; ++a) {
-      const Line<T> line{p, stride(a), s[a], block_.size[a], base_};
-      g[a] = (eno_ ? eno_difference(line, no_difference) : central_difference(line)) / spacing_[a];
+      const Line<T> f = line(a, p, s);
+      g[a] =
+          (gradient_ == Gradient::eno ? eno_difference(f, no_difference) : central_difference(f)) /
+          spacing_[a];
     }
     return g;
   }
@@ -176,21 +176,82 @@ class EdgeEstimator {
   static constexpr double no_difference =
       may_overflow ? std::numeric_limits<double>::infinity() : 0;
 
+  Line<T> line(int axis, const T* p, Index3 s) const {
+    return {p, stride(axis), s[axis], block_.size[axis], base_};
+  }
+  ScaledLine<T> line(int axis, const T* p, Index3 s, double scale) const {
+    return {line(axis, p, s), scale};
+  }
+
+  Vec3 plain_gradient(int axis, Index3 s, double t) const {
+    const Vec3 g = gradient_at(axis, s, t);
+    if constexpr (may_overflow) {
+      const double length = std::sqrt(dot(g, g));
+      if (!(length > least_length && std::isfinite(length)))
+        return gradient_at(axis, s, t, scale_around(axis, s));
+    }
+    return g;
+  }
+
+  // Moves t from where a straight line crosses to where the surface does.
+  Vec3 subcell_gradient(int axis, Index3 s, double& t) const {
+    if constexpr (may_overflow) {
+      const double scale = scale_around(axis, s);
+      return subcell_gradient(axis, s, t, KinkGate{noise_ * scale}, isovalue_ * scale, scale);
+    } else {
+      return subcell_gradient(axis, s, t, KinkGate{noise_}, isovalue_);
+    }
+  }
+  template <class... Scale>
+  Vec3 subcell_gradient(int axis, Index3 s, double& t, const KinkGate& gate, double level,
+                        Scale... scale) const {
+    Index3 next = s;
+    ++next[axis];
+    const T *low = sample(s), *high = low + stride(axis);
+    const auto line_low = [&](int a) { return line(a, low, s, scale...); };
+    const auto line_high = [&](int a) { return line(a, high, next, scale...); };
+    Vec3 g;
+    for (int a = 0; a < 3; ++a)
+      g[a] = (central_difference(line_low(a)) * (1 - t) + central_difference(line_high(a)) * t) /
+             spacing_[a];
+    const Vec3 step = spacing_ * std::sqrt(dot(g, g));
+    const KinkedCrossing crossing =
+        kinked_crossing(line_low(axis), line_high(axis), level, step[axis], gate);
+    bool kinked = crossing.kinked;
+    for (int a = 0; a < 3 && !kinked; ++a)
+      kinked = has_kink_beside(line_low(a), step[a], gate) ||
+               has_kink_beside(line_high(a), step[a], gate);
+    if (!kinked) return g;
+    // Of the sheet that the crossing is on, which the sample on its side of the kink is on too.
+    if (crossing.kinked) t = std::clamp(crossing.t, lowest_crossing, highest_crossing);
+    const bool at_low = crossing.kinked ? crossing.low : t <= 0.5;
+    for (int a = 0; a < 3; ++a) {
+      const auto f = at_low ? line_low(a) : line_high(a);
+      const double slope = crossing.kinked && a == axis ? crossing.slope
+                           : has_kink_beside(f, step[a], gate)
+                               ? smooth_side_difference(f, step[a], gate)
+                               : central_difference(f);
+      g[a] = slope / spacing_[a];
+    }
+    return g;
+  }
+
   // Of the crossing at t of the edge along `axis` from sample s. scale: that of the samples, if any.
   template <class... Scale>
   Vec3 gradient_at(int axis, Index3 s, double t, Scale... scale) const {
     const T* low = sample(s);
     Index3 high = s;
     ++high[axis];
-    if (eno_)
+    if (gradient_ == Gradient::eno)
       return t <= 0.5 ? gradient(low, s, scale...) : gradient(low + stride(axis), high, scale...);
     return gradient(low, s, scale...) * (1 - t) + gradient(low + stride(axis), high, scale...) * t;
   }
   Vec3 gradient(const T* p, Index3 s, double scale) const {
     Vec3 g;
     for (int a = 0; a < 3; ++a) {
-      const ScaledLine<T> line{{p, stride(a), s[a], block_.size[a], base_}, scale};
-      g[a] = (eno_ ? eno_difference(line, 0) : central_difference(line)) / spacing_[a];
+      const ScaledLine<T> f = line(a, p, s, scale);
+      g[a] =
+          (gradient_ == Gradient::eno ? eno_difference(f, 0) : central_difference(f)) / spacing_[a];
     }
     return g;
   }
@@ -216,7 +277,8 @@ class EdgeEstimator {
   Vec3 spacing_;
   T base_;
   double isovalue_, outward_;
-  bool eno_;
+  Gradient gradient_;
+  double noise_;
 };
 
 }  // namespace voxweld

@@ -14,7 +14,7 @@ namespace voxweld {
 
 enum class Inside : std::uint8_t { above, below };  // samples equal to the isovalue are inside
 enum class Border : std::uint8_t { closed, open };
-enum class Gradient : std::uint8_t { eno, central };
+enum class Gradient : std::uint8_t { eno, central, subcell };
 enum class Metric : std::uint8_t { rms, sum };
 enum class Topology : std::uint8_t { safe, free };
 enum class QefForm : std::uint8_t { qr, normal };
@@ -27,6 +27,9 @@ struct SurfaceParameters {
   Inside inside = Inside::above;
   Border border = Border::closed;
   Gradient gradient = Gradient::eno;
+  // Of subcell: the standard deviation of the noise of the samples as stored. Kinks that it could
+  // make are taken for none.
+  double noise = 0;
 };
 
 struct SimplifyParameters {
@@ -53,8 +56,8 @@ struct ContourParameters {
   Edits edits;  // of the volume, before anything is contoured
 };
 
-// Samples the gradient stencils reach beyond the crossing edge's ends, the halo's width: those of
-// ENO, and at the volume's border those of central differences, are one-sided over three points.
+// Samples the stencils of crossings and gradients reach beyond the crossing edge's ends, the halo's
+// width: branches, and at the volume's border central differences, are one-sided over three points.
 inline constexpr int gradient_halo = 2;
 // And beyond that the filter of labels (stages/build/label_field.h).
 inline constexpr int label_halo = 2;

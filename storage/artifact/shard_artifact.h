@@ -27,7 +27,7 @@ namespace voxweld {
 
 inline constexpr std::array<char, 4> shard_kind = {'o', 'c', 't', 'r'};
 // Goes up whenever build's bytes change: format or mathematics.
-inline constexpr std::uint32_t shard_version = 8;
+inline constexpr std::uint32_t shard_version = 9;
 
 class ShardArtifactWriter {
  public:

@@ -36,7 +36,7 @@ void expect_same(const VolumeContour& expected, const VolumeContour& found) {
 
 // A power of two changes no bit but those of the exponent.
 TEST(HugeValues, DoublesUpToTheirLimitGiveTheSameSurface) {
-  for (const Gradient gradient : {Gradient::eno, Gradient::central})
+  for (const Gradient gradient : {Gradient::eno, Gradient::central, Gradient::subcell})
     for (const double steepness : {0.1, 0.7, 5.0}) {
       const VolumeContour plain = contour_of(1, steepness, gradient);
       ASSERT_FALSE(plain.tiles.empty());
@@ -47,7 +47,7 @@ TEST(HugeValues, DoublesUpToTheirLimitGiveTheSameSurface) {
 
 // Where all samples are the same there is no slope, though their multiples are rounded.
 TEST(HugeValues, TwoValuesGiveOneSurfaceWhateverTheyAre) {
-  for (const Gradient gradient : {Gradient::eno, Gradient::central}) {
+  for (const Gradient gradient : {Gradient::eno, Gradient::central, Gradient::subcell}) {
     const VolumeContour plain = contour_of(1, 1e9, gradient);
     ASSERT_FALSE(plain.tiles.empty());
     for (const double factor : {0.1, 0.3, 1.0 / 3, 1e30, 1.7e308}) {

@@ -11,6 +11,7 @@
 #include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
 #include "storage/artifact/mesh_bin_artifact.h"
+#include "storage/artifact/noise_artifact.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/top_artifact.h"
@@ -115,6 +116,7 @@ struct ArtifactParser {
 };
 const ArtifactParser parsers[] = {
     {"hist", histogram_version, [](const fs::path& path) { read_histogram_artifact(path); }},
+    {"nois", noise_version, [](const fs::path& path) { read_noise_artifact(path); }},
     {"lcnt", label_counts_version, read_counts},
     {"octl", label_shard_version, read_label_shard},
     {"mesh", mesh_record_version, [](const fs::path& path) { read_mesh_record(path); }},

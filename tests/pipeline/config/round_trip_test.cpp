@@ -175,7 +175,7 @@ SurfaceConfig any_surface() {
     surface.isovalue = Isovalue::of(*surface.label);
   }
   surface.border = any_of<SurfaceConfig::Border>(2);
-  surface.gradient = any_of<SurfaceConfig::Gradient>(2);
+  surface.gradient = any_of<SurfaceConfig::Gradient>(4);
   return surface;
 }
 

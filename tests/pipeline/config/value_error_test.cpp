@@ -96,7 +96,7 @@ surface.inside: "above" or "below" (default: "above")
   "over" (a string) | "Below" (a string); did you mean "below"? | 1
 surface.border: "closed" or "open" (default: "closed")
   "close" (a string); did you mean "closed"? | true (a boolean)
-surface.gradient: "eno" or "central" (default: "eno")
+surface.gradient: "auto", "subcell", "eno" or "central" (default: "auto")
   "centre" (a string); did you mean "central"? | 2
 input.dataset: text in quotes, of one line (default: the only one there is)
 input.series: text in quotes, of one line (default: the only one there is)

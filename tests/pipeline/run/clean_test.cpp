@@ -55,18 +55,18 @@ TEST(Clean, RemovesTheWorkOfEarlierSettings) {
   VOXWELD_EXPECT_DONE(look);
   EXPECT_EQ(names_in(scene.work()), before);
   EXPECT_THAT(look.out, HasSubstr("would remove " + (scene.work() / "build-").string()));
-  EXPECT_THAT(look.out, HasSubstr("would be freed, 4 folders stay; work there of configs that are "
+  EXPECT_THAT(look.out, HasSubstr("would be freed, 5 folders stay; work there of configs that are "
                                   "not named goes too\n"));
 
   const ProgramResult done = run_voxweld(clean({scene.config()}));
   VOXWELD_EXPECT_DONE(done);
-  EXPECT_THAT(done.out, HasSubstr(" freed, 4 folders stay"));
+  EXPECT_THAT(done.out, HasSubstr(" freed, 5 folders stay"));
   const std::set<std::string> after = names_in(scene.work());
   EXPECT_EQ(after.size(), before.size() - 4);  // build, merge, stitch, encode
   EXPECT_THAT(after, IsSubsetOf(before));
   EXPECT_EQ(difference(tree, output_tree(scene.output())), "");
   expect_nothing_to_do(scene.config(), scene.output());
-  EXPECT_THAT(run_voxweld(clean({scene.config()})).out, HasSubstr(": 0 B freed, 4 folders stay\n"));
+  EXPECT_THAT(run_voxweld(clean({scene.config()})).out, HasSubstr(": 0 B freed, 5 folders stay\n"));
 }
 
 TEST(Clean, KeepsWhatAnyOfTheNamedConfigsUses) {

@@ -80,17 +80,17 @@ class Goldens : public ::testing::Test {
 std::unique_ptr<Scene> Goldens::scene_;
 
 TEST_F(Goldens, Build) {
-  expect_recorded({"build", 8, "28371be002158ebd3eec69113f7bbc0a"}, shard_version,
+  expect_recorded({"build", 9, "610eac1309d9ea73aaacf40e3e01c92c"}, shard_version,
                   hash_of(work(".octree"), shard_kind, shard_version));
 }
 
 TEST_F(Goldens, Merge) {
-  expect_recorded({"merge", 6, "c6d3f380eb26526542057371ff18dc5e"}, top_version,
+  expect_recorded({"merge", 6, "b43e99ca53566033bdf291323fc898b1"}, top_version,
                   hash_of(work(".tree"), top_kind, top_version));
 }
 
 TEST_F(Goldens, Stitch) {
-  expect_recorded({"stitch", 5, "51731b4190a3a5dbdfa266f1d2b0819f"}, tile_version,
+  expect_recorded({"stitch", 5, "b4688619a5552f1b57be0e732a0d0af9"}, tile_version,
                   hash_of(work(".tile"), tile_kind, tile_version));
 }
 
@@ -100,7 +100,7 @@ TEST_F(Goldens, Encode) {
   auto files = files_ending(scene_->output(), ".drc");
   const auto glb = files_ending(scene_->output(), ".glb");
   files.insert(files.end(), glb.begin(), glb.end());
-  expect_recorded({"encode", 2, "0b91fa433390899f9925a90aed67bac9"}, encode_version,
+  expect_recorded({"encode", 2, "a7bef6c224251ef990a01a1577e410b6"}, encode_version,
                   hash_of(files));
 }
 
@@ -169,8 +169,8 @@ INSTANTIATE_TEST_SUITE_P(
                     label_shard_version,
                     build_version(label_shard_version),
                     top_version | label_top_version << 16,
-                    {Golden{"build of each label", 80402, "4a45c37b63c53b26e865285d6e907386"},
-                     {"merge of each label", 65542, "292f538bcfb77494899f07780d50b344"},
+                    {Golden{"build of each label", 90402, "921f58acecc0ae47e9f15596570d8a88"},
+                     {"merge of each label", 65542, "8ee8292ec7f1883c6481833a832de0e9"},
                      {"stitch of each label", 5, "bfb21ed88b048cf5310bea3e247ca9f5"},
                      {"encode of each label", 2, "141590bccb677d852b82a4e68563a1e8"}}},
         LabelGolden{"shared",
@@ -178,8 +178,8 @@ INSTANTIATE_TEST_SUITE_P(
                     shard_version,
                     build_version(0),
                     top_version,
-                    {Golden{"build of shared labels", 80002, "8581d5ffae904ec72435202a13867e53"},
-                     {"merge of shared labels", 6, "5332e3867d4fd96a90b9053de460dbb0"},
+                    {Golden{"build of shared labels", 90002, "f211208307d08895e7ec3da9e7e4cc6e"},
+                     {"merge of shared labels", 6, "6654caefd84f65eb64aef1adc192bad8"},
                      {"stitch of shared labels", 5, "72c25daa7b77660f1e8f39a59e9770d5"},
                      {"encode of shared labels", 2, "fd0cca0c691305fa8d98734ec337ab36"}}}),
     [](const auto& each) { return each.param.mode; });

@@ -113,7 +113,7 @@ TEST(Partition, OfSizesThatAreMultiplesOfTheBrick) {
 // At the border the stencils of either gradient are one-sided, also where a brick begins there.
 TEST(Partition, OfEitherGradient) {
   const Scene scene(noise_volume({32, 64, 32}, 4));
-  for (const char* gradient : {"eno", "central"})
+  for (const char* gradient : {"eno", "central", "subcell", "auto"})
     scene.expect_one_tree({std::string("surface.gradient=") + gradient}, some_partitions(2));
 }
 

@@ -1,0 +1,130 @@
+// Where a line of samples has a kink, and the smooth branches that meet there.
+//
+// Based on: Harten, "ENO schemes with subcell resolution", 1989. A distance near a crease is the
+// maximum or the minimum of two smooth functions. Each can be continued from its own side into the
+// step between two samples where they meet: if both continuations pass below the sample at the far
+// end the field is their maximum, if both pass above it their minimum.
+//
+// Here a kink is one only if neither noise nor curvature explains it: what is smooth is left to
+// central differences, which are calmer.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace voxweld {
+
+struct KinkGate {
+  double noise = 0;  // standard deviation of a sample
+
+  // Of a sum of samples that is 0 where they are on a line; weight: the root of the sum of the
+  // squared weights; step: how far neighbouring samples are apart straight across the surface.
+  bool opens(double bend, double weight, double step) const {
+    return !(std::abs(bend) <= deviations * weight * noise + least_bend * step);
+  }
+
+  static constexpr double deviations = 3;
+  // With these two the gyroid phantom, which is smooth, is left to central differences nearly
+  // everywhere, and the part phantom's creases are seen (tests/measure/measure_crossings.cpp).
+  static constexpr double least_bend = 0.2;
+  static constexpr double least_ratio = 3;  // to the bend beside it, on the smoother side
+  // A branch that bends more, of the step, has a kink of its own.
+  static constexpr double most_bend = 0.15;
+};
+
+// Weights, as above: of a second difference, 1 -2 1; of what the continuations miss the samples at
+// the far ends by, 1 -1 -1 1 for straight ones and 1 -3 2 2 -3 1 for curved ones.
+inline constexpr double second_weight = 2.4494897427831781;
+inline constexpr double straight_weight = 2;
+inline constexpr double curved_weight = 5.2915026221291814;
+
+// At f[k]; infinite where the volume ends.
+template <class Samples>
+double second_difference(const Samples& f, std::int64_t k) {
+  if (f.index + k < 1 || f.index + k + 1 >= f.size) return std::numeric_limits<double>::infinity();
+  return (f[k + 1] - f[k]) - (f[k] - f[k - 1]);
+}
+
+// value + slope x + bend x (x + 1) / 2: through the last sample at x = 0, those behind it at -1
+// and, unless bend was left out, -2.
+struct Branch {
+  double value = 0, slope = 0, bend = 0;
+
+  double at(double x) const { return value + x * (slope + 0.5 * bend * (x + 1)); }
+  double slope_at(double x) const { return slope + bend * (x + 0.5); }
+  // Where it is 0, of two places the nearer one; no number where there is none.
+  double root() const {
+    const double b = slope + 0.5 * bend;
+    return -2 * value / (b + std::copysign(std::sqrt(b * b - 2 * bend * value), b));
+  }
+};
+
+// What goes on from f[0] in the direction `towards` (1 or -1), from the samples behind it. A bend
+// that noise could make is left out.
+// Precondition: there are two samples behind it.
+template <class Samples>
+Branch branch_towards(const Samples& f, int towards, double step, const KinkGate& gate) {
+  const double f0 = f[0], f1 = f[-towards], f2 = f[-2 * towards];
+  Branch branch{f0, f0 - f1};
+  const double bend = branch.slope - (f1 - f2);
+  const double noise = KinkGate::deviations * second_weight * gate.noise;
+  if (std::abs(bend) > noise && std::abs(bend) <= KinkGate::most_bend * step) branch.bend = bend;
+  return branch;
+}
+
+struct KinkedCrossing {
+  bool kinked = false;  // the rest is of no meaning unless it is
+  bool low = false;     // the crossing is on the low end's branch
+  double t = 0;
+  double slope = 0;  // of that branch there
+};
+
+// Of the step from low[0] to the next sample, high[0]: `level` is between the two.
+template <class Samples>
+KinkedCrossing kinked_crossing(const Samples& low, const Samples& high, double level, double step,
+                               const KinkGate& gate) {
+  if (low.index < 2 || high.index + 2 >= high.size) return {};
+  const double beside =
+      std::min(std::abs(second_difference(low, -1)), std::abs(second_difference(high, 1)));
+  const double own = std::abs(second_difference(low, 0) + second_difference(high, 0));
+  if (!(own > 2 * KinkGate::least_ratio * beside)) return {};
+  Branch a = branch_towards(low, 1, step, gate), b = branch_towards(high, -1, step, gate);
+  const double miss_a = high[0] - a.at(1), miss_b = low[0] - b.at(1);
+  const bool is_maximum = miss_a > 0 && miss_b > 0, is_minimum = miss_a < 0 && miss_b < 0;
+  const double weight = a.bend == 0 && b.bend == 0 ? straight_weight : curved_weight;
+  if (!(is_maximum || is_minimum) || !gate.opens(miss_a + miss_b, weight, step)) return {};
+  a.value -= level;
+  b.value -= level;
+  // Where one branch is at the level, the other must not overrule it.
+  const auto holds = [&](double x, const Branch& other) {
+    return x >= 0 && x <= 1 && (is_maximum ? other.at(1 - x) <= 0 : other.at(1 - x) >= 0);
+  };
+  const double at_a = a.root(), at_b = b.root();
+  if (holds(at_a, b)) return {true, true, at_a, a.slope_at(at_a)};
+  if (holds(at_b, a)) return {true, false, 1 - at_b, -b.slope_at(at_b)};
+  return {};
+}
+
+// Whether there is a kink in one of the steps beside f[0].
+template <class Samples>
+bool has_kink_beside(const Samples& f, double step, const KinkGate& gate) {
+  if (f.index < 1 || f.index + 1 >= f.size) return false;
+  const double own = second_difference(f, 0);
+  if (!gate.opens(own, second_weight, step)) return false;
+  const double beside =
+      std::min(std::abs(second_difference(f, -1)), std::abs(second_difference(f, 1)));
+  return !(std::abs(own) <= KinkGate::least_ratio * beside);
+}
+
+// The slope at f[0] of the branch, of those on both sides of it, that bends less.
+// Precondition: has_kink_beside.
+template <class Samples>
+double smooth_side_difference(const Samples& f, double step, const KinkGate& gate) {
+  const bool below = !(std::abs(second_difference(f, -1)) > std::abs(second_difference(f, 1)));
+  return below ? branch_towards(f, 1, step, gate).slope_at(0)
+               : -branch_towards(f, -1, step, gate).slope_at(0);
+}
+
+}  // namespace voxweld
