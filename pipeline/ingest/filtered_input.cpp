@@ -202,7 +202,8 @@ void finish_earlier(RunContext& context, const IngestJob& job) {
     return !job.pieces || pieces_are_found(job.pieces->path, job.pieces->key);
   };
   if (found()) return;
-  const WorkClaim claim(context, job.pieces->path.parent_path());
+  // A folder of its own: that of the job may be claimed already, as one that another needs before.
+  const WorkClaim claim(context, job.pieces->path.string() + ".claim");
   if (found()) return;
   RunContext one = apart(context.config);
   find_pieces(one, *job.pieces->before, piece_rule(context.config, job), job.pieces->path,
