@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 
 std::uint64_t distinct(std::vector<std::array<float, 3>> positions) {
   std::ranges::sort(positions);
-  return positions.size() - std::ranges::unique(positions).size();
+  return static_cast<std::uint64_t>(std::unique(positions.begin(), positions.end()) -
+                                    positions.begin());
 }
 
 InfoDocument file_facts(const FileRecord& file) {

@@ -38,7 +38,7 @@ double slabs(Vec3 p) {
   const double u = dot(p, Vec3{0.8, 0.36, 0.48}), v = dot(p, Vec3{-0.6, 0.48, 0.64});
   return std::max(std::abs(std::remainder(u, 8)) - 2.1, 8 - std::abs(v));
 }
-Field with_noise(Field field, double deviation) {
+Field with_noise(const Field& field, double deviation) {
   return [field, deviation, random = std::mt19937(1), normal = std::normal_distribution<double>()](
              Vec3 p) mutable { return field(p) + deviation * normal(random); };
 }

@@ -56,7 +56,7 @@ TEST(Partition, OfAPorousVolumeInManyTiles) {
 // what a brick of 64 collapses within itself, bricks of 16 leave to the nodes above.
 TEST(Partition, OfNodesCollapsedAboveTheBricks) {
   const Scene scene(
-      volume_of({140, 140, 130}, [](Index3 at) { return 16 * at.z + at.x < 16 * 80 ? 200 : 20; }));
+      volume_of({140, 140, 130}, [](Index3 at) { return 16 * at.z + at.x < 1280 ? 200 : 20; }));
   const Scene flat(volume_of({150, 140, 130}, [](Index3 at) { return at.z < 80 ? 200 : 20; }));
   for (const Scene* each : {&scene, &flat}) {
     const Settings tolerance = {"simplify.tolerance=0.5"};

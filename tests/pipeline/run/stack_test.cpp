@@ -38,7 +38,7 @@ class Stack : public ::testing::Test {
   // Runs one command with the dynamic linker telling which files it maps.
   ProgramResult traced(const std::string& command) const {
     setenv("LD_DEBUG", "files", 1);
-    const ProgramResult result = run_voxweld({command, (directory_ / "stack.toml").string()});
+    ProgramResult result = run_voxweld({command, (directory_ / "stack.toml").string()});
     unsetenv("LD_DEBUG");
     return result;
   }
@@ -72,7 +72,7 @@ TEST_F(Stack, AChangedOrAddedSliceIsNoticed) {
   std::filesystem::remove(directory_ / "slices" / "slice_7.png");
   const ProgramResult gap = run_voxweld({"run", (directory_ / "stack.toml").string()});
   EXPECT_EQ(gap.exit_code, 2);
-  EXPECT_NE(gap.err.find("7"), std::string::npos) << gap.err;
+  EXPECT_NE(gap.err.find('7'), std::string::npos) << gap.err;
 }
 
 std::uint64_t ran(const std::filesystem::path& output, const std::string& stage) {

@@ -122,7 +122,7 @@ TEST(PairsOfTriangles, OrderAndCornersDoNotMatter) {
     for (auto* t : {&a, &b})
       for (LatticePoint& p : *t) p = {any(random), any(random), any(random)};
     const bool answer = intersect_beyond_shared(a, b);
-    std::ranges::rotate(a, a.begin() + 1);
+    std::rotate(a.begin(), a.begin() + 1, a.end());
     std::ranges::reverse(b);
     ASSERT_EQ(intersect_beyond_shared(b, a), answer);
   }
