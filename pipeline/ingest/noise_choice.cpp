@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "pipeline/executor/resources.h"
 #include "pipeline/ingest/ingest_layout.h"
 #include "pipeline/stage/file_layout.h"
 #include "stages/contouring/stored_surface.h"
@@ -103,15 +104,23 @@ VolumeNoise measure_noise(const SampleSource& source, const Isovalue& stored_iso
   return {meter.level(), most};
 }
 
-double choose_noise(const Config& config, const IngestJob& job) {
-  if (const auto known = known_noise(config, job)) return *known;
-  // What it keeps to read on goes with it: build counts what is free.
+namespace {
+
+VolumeNoise noise_of_input(const Config& config, const IngestJob& job) {
   const Volume volume = ingested_volume(config, job);
   const SampleSource& source = *volume.source;
   SurfaceParameters surface;
   surface.isovalue = config.surface.isovalue.value();
   to_stored(surface, source.info().scale, source.info().type);
-  const VolumeNoise noise = measure_noise(source, surface.isovalue);
+  return measure_noise(source, surface.isovalue);
+}
+
+}  // namespace
+
+double choose_noise(const Config& config, const IngestJob& job) {
+  if (const auto known = known_noise(config, job)) return *known;
+  const VolumeNoise noise = noise_of_input(config, job);
+  release_free_memory();  // what reading on would have used: build counts what is free
   write_noise_artifact(path_of(config, job), {key_of(config, job, noise.places), noise.level,
                                               static_cast<std::uint64_t>(noise.places)});
   return noise.level;

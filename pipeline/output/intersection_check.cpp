@@ -38,8 +38,9 @@ TileIntersections intersections_within(const LatticeMesh& mesh, const CellKey& t
     else if (leaves(triangle, cube, frame))
       found.leaving.push_back(triangle);
   }
-  each_intersection(list,
-                    [&](std::uint32_t i, std::uint32_t) { found.count.note(list[i].front()); });
+  each_intersection(list, [&](std::uint32_t i, std::uint32_t) {
+    found.count.note(frame.position(list[i].front()));
+  });
   return found;
 }
 
@@ -74,7 +75,7 @@ IntersectionCount IntersectionCheck::between(std::size_t tile, const LatticeMesh
     const std::uint32_t from = leaving_from_[other];
     // Where both leave their cubes, it is found from either side: it counts from the later one.
     if (from == tile || (from > tile && leaves(list[own], cells, frame))) return;
-    found.note(list[own].front());
+    found.note(frame.position(list[own].front()));
   });
   return found;
 }

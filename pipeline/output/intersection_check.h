@@ -22,10 +22,10 @@ struct IntersectionCount {
   static constexpr std::size_t most_places = 20;
 
   std::uint64_t pairs = 0;
-  std::uint64_t degenerate = 0;     // triangles without an area; in no pair
-  std::vector<LatticePoint> first;  // a corner of one of them
+  std::uint64_t degenerate = 0;  // triangles without an area; in no pair
+  std::vector<Vec3> first;       // a corner of one of them, output coordinates
 
-  void note(const LatticePoint& place) {
+  void note(Vec3 place) {
     if (++pairs <= most_places) first.push_back(place);
   }
   IntersectionCount& operator+=(const IntersectionCount& other);

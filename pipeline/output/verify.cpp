@@ -93,7 +93,6 @@ class Verifier {
     if (each_) check_labels_to_end();
     check_totals();
     check_merged();
-    place_intersections();
     if (options_.origin) note_all(check_origin(manifest_));
     return std::move(report_);
   }
@@ -121,7 +120,6 @@ class Verifier {
   void fold_whole() {
     TileRecord record;
     record.tile = whole_mesh;
-    record.vertices = manifest_.counts.vertices;
     record.triangles = manifest_.counts.output_triangles;
     record.quads = manifest_.counts.quads;
     record.polygon_triangles = manifest_.counts.triangles;
@@ -227,12 +225,6 @@ class Verifier {
                                                frame_);
         },
         [&](const IntersectionCount& found) { *report_.intersections += found; });
-  }
-
-  void place_intersections() {
-    if (!report_.intersections) return;
-    for (const LatticePoint& q : report_.intersections->first)
-      report_.intersection_places.push_back(frame_.position(q));
   }
 
   // The next line of labels.jsonl that has tiles.

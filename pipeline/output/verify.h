@@ -44,7 +44,6 @@ struct VerifyReport {
   std::uint64_t seam_vertices = 0;                 // in more than one tile, equal in all to the bit
   std::uint64_t boundary_edges = 0;                // of the welded mesh
   std::optional<IntersectionCount> intersections;  // where asked for; of labels within each
-  std::vector<Vec3> intersection_places;           // of the first of them, output coordinates
   std::uint64_t labels = 0;  // with a mesh of their own, all of the above their sum
   bool merged_checked = false;
   std::uint64_t problem_count = 0;

@@ -18,7 +18,7 @@ std::string to_text(const VerifyReport& r) {
     out += fmt::format("{} intersect, {} without an area\n",
                        counted(r.intersections->pairs, "pairs of triangles"),
                        counted(r.intersections->degenerate, "triangles"));
-    for (const Vec3& p : r.intersection_places)
+    for (const Vec3& p : r.intersections->first)
       out += fmt::format("  at ({}, {}, {})\n", p.x, p.y, p.z);
   }
   for (const Problem& p : r.problems) out += fmt::format("  {}: {}\n", p.where, p.what);
@@ -48,7 +48,7 @@ std::string to_json_text(const VerifyReport& r) {
     out["intersecting_pairs"] = r.intersections->pairs;
     out["degenerate_triangles"] = r.intersections->degenerate;
     out["intersections_at"] = nlohmann::ordered_json::array();
-    for (const Vec3& p : r.intersection_places) out["intersections_at"].push_back({p.x, p.y, p.z});
+    for (const Vec3& p : r.intersections->first) out["intersections_at"].push_back({p.x, p.y, p.z});
   }
   return json_text(out) + "\n";
 }

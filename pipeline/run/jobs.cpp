@@ -9,7 +9,6 @@
 #include "pipeline/build/build_stage.h"
 #include "pipeline/build/contour_parameters.h"
 #include "pipeline/config/settings.h"
-#include "pipeline/executor/resources.h"
 #include "pipeline/ingest/ingest_layout.h"
 #include "pipeline/ingest/isovalue_choice.h"
 #include "pipeline/ingest/label_choice.h"
@@ -70,10 +69,7 @@ void Jobs::open_volume(Config& config) {
     config.surface.isovalue = chosen.threshold.value;
   }
   if (config.output.tile_vertices == 0) config.output.tile_vertices = fitting_tile_vertices(config);
-  if (asks_for_noise(config)) {
-    config.surface.noise = choose_noise(config, ingest_);
-    release_free_memory();
-  }
+  if (asks_for_noise(config)) config.surface.noise = choose_noise(config, ingest_);
   const Volume volume = ingested_volume(config, ingest_);
   VolumeInfo info = volume.source->info();
   const LabelParameters labels = final_labels(config, map_, ingest_);

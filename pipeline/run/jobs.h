@@ -22,8 +22,8 @@ class Jobs {
   const IngestJob& ingest() const { return ingest_; }
 
   // Once ingest is current: opens its result, puts the chosen isovalue into `config` where it says
-  // "otsu", the samples' noise and the size of tiles where these are "auto", and makes the later jobs. Throws InputError
-  // where no isovalue can be chosen, no label is left, or no lattice planned.
+  // "otsu", the samples' noise and the size of tiles where these are "auto", and makes the later
+  // jobs. Throws InputError where no isovalue can be chosen, no label is left, or no lattice planned.
   void open_volume(Config& config);
 
   // After open_volume: part of what ingest leaves is missing.

@@ -3,18 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stages/exact/orientation.h"
+
 namespace voxweld {
-namespace {
-
-Index3 wide(const LatticePoint& q) {
-  return {q[0], q[1], q[2]};
-}
-// Coordinates have 22 bits, products 44: exact.
-Index3 cross_product(Index3 a, Index3 b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-}  // namespace
 
 MeshMeasure measure(std::span<const LatticePoint> positions,
                     std::span<const std::array<std::uint32_t, 3>> triangles) {
@@ -23,8 +14,8 @@ MeshMeasure measure(std::span<const LatticePoint> positions,
   m.empty = false;
   m.lo = m.hi = positions[triangles[0][0]];
   for (const auto& t : triangles) {
-    const Index3 p = wide(positions[t[0]]), q = wide(positions[t[1]]), r = wide(positions[t[2]]);
-    const Index3 normal = cross_product(q - p, r - p);
+    const Index3 p = lattice_vector({}, positions[t[0]]);
+    const Index3 normal = exact_normal(positions[t[0]], positions[t[1]], positions[t[2]]);
     double squared = 0;
     for (int a = 0; a < 3; ++a) {
       m.volume6 += static_cast<Wide>(p[a]) * normal[a];

@@ -45,14 +45,14 @@ TEST(VerifyIntersections, AreThoseOfTheWholeWhateverTheTiles) {
       ASSERT_TRUE(report.intersections);
       EXPECT_EQ(report.intersections->pairs, expected) << level;
       EXPECT_EQ(report.intersections->degenerate, 0U);
-      EXPECT_EQ(report.intersection_places.size(), IntersectionCount::most_places);
+      EXPECT_EQ(report.intersections->first.size(), IntersectionCount::most_places);
       EXPECT_TRUE(report.good()) << to_text(report);
     }
 }
 
 TEST(VerifyIntersections, AreToldWhereTheyAre) {
   const VerifyReport report = verified(in_tiles(spindle(), 3), {.intersections = true});
-  for (const Vec3& p : report.intersection_places) {
+  for (const Vec3& p : report.intersections->first) {
     EXPECT_NEAR(p.x, 20, 14.1);
     EXPECT_NEAR(p.z, 20, 9.1);
   }
