@@ -88,7 +88,7 @@ void write_batches(const StitchJob& job, const TopArtifact& top, const UnitPlan&
   const LabelTop labels(top);
   const std::vector<BatchRecord> batches = labels.batches();
   probe_all(plan.size(), [&](std::size_t i) {
-    LabelTilesWriter out(tile_artifact_path(job, plan, i), work->key(i));
+    LabelTilesWriter out(tile_artifact_path(job.folder, plan, i), work->key(i));
     for (const SurfaceRecord& s : labels.surfaces(batches[i].first_surface, batches[i].surfaces))
       out.add(s.material, {});
     out.finish();

@@ -26,9 +26,9 @@ std::string text(const Spread& s) {
 
 void list_worst(const std::vector<Vec3>& points, const TriangleMesh& mesh, double cell,
                 std::size_t count) {
-  const NearestTriangle nearest(mesh, 2 * cell);
+  const TriangleTree tree(mesh);
   std::vector<std::pair<double, Vec3>> all;
-  for (const Vec3& p : points) all.emplace_back(nearest.distance_to(p) / cell, p);
+  for (const Vec3& p : points) all.emplace_back(tree.distance_to(p) / cell, p);
   std::stable_sort(all.begin(), all.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   for (std::size_t i = 0; i < std::min(count, all.size()); ++i)

@@ -7,7 +7,8 @@
 #include <map>
 #include <vector>
 
-#include "tests/support/nearest_triangle.h"
+#include "tests/support/sharp_edges.h"
+#include "tests/support/triangle_tree.h"
 
 namespace voxweld::testing {
 
@@ -28,9 +29,9 @@ struct Spread {
 
 // Of points from a mesh, in cells; the near ones are within a tenth of one.
 inline Spread distances(const std::vector<Vec3>& points, const TriangleMesh& mesh, double cell) {
-  const NearestTriangle nearest(mesh, 2 * cell);
+  const TriangleTree tree(mesh);
   Spread spread;
-  for (const Vec3& p : points) spread.add(nearest.distance_to(p) / cell, 0.1);
+  for (const Vec3& p : points) spread.add(tree.distance_to(p) / cell, 0.1);
   return spread;
 }
 

@@ -4,119 +4,103 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <bit>
-#include <cassert>
-#include <cmath>
-#include <vector>
+#include <array>
+#include <optional>
+
+#include "pipeline/phantom/lattice_fields.h"
 
 namespace voxweld {
 namespace {
 
-// Distances by size, in bins of 1/1024 of their value: bin = the upper bits of the float. Counts
-// are integers, so adding them up gives the same in any order.
-constexpr int dropped_bits = 13;
-constexpr std::size_t bins = std::size_t{1} << (31 - dropped_bits);
-
-std::size_t bin_of(double distance) {
-  return std::bit_cast<std::uint32_t>(static_cast<float>(distance)) >> dropped_bits;
+std::size_t number_of_sample(Index3 at, Index3 size) {
+  return static_cast<std::size_t>((at.z * size.y + at.y) * size.x + at.x);
 }
-double upper_end(std::size_t bin) {
-  return std::bit_cast<float>(static_cast<std::uint32_t>((bin + 1) << dropped_bits) - 1);
+// Cells by the number of their lowest sample.
+std::uint64_t number_of(Index3 cell, std::int64_t size) {
+  return static_cast<std::uint64_t>((cell.z * size + cell.y) * size + cell.x);
+}
+Vec3 place_of(std::uint64_t cell, std::int64_t size) {
+  const auto number = static_cast<std::int64_t>(cell);
+  const std::int64_t row = number / size, slice = row / size;
+  return {static_cast<double>(number % size), static_cast<double>(row % size),
+          static_cast<double>(slice)};
 }
 
-// Sums of reals depend on their order, so each fixed block of items keeps its own.
-struct BlockTotals {
-  double sum = 0, max = 0;
-};
-
-// Statistics of per_item distances for each of `items` items: measure(item, out) fills them.
-template <std::size_t per_item, class F>
-DistanceStatistics statistics(std::size_t items, F&& measure) {
-  constexpr std::size_t block = 1024;
-  const std::size_t blocks = (items + block - 1) / block;
-  std::vector<BlockTotals> totals(blocks);
-  tbb::enumerable_thread_specific<std::vector<std::uint64_t>> histograms(
-      [] { return std::vector<std::uint64_t>(bins); });
-  tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
-    auto& histogram = histograms.local();
-    std::array<double, per_item> distances;
-    for (std::size_t i = b * block; i < std::min(items, (b + 1) * block); ++i) {
-      measure(i, distances);
-      for (const double d : distances) {
-        ++histogram[bin_of(d)];
-        totals[b].sum += d;
-        totals[b].max = std::max(totals[b].max, d);
-      }
-    }
+// The cells of the box that have samples on both sides.
+void add_crossed(const AnalyticField& field, std::int64_t size, const Box3& box,
+                 std::vector<std::uint64_t>& cells) {
+  const Box3 samples{box.lo, box.hi + splat(1)};
+  const Index3 across = samples.size();
+  std::vector<double> values(static_cast<std::size_t>(samples.count()));
+  field.fill(samples, 1, values.data());
+  each_index(box, [&](Index3 cell) {
+    int inside = 0;
+    each_index(splat(2), [&](Index3 corner) {
+      const Index3 at = cell + corner - box.lo;
+      inside += values[number_of_sample(at, across)] <= 0 ? 1 : 0;
+    });
+    if (inside != 0 && inside != 8) cells.push_back(number_of(cell, size));
   });
-  DistanceStatistics result;
-  result.count = items * per_item;
-  if (items == 0) return result;
-  double sum = 0;
-  for (const BlockTotals& t : totals) {
-    sum += t.sum;
-    result.max = std::max(result.max, t.max);
-  }
-  result.mean = sum / static_cast<double>(result.count);
-  const std::uint64_t wanted = result.count - result.count / 100;
-  std::uint64_t reached = 0;
-  std::size_t bin = 0;
-  for (; bin < bins; ++bin) {
-    for (const auto& histogram : histograms) reached += histogram[bin];
-    if (reached >= wanted) break;
-  }
-  result.p99 = std::min(upper_end(bin), result.max);
-  return result;
 }
 
-constexpr std::size_t points_a_triangle = 10;
-
-std::array<Vec3, points_a_triangle> barycentric_points() {
-  std::array<Vec3, points_a_triangle> points;
-  std::size_t n = 0;
-  for (int i = 0; i <= 3; ++i)
-    for (int j = 0; i + j <= 3; ++j)
-      points[n++] = Vec3{i + 1.0 / 3, j + 1.0 / 3, 3 - i - j + 1.0 / 3} * 0.25;
-  return points;
+std::vector<std::uint64_t> crossed_cells(const AnalyticField& field, std::int64_t size) {
+  constexpr std::int64_t side = 64;
+  std::vector<Box3> boxes;
+  if (size > 1)
+    each_index(pieces_of({{}, splat(size - 1)}, splat(side)), [&](Index3 at) {
+      boxes.push_back({at * side, min(at * side + splat(side), splat(size - 1))});
+    });
+  tbb::enumerable_thread_specific<std::vector<std::uint64_t>> found;
+  tbb::parallel_for(std::size_t{0}, boxes.size(),
+                    [&](std::size_t i) { add_crossed(field, size, boxes[i], found.local()); });
+  std::vector<std::uint64_t> all;
+  for (const auto& some : found) all.insert(all.end(), some.begin(), some.end());
+  std::ranges::sort(all);
+  return all;
 }
 
-// position(i): vertex i.
-template <class F>
-MeshDistance measure(const AnalyticField& field, std::size_t vertices, F&& position,
-                     std::span<const TriangleCorners> triangles) {
-  static const auto points = barycentric_points();
-  MeshDistance result;
-  result.vertices = statistics<1>(vertices, [&](std::size_t i, std::array<double, 1>& out) {
-    out[0] = field.surface_distance(position(i));
-  });
-  result.triangles = statistics<points_a_triangle>(
-      triangles.size(), [&](std::size_t i, std::array<double, points_a_triangle>& out) {
-        const TriangleCorners& t = triangles[i];
-        assert(t[0] < vertices && t[1] < vertices && t[2] < vertices);
-        const Vec3 a = position(t[0]), b = position(t[1]), c = position(t[2]);
-        for (std::size_t k = 0; k < points_a_triangle; ++k)
-          out[k] = field.surface_distance(a * points[k].x + b * points[k].y + c * points[k].z);
-      });
-  return result;
+// Where the surface crosses the line from low, of length 1 along the axis; nothing where both ends
+// are on one side.
+std::optional<Vec3> crossing(const AnalyticField& field, Vec3 low, int axis) {
+  Vec3 high = low;
+  high[axis] += 1;
+  const bool low_inside = field.at(low) <= 0;
+  if ((field.at(high) <= 0) == low_inside) return {};
+  for (int i = 0; i < 45; ++i) {
+    const Vec3 middle = (low + high) * 0.5;
+    ((field.at(middle) <= 0) == low_inside ? low : high) = middle;
+  }
+  return (low + high) * 0.5;
+}
+
+std::optional<Vec3> point_in(const AnalyticField& field, Vec3 cell, int axis, std::uint64_t hash) {
+  Vec3 low = cell;
+  low[(axis + 1) % 3] += uniform(mix_bits(hash, 1));
+  low[(axis + 2) % 3] += uniform(mix_bits(hash, 2));
+  return crossing(field, low, axis);
 }
 
 }  // namespace
 
-MeshDistance measure_mesh(const AnalyticField& field, std::span<const Vec3> vertices,
-                          std::span<const TriangleCorners> triangles) {
-  return measure(
-      field, vertices.size(), [&](std::size_t i) { return vertices[i]; }, triangles);
-}
-
-MeshDistance measure_mesh(const AnalyticField& field,
-                          std::span<const std::array<float, 3>> vertices,
-                          std::span<const TriangleCorners> triangles) {
-  return measure(
-      field, vertices.size(),
-      [&](std::size_t i) {
-        return Vec3{vertices[i][0], vertices[i][1], vertices[i][2]};
-      },
-      triangles);
+std::vector<Vec3> surface_points(const AnalyticField& field, std::int64_t size, std::size_t count) {
+  std::vector<std::uint64_t> cells = crossed_cells(field, size);
+  // Not every k-th: that would fall in step with the lattice.
+  if (cells.size() > count) {
+    const double share = static_cast<double>(count) / static_cast<double>(cells.size());
+    std::erase_if(cells, [&](std::uint64_t cell) { return uniform(mix_bits(0, cell)) > share; });
+  }
+  std::vector<std::array<std::optional<Vec3>, 3>> found(cells.size());
+  tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
+    for (int axis = 0; axis < 3; ++axis)
+      found[i][static_cast<std::size_t>(axis)] =
+          point_in(field, place_of(cells[i], size), axis,
+                   mix_bits(static_cast<std::uint64_t>(axis) + 1, cells[i]));
+  });
+  std::vector<Vec3> points;
+  for (const auto& of_cell : found)
+    for (const auto& point : of_cell)
+      if (point) points.push_back(*point);
+  return points;
 }
 
 }  // namespace voxweld

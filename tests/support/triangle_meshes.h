@@ -96,20 +96,25 @@ inline double winding(const TriangleMesh& mesh, Vec3 p) {
   return sum / (2 * std::numbers::pi);
 }
 
-// Of the point to the triangle (Ericson, "Real-Time Collision Detection", 2005, 5.1.5).
-inline double distance(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
-  const auto length = [](Vec3 v) { return std::sqrt(dot(v, v)); };
+// Of the point to the triangle (Ericson, "Real-Time Collision Detection", 2005, 5.1.5), squared.
+inline double square_distance(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
+  const auto square = [](Vec3 v) { return dot(v, v); };
   const auto to_segment = [&](Vec3 from, Vec3 to) {
     const Vec3 d = to - from;
-    const double square = dot(d, d);
-    const double t = square > 0 ? std::clamp(dot(p - from, d) / square, 0.0, 1.0) : 0;
-    return length(p - from - d * t);
+    const double length = square(d);
+    const double t = length > 0 ? std::clamp(dot(p - from, d) / length, 0.0, 1.0) : 0;
+    return square(p - from - d * t);
   };
   const Vec3 n = cross(b - a, c - a);
-  if (dot(n, n) > 0 && dot(cross(b - a, n), p - a) <= 0 && dot(cross(c - b, n), p - b) <= 0 &&
-      dot(cross(a - c, n), p - c) <= 0)
-    return std::abs(dot(p - a, n)) / length(n);
+  if (square(n) > 0 && dot(cross(b - a, n), p - a) <= 0 && dot(cross(c - b, n), p - b) <= 0 &&
+      dot(cross(a - c, n), p - c) <= 0) {
+    const double above = dot(p - a, n);
+    return above * above / square(n);
+  }
   return std::min({to_segment(a, b), to_segment(b, c), to_segment(c, a)});
+}
+inline double distance(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
+  return std::sqrt(square_distance(p, a, b, c));
 }
 
 }  // namespace voxweld::testing

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace voxweld {
@@ -41,19 +42,31 @@ TEST(MeasureMesh, TrianglesAreSampledInside) {
   EXPECT_GT(result.triangles.mean, radius * (1 - std::sqrt(102.0) / 12));
 }
 
+TEST(MeasureMesh, ByArea) {
+  const auto sphere = make_analytic_field(PhantomKind::sphere, 101);
+  // Around a point on the sphere and around its centre, so small that all points are as far; the
+  // second is nine times as large. The third has no area.
+  std::vector<Vec3> vertices;
+  for (const auto& [x, size] : {std::pair{50 + radius, 1e-6}, {50.0, 3e-6}})
+    for (const Vec3 off : {Vec3{0, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
+      vertices.push_back(Vec3{x, 50, 50} + off * size * 1e3);
+  vertices.push_back({50, 80, 50});
+  const std::vector<TriangleCorners> triangles = {{0, 1, 2}, {3, 4, 5}, {6, 6, 6}};
+  const MeshDistance result = measure_mesh(*sphere, std::span<const Vec3>(vertices), triangles);
+  EXPECT_NEAR(result.triangles.mean, (0 + radius + radius - 30) / 3, 0.01);
+  EXPECT_NEAR(result.by_area.mean, radius * 0.9, 0.01);
+  EXPECT_NEAR(result.by_area.p99, radius, 0.1);
+}
+
 TEST(MeasureMesh, PercentileAndThreads) {
   const auto sphere = make_analytic_field(PhantomKind::sphere, 101);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> coordinate(0, 100);
   std::vector<Vec3> vertices;
-  std::vector<std::array<float, 3>> floats;
   std::vector<TriangleCorners> triangles;
   std::vector<double> distances;
   for (std::uint32_t i = 0; i < 20000; ++i) {
-    floats.push_back({static_cast<float>(coordinate(random)),
-                      static_cast<float>(coordinate(random)),
-                      static_cast<float>(coordinate(random))});
-    vertices.push_back({floats.back()[0], floats.back()[1], floats.back()[2]});
+    vertices.push_back({coordinate(random), coordinate(random), coordinate(random)});
     triangles.push_back({i, (i + 1) % 20000, (i + 7) % 20000});
     distances.push_back(sphere->surface_distance(vertices.back()));
   }
@@ -61,14 +74,18 @@ TEST(MeasureMesh, PercentileAndThreads) {
   std::sort(distances.begin(), distances.end());
   EXPECT_GE(many.vertices.p99, distances[19799]);
   EXPECT_LE(many.vertices.p99, distances[19799] * 1.001);
+  EXPECT_GE(many.vertices.p999, distances[19979]);
+  EXPECT_LE(many.vertices.p999, distances[19979] * 1.001);
   EXPECT_EQ(many.vertices.max, distances.back());
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
-  const MeshDistance one =
-      measure_mesh(*sphere, std::span<const std::array<float, 3>>(floats), triangles);
+  const MeshDistance one = measure_mesh(*sphere, std::span<const Vec3>(vertices), triangles);
   EXPECT_EQ(one.vertices.mean, many.vertices.mean);
   EXPECT_EQ(one.triangles.mean, many.triangles.mean);
   EXPECT_EQ(one.triangles.max, many.triangles.max);
   EXPECT_EQ(one.triangles.p99, many.triangles.p99);
+  EXPECT_EQ(one.by_area.mean, many.by_area.mean);
+  EXPECT_EQ(one.by_area.p99, many.by_area.p99);
+  EXPECT_EQ(one.by_area.p999, many.by_area.p999);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include "storage/meshes/mesh_file.h"
 #include "storage/support/file_io.h"
 #include "tests/pipeline/run/mesh_scene.h"
-#include "tests/support/nearest_triangle.h"
+#include "tests/support/sharp_edges.h"
 #include "tests/support/test_names.h"
 
 namespace voxweld::testing {
