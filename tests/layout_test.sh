@@ -50,8 +50,8 @@ apart() {
     forbid "$layer/$room" "$layer/($others)/" "a stage includes another stage"
   done
 }
-apart stages 'ingest|build|merge|stitch|encode'
-apart pipeline 'ingest|build|merge|stitch|encode'
+apart stages 'ingest|build|merge|stitch|refine|encode'
+apart pipeline 'ingest|build|merge|stitch|refine|encode'
 
 # No folder includes another that, by whatever way, includes it.
 includes=$(mktemp)

@@ -3,33 +3,11 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <span>
 #include <vector>
 
-#include "storage/types/output_lattice.h"
+#include "storage/types/lattice_box.h"
 
 namespace voxweld {
-
-struct LatticeBox {
-  LatticePoint lo{}, hi{};  // both included
-
-  static LatticeBox around(std::span<const LatticePoint> points) {  // at least one
-    LatticeBox box{points.front(), points.front()};
-    for (const LatticePoint& p : points.subspan(1)) box.extend({p, p});
-    return box;
-  }
-  void extend(const LatticeBox& other) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      if (other.lo[a] < lo[a]) lo[a] = other.lo[a];
-      if (other.hi[a] > hi[a]) hi[a] = other.hi[a];
-    }
-  }
-  bool meets(const LatticeBox& other) const {
-    for (std::size_t a = 0; a < 3; ++a)
-      if (hi[a] < other.lo[a] || other.hi[a] < lo[a]) return false;
-    return true;
-  }
-};
 
 // A tree of eight branches over the boxes in Morton order of their middles, without pointers.
 class BoxTree {

@@ -1,0 +1,18 @@
+// Edge collapse by quadrics in one cube.
+#pragma once
+
+#include "stages/refine/edit_mesh.h"
+#include "stages/refine/refine_range.h"
+
+namespace voxweld {
+
+// Collapses edges, those that cost least first, as long as
+// - the mesh stays a manifold of the same topology (link condition),
+// - no triangle turns far or loses its area,
+// - the mean distance to the planes that a vertex stands for, and the distance of each sample to the
+//   triangles that stand for it, stay within the tolerance,
+// - nothing intersects that did not.
+// Garland and Heckbert, 1997, with the area-weighted planes of the triangles as they come.
+void collapse_edges(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts);
+
+}  // namespace voxweld

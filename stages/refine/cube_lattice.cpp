@@ -1,0 +1,58 @@
+#include "stages/refine/cube_lattice.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace voxweld {
+namespace {
+
+// The lowest lattice coordinate of what lies at the beginning of cell u or beyond.
+std::int32_t first_of_cell(const RefineFrame& frame, int axis, std::int64_t cell) {
+  const double step = frame.lattice.step;
+  const double at = static_cast<double>(frame.first[axis] + cell - 1) * frame.spacing[axis] / step;
+  return static_cast<std::int32_t>(
+      static_cast<std::int64_t>(std::ceil(at)) -
+      static_cast<std::int64_t>(frame.lattice.origin[static_cast<std::size_t>(axis)] / step));
+}
+
+}  // namespace
+
+CubeLattice::CubeLattice(const RefineFrame& frame, int pass, int level) {
+  const std::int64_t side = std::int64_t{1} << level;
+  cubes_ = std::max<std::int64_t>(1, (std::int64_t{1} << domain_level(frame.size)) / side);
+  for (int axis = 0; axis < 3; ++axis) {
+    auto& borders = borders_[static_cast<std::size_t>(axis)];
+    borders.push_back(0);
+    for (std::int64_t cube = 1;; ++cube) {
+      const std::int64_t cell = cube * side - pass * (side / 2);
+      borders.push_back(first_of_cell(frame, axis, cell));
+      if (cell > frame.size[axis]) break;
+    }
+  }
+}
+
+Index3 CubeLattice::cube_of(const LatticePoint& point) const {
+  Index3 cube;
+  for (std::size_t a = 0; a < 3; ++a)
+    cube[static_cast<int>(a)] =
+        std::upper_bound(borders_[a].begin() + 1, borders_[a].end() - 1, point[a]) -
+        borders_[a].begin() - 1;
+  return cube;
+}
+
+LatticeBox CubeLattice::box(Index3 cube) const {
+  LatticeBox box;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto at = static_cast<std::size_t>(cube[static_cast<int>(a)]);
+    box.lo[a] = borders_[a][at];
+    box.hi[a] = borders_[a][at + 1] - 1;
+  }
+  return box;
+}
+
+std::uint64_t CubeLattice::code(Index3 cube) const {
+  const std::int64_t last = cubes_ - 1;
+  return morton_encode({std::min(cube.x, last), std::min(cube.y, last), std::min(cube.z, last)});
+}
+
+}  // namespace voxweld

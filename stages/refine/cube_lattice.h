@@ -1,0 +1,55 @@
+// The fixed lattice of cubes by which a mesh is refined.
+//
+// Cubes are of 64 cells a side, whatever bricks, shards and tiles are. In the first pass they begin
+// at cell 0; in the second they are shifted down by half a side, so that what was a border lies in
+// the middle. What is changed in a pass lies in one cube, before and after; cubes are convex, so
+// what is done in one has no part in what is done in another.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "storage/types/lattice_box.h"
+#include "storage/types/morton.h"
+
+namespace voxweld {
+
+inline constexpr int refine_cube_level = 6;  // log2 of the cells a side
+inline constexpr int refine_passes = 2;
+
+// How cells lie on the output lattice: cell u begins at (first + u - 1) * spacing.
+struct RefineFrame {
+  OutputLattice lattice;
+  Vec3 spacing{1, 1, 1};
+  Index3 first{};
+  Index3 size;  // samples a side of the volume
+};
+
+class CubeLattice {
+ public:
+  // pass: 0 or 1. level: log2 of the cells a side.
+  CubeLattice(const RefineFrame& frame, int pass, int level = refine_cube_level);
+
+  // The number of the cube a point lies in, 0 or more on each axis. Points beyond the volume's cells
+  // count to the cubes at the border.
+  Index3 cube_of(const LatticePoint& point) const;
+  LatticeBox box(Index3 cube) const;  // of the lattice points in it
+  // Orders cubes along the Morton curve, and is what ranges of cubes are given in: of the cube
+  // without the shift of whose lower border this one's middle is, at the upper border of the domain
+  // the last one. So several cubes there have one code.
+  std::uint64_t code(Index3 cube) const;
+
+ private:
+  std::array<std::vector<std::int32_t>, 3>
+      borders_;             // the lowest lattice coordinate of each cube, and the end
+  std::int64_t cubes_ = 1;  // unshifted ones a side of the domain
+};
+
+// Cubes with begin <= code < end.
+struct CubeRange {
+  std::uint64_t begin = 0, end = ~std::uint64_t{0};
+  bool contains(std::uint64_t code) const { return begin <= code && code < end; }
+};
+
+}  // namespace voxweld

@@ -1,0 +1,238 @@
+#include "stages/refine/edit_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace voxweld {
+namespace {
+
+Vec3 offset(const LatticePoint& from, const LatticePoint& to) {
+  return {static_cast<double>(to[0] - from[0]), static_cast<double>(to[1] - from[1]),
+          static_cast<double>(to[2] - from[2])};
+}
+
+// Squared distance of the origin of the triangle's corners, given relative to the point (Ericson,
+// "Real-Time Collision Detection", 2005, section 5.1.5).
+double squared_distance(Vec3 a, Vec3 b, Vec3 c) {
+  const Vec3 ab = b - a, ac = c - a;
+  const auto squared = [](Vec3 v) { return dot(v, v); };
+  const double d1 = -dot(ab, a), d2 = -dot(ac, a);
+  if (d1 <= 0 && d2 <= 0) return squared(a);
+  const double d3 = -dot(ab, b), d4 = -dot(ac, b);
+  if (d3 >= 0 && d4 <= d3) return squared(b);
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return squared(a + ab * (d1 / (d1 - d3)));
+  const double d5 = -dot(ab, c), d6 = -dot(ac, c);
+  if (d6 >= 0 && d5 <= d6) return squared(c);
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return squared(a + ac * (d2 / (d2 - d6)));
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+    return squared(b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))));
+  const Vec3 n = cross(ab, ac);
+  const double height = dot(n, a);
+  return height * height / dot(n, n);
+}
+
+}  // namespace
+
+Nearest nearest_triangle(const LatticePoint& point, std::span<const LatticeTriangle> triangles) {
+  Nearest best{std::numeric_limits<double>::infinity(), 0};
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const LatticeTriangle& t = triangles[i];
+    const double d =
+        squared_distance(offset(point, t[0]), offset(point, t[1]), offset(point, t[2]));
+    if (d < best.squared) best = {d, i};
+  }
+  return best;
+}
+
+EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box)
+    : box_(box), grid_(box, mesh.triangles.size()) {
+  const auto n = static_cast<std::uint32_t>(mesh.positions.size());
+  std::vector<std::uint32_t> order(n), number(n);
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return mesh.ids[a] < mesh.ids[b]; });
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t v = order[i];
+    number[v] = i;
+    positions_.push_back(mesh.positions[v]);
+    ids_.push_back(mesh.ids[v]);
+    if (!mesh.normals.empty()) normals_.push_back(mesh.normals[v]);
+  }
+  const auto m = static_cast<std::uint32_t>(mesh.triangles.size());
+  std::vector<std::pair<Corners, std::uint32_t>> sorted(m);
+  for (std::uint32_t t = 0; t < m; ++t) {
+    for (std::size_t k = 0; k < 3; ++k) sorted[t].first[k] = number[mesh.triangles[t][k]];
+    sorted[t].second = t;
+  }
+  std::sort(sorted.begin(), sorted.end());
+  heads_.assign(n, none);
+  versions_.assign(n, 0);
+  next_.assign(std::size_t{3} * m, none);
+  marks_.assign(m, 0);
+  sample_heads_.assign(m, none);
+  triangles_.resize(m);
+  boxes_.resize(m);
+  planes_.resize(m);
+  movable_.resize(m);
+  std::vector<std::uint32_t> place(m);
+  for (std::uint32_t t = m; t-- > 0;) {  // backwards, so that lists ascend
+    triangles_[t] = sorted[t].first;
+    place[sorted[t].second] = t;
+    link(t);
+    set_shape(t, shape(t));
+    movable_[t] = box_.contains(boxes_[t].lo) && box_.contains(boxes_[t].hi) ? 1 : 0;
+  }
+  for (const std::uint32_t t : mesh.intersecting) intersecting_.push_back(place[t]);
+  std::sort(intersecting_.begin(), intersecting_.end());
+  std::vector<std::pair<std::uint32_t, LatticePoint>> samples;
+  for (const SurfaceSample& s : mesh.samples) samples.emplace_back(place[s.triangle], s.point);
+  std::sort(samples.begin(), samples.end());
+  for (const auto& [t, point] : samples) {
+    sample_next_.push_back(sample_heads_[t]);
+    sample_heads_[t] = static_cast<std::uint32_t>(samples_.size());
+    samples_.push_back(point);
+  }
+  freedom_.resize(n);
+  for (std::uint32_t v = 0; v < n; ++v) freedom_[v] = find_freedom(v);
+}
+
+void EditMesh::set_shape(std::uint32_t t, const LatticeTriangle& shape) {
+  boxes_[t] = LatticeBox::around(shape);
+  planes_[t] = exact_normal(shape[0], shape[1], shape[2]);
+  grid_.put(t, boxes_[t]);
+}
+
+void EditMesh::link(std::uint32_t t) {
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    const std::uint32_t v = triangles_[t][k], c = 3 * t + k;
+    next_[c] = heads_[v];
+    heads_[v] = c;
+  }
+}
+
+void EditMesh::unlink(std::uint32_t t) {
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    std::uint32_t* at = &heads_[triangles_[t][k]];
+    while (*at != 3 * t + k) at = &next_[*at];
+    *at = next_[*at];
+  }
+}
+
+// A vertex of a closed 2-manifold: its triangles are one ring around it.
+Freedom EditMesh::find_freedom(std::uint32_t v) const {
+  if (!box_.contains(positions_[v])) return Freedom::fixed;
+  std::vector<std::array<std::uint32_t, 2>> edges;  // opposite to v, in the triangles' direction
+  bool all_inside = true;
+  each_around(v, [&](std::uint32_t t) {
+    const Corners& c = triangles_[t];
+    const std::size_t k = c[0] == v ? 0 : c[1] == v ? 1 : 2;
+    edges.push_back({c[(k + 1) % 3], c[(k + 2) % 3]});
+    all_inside = all_inside && movable(t);
+  });
+  if (edges.size() < 3) return Freedom::fixed;
+  const std::uint32_t first = edges[0][0];
+  std::uint32_t at = first;
+  for (std::size_t count = 1; count <= edges.size(); ++count) {
+    std::size_t matches = 0;
+    std::uint32_t to = none;
+    for (const auto& edge : edges)
+      if (edge[0] == at) {
+        ++matches;
+        to = edge[1];
+      }
+    if (matches != 1) return Freedom::fixed;
+    at = to;
+    if (at == first) {
+      if (count != edges.size()) return Freedom::fixed;
+      return all_inside ? Freedom::free : Freedom::anchor;
+    }
+  }
+  return Freedom::fixed;
+}
+
+bool EditMesh::keeps_samples(const Change& change, const Step& step, double most) {
+  const double limit = most * most;
+  places_.clear();
+  bool near = true;
+  each_left(step, [&](const LatticePoint& p) {
+    const Nearest now = nearest_triangle(p, change.shapes);
+    near = near && now.squared <= limit;
+    places_.push_back(static_cast<std::uint32_t>(now.triangle));
+  });
+  if (!near) return false;
+  for (const std::uint32_t t : change.old)
+    for (std::uint32_t s = sample_heads_[t]; s != none; s = sample_next_[s]) {
+      const Nearest now = nearest_triangle(samples_[s], change.shapes);
+      places_.push_back(static_cast<std::uint32_t>(now.triangle));
+      if (now.squared <= limit) continue;
+      const LatticeTriangle before = shape(t);
+      if (now.squared > nearest_triangle(samples_[s], {&before, 1}).squared) return false;
+    }
+  return true;
+}
+
+void EditMesh::apply(const Change& change, const Step& step) {
+  std::vector<std::uint32_t>& samples = moved_samples_;
+  samples.clear();
+  const auto add_sample = [&](const LatticePoint& p) {
+    samples.push_back(static_cast<std::uint32_t>(samples_.size()));
+    samples_.push_back(p);
+    sample_next_.push_back(none);
+  };
+  each_left(step, add_sample);
+  for (const std::uint32_t t : change.old) {
+    for (std::uint32_t s = sample_heads_[t]; s != none; s = sample_next_[s]) samples.push_back(s);
+    sample_heads_[t] = none;
+    unlink(t);
+  }
+  if (step.gone != none) ++versions_[step.gone];
+  if (step.moved != none) {
+    positions_[step.moved] = step.to;
+    ++versions_[step.moved];
+  }
+  // Numbers of the old triangles serve for the new ones, of which there are no more.
+  for (std::size_t i = 0; i < change.old.size(); ++i) {
+    const std::uint32_t t = change.old[i];
+    if (i >= change.now.size()) {
+      triangles_[t] = {none, none, none};
+      grid_.remove(t);
+      continue;
+    }
+    triangles_[t] = change.now[i];
+    link(t);
+    set_shape(t, change.shapes[i]);
+  }
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const std::uint32_t t = change.old[places_[i]];
+    sample_next_[samples[i]] = sample_heads_[t];
+    sample_heads_[t] = samples[i];
+  }
+}
+
+RefineMesh EditMesh::take() && {
+  RefineMesh mesh;
+  mesh.checked = true;
+  mesh.positions = std::move(positions_);
+  mesh.ids = std::move(ids_);
+  mesh.normals = std::move(normals_);
+  auto bad = intersecting_.begin();
+  for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+    const bool is_bad = bad != intersecting_.end() && *bad == t;
+    if (is_bad) ++bad;
+    if (!alive(t)) continue;
+    if (is_bad) mesh.intersecting.push_back(static_cast<std::uint32_t>(mesh.triangles.size()));
+    Corners c = triangles_[t];
+    std::rotate(c.begin(), std::min_element(c.begin(), c.end()), c.end());
+    for (std::uint32_t s = sample_heads_[t]; s != none; s = sample_next_[s])
+      mesh.samples.push_back({samples_[s], static_cast<std::uint32_t>(mesh.triangles.size())});
+    mesh.triangles.push_back(c);
+  }
+  return mesh;
+}
+
+}  // namespace voxweld

@@ -1,0 +1,175 @@
+// A mesh that is being changed in one cube: who its neighbours are, what may move, what stands where.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "stages/exact/orientation.h"
+#include "stages/exact/triangle_pair.h"
+#include "stages/refine/triangle_grid.h"
+#include "storage/types/refine_mesh.h"
+
+namespace voxweld {
+
+// What may be done with a vertex.
+enum class Freedom : std::uint8_t {
+  fixed,   // nothing
+  anchor,  // others may come to it: its star is whole, but not all of it lies in the cube
+  free,    // it may move and go
+};
+
+using Corners = std::array<std::uint32_t, 3>;
+
+// Triangles in place of others.
+struct Change {
+  std::vector<std::uint32_t> old;  // numbers
+  std::vector<Corners> now;
+  std::vector<LatticeTriangle> shapes;  // of `now`
+
+  void clear() {
+    old.clear();
+    now.clear();
+    shapes.clear();
+  }
+};
+
+class EditMesh {
+ public:
+  static constexpr std::uint32_t none = 0xffffffffu;
+
+  // Vertices are numbered by their ids, triangles by their vertices, whatever the order in `mesh`.
+  EditMesh(const RefineMesh& mesh, const LatticeBox& box);
+  RefineMesh take() &&;
+
+  const LatticeBox& box() const { return box_; }
+  std::uint32_t vertices() const { return static_cast<std::uint32_t>(positions_.size()); }
+  std::uint32_t triangles() const { return static_cast<std::uint32_t>(triangles_.size()); }
+  const LatticePoint& position(std::uint32_t v) const { return positions_[v]; }
+  Freedom freedom(std::uint32_t v) const { return freedom_[v]; }
+  const Corners& corners(std::uint32_t t) const { return triangles_[t]; }
+  bool alive(std::uint32_t t) const { return triangles_[t][0] != none; }
+  // All of its corners lie in the cube.
+  bool movable(std::uint32_t t) const { return movable_[t] != 0; }
+  LatticeTriangle shape(std::uint32_t t) const { return shape(triangles_[t]); }
+  LatticeTriangle shape(const Corners& c) const {
+    return {positions_[c[0]], positions_[c[1]], positions_[c[2]]};
+  }
+  const Index3& normal(std::uint32_t t) const { return planes_[t]; }  // exact_normal of its shape
+  // Grows whenever it moves, takes in another, or goes.
+  std::uint32_t version(std::uint32_t v) const { return versions_[v]; }
+  bool gone(std::uint32_t v) const { return heads_[v] == none; }
+
+  // f(triangle) of each that uses the vertex.
+  template <class F>
+  void each_around(std::uint32_t v, F&& f) const {
+    for (std::uint32_t c = heads_[v]; c != none; c = next_[c]) f(c / 3);
+  }
+  void star(std::uint32_t v, std::vector<std::uint32_t>& out) const {
+    each_around(v, [&](std::uint32_t t) { out.push_back(t); });
+  }
+
+  // Whether the shapes of `change` intersect nothing, neither each other nor what stays.
+  bool clean(const Change& change);
+  // Intersections that they have; stops counting at `most`.
+  std::size_t hits(const Change& change, std::size_t most);
+  // The same of the triangles as they are: of those in `some` with each other and with all others.
+  std::size_t hits(std::span<const std::uint32_t> some);
+  // f(other) for each triangle that intersects t.
+  template <class F>
+  void each_hit(std::uint32_t t, F&& f) const {
+    const LatticeTriangle own = shape(t);
+    const LatticeBox& box = boxes_[t];
+    const Index3& normal = planes_[t];
+    grid_.each_near(box, [&](std::uint32_t other) {
+      if (other != t && boxes_[other].meets(box) && alive(other) &&
+          hit(other, triangles_[t], own, normal))
+        f(other);
+    });
+  }
+  // The triangles that intersect others, of pairs of which one is movable, ascending.
+  std::vector<std::uint32_t> find_intersecting();
+  // Those that are said to do so, in all.
+  const std::vector<std::uint32_t>& intersecting() const { return intersecting_; }
+  void set_intersecting(std::vector<std::uint32_t> ascending) {
+    intersecting_ = std::move(ascending);
+  }
+  // Of those the pairs of which one is movable.
+  std::size_t count_pairs() const;
+
+  // What a change does beside its triangles: `moved` lies at `to`; where it is not none, `gone` is no
+  // more.
+  struct Step {
+    std::uint32_t moved = none;
+    LatticePoint to{};
+    std::uint32_t gone = none;
+  };
+  // Whether no sample of the change's old triangles, and no place that a vertex leaves, would be
+  // further from the new ones than `most`, or than it is now.
+  bool keeps_samples(const Change& change, const Step& step, double most);
+  // Precondition: keeps_samples() has said yes to this change, and was not asked since. Samples go to
+  // the nearest of the new triangles.
+  void apply(const Change& change, const Step& step);
+  void set_normals(std::uint32_t v, const std::array<PackedNormal, max_clusters>& normals) {
+    if (!normals_.empty()) normals_[v] = normals;
+  }
+  const std::array<PackedNormal, max_clusters>* normals(std::uint32_t v) const {
+    return normals_.empty() ? nullptr : &normals_[v];
+  }
+
+ private:
+  // The places that vertices leave: f(place).
+  template <class F>
+  void each_left(const Step& step, F&& f) const {
+    if (step.gone != none) f(positions_[step.gone]);
+    if (step.moved != none && positions_[step.moved] != step.to) f(positions_[step.moved]);
+  }
+  void set_shape(std::uint32_t t, const LatticeTriangle& shape);
+  void link(std::uint32_t t);
+  void unlink(std::uint32_t t);
+  Freedom find_freedom(std::uint32_t v) const;
+  bool hit(std::uint32_t t, const Corners& corners, const LatticeTriangle& own,
+           const Index3& normal) const;
+  bool apart(std::uint32_t t, const LatticeTriangle& shape, const Index3& normal) const;
+  void gather_umbrella(std::uint32_t v, const Change* change);
+  bool is_proper_umbrella() const;
+
+  LatticeBox box_;
+  std::vector<LatticePoint> positions_;
+  std::vector<VertexId> ids_;
+  std::vector<std::array<PackedNormal, max_clusters>> normals_;
+  std::vector<Corners> triangles_;           // dead: none
+  std::vector<std::uint32_t> heads_, next_;  // corners, 3 triangle + k, of each vertex
+  std::vector<Freedom> freedom_;
+  std::vector<std::uint32_t> versions_;
+  std::vector<LatticePoint> samples_;
+  std::vector<std::uint32_t> sample_heads_, sample_next_;  // of each triangle
+  // Of the samples keeps_samples() has looked at last, in its order: where they would come to lie.
+  std::vector<std::uint32_t> places_, moved_samples_;
+  TriangleGrid grid_;
+  std::vector<std::uint32_t> marks_;  // of triangles: equal to mark_ where they are to go
+  std::uint32_t mark_ = 0;
+  std::vector<std::uint8_t> movable_;  // triangles; what is made of them stays so
+  std::vector<std::uint32_t> intersecting_;
+  std::vector<LatticeBox> boxes_;  // of triangles, and their exact normals
+  std::vector<Index3> planes_;
+  std::vector<std::uint32_t> near_, corners_near_;
+  // A triangle around a vertex, the vertex first.
+  struct Rib {
+    LatticeTriangle shape;
+    Index3 normal;
+    std::uint32_t triangle;  // none: a new one
+  };
+  std::vector<Rib> umbrella_;
+  std::vector<Index3> new_planes_;  // of the change at hand
+};
+
+// The squared distance of a point from the nearest of these; triangle: which.
+struct Nearest {
+  double squared = 0;
+  std::size_t triangle = 0;
+};
+Nearest nearest_triangle(const LatticePoint& point, std::span<const LatticeTriangle> triangles);
+
+}  // namespace voxweld

@@ -1,0 +1,40 @@
+// What can be done at a place of a mesh: a vertex moves, an edge flips, an edge collapses.
+#pragma once
+
+#include "stages/refine/edit_mesh.h"
+
+namespace voxweld {
+
+// Fills changes for EditMesh::apply. Of a change the i-th of the new triangles comes from the i-th of
+// the old ones; a collapse has two more old ones. All return false where the change would spoil the
+// mesh: its topology, or a triangle of no area. They do not look at the shape otherwise.
+class EditMoves {
+ public:
+  static constexpr std::size_t most_around = 24;  // triangles around a vertex after a collapse
+
+  explicit EditMoves(const EditMesh& mesh) : mesh_(mesh), marks_(mesh.vertices()) {}
+
+  // v: free. at: in the cube.
+  bool move(std::uint32_t v, const LatticePoint& at, Change& out);
+  // u goes to v, which then lies at `at`. u: free; v: free, or an anchor that stays where it is.
+  // The link condition (Dey, Edelsbrunner, Guha, Nekhayev, "Topology Preserving Edge Contraction",
+  // 1999) is asked by `linked`, once for all places.
+  bool linked(std::uint32_t u, std::uint32_t v);
+  bool collapse(std::uint32_t u, std::uint32_t v, const LatticePoint& at, Change& out);
+  // The edge between the corners k and k + 1 of a movable triangle, whose other triangle is so too.
+  bool flip(std::uint32_t triangle, std::size_t k, Change& out);
+
+  // The vertices around v, ascending.
+  void ring(std::uint32_t v, std::vector<std::uint32_t>& out) const;
+
+ private:
+  bool add(std::uint32_t triangle, const Corners& now, const LatticeTriangle& shape, Change& out);
+
+  const EditMesh& mesh_;
+  std::vector<std::uint32_t> star_u_, star_v_;
+  std::vector<std::uint32_t>
+      marks_;  // of vertices: equal to mark_ where they are neighbours of one
+  std::uint32_t mark_ = 0;
+};
+
+}  // namespace voxweld

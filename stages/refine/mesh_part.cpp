@@ -1,0 +1,129 @@
+#include "stages/refine/mesh_part.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "stages/refine/refine_range.h"
+
+namespace voxweld {
+namespace {
+
+constexpr std::uint32_t no_number = 0xffffffffu;
+constexpr std::uint64_t vertex_bytes = 12 + 8 + 12, triangle_bytes = 12;
+
+// Copies what hangs on triangle t, which is `as` in the other mesh.
+void copy_notes(const RefineMesh& from, std::uint32_t t, RefineMesh& to, std::uint32_t as) {
+  each_sample(from, t, [&](const SurfaceSample& s) { to.samples.push_back({s.point, as}); });
+}
+
+bool intersects(const RefineMesh& mesh, std::uint32_t t) {
+  return std::binary_search(mesh.intersecting.begin(), mesh.intersecting.end(), t);
+}
+
+std::uint32_t append_vertex(const RefineMesh& from, std::uint32_t v, RefineMesh& to) {
+  to.positions.push_back(from.positions[v]);
+  to.ids.push_back(from.ids[v]);
+  if (!from.normals.empty()) to.normals.push_back(from.normals[v]);
+  return static_cast<std::uint32_t>(to.positions.size() - 1);
+}
+
+}  // namespace
+
+Extract::Extract(const RefineMesh& from) : from_(from), number_(from.positions.size(), no_number) {}
+
+RefineMesh Extract::of(std::span<const std::uint32_t> chosen) {
+  RefineMesh part;
+  part.checked = from_.checked;
+  std::vector<std::uint32_t> used;
+  for (const std::uint32_t t : chosen) {
+    const auto as = static_cast<std::uint32_t>(part.triangles.size());
+    copy_notes(from_, t, part, as);
+    if (intersects(from_, t)) part.intersecting.push_back(as);
+    auto triangle = from_.triangles[t];
+    for (std::uint32_t& v : triangle) v = number(v, part, used);
+    part.triangles.push_back(triangle);
+  }
+  for (const std::uint32_t v : used) number_[v] = no_number;
+  return part;
+}
+
+std::uint32_t Extract::number(std::uint32_t v, RefineMesh& part, std::vector<std::uint32_t>& used) {
+  if (number_[v] == no_number) {
+    number_[v] = append_vertex(from_, v, part);
+    used.push_back(v);
+  }
+  return number_[v];
+}
+
+void MeshGather::add(const RefineMesh& part, const std::function<bool(std::size_t)>& takes) {
+  if (part.triangles.empty()) return;
+  mesh_.checked = part.checked && (mesh_.checked || mesh_.triangles.empty());
+  for (std::uint32_t t = 0; t < part.triangles.size(); ++t)
+    if (takes(t)) add_triangle(part, t, intersects(part, t));
+}
+
+void MeshGather::add_triangle(const RefineMesh& part, std::uint32_t triangle, bool intersects) {
+  const auto as = static_cast<std::uint32_t>(mesh_.triangles.size());
+  copy_notes(part, triangle, mesh_, as);
+  if (intersects) mesh_.intersecting.push_back(as);
+  auto corners = part.triangles[triangle];
+  for (std::uint32_t& v : corners) v = number(part, v);
+  mesh_.triangles.push_back(corners);
+}
+
+std::uint32_t MeshGather::number(const RefineMesh& part, std::uint32_t v) {
+  const auto next = static_cast<std::uint32_t>(mesh_.positions.size());
+  const auto [at, is_new] = number_.try_emplace(part.ids[v].bits, next);
+  if (is_new) append_vertex(part, v, mesh_);
+  return at->second;
+}
+
+RefineMesh MeshGather::take() {
+  number_.clear();
+  return std::exchange(mesh_, {});
+}
+
+void MeshGather::reserve(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples) {
+  mesh_.positions.reserve(vertices);
+  mesh_.ids.reserve(vertices);
+  mesh_.normals.reserve(vertices);
+  mesh_.triangles.reserve(triangles);
+  mesh_.samples.reserve(samples);
+  number_.reserve(vertices);
+}
+
+std::uint64_t mesh_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples) {
+  return vertices * vertex_bytes + triangles * triangle_bytes + samples * sizeof(SurfaceSample);
+}
+
+std::uint64_t gather_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples) {
+  // The table has a node and some places for each vertex.
+  return mesh_bytes(vertices, triangles, samples) + vertices * 52;
+}
+
+std::uint64_t piece_bytes(std::uint64_t vertices, std::uint64_t triangles) {
+  // Lists of triangles, which have grown; numbers of vertices; one piece, at worst all there is.
+  return triangles * (12 + 2 * triangle_bytes) + vertices * (8 + 2 * vertex_bytes);
+}
+
+void each_piece(const RefineMesh& mesh, const CubeLattice& cubes,
+                const std::function<void(const CubePiece&)>& f) {
+  struct Chosen {
+    std::vector<std::uint32_t> inside, leaving;
+  };
+  std::map<std::pair<std::uint64_t, std::uint64_t>, Chosen> pieces;  // by code and cube
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Index3 home = home_of(mesh, t, cubes);
+    Chosen& piece = pieces[{cubes.code(home), morton_encode(home)}];
+    const LatticeBox box = mesh.box(t);
+    const bool leaves = cubes.cube_of(box.lo) != home || cubes.cube_of(box.hi) != home;
+    (leaves ? piece.leaving : piece.inside).push_back(t);
+  }
+  Extract extract(mesh);
+  for (const auto& [place, chosen] : pieces)
+    f({morton_decode(place.second), place.first, extract.of(chosen.inside),
+       extract.of(chosen.leaving)});
+}
+
+}  // namespace voxweld

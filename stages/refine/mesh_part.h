@@ -1,0 +1,79 @@
+// Parts of a mesh, and meshes put together from parts.
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <span>
+#include <unordered_map>
+
+#include "stages/refine/cube_lattice.h"
+#include "storage/types/refine_mesh.h"
+
+namespace voxweld {
+
+// f(sample) for each of a triangle's samples.
+template <class F>
+void each_sample(const RefineMesh& mesh, std::uint32_t triangle, F&& f) {
+  auto s = std::lower_bound(mesh.samples.begin(), mesh.samples.end(), triangle,
+                            [](const SurfaceSample& a, std::uint32_t t) { return a.triangle < t; });
+  for (; s != mesh.samples.end() && s->triangle == triangle; ++s) f(*s);
+}
+
+// Of some triangles of a mesh a mesh, many times from the same one.
+class Extract {
+ public:
+  explicit Extract(const RefineMesh& from);
+
+  // chosen: ascending. Vertices by first use.
+  RefineMesh of(std::span<const std::uint32_t> chosen);
+
+ private:
+  std::uint32_t number(std::uint32_t v, RefineMesh& part, std::vector<std::uint32_t>& used);
+
+  const RefineMesh& from_;
+  std::vector<std::uint32_t> number_;
+};
+
+// Of parts one mesh: vertices with the same id are one. Triangles as they come, vertices by first
+// use. It is checked where all parts are.
+class MeshGather {
+ public:
+  // Makes room for so many, so that gather_bytes() is enough.
+  void reserve(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples);
+  void add(const RefineMesh& part) {
+    add(part, [](std::size_t) { return true; });
+  }
+  // The triangles of the part for which takes(number) holds.
+  void add(const RefineMesh& part, const std::function<bool(std::size_t)>& takes);
+  void add_triangle(const RefineMesh& part, std::uint32_t triangle, bool intersects);
+  const RefineMesh& mesh() const { return mesh_; }
+  RefineMesh take();
+
+ private:
+  std::uint32_t number(const RefineMesh& part, std::uint32_t v);
+
+  RefineMesh mesh_;
+  std::unordered_map<std::uint64_t, std::uint32_t> number_;
+};
+
+// Bytes of a mesh in memory.
+std::uint64_t mesh_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples);
+// Bytes a MeshGather takes at most that has made room for a mesh of that size, parts not counted.
+std::uint64_t gather_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples);
+
+// What is at home in one cube: triangles with all corners in it, and those that leave it.
+struct CubePiece {
+  Index3 cube;
+  std::uint64_t code = 0;
+  RefineMesh inside, leaving;
+};
+
+// f of each cube that has triangles at home, ascending by code and then by the cube's Morton number;
+// triangles in the order of the mesh.
+void each_piece(const RefineMesh& mesh, const CubeLattice& cubes,
+                const std::function<void(const CubePiece&)>& f);
+
+// Bytes each_piece takes at most, beside its argument.
+std::uint64_t piece_bytes(std::uint64_t vertices, std::uint64_t triangles);
+
+}  // namespace voxweld

@@ -1,0 +1,61 @@
+// Refine: repairs what intersects and collapses edges, cube by cube.
+//
+// A triangle is at home in the cube of its corner with the lowest id. It may be changed in a cube
+// only if all of its corners lie there; all others are fixed in that pass.
+#pragma once
+
+#include "stages/refine/cube_lattice.h"
+#include "storage/types/refine_mesh.h"
+
+namespace voxweld {
+
+enum class RefineMode : std::uint8_t { repair, collapse };
+enum class IntersectionRule : std::uint8_t { none, report, ignore };
+
+struct RefineParameters {
+  RefineMode mode = RefineMode::collapse;
+  IntersectionRule intersections = IntersectionRule::none;
+  // Lattice steps: how far a sample may be from the triangle that stands for it, and how far where
+  // something is mended.
+  double tolerance = 0;
+  double reach = 0;
+};
+
+// What was done and what came of it; sums over cubes. Plain data: artifacts hold it as it is.
+struct RefineCounts {
+  std::uint64_t cubes = 0;  // with something in them
+  std::uint64_t collapses = 0, moves = 0, flips = 0;
+  std::uint64_t pairs_before = 0;  // of triangles that intersect; each is counted once in a pass
+  std::uint64_t pairs_left = 0;
+  double worst = 0;  // the largest distance of a sample to its triangle, lattice steps
+  // Samples by their distance: bin b holds those from 2^((b - 1) / 4 - 8) to 2^(b / 4 - 8) lattice
+  // steps, the first all below, the last all above.
+  std::array<std::uint64_t, 96> distances{};
+
+  void add(const RefineCounts& other);
+  void add_distance(double distance);
+  // The distance that this part of all samples does not exceed, to the next bin's border.
+  double quantile(double part) const;
+};
+
+// Refines the cubes of `own`. Returns what is at home in them, with the vertices that it uses:
+// triangles by their home's code, their home and their ids, vertices by first use. Nothing else of
+// `mesh` is looked at, so the result is the same whatever else it holds and in whatever order.
+//
+// Preconditions: mesh holds all triangles that are at home in cubes of `own`, and all whose boxes
+// meet the box of such a cube or of such a triangle. So it holds the whole star of each vertex there.
+RefineMesh refine_range(const RefineMesh& mesh, const CubeLattice& cubes, const CubeRange& own,
+                        const RefineParameters& parameters, RefineCounts& counts);
+
+// The cube a triangle is at home in.
+Index3 home_of(const RefineMesh& mesh, std::size_t triangle, const CubeLattice& cubes);
+
+// How much a mesh holds.
+struct MeshSize {
+  std::uint64_t vertices = 0, triangles = 0, samples = 0;
+};
+// Bytes refine_range takes at most, its result included, beside its argument, which is `all`. own: of
+// that what is at home in its range, with as many samples as there may be in the end.
+std::uint64_t refine_bytes(const MeshSize& all, const MeshSize& own);
+
+}  // namespace voxweld

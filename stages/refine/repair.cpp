@@ -1,0 +1,258 @@
+#include "stages/refine/repair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "stages/exact/orientation.h"
+#include "stages/refine/edit_moves.h"
+#include "storage/types/brick_octree.h"
+
+namespace voxweld {
+namespace {
+
+constexpr int most_rounds = 12;
+
+Vec3 to_double(const LatticePoint& p) {
+  return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
+}
+LatticePoint nearest_point(Vec3 p) {
+  return {static_cast<std::int32_t>(std::floor(p.x + 0.5)),
+          static_cast<std::int32_t>(std::floor(p.y + 0.5)),
+          static_cast<std::int32_t>(std::floor(p.z + 0.5))};
+}
+
+class Repairer {
+ public:
+  Repairer(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts)
+      : mesh_(mesh),
+        parameters_(parameters),
+        counts_(counts),
+        moves_(mesh),
+        touched_(mesh.vertices()),
+        failed_(mesh.triangles()) {}
+
+  void run() {
+    std::vector<std::uint32_t> bad = mesh_.intersecting();
+    for (int round = 0; round < most_rounds && !bad.empty(); ++round) {
+      bool any = false;
+      for (const std::uint32_t t : bad)
+        if (mesh_.alive(t)) any |= mend(t, round);
+      if (!any && anywhere_) break;
+      anywhere_ = !any;
+      bad = intersecting(bad);
+    }
+    mesh_.set_intersecting(std::move(bad));
+  }
+
+ private:
+  struct Best {
+    std::size_t fewer = 0;  // pairs that go
+    Change change;
+    EditMesh::Step step;
+    bool enough = false;  // none is left there
+    int kind = 0;         // 0 a move, 1 a flip, 2 a collapse
+  };
+  std::vector<std::uint32_t> intersecting(const std::vector<std::uint32_t>& among) const;
+  bool hit(std::uint32_t t) const {
+    bool any = false;
+    mesh_.each_hit(t, [&](std::uint32_t) { any = true; });
+    return any;
+  }
+  bool mend(std::uint32_t t, int round);
+  // All that can be tried was, and nothing around has changed since.
+  bool has_failed(std::uint32_t t, const std::vector<std::uint32_t>& vertices) const {
+    const Failure& failure = failed_[t];
+    return failure.anywhere >= anywhere_ && failure.clock != 0 &&
+           std::ranges::all_of(vertices,
+                               [&](std::uint32_t v) { return touched_[v] <= failure.clock; });
+  }
+  void try_moves(std::uint32_t v);
+  void try_flips(std::uint32_t t);
+  void try_collapse(std::uint32_t u, std::uint32_t v);
+  void try_collapses(std::uint32_t t);
+  // change_: made by moves_.
+  bool in_turn(const EditMesh::Step& step);
+  void consider(const EditMesh::Step& step, int kind);
+  Vec3 along_surface(std::uint32_t v, Vec3 way) const;
+
+  EditMesh& mesh_;
+  const RefineParameters& parameters_;
+  RefineCounts& counts_;
+  EditMoves moves_;
+  double reach_ = 0;       // of the moves that are tried
+  bool is_tried_ = false;  // those of half the reach are
+  bool anywhere_ = false;
+  Change change_;
+  Best best_;
+  struct Known {
+    std::vector<std::uint32_t> triangles;
+    std::size_t hits;
+  };
+  std::vector<Known> known_;
+  std::vector<std::uint32_t> ring_;
+  // When vertices were changed last, and of triangles when nothing helped.
+  struct Failure {
+    std::uint64_t clock = 0;
+    bool anywhere = false;
+  };
+  std::uint64_t clock_ = 1;
+  std::vector<std::uint64_t> touched_;
+  std::vector<Failure> failed_;
+};
+
+// Of what was mended, and of what lies around that.
+std::vector<std::uint32_t> Repairer::intersecting(const std::vector<std::uint32_t>& among) const {
+  std::vector<std::uint32_t> near;
+  for (const std::uint32_t t : among) {
+    if (!mesh_.alive(t)) continue;
+    for (const std::uint32_t v : mesh_.corners(t)) mesh_.star(v, near);
+  }
+  std::sort(near.begin(), near.end());
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  std::erase_if(near, [&](std::uint32_t t) { return !hit(t); });
+  return near;
+}
+
+// Of the places that are within reach, those that were not so before.
+bool Repairer::in_turn(const EditMesh::Step& step) {
+  return mesh_.keeps_samples(change_, step, reach_) &&
+         !(is_tried_ && mesh_.keeps_samples(change_, step, reach_ / 2));
+}
+
+void Repairer::consider(const EditMesh::Step& step, int kind) {
+  if (best_.enough || !in_turn(step)) return;
+  auto known = std::ranges::find(known_, change_.old, &Known::triangles);
+  if (known == known_.end())
+    known = known_.insert(known, Known{change_.old, mesh_.hits(change_.old)});
+  const std::size_t before = known->hits;
+  if (before <= best_.fewer) return;
+  const std::size_t after = mesh_.hits(change_, before - best_.fewer);
+  if (after + best_.fewer >= before) return;
+  best_.fewer = before - after;
+  best_.change = change_;
+  best_.step = step;
+  best_.kind = kind;
+  best_.enough = after == 0;
+}
+
+// What of `way` does not lead off the surface, as the vertex' normals have it.
+Vec3 Repairer::along_surface(std::uint32_t v, Vec3 way) const {
+  const auto* normals = mesh_.normals(v);
+  if (normals == nullptr) return way;
+  std::array<Vec3, 3> across{};
+  std::size_t count = 0;
+  for (const PackedNormal packed : *normals) {
+    if (packed == no_normal) continue;
+    Vec3 n = unpack_normal(packed);
+    for (std::size_t i = 0; i < count; ++i) n = n - across[i] * dot(n, across[i]);
+    const double length = std::sqrt(dot(n, n));
+    if (length < 1e-3) continue;
+    across[count] = n * (1 / length);
+    way = way - across[count] * dot(way, across[count]);
+    ++count;
+  }
+  return way;
+}
+
+void Repairer::try_moves(std::uint32_t v) {
+  if (mesh_.freedom(v) != Freedom::free) return;
+  moves_.ring(v, ring_);
+  Vec3 sum{};
+  for (const std::uint32_t w : ring_) sum = sum + to_double(mesh_.position(w));
+  const Vec3 from = to_double(mesh_.position(v));
+  const Vec3 way = sum * (1 / static_cast<double>(ring_.size())) - from;
+  const Vec3 flat = along_surface(v, way);
+  const auto consider_step = [&](Vec3 step) {
+    const LatticePoint to = nearest_point(from + step);
+    if (best_.enough || to == mesh_.position(v) || !mesh_.box().contains(to)) return;
+    if (moves_.move(v, to, change_)) consider({v, to, EditMesh::none}, 0);
+  };
+  for (const Vec3& step : {flat * 0.25, flat * 0.5, flat, way * 0.25, way * 0.5, way})
+    consider_step(step);
+  if (!anywhere_) return;
+  // Nothing that is likely has helped.
+  for (const double length : {0.125, 0.25, 0.5, 1.0})
+    each_index({splat(-1), splat(2)}, [&](Index3 d) {
+      consider_step(
+          Vec3{static_cast<double>(d.x), static_cast<double>(d.y), static_cast<double>(d.z)} *
+          (length * parameters_.reach));
+    });
+}
+
+void Repairer::try_flips(std::uint32_t t) {
+  for (std::size_t k = 0; k < 3; ++k)
+    if (moves_.flip(t, k, change_)) consider({}, 1);
+}
+
+void Repairer::try_collapse(std::uint32_t u, std::uint32_t v) {
+  if (mesh_.freedom(u) != Freedom::free) std::swap(u, v);
+  if (mesh_.freedom(u) != Freedom::free || mesh_.freedom(v) == Freedom::fixed) return;
+  if (mesh_.freedom(v) == Freedom::free && v > u) std::swap(u, v);
+  if (!moves_.linked(u, v)) return;
+  const LatticePoint a = mesh_.position(u), b = mesh_.position(v);
+  const LatticePoint middle = nearest_point((to_double(a) + to_double(b)) * 0.5);
+  for (const LatticePoint& at : {b, a, middle}) {
+    if (best_.enough || (at != b && mesh_.freedom(v) != Freedom::free)) return;
+    if (moves_.collapse(u, v, at, change_)) consider({v, at, u}, 2);
+  }
+}
+
+void Repairer::try_collapses(std::uint32_t t) {
+  const Corners corners = mesh_.corners(t);
+  for (std::size_t k = 0; k < 3; ++k) try_collapse(corners[k], corners[(k + 1) % 3]);
+  if (!anywhere_) return;
+  for (const std::uint32_t v : corners) {
+    std::vector<std::uint32_t> ring;
+    moves_.ring(v, ring);
+    for (const std::uint32_t w : ring) try_collapse(v, w);
+  }
+}
+
+bool Repairer::mend(std::uint32_t t, int round) {
+  std::vector<std::uint32_t> pair{t};
+  mesh_.each_hit(t, [&](std::uint32_t other) { pair.push_back(other); });
+  if (pair.size() == 1) return false;
+  std::sort(pair.begin() + 1, pair.end());
+  std::vector<std::uint32_t> vertices;
+  for (const std::uint32_t one : pair)
+    vertices.insert(vertices.end(), mesh_.corners(one).begin(), mesh_.corners(one).end());
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  if (has_failed(t, vertices)) return false;
+  // What changes the surface least.
+  best_.fewer = 0;
+  best_.enough = false;
+  known_.clear();
+  reach_ = std::min(parameters_.reach, std::ldexp(parameters_.reach / 16, round));
+  is_tried_ = false;
+  for (; best_.fewer == 0; reach_ *= 2, is_tried_ = true) {
+    for (std::size_t i = 0; i < vertices.size() && !best_.enough; ++i) try_moves(vertices[i]);
+    for (const std::uint32_t one : pair)
+      if (!best_.enough && mesh_.movable(one)) {
+        try_flips(one);
+        try_collapses(one);
+      }
+    if (reach_ >= parameters_.reach * (anywhere_ ? 4 : 1)) break;
+  }
+  if (best_.fewer == 0) {
+    failed_[t] = {clock_, anywhere_};
+    return false;
+  }
+  ++clock_;
+  for (const Corners& c : best_.change.now)
+    for (const std::uint32_t v : c) touched_[v] = clock_;
+  mesh_.keeps_samples(best_.change, best_.step, std::numeric_limits<double>::infinity());
+  mesh_.apply(best_.change, best_.step);
+  ++(best_.kind == 0 ? counts_.moves : best_.kind == 1 ? counts_.flips : counts_.collapses);
+  return true;
+}
+
+}  // namespace
+
+void repair_intersections(EditMesh& mesh, const RefineParameters& parameters,
+                          RefineCounts& counts) {
+  Repairer(mesh, parameters, counts).run();
+}
+
+}  // namespace voxweld

@@ -1,0 +1,121 @@
+#include "stages/refine/retile.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "stages/contouring/normal_clusters.h"
+#include "stages/exact/orientation.h"
+
+namespace voxweld {
+namespace {
+
+constexpr std::uint32_t not_in_tile = 0xffffffffu;
+
+// Morton code of the block's lowest finest cell.
+std::uint64_t block_code(const RefineMesh& mesh, std::size_t triangle, const CubeLattice& blocks) {
+  const Index3 block = blocks.cube_of(mesh.positions[mesh.triangles[triangle][0]]);
+  return CellKey{tile_block_level, block}.code();
+}
+
+// One order of all triangles of a mesh.
+struct TrianglePlace {
+  std::uint64_t block;
+  std::array<VertexId, 3> ids;
+  std::uint32_t triangle;
+  auto operator<=>(const TrianglePlace&) const = default;
+};
+
+std::vector<TrianglePlace> in_order(const RefineMesh& mesh, const CubeLattice& blocks) {
+  std::vector<TrianglePlace> places;
+  places.reserve(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& corners = mesh.triangles[t];
+    places.push_back({block_code(mesh, t, blocks),
+                      {mesh.ids[corners[0]], mesh.ids[corners[1]], mesh.ids[corners[2]]},
+                      t});
+  }
+  std::sort(places.begin(), places.end());
+  return places;
+}
+
+void add_corner_normals(const RefineMesh& mesh, const std::array<std::uint32_t, 3>& triangle,
+                        TileMesh& tile) {
+  const Index3 normal = exact_normal(mesh.positions[triangle[0]], mesh.positions[triangle[1]],
+                                     mesh.positions[triangle[2]]);
+  if (normal == Index3{}) ++tile.collinear;
+  if (mesh.normals.empty()) return;
+  const Vec3 direction{static_cast<double>(normal.x), static_cast<double>(normal.y),
+                       static_cast<double>(normal.z)};
+  const auto cluster = [&](std::uint32_t v) {
+    return nearest_cluster(mesh.normals[v], direction, NormalSense::outward);
+  };
+  tile.corner_normals.push_back({cluster(triangle[0]), cluster(triangle[1]), cluster(triangle[2])});
+}
+
+}  // namespace
+
+RefineMesh to_refine_mesh(TileMesh tile) {
+  RefineMesh mesh;
+  for (auto& triangle : tile.triangles) {
+    const auto lowest =
+        std::ranges::min_element(triangle, {}, [&](std::uint32_t v) { return tile.ids[v]; });
+    std::rotate(triangle.begin(), lowest, triangle.end());
+  }
+  mesh.positions = std::move(tile.positions);
+  mesh.ids = std::move(tile.ids);
+  mesh.normals = std::move(tile.normals);
+  mesh.triangles = std::move(tile.triangles);
+  return mesh;
+}
+
+CubeLattice tile_blocks(const RefineFrame& frame) {
+  return CubeLattice(frame, 0, tile_block_level);
+}
+
+std::vector<CubeCount> count_blocks(const RefineMesh& mesh, const CubeLattice& blocks) {
+  std::map<std::uint64_t, std::uint64_t> triangles;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) ++triangles[block_code(mesh, t, blocks)];
+  std::vector<CubeCount> counts;
+  counts.reserve(triangles.size());
+  for (const auto& [code, count] : triangles) counts.push_back({code, tile_block_level, 0, count});
+  return counts;
+}
+
+bool belongs_to(const RefineMesh& mesh, std::size_t triangle, const CubeLattice& blocks,
+                CellKey tile) {
+  const std::uint64_t code = block_code(mesh, triangle, blocks), begin = tile.code();
+  return begin <= code && code - begin < std::uint64_t{1} << (3 * tile.level);
+}
+
+TileMesh to_tile_mesh(const RefineMesh& mesh, CellKey tile, const OutputLattice& lattice,
+                      const CubeLattice& blocks) {
+  TileMesh out;
+  out.tile = tile;
+  out.lattice = lattice;
+  out.polygon_triangles = mesh.triangles.size();
+  std::vector<std::uint32_t> number(mesh.positions.size(), not_in_tile);
+  for (const TrianglePlace& place : in_order(mesh, blocks)) {
+    auto triangle = mesh.triangles[place.triangle];
+    add_corner_normals(mesh, triangle, out);
+    for (std::uint32_t& v : triangle) {
+      if (number[v] == not_in_tile) {
+        number[v] = static_cast<std::uint32_t>(out.positions.size());
+        out.positions.push_back(mesh.positions[v]);
+        out.ids.push_back(mesh.ids[v]);
+        if (!mesh.normals.empty()) out.normals.push_back(mesh.normals[v]);
+      }
+      v = number[v];
+    }
+    out.triangles.push_back(triangle);
+  }
+  return out;
+}
+
+std::uint64_t retile_bytes(std::uint64_t vertices, std::uint64_t triangles) {
+  // The sorted places; of the tile vectors that may have grown to twice their content, and hold old
+  // and new while they grow.
+  return triangles * (sizeof(TrianglePlace) + 45) + vertices * 100;
+}
+
+}  // namespace voxweld

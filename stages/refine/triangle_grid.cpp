@@ -1,0 +1,54 @@
+#include "stages/refine/triangle_grid.h"
+
+namespace voxweld {
+
+TriangleGrid::TriangleGrid(const LatticeBox& box, std::size_t triangles) : lo_(box.lo) {
+  bin_of_.reserve(triangles);
+  std::size_t first = 0;
+  for (std::int32_t side = triangles > 20000 ? 32 : 16; side >= 1; side /= 4) {
+    if (side == 2) side = 1;
+    Level level{side, {}, first, 0};
+    for (std::size_t a = 0; a < 3; ++a) level.size[a] = (box.hi[a] - box.lo[a]) / side + 1;
+    const auto bins = static_cast<std::size_t>(side);
+    first += bins * bins * bins;
+    levels_.push_back(level);
+  }
+  bins_.resize(first);
+}
+
+std::size_t TriangleGrid::level_of(const LatticeBox& box) const {
+  for (std::size_t l = 0; l + 1 < levels_.size(); ++l) {
+    const LatticePoint& size = levels_[l].size;
+    if (box.hi[0] - box.lo[0] <= size[0] && box.hi[1] - box.lo[1] <= size[1] &&
+        box.hi[2] - box.lo[2] <= size[2])
+      return l;
+  }
+  return levels_.size() - 1;
+}
+
+void TriangleGrid::put(std::uint32_t triangle, const LatticeBox& box) {
+  if (triangle >= bin_of_.size()) bin_of_.resize(triangle + 1, none);
+  Level& level = levels_[level_of(box)];
+  const auto bin = static_cast<std::uint32_t>(number(level, place(level, box.lo)));
+  if (bin == bin_of_[triangle]) return;
+  remove(triangle);
+  bins_[bin].push_back(triangle);
+  bin_of_[triangle] = bin;
+  ++level.count;
+}
+
+void TriangleGrid::remove(std::uint32_t triangle) {
+  const std::uint32_t bin = bin_of_[triangle];
+  if (bin == none) return;
+  std::vector<std::uint32_t>& list = bins_[bin];
+  *std::find(list.begin(), list.end(), triangle) = list.back();
+  list.pop_back();
+  bin_of_[triangle] = none;
+  for (std::size_t l = levels_.size(); l-- > 0;)
+    if (bin >= levels_[l].first) {
+      --levels_[l].count;
+      break;
+    }
+}
+
+}  // namespace voxweld

@@ -1,0 +1,44 @@
+#include "stages/refine/cube_ranges.h"
+
+#include <gtest/gtest.h>
+
+namespace voxweld {
+namespace {
+
+PlannedTile tile(int level, Index3 at, std::uint64_t vertices) {
+  const CellKey key{level, at};
+  return {key.code(), static_cast<std::uint32_t>(level), 0, vertices, 2 * vertices};
+}
+
+TEST(CubeRanges, OfNoTilesThereAreNone) {
+  EXPECT_TRUE(cube_ranges({}).empty());
+}
+
+TEST(CubeRanges, HaveEachCubeOnce) {
+  // Two tiles in one cube of 64 cells, a large one, and gaps before, between and behind.
+  const std::vector<PlannedTile> tiles = {tile(4, {4, 0, 0}, 1), tile(5, {2, 1, 0}, 2),
+                                          tile(6, {0, 1, 0}, 4), tile(8, {1, 0, 0}, 8)};
+  const auto ranges = cube_ranges(tiles);
+  // The large one is cut into its cubes of 64 cells, as there are so few.
+  ASSERT_EQ(ranges.size(), 2u + 64u);
+  EXPECT_EQ(ranges[0].cubes.begin, 0u);
+  EXPECT_EQ(ranges[0].vertices, 3u);
+  EXPECT_EQ(ranges[1].cubes.begin, morton_encode({0, 1, 0}));
+  EXPECT_EQ(ranges[1].polygons, 8u);
+  EXPECT_EQ(ranges[2].cubes.begin, morton_encode({4, 0, 0}));
+  EXPECT_EQ(ranges.back().cubes.begin, morton_encode({7, 3, 3}));
+  for (std::size_t i = 0; i < ranges.size(); ++i)
+    EXPECT_EQ(ranges[i].cubes.end,
+              i + 1 < ranges.size() ? ranges[i + 1].cubes.begin : ~std::uint64_t{0});
+}
+
+TEST(CubeRanges, OfManyTilesAreTheTiles) {
+  std::vector<PlannedTile> tiles;
+  for (std::int64_t x = 0; x < 32; ++x) tiles.push_back(tile(8, {x, 0, 0}, 1));
+  const auto ranges = cube_ranges(tiles);
+  ASSERT_EQ(ranges.size(), 32u);
+  EXPECT_EQ(ranges[31].cubes.begin, morton_encode({124, 0, 0}));
+}
+
+}  // namespace
+}  // namespace voxweld

@@ -1,0 +1,103 @@
+// Refine on the surfaces of random volumes: closed, without intersections, of the same topology.
+// VOXWELD_REFINE_VOLUMES: how many volumes (default 8).
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "stages/exact/intersections.h"
+#include "stages/refine/refine_range.h"
+#include "tests/stages/refine/volume_mesh.h"
+#include "tests/support/mesh_check.h"
+
+namespace voxweld {
+namespace {
+
+std::size_t pairs_of(const RefineMesh& mesh) {
+  std::size_t pairs = 0;
+  each_intersection({mesh.positions, mesh.triangles},
+                    [&](std::uint32_t, std::uint32_t) { ++pairs; });
+  return pairs;
+}
+
+// Vertices by their places alone, as who reads the files has them.
+testing::WeldedMesh welded(const RefineMesh& mesh) {
+  std::vector<Vec3> places;
+  for (const LatticePoint& p : mesh.positions)
+    places.push_back(
+        {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])});
+  return testing::weld(places, mesh.triangles);
+}
+
+struct Case {
+  testing::RandomVolume volume;
+  double tolerance = 0.1;
+  RefineMode mode = RefineMode::collapse;
+};
+
+std::ostream& operator<<(std::ostream& out, const Case& c) {
+  return out << (c.volume.noise ? "noise " : "smooth ") << c.volume.side << " seed "
+             << c.volume.seed << " tolerance " << c.tolerance
+             << (c.mode == RefineMode::repair ? " repair" : " collapse");
+}
+
+struct Totals {
+  std::uint64_t volumes = 0, before = 0, left = 0;
+};
+
+void check(const Case& c, Totals& totals) {
+  SCOPED_TRACE(::testing::PrintToString(c));
+  const testing::VolumeMesh made = testing::mesh_of_volume(c.volume, c.tolerance);
+  const RefineFrame& frame = made.frame;
+  RefineMesh mesh = made.mesh;
+  const auto euler = testing::euler_characteristic(mesh.triangles);
+  const auto components = testing::connected_components(mesh.triangles);
+  const std::size_t triangles = mesh.triangles.size(), pairs = pairs_of(mesh);
+  RefineParameters refine;
+  refine.mode = c.mode;
+  refine.tolerance = c.tolerance / frame.lattice.step;
+  refine.reach = 1 / frame.lattice.step;
+  std::size_t left = pairs;
+  for (int pass = 0; pass < refine_passes; ++pass) {
+    RefineCounts counts;
+    mesh = refine_range(mesh, CubeLattice(frame, pass), {}, refine, counts);
+    EXPECT_EQ(counts.pairs_before, left);
+    left = pairs_of(mesh);
+    EXPECT_EQ(counts.pairs_left, left);
+    if (c.mode == RefineMode::repair) {
+      EXPECT_GE(mesh.triangles.size(), triangles * 9 / 10);
+    }
+  }
+  const testing::WeldedMesh seen = welded(mesh);
+  EXPECT_EQ(seen.vertices.size(), mesh.positions.size()) << "two vertices at one place";
+  EXPECT_TRUE(testing::check_edges(seen.triangles).closed());
+  EXPECT_TRUE(testing::nonmanifold_vertices(seen.triangles).empty());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) EXPECT_FALSE(has_no_area(mesh.shape(t)));
+  EXPECT_EQ(testing::euler_characteristic(seen.triangles), euler);
+  EXPECT_EQ(testing::connected_components(seen.triangles), components);
+  EXPECT_LE(mesh.triangles.size(), triangles);
+  totals.volumes += 1;
+  totals.before += pairs;
+  totals.left += left;
+}
+
+TEST(RefineVolume, RandomVolumesStaySoundAndLoseTheirIntersections) {
+  const char* wanted = std::getenv("VOXWELD_REFINE_VOLUMES");
+  const unsigned count = wanted != nullptr ? static_cast<unsigned>(std::atoi(wanted)) : 8;
+  Totals totals;
+  for (unsigned seed = 0; seed < count; ++seed) {
+    const std::int64_t side = 24 + seed * 7 % 25;
+    const bool noise = seed % 4 == 3;
+    for (const double tolerance : {0.05, 0.5, 1e6})
+      check({{noise ? 24 : side, noise, seed},
+             tolerance,
+             seed % 2 == 0 ? RefineMode::collapse : RefineMode::repair},
+            totals);
+  }
+  std::printf("%llu meshes, pairs %llu -> %llu\n", static_cast<unsigned long long>(totals.volumes),
+              static_cast<unsigned long long>(totals.before),
+              static_cast<unsigned long long>(totals.left));
+  EXPECT_EQ(totals.left, 0u);
+}
+
+}  // namespace
+}  // namespace voxweld
