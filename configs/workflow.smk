@@ -5,7 +5,8 @@
 #
 # --config takes
 #   config    the config file of the run
-#   parts     into how many parts ingest, build, stitch and encode are cut (4)
+#   parts     into how many parts the stages but merge are cut (4)
+#   refine    whether the config has simplify.refine: then there are three stages more (0)
 #   voxweld   the program (the one on PATH)
 #   done      the folder of the done-marks, one file a command (CONFIG without .toml, and .done)
 #   threads   of a command (4)
@@ -30,6 +31,8 @@ DONE = os.path.abspath(str(config.get("done", os.path.splitext(CONFIG)[0] + ".do
 THREADS = int(config.get("threads", 4))
 VOXWELD = shlex.quote(str(config.get("voxweld", "voxweld")))
 
+REFINE = str(config.get("refine", 0)).lower() not in ("0", "false", "off", "no", "")
+
 if PARTS < 1:
     raise WorkflowError("parts is {}: at least 1 is needed".format(PARTS))
 
@@ -49,6 +52,16 @@ BEFORE = {
     "stitch": mark("merge"),
     "encode": parts_of("stitch"),
 }
+# With refine a unit reads of all that the stage before made, of retile the plan of all tiles.
+if REFINE:
+    BEFORE.update(
+        {
+            "refine": parts_of("stitch"),
+            "seams": parts_of("refine"),
+            "retile": parts_of("seams"),
+            "encode": parts_of("retile"),
+        }
+    )
 # What the closing command of a stage waits for.
 CLOSES = {
     "ingest": parts_of("ingest"),
@@ -69,7 +82,7 @@ rule part:
     output:
         touch(mark("{stage}-{part}-of-{parts}")),
     wildcard_constraints:
-        stage="ingest|build|stitch|encode",
+        stage="ingest|build|stitch|refine|seams|retile|encode",
         part="[0-9]+",
         parts=str(PARTS),
     threads: THREADS

@@ -58,7 +58,8 @@ ContourParameters contour_parameters(const Config& config, const VolumeInfo& inf
   p.simplify.enabled = s.enabled;
   p.simplify.tolerance =
       s.tolerance *
-      (s.tolerance_unit == SimplifyConfig::Unit::voxel ? smallest_spacing(geometry) : 1.0);
+      (s.tolerance_unit == SimplifyConfig::Unit::voxel ? smallest_spacing(geometry) : 1.0) *
+      octree_share(s);
   p.simplify.metric = s.metric == SimplifyConfig::Metric::rms ? Metric::rms : Metric::sum;
   p.simplify.topology =
       s.topology == SimplifyConfig::Topology::safe ? Topology::safe : Topology::free;

@@ -87,7 +87,7 @@ void add_run_command(CLI::App& app, Program& program) {
   CLI::App* run = app.add_subcommand(
       "run",
       "Makes the meshes a config asks for\n"
-      "Does what is missing of all five stages and nothing twice: an interrupted run goes on where "
+      "Does what is missing of all stages and nothing twice: an interrupted run goes on where "
       "it stopped, and after a change of the config only what depends on it is made again.");
   add_examples(*run, {{"voxweld run scan.toml",
                        "the meshes go into scan.mesh, intermediate files into scan.work"},
@@ -113,13 +113,16 @@ void add_run_command(CLI::App& app, Program& program) {
 }
 
 void add_stage_commands(CLI::App& app, Program& program) {
-  static constexpr std::array<const char*, 5> help = {
+  static constexpr std::array<const char*, all_stages.size()> help = {
       "Stage 1: copies the input into a brick store, where needed\n"
       "Volumes that can be read a box at a time stay where they are. A mesh too large for "
       "run.memory is cut into pieces, one for each brick.",
       "Stage 2: makes a simplified octree of each brick",
       "Stage 3: joins the bricks' octrees at the top and plans the tiles",
       "Stage 4: makes the triangles of each tile",
+      "With simplify.refine, after stage 4: repairs and collapses inside cubes of 64 cells",
+      "With simplify.refine: the same in shifted cubes, where the first had their borders",
+      "With simplify.refine: plans tiles of the refined mesh and cuts it into them",
       "Stage 5: writes the compressed mesh files and the manifest"};
   for (const Stage stage : all_stages) {
     auto one = std::make_shared<RunArguments>();

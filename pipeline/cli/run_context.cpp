@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <thread>
 
@@ -124,6 +125,26 @@ void run_where_asked(Program& program, RunContext& context) {
   context.executor = here;
 }
 
+namespace {
+
+// "refined: 12 edges collapsed, 3 vertices moved, 0 edges flipped; 4 pairs of triangles intersected,
+// 0 still do; points of the mesh before: 99 % within 0.05 mm, all within 0.1 mm"
+std::string refine_summary(const nlohmann::json& refine) {
+  const auto number = [&](const char* key) { return refine.at(key).get<std::uint64_t>(); };
+  const std::string unit = refine.at("unit").get<std::string>();
+  const auto length = [&](const char* key) {
+    return fmt::format("{:.3g}{}{}", refine.at(key).get<double>(), unit.empty() ? "" : " ", unit);
+  };
+  return fmt::format(
+      "refined: {} collapsed, {} moved, {} flipped; {} of triangles intersected, {} still do; "
+      "points of the mesh before: 99 % within {}, all within {}",
+      counted(number("collapses"), "edges"), counted(number("moves"), "vertices"),
+      counted(number("flips"), "edges"), counted(number("intersecting_before"), "pairs"),
+      number("intersecting_left"), length("p99"), length("worst"));
+}
+
+}  // namespace
+
 void print_summary(const RunContext& context, bool json) {
   const std::filesystem::path& output = context.config.output.directory;
   if (json) {
@@ -132,11 +153,16 @@ void print_summary(const RunContext& context, bool json) {
   }
   const Manifest manifest = read_manifest(output / manifest_name);
   const ManifestCounts& counts = manifest.counts;
-  fmt::print("{}: {}, {} ({} and {} before cutting), {}, {}, {}\n", output.string(),
-             counted(counts.vertices, "vertices"), counted(counts.output_triangles, "triangles"),
-             counted(counts.quads, "quads"), counted(counts.triangles, "triangles"),
+  // A refined mesh is no longer one of quads.
+  const std::string polygons =
+      manifest.refine ? ""
+                      : fmt::format(" ({} and {} before cutting)", counted(counts.quads, "quads"),
+                                    counted(counts.triangles, "triangles"));
+  fmt::print("{}: {}, {}{}, {}, {}, {}\n", output.string(), counted(counts.vertices, "vertices"),
+             counted(counts.output_triangles, "triangles"), polygons,
              counted(counts.tiles, "tiles"), counted(counts.files, "files"),
              readable_bytes(static_cast<double>(counts.bytes)));
+  if (manifest.refine) fmt::print("{}\n", refine_summary(*manifest.refine));
 }
 
 }  // namespace voxweld

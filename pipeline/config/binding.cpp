@@ -77,13 +77,6 @@ Binding<Config> selected(std::optional<std::int64_t> InputSelection::*number) {
 }
 
 // The default is not written: it is no choice, and keys do not change with it.
-Binding<Config> resample() {
-  const auto chosen = choice(&Config::input, &InputConfig::resample, {"none", "uniform"});
-  return {chosen.rule, chosen.set, [get = chosen.get](const Config& config) -> Written {
-            return config.input.resample == Resample::none ? std::nullopt : get(config);
-          }};
-}
-
 ChoiceRule sample_types() {
   ChoiceRule rule;
   for (int i = 0; i <= static_cast<int>(SampleType::f64); ++i)

@@ -117,6 +117,17 @@ Binding<Config> choice(Group Config::*group, Enum Group::*member, std::vector<st
   return bound_choice<Config>(std::move(names), place(group, member));
 }
 
+// The same; where it is the first of the names the config leaves it open.
+template <class Group, class Enum>
+Binding<Config> choice_or_open(Group Config::*group, Enum Group::*member,
+                               std::vector<std::string> names) {
+  Binding<Config> bound = choice(group, member, std::move(names));
+  bound.get = [get = bound.get, group, member](const Config& config) -> Written {
+    return config.*group.*member == Enum{} ? std::nullopt : get(config);
+  };
+  return bound;
+}
+
 // Enumerators in the order automatic, always, never.
 template <class Group, class Enum>
 Binding<Config> switch_of(Group Config::*group, Enum Group::*member) {
@@ -167,7 +178,6 @@ Binding<Config> unit();
 Binding<Config> selected(std::string InputSelection::*text);
 // input.level, input.channel and input.time.
 Binding<Config> selected(std::optional<std::int64_t> InputSelection::*number);
-Binding<Config> resample();
 Binding<Config> raw_type();
 // By their names.
 ChoiceRule sample_types();

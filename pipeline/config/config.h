@@ -126,6 +126,8 @@ struct SimplifyConfig {
   enum class Metric : std::uint8_t { rms, sum };
   enum class Topology : std::uint8_t { safe, free };
   enum class Qef : std::uint8_t { qr, normal };
+  enum class Refine : std::uint8_t { off, repair, collapse };
+  enum class Intersections : std::uint8_t { none, report, ignore };
 
   bool enabled = true;
   double tolerance = 0.1;  // in tolerance_unit; a voxel is the smallest spacing
@@ -133,9 +135,18 @@ struct SimplifyConfig {
   Metric metric = Metric::rms;
   Topology topology = Topology::safe;
   Qef qef = Qef::qr;
+  Refine refine = Refine::off;
+  Intersections intersections = Intersections::none;
 
   friend bool operator==(const SimplifyConfig&, const SimplifyConfig&) = default;
 };
+
+// The part of the tolerance that cells are collapsed with. Where edges are collapsed after that, they
+// make better use of the rest: the part phantom, 512^3, has as many triangles in the end, and less
+// error (by area .0104 in place of .0123 in the mean).
+inline double octree_share(const SimplifyConfig& simplify) {
+  return simplify.refine == SimplifyConfig::Refine::collapse ? 0.5 : 1.0;
+}
 
 struct OutputConfig {
   enum class Merged : std::uint8_t { automatic, always, never };

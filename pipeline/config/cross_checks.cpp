@@ -130,6 +130,19 @@ class CrossChecks {
            "labels.mode = \"each\" has no other meshes to write; remove this key");
   }
 
+  void refine() const {
+    const SimplifyConfig& simplify = config_.simplify;
+    if (simplify.refine == SimplifyConfig::Refine::off) return;
+    if (config_.labels.mode != LabelMode::off)
+      fail({"simplify.refine", "labels.mode"},
+           "meshes of labels.mode = \"each\" and \"shared\" are not refined; set it to \"off\", or "
+           "mesh one label with surface.label");
+    if (simplify.topology == SimplifyConfig::Topology::free)
+      fail({"simplify.refine", "simplify.topology"},
+           "with simplify.topology = \"free\" the mesh is no manifold, and only those are refined; "
+           "set one of the two to another value");
+  }
+
   void chosen_labels() const {
     const LabelsConfig& labels = config_.labels;
     if (labels.select == LabelsConfig::Select::mapped && labels.map.empty())
@@ -294,6 +307,7 @@ void check_across(const Config& config, const Places& places, const std::string&
   checks.isovalues();
   checks.label();
   checks.labels();
+  checks.refine();
   checks.chosen_labels();
   checks.filters();
   checks.edits_of_labels();

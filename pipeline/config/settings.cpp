@@ -55,9 +55,21 @@ std::vector<Setting> make_settings() {
 }  // namespace
 
 std::string_view stage_name(Stage stage) {
-  constexpr std::array<std::string_view, 5> names = {"ingest", "build", "merge", "stitch",
-                                                     "encode"};
+  constexpr std::array<std::string_view, all_stages.size()> names = {
+      "ingest", "build", "merge", "stitch", "refine", "seams", "retile", "encode"};
   return names[static_cast<std::size_t>(stage)];
+}
+
+std::vector<Stage> stages_of(const Config& config) {
+  std::vector<Stage> stages(all_stages.begin(), all_stages.end());
+  if (!refines(config))
+    std::erase_if(stages,
+                  [](Stage stage) { return Stage::stitch < stage && stage < Stage::encode; });
+  return stages;
+}
+
+bool refines(const Config& config) {
+  return config.simplify.refine != SimplifyConfig::Refine::off;
 }
 
 bool Setting::read_by(Stage stage) const {

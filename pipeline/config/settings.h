@@ -17,10 +17,15 @@
 
 namespace voxweld {
 
-enum class Stage : std::uint8_t { ingest, build, merge, stitch, encode };
-inline constexpr std::array<Stage, 5> all_stages = {Stage::ingest, Stage::build, Stage::merge,
-                                                    Stage::stitch, Stage::encode};
+enum class Stage : std::uint8_t { ingest, build, merge, stitch, refine, seams, retile, encode };
+inline constexpr std::array<Stage, 8> all_stages = {Stage::ingest, Stage::build,  Stage::merge,
+                                                    Stage::stitch, Stage::refine, Stage::seams,
+                                                    Stage::retile, Stage::encode};
 std::string_view stage_name(Stage stage);
+// Those a run of the config has, in their order: refine, seams and retile where simplify.refine asks
+// for them.
+std::vector<Stage> stages_of(const Config& config);
+bool refines(const Config& config);
 
 // What is told of a key, whatever it is bound to.
 struct KeyFacts {

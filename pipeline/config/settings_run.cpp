@@ -26,10 +26,10 @@ std::vector<Setting> simplify_settings() {
       row({"simplify", "enabled", "Collapse octree cells where the surface allows it."},
           binding::member(simplify, &Simplify::enabled, FlagRule{}), collapse),
       row({"simplify", "tolerance", "How far a vertex may be from the surface it stands for."},
-          binding::member(simplify, &Simplify::tolerance, PositiveNumberRule{}), collapse),
+          binding::member(simplify, &Simplify::tolerance, PositiveNumberRule{}), tolerance),
       row({"simplify", "tolerance_unit",
            "\"voxel\": in smallest spacings; \"physical\": in the spacing's unit."},
-          binding::choice(simplify, &Simplify::tolerance_unit, {"voxel", "physical"}), collapse),
+          binding::choice(simplify, &Simplify::tolerance_unit, {"voxel", "physical"}), tolerance),
       row({"simplify", "metric",
            "\"rms\": root mean square of the distances; \"sum\": root of their summed squares, "
            "so each is within tolerance."},
@@ -41,6 +41,21 @@ std::vector<Setting> simplify_settings() {
       row({"simplify", "qef",
            "Solves the QEFs. \"qr\": stable in floats; \"normal\": normal equations, to compare."},
           binding::choice(simplify, &Simplify::qef, {"qr", "normal"}), collapse),
+      when_given(
+          row({"simplify", "refine",
+               "What is done to the mesh once it is stitched. \"repair\": triangles that cut each "
+               "other are moved apart; \"collapse\": edges are collapsed too, as far as tolerance "
+               "lets them, and cells to half of it.",
+               "\"off\""},
+              binding::choice_or_open(simplify, &Simplify::refine, {"off", "repair", "collapse"}),
+              tolerance)),
+      when_given(row(
+          {"simplify", "intersections",
+           "Of refine. Triangles that cut each other: \"none\" lets refine make none; "
+           "\"report\" only counts them; \"ignore\" does not look for them.",
+           "\"none\""},
+          binding::choice_or_open(simplify, &Simplify::intersections, {"none", "report", "ignore"}),
+          refined)),
   };
 }
 

@@ -52,7 +52,7 @@ std::vector<Setting> input_settings() {
                "DICOM: what to do where slices are not equally far apart. \"none\" refuses them; "
                "\"uniform\" interpolates slices at equal distances.",
                "\"none\""},
-              binding::resample(), ingest_and_build)),
+              binding::choice_or_open(in, &In::resample, {"none", "uniform"}), ingest_and_build)),
       row({"input", "size",
            "Raw files and empty space: samples along [x, y, z], x fastest in the file.",
            "none; raw files and empty space need it"},

@@ -100,7 +100,7 @@ std::vector<ChangedSetting> changed_items(const ItemTable<Item, Kind>& table,
 }
 
 // The stages that read the setting in one of the two.
-std::vector<Stage> stages_of(const Setting& setting, const Config& before, const Config& after) {
+std::vector<Stage> readers_of(const Setting& setting, const Config& before, const Config& after) {
   std::vector<Stage> stages = setting.stages;
   if (is_seen_by_filters(setting) && (filters_see_surface(before) || filters_see_surface(after)))
     stages.push_back(Stage::ingest);
@@ -147,7 +147,7 @@ std::vector<ChangedSetting> changed_settings(const Config& before, const Config&
   for (const Setting& setting : settings())
     if (setting.get(before) != setting.get(after))
       changed.push_back({&setting, setting.name(), shown(setting, before), shown(setting, after),
-                         stages_of(setting, before, after)});
+                         readers_of(setting, before, after)});
   for (ChangedSetting& change : changed_items(filter_items(), before.filters, after.filters))
     changed.push_back(std::move(change));
   for (ChangedSetting& change : changed_items(edit_items(), before.edits, after.edits))
@@ -157,7 +157,7 @@ std::vector<ChangedSetting> changed_settings(const Config& before, const Config&
 
 Hash128 result_hash(const Config& config) {
   KeyHasher hasher;
-  for (const Stage stage : all_stages) hasher.hash(parameter_hash(config, stage));
+  for (const Stage stage : stages_of(config)) hasher.hash(parameter_hash(config, stage));
   return hasher.text(config.input.path.string()).finish();
 }
 

@@ -156,7 +156,8 @@ std::vector<FileRecord> copies_of_only_tile(const EncodeJob& job, const UnitPlan
 }  // namespace
 
 TileArtifact tile_of(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit) {
-  return TileArtifact(tile_artifact_path(*job.stitch, plan, unit));
+  const auto& folder = job.refined.empty() ? job.stitch->folder : job.refined;
+  return TileArtifact(tile_artifact_path(folder, plan, unit));
 }
 
 void encode_unit(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,

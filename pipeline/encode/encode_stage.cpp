@@ -49,8 +49,8 @@ void check_strangers(const EncodeJob& job) {
   });
 }
 
-Hash128 planned_key(const EncodeJob& job, const TopArtifact& top, bool merged) {
-  return KeyHasher().hash(job.key).hash(top.content_hash()).integer(merged ? 1 : 0).finish();
+Hash128 planned_key(const EncodeJob& job, Hash128 planned, bool merged) {
+  return KeyHasher().hash(job.key).hash(planned).integer(merged ? 1 : 0).finish();
 }
 
 nlohmann::json stages_json(const RunContext& context) {
@@ -106,7 +106,7 @@ class EncodeStage final : public StageWork {
   explicit EncodeStage(EncodeInputs inputs)
       : config_(inputs.config),
         job_(inputs.job),
-        top_(inputs.top),
+        planned_(inputs.planned),
         plan_(inputs.plan),
         manifest_(std::move(inputs.manifest)),
         pairs_(label_pairs_of(job_, plan_)),
@@ -151,7 +151,7 @@ class EncodeStage final : public StageWork {
 
   const Config& config_;
   const EncodeJob& job_;
-  const TopArtifact& top_;
+  const Hash128 planned_;
   const UnitPlan& plan_;
   const std::function<Manifest()> manifest_;
   const std::vector<std::uint64_t> pairs_;  // of labels, in each tile
@@ -221,7 +221,7 @@ void EncodeStage::open(RunContext& context, const StageLook& look) {
   if (!merged_.why_not.empty())
     spdlog::warn("no merged mesh: {}; the tiles are complete", merged_.why_not);
   if (look.missing.empty()) return;
-  const Hash128 key = planned_key(job_, top_, merged_.write);
+  const Hash128 key = planned_key(job_, planned_, merged_.write);
   if (has_begun(job_.output, key)) return;
   check(context, look);
   FileNames names(job_.folder);

@@ -27,7 +27,7 @@ StageMemory encode_memory(const Config& config, std::uint64_t largest);
 struct EncodeInputs {
   const Config& config;
   const EncodeJob& job;
-  const TopArtifact& top;
+  Hash128 planned;  // content of what the plan is made from
   const UnitPlan& plan;
   // The manifest but for what encode adds, once all units are there.
   std::function<Manifest()> manifest;

@@ -1,4 +1,4 @@
-// The artifacts of build, merge, stitch and encode, and ingest's histogram and labels.
+// The artifacts of build, merge, stitch, retile and encode, and ingest's histogram and labels.
 #include "pipeline/info/kinds.h"
 #include "pipeline/info/label_survey.h"
 #include "stages/filter/stored_value.h"
@@ -17,16 +17,6 @@ namespace voxweld {
 namespace {
 
 namespace fs = std::filesystem;
-
-template <class Artifact>
-InfoDocument artifact_document(const std::string& kind, const fs::path& path,
-                               const Artifact& artifact, std::uint32_t version) {
-  InfoDocument document = keyed_document(kind, path, artifact.key());
-  document["content_hash"] = to_hex(artifact.content_hash());
-  document["version"] = version;
-  document["made_by"] = InfoDocument::parse(artifact.provenance(), nullptr, false);
-  return document;
-}
 
 // Of one material or of many labels.
 template <class Artifact>
@@ -128,13 +118,7 @@ InfoDocument describe_top(const fs::path& path, const InfoOptions& options) {
   }
   const std::vector<PlannedTile> tiles = artifact.tiles();
   document["tiles"] = tiles.size();
-  if (!options.verbose) return document;
-  document["tile_list"] = InfoDocument::array();
-  for (const PlannedTile& tile : tiles)
-    document["tile_list"].push_back({{"level", tile.level},
-                                     {"at", facts_of(tile.key().at)},
-                                     {"vertices", tile.vertices},
-                                     {"polygons", tile.polygons}});
+  if (options.verbose) document["tile_list"] = tile_list_facts(tiles);
   return document;
 }
 
@@ -216,6 +200,8 @@ InfoDocument describe_kind(const fs::path& path, const ArtifactHead& head,
   if (kind == "octr") return describe_octree(path, options);
   if (kind == "tops") return describe_top(path, options);
   if (kind == "tile") return describe_tile(path);
+  if (kind == "cubm") return describe_cube_mesh(path, options);
+  if (kind == "tpln") return describe_tile_plan(path, options);
   if (kind == "hist") return describe_histogram(path);
   if (kind == "nois") return describe_noise(path);
   if (kind == "lcnt") return describe_labels(path);

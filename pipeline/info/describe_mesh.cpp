@@ -163,6 +163,7 @@ InfoDocument describe_output(const fs::path& manifest_path, const InfoOptions& o
     for (const auto& [format, file] : *manifest.merged) document["merged"][format] = file;
   }
   if (manifest.error) document["error"] = *manifest.error;
+  if (manifest.refine) document["refine"] = *manifest.refine;
   if (manifest.input) document["input"] = *manifest.input;
   add_settings(document, manifest);
   if (options.verbose) {

@@ -5,6 +5,7 @@
 
 #include "pipeline/config/config.h"
 #include "pipeline/info/facts.h"
+#include "storage/artifact/container.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/top_artifact.h"
 
@@ -22,10 +23,26 @@ InfoDocument describe_spool(const std::filesystem::path& samples, const InfoOpti
 InfoDocument describe_artifact(const std::filesystem::path& path, const ArtifactHead& head,
                                const InfoOptions& options);
 
+// What documents of artifacts begin with.
+template <class Artifact>
+InfoDocument artifact_document(const std::string& kind, const std::filesystem::path& path,
+                               const Artifact& artifact, std::uint32_t version) {
+  InfoDocument document = keyed_document(kind, path, artifact.key());
+  document["content_hash"] = to_hex(artifact.content_hash());
+  document["version"] = version;
+  document["made_by"] = InfoDocument::parse(artifact.provenance(), nullptr, false);
+  return document;
+}
+
 // Of labels.mode = "each"; what `add` adds is in place of what there is without labels.
 void add_label_plan(InfoDocument& document, const TopArtifact& artifact, bool verbose);
 void add_label_tiles(InfoDocument& document, const TileArtifact& artifact);
 InfoDocument describe_label_list(const std::filesystem::path& path, const InfoOptions& options);
+
+// Of a mesh that is refined.
+InfoDocument describe_cube_mesh(const std::filesystem::path& path, const InfoOptions& options);
+InfoDocument tile_list_facts(const std::vector<PlannedTile>& tiles);
+InfoDocument describe_tile_plan(const std::filesystem::path& path, const InfoOptions& options);
 
 // Of a mesh as the input that is read by pieces: kinds "mesh", "mbin" and "mtab".
 InfoDocument describe_mesh_pieces(const std::filesystem::path& path, const std::string& kind);

@@ -119,13 +119,15 @@ void check_writable(const std::filesystem::path& directory, const std::string& k
 
 // How large tiles are is the volume's to say, and output.tile_vertices only bounds it: once they
 // are planned, a run.memory that is too small for one of them is refused before any is made.
-void check_plan(RunContext& context, Stages& stages) {
-  const UnitPlan& plan = stages.plan();
+void check_plan(RunContext& context, Stages& stages, Stage stage) {
+  // What refine leaves of the mesh is known before encode.
+  const bool last = stage == Stage::encode || !refines(context.config);
+  const UnitPlan& plan = last ? stages.plan() : stages.merged_plan();
   std::uint64_t largest = 0;
   for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
     largest = std::max(largest, encode_bytes(context.config, plan.largest(unit)));
   stage_threads(context, encode_memory(context.config, largest));
-  plan_merged(context.config, plan);
+  if (last) plan_merged(context.config, plan);
 }
 
 // As an edit's messages name a place: spacing * sample index.
@@ -144,7 +146,7 @@ void check_before(RunContext& context, Stages& stages, Stage stage) {
   if (stage != Stage::stitch && stage != Stage::encode) return;
   check_surface(context, stages);
   if (stage == Stage::stitch && context.selection.all()) warn_of_box(context, stages);
-  check_plan(context, stages);
+  check_plan(context, stages, stage);
 }
 
 void check_work(const RunContext& context, StageWork& work, const StageLook& look) {

@@ -46,9 +46,7 @@ Used used_by(RunContext& context) {
   ingest.prove(context, look);
   if (!look.current()) return used;
   stages.open(Stage::build);
-  const Jobs& jobs = stages.jobs();
-  for (const fs::path& folder :
-       {jobs.build().folder, jobs.merge().folder, jobs.stitch().folder, jobs.encode().folder})
+  for (const fs::path& folder : stages.jobs().later_folders())
     used.folders.insert(folder.filename());
   used.later_stages_known = true;
   return used;

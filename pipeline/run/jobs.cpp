@@ -93,11 +93,40 @@ void Jobs::open_volume(Config& config) {
   encode_ = {&stitch_, info.geometry, paths.encode, config.output.directory, paths.encode_key};
   encode_.materials = &map_.materials;
   encode_.formats = writers_named(mesh_writers(), config.output.formats);
+  if (refines(config)) plan_refine(config, output, paths);
   const auto& entries = map_.materials.entries;
   encode_.coloured = std::ranges::any_of(encode_.formats, &MeshWriter::coloured) &&
                      std::any_of(entries.begin(), entries.end(), [](const MaterialEntry& entry) {
                        return entry.color.has_value();
                      });
+}
+
+void Jobs::plan_refine(const Config& config, const OutputFrame& output, const StagePaths& paths) {
+  const RefineFrame frame{output.snap.lattice, output.snap.spacing, output.snap.first,
+                          build_->grid.size()};
+  stitch_.cubes = frame;
+  // The enumerators of both come in the order of the settings' table, but for "off".
+  RefineParameters parameters;
+  parameters.mode = config.simplify.refine == SimplifyConfig::Refine::repair ? RefineMode::repair
+                                                                             : RefineMode::collapse;
+  parameters.intersections = static_cast<IntersectionRule>(config.simplify.intersections);
+  parameters.tolerance =
+      build_->parameters.simplify.tolerance / octree_share(config.simplify) / frame.lattice.step;
+  parameters.reach =
+      std::min({frame.spacing.x, frame.spacing.y, frame.spacing.z}) / frame.lattice.step;
+  refine_ = {Stage::refine, 0, frame, parameters, paths.refine, paths.refine_key};
+  seams_ = {Stage::seams, 1, frame, parameters, paths.seams, paths.seams_key};
+  retile_ = {frame, moved(frame.lattice, output.first),
+             static_cast<std::uint64_t>(config.output.tile_vertices), paths.retile,
+             paths.retile_key};
+  encode_.refined = paths.retile;
+}
+
+std::vector<std::filesystem::path> Jobs::later_folders() const {
+  std::vector<std::filesystem::path> folders = {build_->folder, merge_.folder, stitch_.folder};
+  if (stitch_.cubes) folders.insert(folders.end(), {refine_.folder, seams_.folder, retile_.folder});
+  folders.push_back(encode_.folder);
+  return folders;
 }
 
 namespace {
@@ -191,7 +220,30 @@ nlohmann::json files_json(const std::vector<InputFile>& files) {
 
 }  // namespace
 
-Manifest make_manifest(const RunContext& context, const Jobs& jobs, const TopArtifact& top) {
+namespace {
+
+// Sums over both passes. But each of them counts what intersects, and how far points lie off, anew.
+nlohmann::json refine_json(const Config& config, const Jobs& jobs, const RefineFigures& figures) {
+  RefineCounts all = figures.refine;
+  all.add(figures.seams);
+  const double step = jobs.refine().frame.lattice.step;
+  return {{"mode", *find_setting("simplify", "refine")->get(config)->text()},
+          {"tolerance", jobs.refine().parameters.tolerance * step},
+          {"collapses", all.collapses},
+          {"moves", all.moves},
+          {"flips", all.flips},
+          {"cubes", all.cubes},
+          {"intersecting_before", figures.refine.pairs_before},
+          {"intersecting_left", figures.seams.pairs_left},
+          {"worst", figures.seams.worst * step},
+          {"p99", figures.seams.quantile(0.99) * step},
+          {"unit", jobs.encode().frame.unit}};
+}
+
+}  // namespace
+
+Manifest make_manifest(const RunContext& context, const Jobs& jobs, const TopArtifact& top,
+                       const std::optional<RefineFigures>& refined) {
   const Config& config = context.config;
   const MergeCounts counts = top.counts();
   const VolumeInfo& info = jobs.ingest().info;
@@ -231,6 +283,11 @@ Manifest make_manifest(const RunContext& context, const Jobs& jobs, const TopArt
                      {"reached", counts.worst_residual},
                      {"finest", counts.worst_finest},
                      {"unit", info.geometry.unit}});
+  if (refined) {
+    m.refine = std::make_unique<nlohmann::json>(refine_json(config, jobs, *refined));
+    // Each collapse took a vertex.
+    m.counts.vertices -= refined->refine.collapses + refined->seams.collapses;
+  }
   m.made_by = std::make_unique<nlohmann::json>(nlohmann::json::parse(provenance_json()));
   return m;
 }

@@ -1,10 +1,11 @@
-// The five stages' jobs of one config, wired to each other.
+// The stages' jobs of one config, wired to each other.
 #pragma once
 
 #include <optional>
 
 #include "pipeline/encode/encode_stage.h"
 #include "pipeline/ingest/ingest_stage.h"
+#include "pipeline/run/output_frame.h"
 #include "pipeline/stage/stage_jobs.h"
 #include "storage/labels/label_map.h"
 
@@ -38,14 +39,24 @@ class Jobs {
   const BuildJob& build() const { return *build_; }
   const MergeJob& merge() const { return merge_; }
   const StitchJob& stitch() const { return stitch_; }
+  // Of a config that refines.
+  const RefineJob& refine() const { return refine_; }
+  const RefineJob& seams() const { return seams_; }
+  const RetileJob& retile() const { return retile_; }
   const EncodeJob& encode() const { return encode_; }
+  // Where the stages after ingest, as many as the config has, leave their artifacts.
+  std::vector<std::filesystem::path> later_folders() const;
 
  private:
+  void plan_refine(const Config& config, const OutputFrame& output, const StagePaths& paths);
+
   IngestJob ingest_;
   LabelMap map_;
   std::optional<BuildJob> build_;
   MergeJob merge_;
   StitchJob stitch_;
+  RefineJob refine_, seams_;
+  RetileJob retile_;
   EncodeJob encode_;
 };
 
@@ -58,7 +69,13 @@ std::int64_t fitting_tile_vertices(const Config& config);
 // Warns, before any work, where a tile of the config's output.tile_vertices could be too large.
 void warn_of_large_tiles(const RunContext& context);
 
-// The manifest but for what encode adds. top: of these jobs.
-Manifest make_manifest(const RunContext& context, const Jobs& jobs, const TopArtifact& top);
+// What refine did to the mesh, in both passes.
+struct RefineFigures {
+  RefineCounts refine, seams;
+};
+
+// The manifest but for what encode adds. top: of these jobs; refined: of a config that refines.
+Manifest make_manifest(const RunContext& context, const Jobs& jobs, const TopArtifact& top,
+                       const std::optional<RefineFigures>& refined);
 
 }  // namespace voxweld

@@ -54,11 +54,10 @@ void ingest_or_build_the_rest(RunContext& context, Stages& stages) {
 // Of tasks that were killed on other hosts, and of those that do what another has done: the stages
 // are complete, so nobody needs them.
 void clear_temporaries_of_tasks(const Config& config, const Jobs& jobs) {
-  for (const std::filesystem::path& folder :
-       {jobs.ingest().folder, jobs.build().folder, jobs.merge().folder, jobs.stitch().folder,
-        jobs.encode().folder, config.output.directory / "tiles",
-        config.output.directory / "labels"})
-    remove_needless_temporaries(folder, true);
+  std::vector<std::filesystem::path> folders = jobs.later_folders();
+  folders.insert(folders.end(), {jobs.ingest().folder, config.output.directory / "tiles",
+                                 config.output.directory / "labels"});
+  for (const std::filesystem::path& folder : folders) remove_needless_temporaries(folder, true);
   remove_needless_temporaries(config.output.directory, false);
 }
 
@@ -96,7 +95,7 @@ void on_steady_input(RunContext& context, Stages& stages, F&& work) {
   }
 }
 
-// ingest -> build -> merge -> stitch -> encode
+// ingest -> build -> merge -> stitch -> (refine -> seams -> retile ->) encode
 void run_stages(RunContext& context) {
   Stages stages(context);
   check_budget(context, stages.jobs());
@@ -105,7 +104,8 @@ void run_stages(RunContext& context) {
     ingest_or_build_the_rest(context, stages);
     stages.open(Stage::build);
     const WorkClaim claim(context, stages.jobs().build().folder);
-    for (const Stage stage : {Stage::build, Stage::merge, Stage::stitch, Stage::encode}) {
+    for (const Stage stage : stages_of(context.config)) {
+      if (stage == Stage::ingest) continue;
       claim.check();
       check_before(context, stages, stage);
       if (stage == Stage::build) warn_of_idle_edits(stages);
@@ -137,13 +137,18 @@ void mend(const std::exception& error, std::set<std::string>& mended) {
   }
 }
 
+// The stage whose units are those of encode.
+Stage last_mesh_stage(const Config& config) {
+  return refines(config) ? Stage::retile : Stage::stitch;
+}
+
 // Whether nothing of the stage is left to do. A task that does a share reads the few artifacts that
 // its share needs, and those say whether they fit: there, a look at all of them is left out.
 bool is_current(RunContext& context, Stages& stages, Stage stage) {
   const bool share = !context.selection.all();
   if (share && stage == Stage::ingest) return true;
   StageWork& work = stages.open(stage);
-  if (share && stage != Stage::stitch)
+  if (share && stage != last_mesh_stage(context.config))
     return stage != Stage::merge || merge_is_there(stages.jobs().merge());
   StageLook look = work.look(context.selection);
   work.prove(context, look);
@@ -179,6 +184,12 @@ void run_all(RunContext& context) {
 }
 
 void run_one(RunContext& context, Stage stage) {
+  const std::vector<Stage> all = stages_of(context.config);
+  if (std::ranges::find(all, stage) == all.end())
+    throw InputError(
+        fmt::format("simplify.refine = \"off\": a run of this config has no stage {}; set it to "
+                    "\"repair\" or \"collapse\", or leave this command out",
+                    stage_name(stage)));
   Stages stages(context);
   check_budget(context, stages.jobs());
   // Tasks that do shares work beside each other, for a run that has claimed all.
@@ -186,7 +197,7 @@ void run_one(RunContext& context, Stage stage) {
   std::optional<OutputClaim> output_claim;
   std::optional<WorkClaim> work_claim;
   if (stage == Stage::encode && context.selection.all()) output_claim.emplace(context);
-  for (const Stage before : all_stages) {
+  for (const Stage before : all) {
     if (before == Stage::build && whole) {
       stages.open(Stage::build);
       work_claim.emplace(context, stages.jobs().build().folder);
@@ -217,7 +228,7 @@ std::string dry_run(RunContext& context) {
   check_budget(context, stages.jobs());
   warn_of_large_tiles(context);
   std::optional<Stage> waits_for;
-  for (const Stage stage : all_stages) {
+  for (const Stage stage : stages_of(context.config)) {
     if (waits_for) {
       say(stage, fmt::format("would run: waits for {}", stage_name(*waits_for)));
       continue;

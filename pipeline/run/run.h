@@ -1,4 +1,4 @@
-// A run: what is missing of the five stages, in their order.
+// A run: what is missing of the stages, in their order.
 #pragma once
 
 #include <optional>

@@ -8,6 +8,8 @@
 #include "pipeline/encode/encode_stage.h"
 #include "pipeline/ingest/ingest_stage.h"
 #include "pipeline/merge/merge_stage.h"
+#include "pipeline/refine/refine_stage.h"
+#include "pipeline/refine/retile_stage.h"
 #include "pipeline/stitch/stitch_stage.h"
 #include "storage/support/error.h"
 
@@ -29,16 +31,41 @@ std::unique_ptr<StageWork> Stages::make(Stage stage) {
     case Stage::merge:
       return merge_stage(jobs_.merge());
     case Stage::stitch:
-      return stitch_stage(jobs_.stitch(), top(), plan());
+      return stitch_stage(jobs_.stitch(), top(), merged_plan());
+    case Stage::refine:
+    case Stage::seams:
+      return make_refine(stage);
+    case Stage::retile:
+      return retile_stage(jobs_.retile(), refined(), retile_plan());
     case Stage::encode:
-      return encode_stage({context_.config, jobs_.encode(), top(), plan(), [this] {
-                             check_input();
-                             return make_manifest(context_, jobs_, top());
-                           }});
+      return encode_stage(
+          {context_.config, jobs_.encode(),
+           refines(context_.config) ? retile_plan().content() : top().content_hash(), plan(),
+           [this] { return manifest(); }});
     case Stage::ingest:
       break;
   }
   throw std::logic_error("no such stage");
+}
+
+std::unique_ptr<StageWork> Stages::make_refine(Stage stage) {
+  const std::uint64_t tile_vertices = jobs_.merge().tile_vertices;
+  if (stage == Stage::seams)
+    return refine_stage({jobs_.seams(), ranges(), Stage::refine,
+                         refined_meshes(jobs_.refine(), ranges()), tile_vertices});
+  std::vector<std::filesystem::path> stitched;
+  for (std::uint64_t unit = 0; unit < merged_plan().size(); ++unit)
+    stitched.push_back(stitch_artifact_path(jobs_.stitch(), merged_plan(), unit));
+  return refine_stage(
+      {jobs_.refine(), ranges(), Stage::stitch, std::move(stitched), tile_vertices});
+}
+
+Manifest Stages::manifest() {
+  check_input();
+  std::optional<RefineFigures> figures;
+  if (refines(context_.config))
+    figures = {refine_counts(jobs_.refine(), ranges()), refine_counts(jobs_.seams(), ranges())};
+  return make_manifest(context_, jobs_, top(), figures);
 }
 
 void Stages::check_input() {
@@ -60,9 +87,29 @@ const TopArtifact& Stages::top() {
   return *top_;
 }
 
-const UnitPlan& Stages::plan() {
+const UnitPlan& Stages::merged_plan() {
   if (plan_ == nullptr) plan_ = unit_plan(top(), context_.config.labels.mode);
   return *plan_;
+}
+
+const UnitPlan& Stages::plan() {
+  return refines(context_.config) ? retile_plan().units() : merged_plan();
+}
+
+const std::vector<PlannedRange>& Stages::ranges() {
+  if (!ranges_) ranges_ = cube_ranges(top().tiles());
+  return *ranges_;
+}
+
+CubeMeshes& Stages::refined() {
+  if (!refined_) refined_.emplace(Stage::seams, refined_meshes(jobs_.seams(), ranges()));
+  return *refined_;
+}
+
+RetilePlan& Stages::retile_plan() {
+  const bool one_of_many = context_.inputs_checked || !context_.selection.all();
+  if (!retile_plan_) retile_plan_.emplace(jobs_.retile(), refined(), one_of_many);
+  return *retile_plan_;
 }
 
 }  // namespace voxweld

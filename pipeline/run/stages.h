@@ -1,13 +1,15 @@
-// The five stages of one config, in their order, each made when those before it are current.
+// The stages of one config, in their order, each made when those before it are current.
 #pragma once
 
 #include <array>
 #include <memory>
 #include <optional>
 
+#include "pipeline/refine/retile_plan.h"
 #include "pipeline/run/jobs.h"
 #include "pipeline/stage/stage_work.h"
 #include "pipeline/stage/unit_plan.h"
+#include "stages/refine/cube_ranges.h"
 #include "storage/artifact/top_artifact.h"
 
 namespace voxweld {
@@ -24,6 +26,10 @@ class Stages {
   StageWork& open(Stage stage);
   // The top tree, opened once. Precondition: merge is current.
   const TopArtifact& top();
+  // Merge's plan of tiles: what stitch works by.
+  const UnitPlan& merged_plan();
+  // The tiles that encode takes: those of merge's plan, or of the refined mesh. Precondition: the
+  // stages before encode are current.
   const UnitPlan& plan();
   // Throws InputError where the input is not what it was when these stages were planned: what was
   // made meanwhile may be of both. Stages know by their stamps what of it to make again.
@@ -31,12 +37,21 @@ class Stages {
 
  private:
   std::unique_ptr<StageWork> make(Stage stage);
+  std::unique_ptr<StageWork> make_refine(Stage stage);
+  const std::vector<PlannedRange>& ranges();
+  // What seams left, and the tiles planned of it.
+  CubeMeshes& refined();
+  RetilePlan& retile_plan();
+  Manifest manifest();
 
   RunContext& context_;
   Jobs jobs_;
   bool volume_is_open_ = false;
   std::optional<TopArtifact> top_;
   std::unique_ptr<UnitPlan> plan_;
+  std::optional<std::vector<PlannedRange>> ranges_;
+  std::optional<CubeMeshes> refined_;
+  std::optional<RetilePlan> retile_plan_;
   std::array<std::unique_ptr<StageWork>, all_stages.size()> works_;
 };
 

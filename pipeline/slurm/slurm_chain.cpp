@@ -109,6 +109,17 @@ std::vector<std::string> parts(const SlurmSetup& setup, std::size_t build_tasks)
   return lines;
 }
 
+// Units of refine and seams read of all artifacts before them, so that one lost task would fail them
+// all: a job makes up for it first.
+void add_refine(Chain& chain, const std::vector<std::string>& lines) {
+  chain.job("stitch-rest", {chain.command("stitch")});
+  chain.array("refine", lines);
+  chain.job("refine-rest", {chain.command("refine")});
+  chain.array("seams", lines);
+  chain.job("seams-rest", {chain.command("seams")});
+  chain.array("retile", lines);
+}
+
 void refuse_if_submitted(const Config& config, SlurmClient& client) {
   for (const QueuedTasks& queued : queued_tasks(known_arrays(config), client))
     if (queued.alive())
@@ -140,6 +151,7 @@ std::vector<SubmittedStep> submit_chain(RunContext& context, const SlurmSetup& s
     chain.array("build", build);
     chain.job("merge", {chain.command("build"), chain.command("merge")});
     chain.array("stitch", parts(setup, build.size()));
+    if (refines(context.config)) add_refine(chain, parts(setup, build.size()));
     chain.array("encode", parts(setup, build.size()));
     auto finish = chain.command("run");
     finish.insert(finish.end(), {"--set", "run.executor=local"});

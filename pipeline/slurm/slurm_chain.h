@@ -7,6 +7,14 @@
 //   build         array   octrees, by shards
 //   merge         job     octrees that are missing, then the top tree and the tile plan
 //   stitch        array   tile meshes, by parts of the plan
+//   and with simplify.refine
+//   stitch-rest   job     those that are missing
+//   refine        array   a first pass over the mesh, by ranges of cubes
+//   refine-rest   job     what is missing of it
+//   seams         array   the second, alike
+//   seams-rest    job
+//   retile        array   the refined mesh cut into tiles
+//
 //   encode        array   their assets
 //   finish        job     all that is missing, the merged mesh, the manifest
 #pragma once

@@ -19,7 +19,7 @@ constexpr std::uint64_t longest_log = std::uint64_t{64} << 10;  // shown of one 
 
 // The stages in order, as far as what lies there tells.
 void look_at_results(RunContext& context, RunStatus& status) {
-  for (const Stage stage : all_stages)
+  for (const Stage stage : stages_of(context.config))
     status.stages.push_back({stage, stage == Stage::merge ? "trees" : unit_option(stage)});
   Stages stages(context);
   for (StageState& state : status.stages) {

@@ -88,7 +88,8 @@ std::uint64_t count_even_tasks(std::uint64_t units, double total, const TaskPlan
 UnitSelection task_selection(const std::string& line) {
   std::string values = line.substr(line.find(' ') + 1);
   values = values.substr(0, values.find(' '));
-  if (line.starts_with("--shards ") || line.starts_with("--tiles "))
+  if (line.starts_with("--shards ") || line.starts_with("--tiles ") ||
+      line.starts_with("--ranges "))
     return UnitSelection::list(values, "tasks.txt");
   if (line.starts_with("--part ")) return UnitSelection::part(values);
   return {};
@@ -99,7 +100,8 @@ std::string task_arguments(StageName stage, const PlannedTask& task) {
   std::string checked = "--inputs-checked";
   if (stage == "merge") return checked;  // all of it
   if (stage == "ingest" || stage == "build") return "--shards " + unit_list(task.units);
-  return "--tiles " + unit_list(task.units) + " " + checked;
+  const bool of_cubes = stage == "refine" || stage == "seams";
+  return (of_cubes ? "--ranges " : "--tiles ") + unit_list(task.units) + " " + checked;
 }
 
 }  // namespace voxweld

@@ -28,6 +28,8 @@ constexpr double counting_cost = 0.25;
 
 // Bytes a vertex: a tile artifact, and one asset with its normals.
 constexpr double tile_bytes = 62, asset_bytes = 6;
+// And of a mesh sorted by cubes, where vertices at borders are in several parts.
+constexpr double cubes_bytes = 75;
 // The tiles of a plan are cubes of the octree, so most hold much less than they may.
 constexpr double tile_filling = 0.35;
 
@@ -124,6 +126,13 @@ WorkPlan plan_work(const RunContext& context, const Jobs& jobs, std::int64_t slo
       rounded_up(plan.vertices / (static_cast<double>(config.output.tile_vertices) * tile_filling));
   add(Stage::stitch, tiles, tiles, tile_bytes * plan.vertices,
       usual_cost("stitch", plan.vertices + polygons));
+  if (refines(config)) {
+    for (const Stage pass : {Stage::refine, Stage::seams})
+      add(pass, tiles, tiles, cubes_bytes * plan.vertices,
+          usual_cost("refine", plan.vertices + polygons));
+    add(Stage::retile, tiles, tiles + 1, tile_bytes * plan.vertices,
+        usual_cost("retile", polygons));
+  }
   const auto formats = static_cast<double>(config.output.formats.size());
   add(Stage::encode, tiles, tiles * (formats + 1) + 2, asset_bytes * formats * plan.vertices,
       usual_cost("encode", polygons));

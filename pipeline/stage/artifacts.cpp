@@ -7,11 +7,13 @@
 #include "stages/build/build_brick.h"
 #include "stages/build/label_edge.h"
 #include "stages/solids/lattice_solid.h"
+#include "storage/artifact/cube_mesh_artifact.h"
 #include "storage/artifact/label_counts.h"
 #include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
+#include "storage/artifact/tile_plan_artifact.h"
 #include "storage/artifact/top_artifact.h"
 
 namespace voxweld {
@@ -95,9 +97,22 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info,
     vec(stitch, g.first);
     paths.stitch_key = stitch.finish();
   }
+  Hash128 meshes = paths.stitch_key;
+  if (refines(config)) {
+    paths.stitch_key =
+        KeyHasher().hash(paths.stitch_key).text("cubes").integer(cube_mesh_version).finish();
+    constexpr std::uint32_t version = refine_version << 16 | cube_mesh_version;
+    paths.refine_key = next(Stage::refine, version, paths.stitch_key);
+    paths.seams_key = next(Stage::seams, version, paths.refine_key);
+    paths.retile_key = next(Stage::retile, tile_plan_version << 16 | tile_version, paths.seams_key);
+    paths.refine = work / ("refine-" + short_hex(paths.refine_key));
+    paths.seams = work / ("seams-" + short_hex(paths.seams_key));
+    paths.retile = work / ("retile-" + short_hex(paths.retile_key));
+    meshes = paths.retile_key;
+  }
   paths.stitch = work / ("stitch-" + short_hex(paths.stitch_key));
   KeyHasher encode;
-  encode.hash(next(Stage::encode, encode_version, paths.stitch_key));
+  encode.hash(next(Stage::encode, encode_version, meshes));
   vec(encode, g.origin);
   for (const Vec3& axis : g.direction) vec(encode, axis);
   encode.text(g.unit);
@@ -162,9 +177,19 @@ Bounds shard_bounds(const BuildJob& job, Index3 shard) {
   return {bounds(bricks.lo).lo, bounds(bricks.hi - splat(1)).hi};
 }
 
-std::filesystem::path tile_artifact_path(const StitchJob& job, const UnitPlan& plan,
+std::filesystem::path stitch_artifact_path(const StitchJob& job, const UnitPlan& plan,
+                                           std::uint64_t unit) {
+  return plan.path(job.folder, unit, job.cubes ? ".cubes" : ".tile");
+}
+
+std::filesystem::path range_artifact_path(const RefineJob& job, const CubeRange& range) {
+  const Index3 first = morton_decode(range.begin);
+  return fanned_out(job.folder, first, grid_name(first, ".cubes"));
+}
+
+std::filesystem::path tile_artifact_path(const std::filesystem::path& folder, const UnitPlan& plan,
                                          std::uint64_t unit) {
-  return plan.path(job.folder, unit, ".tile");
+  return plan.path(folder, unit, ".tile");
 }
 
 std::filesystem::path asset_record_path(const EncodeJob& job, const UnitPlan& plan,

@@ -4,6 +4,10 @@
 //   <work>/build-<hash>/<fanned out>/<x>-<y>-<z>.octree
 //   <work>/merge-<hash>/top.tree
 //   <work>/stitch-<hash>/.../<tile>.tile
+//   and where the mesh is refined
+//   <work>/stitch-<hash>/.../<tile>.cubes
+//   <work>/refine-<hash>/.../<first cube of the range>.cubes, seams-<hash>/ alike
+//   <work>/retile-<hash>/tile.plan, .../<tile>.tile
 //   <work>/encode-<hash>/.../<tile>.record, merged.record
 //
 // A folder's hash is of what its stage and those before it read of the config, so that a task of an
@@ -23,12 +27,16 @@ namespace voxweld {
 
 // Goes up whenever encode's bytes change. (The versions of the others stand beside their formats.)
 inline constexpr std::uint32_t encode_version = 2;
+// And whenever those of refine change.
+inline constexpr std::uint32_t refine_version = 1;
 
 // Folders of a run's artifacts, each named for what its stage and those before it read.
 struct StagePaths {
-  std::filesystem::path ingest, build, merge, stitch, encode;
-  Hash128 build_key, merge_key, stitch_key, encode_key;  // parameters, all stages before included
+  std::filesystem::path ingest, build, merge, stitch, refine, seams, retile, encode;
+  // Of the parameters, all stages before included.
+  Hash128 build_key, merge_key, stitch_key, refine_key, seams_key, retile_key, encode_key;
 };
+// Of stages that the config has not: nothing.
 // info: with output_geometry; for the ingest folder alone it is not looked at.
 StagePaths stage_paths(const Config& config, const VolumeInfo& info, const LabelParameters& labels);
 
@@ -53,7 +61,12 @@ Box3 shard_samples(const BuildJob& job, Index3 shard);
 // Where the shard's signs are looked at, for edits: spacing * sample index.
 Bounds shard_bounds(const BuildJob& job, Index3 shard);
 
-std::filesystem::path tile_artifact_path(const StitchJob& job, const UnitPlan& plan,
+// What stitch makes of a unit: the tile's mesh as it is encoded, or sorted by cubes.
+std::filesystem::path stitch_artifact_path(const StitchJob& job, const UnitPlan& plan,
+                                           std::uint64_t unit);
+std::filesystem::path range_artifact_path(const RefineJob& job, const CubeRange& range);
+// What encode takes, in the folder of the stage that made it.
+std::filesystem::path tile_artifact_path(const std::filesystem::path& folder, const UnitPlan& plan,
                                          std::uint64_t unit);
 std::filesystem::path asset_record_path(const EncodeJob& job, const UnitPlan& plan,
                                         std::uint64_t unit);

@@ -2,13 +2,16 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
+#include "pipeline/config/settings.h"
 #include "pipeline/stage/shard_memory.h"
 #include "pipeline/stage/volume.h"
 #include "stages/contouring/brick_grid.h"
 #include "stages/contouring/parameters.h"
 #include "stages/encode/mesh_writers.h"
+#include "stages/refine/refine_range.h"
 #include "stages/stitch/tile_stitcher.h"
 #include "storage/support/hash.h"
 #include "storage/types/material_table.h"
@@ -48,6 +51,28 @@ struct StitchJob {
   StitchParameters parameters;
   std::filesystem::path folder;
   Hash128 key;
+  // Where the mesh is refined: it leaves no tiles, but meshes that are sorted by these cubes.
+  std::optional<RefineFrame> cubes = {};
+};
+
+// One pass of refine.
+struct RefineJob {
+  Stage stage = Stage::refine;  // or seams
+  int pass = 0;                 // of CubeLattice
+  RefineFrame frame;
+  RefineParameters parameters;
+  std::filesystem::path folder;
+  Hash128 key;
+};
+
+struct RetileJob {
+  RefineFrame frame;
+  OutputLattice lattice;  // of the tiles, as the files have it
+  std::uint64_t tile_vertices = 500000;
+  std::filesystem::path folder;
+  Hash128 key;  // of the parameters; the plan also says which meshes it was made of
+
+  std::filesystem::path plan_path() const { return folder / "tile.plan"; }
 };
 
 struct EncodeJob {
@@ -59,6 +84,7 @@ struct EncodeJob {
   const MaterialTable* materials = nullptr;  // for the list of labels, and colours
   bool coloured = false;                     // there are files with colours, and colours for them
   std::vector<MeshWriter> formats = {};      // to write, in this order
+  std::filesystem::path refined = {};        // folder of retile's tiles; empty: they are stitch's
 };
 
 }  // namespace voxweld

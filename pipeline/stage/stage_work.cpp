@@ -9,7 +9,8 @@
 namespace voxweld {
 
 const char* unit_option(Stage stage) {
-  return stage == Stage::ingest || stage == Stage::build ? "shards" : "tiles";
+  if (stage == Stage::ingest || stage == Stage::build) return "shards";
+  return stage == Stage::refine || stage == Stage::seams ? "ranges" : "tiles";
 }
 
 std::vector<std::uint64_t> StageLook::to_do() const {

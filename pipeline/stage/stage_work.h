@@ -12,7 +12,7 @@
 
 namespace voxweld {
 
-// What the command line calls a stage's units: "shards" or "tiles".
+// What the command line calls a stage's units: "shards", "tiles", or "ranges" of cubes.
 const char* unit_option(Stage stage);
 
 // What of a stage is there.

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "pipeline/stage/file_layout.h"
 #include "storage/artifact/label_top.h"
 
@@ -20,7 +22,7 @@ std::filesystem::path tile_stem(const std::filesystem::path& root, CellKey tile,
 // One surface: a unit a tile.
 class TilePlan : public UnitPlan {
  public:
-  explicit TilePlan(const TopArtifact& top) : tiles_(top.tiles()) {}
+  explicit TilePlan(std::vector<PlannedTile> tiles) : tiles_(std::move(tiles)) {}
 
   std::uint64_t size() const override { return tiles_.size(); }
   std::string name(std::uint64_t unit) const override {
@@ -123,7 +125,11 @@ std::vector<PlannedTile> UnitPlan::largest_tiles() const {
 
 std::unique_ptr<UnitPlan> unit_plan(const TopArtifact& top, LabelMode mode) {
   if (mode == LabelMode::each) return std::make_unique<BatchPlan>(top);
-  return std::make_unique<TilePlan>(top);
+  return unit_plan(top.tiles());
+}
+
+std::unique_ptr<UnitPlan> unit_plan(std::vector<PlannedTile> tiles) {
+  return std::make_unique<TilePlan>(std::move(tiles));
 }
 
 }  // namespace voxweld

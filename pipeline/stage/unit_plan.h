@@ -1,4 +1,4 @@
-// What merge has planned, as stitch and encode take it: in units. A unit is a tile; of labels
+// What merge or retile has planned, as stitch and encode take it: in units. A unit is a tile; of labels
 // (labels.mode = "each") one tile of a label that has several, or several labels of one tile each,
 // so that a million of them are not a million units and artifacts.
 #pragma once
@@ -45,6 +45,9 @@ class UnitPlan {
 
 // mode: of the run that made the top tree, which the plan refers to.
 std::unique_ptr<UnitPlan> unit_plan(const TopArtifact& top, LabelMode mode);
+
+// Of one surface, a unit a tile.
+std::unique_ptr<UnitPlan> unit_plan(std::vector<PlannedTile> tiles);
 
 std::string cube_name(CellKey tile);  // "7-0-0-0": level and index, the same in every run
 

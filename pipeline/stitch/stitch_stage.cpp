@@ -6,7 +6,7 @@
 
 #include "pipeline/executor/probe.h"
 #include "pipeline/stitch/stitch_work.h"
-#include "storage/artifact/tile_artifact.h"
+#include "stages/refine/mesh_part.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -16,7 +16,7 @@ namespace {
 bool is_current(const std::filesystem::path& path, StitchWork& work, std::uint64_t unit) {
   if (!std::filesystem::exists(path)) return false;
   try {
-    return TileArtifact(path).key() == work.key(unit);
+    return work.key_of(path) == work.key(unit);
   } catch (const DamagedArtifact& damage) {
     if (damage.path() != path.string()) throw;
     return false;
@@ -42,7 +42,7 @@ class StitchStage final : public StageWork {
     return units;
   }
   bool done(std::uint64_t unit) override {
-    return is_current(tile_artifact_path(job_, plan_, unit), *work_, unit);
+    return is_current(stitch_artifact_path(job_, plan_, unit), *work_, unit);
   }
   std::string missing_text(const StageLook& look) const override {
     return fmt::format("{} of {} tiles missing", look.missing.size(), look.units);
@@ -66,13 +66,15 @@ class StitchStage final : public StageWork {
   }
   std::uint64_t bytes(std::uint64_t unit) override {
     const PlannedTile tile = plan_.largest(unit);
-    return stitch_bytes(tile.vertices + tile.vertices / 4, tile.polygons);
+    const std::uint64_t vertices = tile.vertices + tile.vertices / 4;
+    return stitch_bytes(vertices, tile.polygons) +
+           (job_.cubes ? piece_bytes(vertices, 2 * tile.polygons) : 0);
   }
   void begin(RunContext&, std::span<const std::uint64_t>, int threads) override {
     scratch_ = std::vector<StitchScratch>(static_cast<std::size_t>(threads));
   }
   void run(const Unit& unit, WorkerContext& worker) override {
-    work_->run(unit.key, tile_artifact_path(job_, plan_, unit.key),
+    work_->run(unit.key, stitch_artifact_path(job_, plan_, unit.key),
                scratch_[static_cast<std::size_t>(worker.slot())], worker);
   }
   void end(RunContext&) override { scratch_.clear(); }

@@ -1,7 +1,11 @@
 #include "pipeline/stitch/stitch_work.h"
 
+#include <utility>
+
+#include "pipeline/stage/cube_mesh.h"
 #include "pipeline/stitch/label_stitch.h"
 #include "pipeline/stitch/tile_inputs.h"
+#include "stages/refine/retile.h"
 #include "storage/artifact/tile_artifact.h"
 
 namespace voxweld {
@@ -40,8 +44,15 @@ class TileStitch : public StitchWork {
            WorkerContext& worker) override {
     const Inputs inputs = prepare(unit);
     SurfacePieces pieces(files_, scratch, worker);
-    write_tile(path, inputs.key,
-               stitch_tile(tiles_[unit], job_.parameters, inputs.bricks, inputs.above, pieces));
+    TileMesh mesh = stitch_tile(tiles_[unit], job_.parameters, inputs.bricks, inputs.above, pieces);
+    if (job_.cubes)
+      write_cube_mesh(path, inputs.key, to_refine_mesh(std::move(mesh)),
+                      CubeLattice(*job_.cubes, 0));
+    else
+      write_tile(path, inputs.key, mesh);
+  }
+  Hash128 key_of(const std::filesystem::path& path) const override {
+    return job_.cubes ? CubeMeshArtifact(path).key() : StitchWork::key_of(path);
   }
 
  private:
@@ -67,6 +78,10 @@ class TileStitch : public StitchWork {
 };
 
 }  // namespace
+
+Hash128 StitchWork::key_of(const std::filesystem::path& path) const {
+  return TileArtifact(path).key();
+}
 
 const BrickOctree& ReadPieces::brick(const CellKey& key) {
   worker_.check_interrupt();

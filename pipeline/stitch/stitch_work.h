@@ -22,6 +22,8 @@ class StitchWork {
   virtual ~StitchWork() = default;
   // Of the unit's artifact, from the inputs that lie there now. Thread-safe.
   virtual Hash128 key(std::uint64_t unit) = 0;
+  // Of an artifact that lies there.
+  virtual Hash128 key_of(const std::filesystem::path& path) const;
   // Bytes that the bricks it reads take at most, beside the mesh.
   virtual std::uint64_t brick_bytes(std::uint64_t unit) = 0;
   // Reads, stitches and writes the artifact.

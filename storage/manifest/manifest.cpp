@@ -101,11 +101,8 @@ std::optional<MergedFiles> merged_of(const Value& value) {
 
 // Free-form.
 constexpr std::pair<const char*, std::unique_ptr<json> Manifest::*> sections[] = {
-    {"input", &Manifest::input},
-    {"config", &Manifest::config},
-    {"stages", &Manifest::stages},
-    {"error", &Manifest::error},
-    {"made_by", &Manifest::made_by}};
+    {"input", &Manifest::input}, {"config", &Manifest::config}, {"stages", &Manifest::stages},
+    {"error", &Manifest::error}, {"refine", &Manifest::refine}, {"made_by", &Manifest::made_by}};
 
 }  // namespace
 

@@ -15,14 +15,17 @@
 //   counts       {bricks, active_bricks, collapsed_above_bricks, leaves [per level], vertices,
 //                quads, triangles (polygons), output_triangles = 2 quads + triangles, tiles,
 //                collinear, files, bytes (mesh files, those of the tiles included), labels (with "labels")};
-//                vertices: of the octree, which with a closed border and safe topology are those
-//                of the welded mesh; else some of them are in no polygon
+//                vertices: of the octree, less those that refine took; with a closed border and
+//                safe topology those of the welded mesh, else some of them are in no polygon
 //   merged       {"drc": path, "glb": path ...}, by the name of the format, or null
 //   files        [{path, format, role "list", "labels" or "merged", bytes, xxh3_128}]: the list of
 //                tiles, that of labels, and the merged mesh; a tile's files are in its line
-//   input, config, stages, error, made_by   free-form; input: slope and intercept where they are not
-//                1 and 0 (real values are slope * stored + intercept); made_by: program, host, time,
+//   input, config, stages, error, refine, made_by   free-form; input: slope and intercept where they
+//                are not 1 and 0 (real values are slope * stored + intercept); made_by: program, host, time,
 //                Slurm ids
+//                refine (with simplify.refine): {mode, collapses, moves, flips, cubes (of both
+//                passes), intersecting_before (the first pass), intersecting_left (after the second),
+//                worst, p99 (distances of what the mesh was from what it is), unit}
 // tiles.jsonl, one object a line:
 //   {label (with "labels" = "each"), tile {level, at [x, y, z]}, vertices, triangles, quads,
 //    polygon_triangles, files [{format, path, bytes, xxh3_128}]}
@@ -119,7 +122,7 @@ struct Manifest {
   std::optional<MergedFiles> merged;
   std::vector<FileRecord> files;
   // Free-form sections: null when absent.
-  std::unique_ptr<nlohmann::json> input, config, stages, error, made_by;
+  std::unique_ptr<nlohmann::json> input, config, stages, error, refine, made_by;
 };
 
 inline constexpr const char* manifest_name = "manifest.json";

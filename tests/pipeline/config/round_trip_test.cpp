@@ -195,6 +195,9 @@ Config any_config() {
   config.simplify.metric = any_of<SimplifyConfig::Metric>(2);
   config.simplify.topology = any_of<SimplifyConfig::Topology>(2);
   config.simplify.qef = any_of<SimplifyConfig::Qef>(2);
+  if (config.simplify.topology == SimplifyConfig::Topology::safe)
+    config.simplify.refine = any_of<SimplifyConfig::Refine>(3);
+  config.simplify.intersections = any_of<SimplifyConfig::Intersections>(3);
   // Its modes exclude keys of other tables.
   config.labels = any_labels();
   if (config.input.is_mesh()) config.labels.mode = LabelMode::off;
@@ -202,6 +205,7 @@ Config any_config() {
     config.surface.label.reset();
     config.surface.inside = SurfaceConfig::Inside::above;
     config.simplify.topology = SimplifyConfig::Topology::safe;
+    config.simplify.refine = SimplifyConfig::Refine::off;
     config.surface.isovalue = any_nonzero();
   }
   if (config.surface.isovalue) config.surface.isovalue_rule = IsovalueRule::otsu;

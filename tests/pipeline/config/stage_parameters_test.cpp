@@ -26,6 +26,8 @@ const std::map<std::string, KeyChange>& key_changes() {
   constexpr auto build = Stage::build;
   constexpr auto merge = Stage::merge;
   constexpr auto stitch = Stage::stitch;
+  constexpr auto refine = Stage::refine;
+  constexpr auto seams = Stage::seams;
   constexpr auto encode = Stage::encode;
   static const std::map<std::string, KeyChange> changes = {
       {"input.path", {"\"other.raw\"", {}}},
@@ -66,11 +68,13 @@ const std::map<std::string, KeyChange>& key_changes() {
       {"surface.border", {"\"open\"", {build, stitch}}},
       {"surface.gradient", {"\"central\"", {build}}},
       {"simplify.enabled", {"false", {build, merge}}},
-      {"simplify.tolerance", {"0.2", {build, merge}}},
-      {"simplify.tolerance_unit", {"\"physical\"", {build, merge}}},
+      {"simplify.tolerance", {"0.2", {build, merge, refine, seams}}},
+      {"simplify.tolerance_unit", {"\"physical\"", {build, merge, refine, seams}}},
       {"simplify.metric", {"\"sum\"", {build, merge}}},
       {"simplify.topology", {"\"free\"", {build, merge}}},
       {"simplify.qef", {"\"normal\"", {build, merge}}},
+      {"simplify.refine", {"\"repair\"", {build, merge, refine, seams}}},
+      {"simplify.intersections", {"\"report\"", {refine, seams}}},
       {"output.directory", {"\"elsewhere\"", {}}},
       {"output.formats", {"[\"drc\"]", {encode}}},
       {"output.merged", {"true", {encode}}},

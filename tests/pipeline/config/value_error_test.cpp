@@ -124,6 +124,10 @@ simplify.topology: "safe" or "free" (default: "safe")
   "save" (a string); did you mean "safe"? | true (a boolean)
 simplify.qef: "qr" or "normal" (default: "qr")
   "normals" (a string); did you mean "normal"? | 1
+simplify.refine: "off", "repair" or "collapse" (default: "off")
+  "collaps" (a string); did you mean "collapse"? | true (a boolean)
+simplify.intersections: "none", "report" or "ignore" (default: "none")
+  "no" (a string) | 0
 output.directory: a path in quotes (default: "<config name>.mesh" beside the config)
   1.5; write paths in quotes | "" (a string)
 output.formats: a list of one or more of "drc" or "glb", each once (default: ["drc", "glb"])

@@ -47,8 +47,8 @@ class EncodedScene {
     shown_.clear();
     const TopArtifact top(job.stitch->merge->path());
     const auto plan = unit_plan(top, context_.config.labels.mode);
-    const auto work = encode_stage(
-        {context_.config, job, top, *plan, [&] { return make_manifest(context_, *jobs_, top); }});
+    const auto work = encode_stage({context_.config, job, top.content_hash(), *plan,
+                                    [&] { return make_manifest(context_, *jobs_, top, {}); }});
     do_stage(context_, *work);
   }
   const std::string& shown() const { return shown_; }

@@ -3,11 +3,14 @@
 #include <fstream>
 #include <functional>
 
+#include "stages/refine/refine_range.h"
+#include "storage/artifact/cube_mesh_artifact.h"
 #include "storage/artifact/label_counts.h"
 #include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
+#include "storage/artifact/tile_plan_artifact.h"
 #include "storage/artifact/top_artifact.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
@@ -41,6 +44,18 @@ void read_all_of_top(const fs::path& path) {
 void read_all_of_tile(const fs::path& path) {
   const TileArtifact artifact(path);
   for (std::size_t i = 0; i < artifact.meshes(); ++i) artifact.read(i);
+}
+
+void read_all_of_cubes(const fs::path& path) {
+  const CubeMeshArtifact artifact(path);
+  artifact.counted<RefineCounts>();
+  artifact.blocks();
+  for (std::size_t i = 0; i < artifact.pieces().size(); ++i)
+    for (const CubePart part : {CubePart::inside, CubePart::leaving}) artifact.read(i, part);
+}
+
+void read_all_of_tile_plan(const fs::path& path) {
+  TilePlanArtifact(path).read();
 }
 
 constexpr int brick_level = 4, shard_level = 5;  // of the tests' runs
@@ -86,6 +101,7 @@ struct Kind {
   const char* mode;  // of labels
   const char* ending;
   void (*read_all)(const fs::path&);
+  const char* refine = "off";
 };
 
 void PrintTo(const Kind& kind, std::ostream* out) {
@@ -139,7 +155,8 @@ TEST_P(ArtifactDamage, IsFoundInAnyByteAndAtAnyLength) {
   const Scene scene(volume_of(labels ? Index3{17, 3, 3} : Index3{17, 6, 5},
                               [](Index3 at) { return at.x > 2 ? 200 : 10; }));
   VOXWELD_EXPECT_DONE(scene.run({"work.brick=16", "work.shard=2", "simplify.tolerance=0.2",
-                                 std::string("labels.mode=") + GetParam().mode}));
+                                 std::string("labels.mode=") + GetParam().mode,
+                                 std::string("simplify.refine=") + GetParam().refine}));
   const auto files = files_ending(scene.work(), GetParam().ending);
   ASSERT_FALSE(files.empty());
   EXPECT_LT(fs::file_size(files[0]), 60000u) << "too many cases for a test";
@@ -151,6 +168,8 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(Kind{"octree", "off", ".octree", read_all_of_shard},
                       Kind{"tree", "off", ".tree", read_all_of_top},
                       Kind{"tile", "off", ".tile", read_all_of_tile},
+                      Kind{"cubes", "off", ".cubes", read_all_of_cubes, "collapse"},
+                      Kind{"tile_plan", "off", "tile.plan", read_all_of_tile_plan, "collapse"},
                       Kind{"octrees_of_each_label", "each", ".octree", read_all_of_label_shard},
                       Kind{"tree_of_each_label", "each", ".tree", read_all_of_label_top},
                       Kind{"tiles_of_each_label", "each", ".tile", read_all_of_tile},

@@ -8,6 +8,7 @@
 
 #include "pipeline/encode/encode_stage.h"
 #include "stages/build/label_edge.h"
+#include "storage/artifact/cube_mesh_artifact.h"
 #include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
 #include "storage/artifact/shard_artifact.h"
@@ -102,6 +103,18 @@ TEST_F(Goldens, Encode) {
   files.insert(files.end(), glb.begin(), glb.end());
   expect_recorded({"encode", 2, "a7bef6c224251ef990a01a1577e410b6"}, encode_version,
                   hash_of(files));
+}
+
+// The same surface, refined.
+TEST(RefinedGoldens, OfEveryStage) {
+  const Scene scene(scene_volume());
+  VOXWELD_EXPECT_DONE(scene.run({"simplify.refine=collapse", "work.brick=16", "work.shard=2",
+                                 "output.tile_vertices=1024", "simplify.tolerance=0.2"}));
+  constexpr std::uint32_t version = refine_version << 16 | cube_mesh_version;
+  expect_recorded({"stitch, refine and seams", 65537, "21c90247d76c651d463d04571c2c8cde"}, version,
+                  hash_of(files_ending(scene.work(), ".cubes"), cube_mesh_kind, cube_mesh_version));
+  expect_recorded({"retile", 5, "5e0aaf17affd67b17129cdc44b2ee83d"}, tile_version,
+                  hash_of(files_ending(scene.work(), ".tile"), tile_kind, tile_version));
 }
 
 // Two labels that share a ball, one below it, specks; an edit gives one more, another replaces.

@@ -139,6 +139,13 @@ TEST(Kill, AtEachCommitOfEachLabel) {
                      Scene(ball_labels(SampleType::u8, {20, 20, 34})));
 }
 
+TEST(Kill, AtEachCommitOfARefinedRun) {
+  const Settings settings = {"work.brick=16", "work.shard=2", "output.tile_vertices=1024",
+                             "simplify.refine=collapse"};
+  expect_whole_after({settings, {".cubes", "tile.plan", ".tile", ".record", "manifest.json"}},
+                     Scene("porous", 80));
+}
+
 // Other tiles in one format less: what the run before left must be known until it is removed.
 TEST(Kill, AtEachCommitOfAChangedRun) {
   const Settings before = {"work.brick=16", "output.tile_vertices=1024"};

@@ -189,6 +189,17 @@ RC_GTEST_PROP(TaskPlan, ArgumentsNameTheUnits, ()) {
   }
 }
 
+TEST(TaskPlan, RangesOfCubesHaveTheirOwnOption) {
+  const PlannedTask task{{3, 4, 9}, 1};
+  for (const char* stage : {"refine", "seams"}) {
+    const std::string text = task_arguments(stage, task);
+    EXPECT_EQ(text, "--ranges 3-4,9 --inputs-checked");
+    EXPECT_TRUE(task_selection(text).contains(4));
+    EXPECT_FALSE(task_selection(text).contains(5));
+  }
+  EXPECT_EQ(task_arguments("retile", task), "--tiles 3-4,9 --inputs-checked");
+}
+
 RC_GTEST_PROP(TaskPlan, LinesAreReadBack, ()) {
   const std::vector<Unit> units = random_units();
   std::vector<std::uint64_t> some;  // as many as were still missing, and others
@@ -213,6 +224,7 @@ RC_GTEST_PROP(TaskPlan, LinesAreReadBack, ()) {
 TEST(TaskPlan, ReadingThousandsOfLinesBackIsNothing) {
   const std::vector<Unit> units = equal_units(262144, 1);
   std::vector<std::uint64_t> keys;
+  keys.reserve(units.size());
   for (const Unit& unit : units) keys.push_back(unit.key);
   std::size_t found = 0;
   const auto began = std::chrono::steady_clock::now();

@@ -1,0 +1,29 @@
+// Refine and seams: the mesh repaired and simplified, cube by cube, in two passes.
+#pragma once
+
+#include <memory>
+
+#include "pipeline/stage/artifacts.h"
+#include "pipeline/stage/stage_work.h"
+#include "stages/refine/cube_ranges.h"
+
+namespace voxweld {
+
+// What the work refers to, and outlives it.
+struct RefineInputs {
+  const RefineJob& job;
+  const std::vector<PlannedRange>& ranges;  // the units
+  Stage maker = Stage::stitch;              // of what it reads
+  std::vector<std::filesystem::path> meshes;
+  std::uint64_t tile_vertices = 0;  // for messages
+};
+
+std::unique_ptr<StageWork> refine_stage(RefineInputs inputs);
+
+// Where the stage leaves its meshes, in the order of its units.
+std::vector<std::filesystem::path> refined_meshes(const RefineJob& job,
+                                                  const std::vector<PlannedRange>& ranges);
+// The sum over all of them.
+RefineCounts refine_counts(const RefineJob& job, const std::vector<PlannedRange>& ranges);
+
+}  // namespace voxweld

@@ -1,0 +1,123 @@
+// The refined mesh, end to end: the same however the work is cut, and sound.
+#include <fmt/format.h>
+
+#include "tests/pipeline/run/scene.h"
+
+namespace voxweld::testing {
+namespace {
+
+const Settings refined = {"simplify.refine=collapse", "simplify.tolerance=0.3"};
+
+// The files of the merged mesh.
+Tree merged_files(const Tree& tree) {
+  Tree merged;
+  for (const char* name : {"mesh.drc", "mesh.glb"})
+    if (tree.contains(name)) merged[name] = tree.at(name);
+  EXPECT_EQ(merged.size(), 2u);
+  return merged;
+}
+
+class Refined : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Refined, IsTheSameWhateverThePartition) {
+  const Scene scene(GetParam(), 96);
+  const Tree tree = scene.expect_one_tree(refined + Settings{"output.tile_vertices=2000"},
+                                          {{"work.brick=16", "work.shard=2", "run.threads=1"},
+                                           {"work.brick=32", "work.shard=1", "run.threads=3"},
+                                           {"work.brick=128", "work.shard=1", "work.copy=true"}});
+  EXPECT_GE(tree.size(), 6u);  // several tiles
+}
+
+TEST_P(Refined, IsTheSameWhateverTheTiles) {
+  const Scene scene(GetParam(), 96);
+  const Tree one = merged_files(scene.clean_tree(refined));
+  for (const int vertices : {1024, 3000, 9000})
+    EXPECT_EQ(
+        difference(one, merged_files(scene.clean_tree(
+                            refined + Settings{fmt::format("output.tile_vertices={}", vertices)}))),
+        "")
+        << vertices;
+}
+
+TEST_P(Refined, IsSound) {
+  const Scene scene(GetParam(), 96);
+  for (const char* mode : {"repair", "collapse"})
+    for (const char* border : {"closed", "open"}) {
+      SCOPED_TRACE(fmt::format("{} {}", mode, border));
+      VOXWELD_EXPECT_DONE(scene.run(refined + Settings{std::string("simplify.refine=") + mode,
+                                                       std::string("surface.border=") + border,
+                                                       "output.tile_vertices=2000"}));
+      const VerifyReport report = expect_good(scene.output());
+      EXPECT_GT(report.triangles, 0u);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Phantoms, Refined, ::testing::Values("gyroid", "part", "porous"),
+                         [](const auto& each) { return each.param; });
+
+// As a mesh whose samples are labels, without normals, with other spacings.
+TEST(RefinedKinds, OfALabelAndOfOtherSpacings) {
+  RawVolume volume = integer_volume(SampleType::u8, {70, 60, 66}, [](Index3 at) {
+    const Index3 d = at - Index3{34, 30, 33};
+    return d.x * d.x + 2 * d.y * d.y + d.z * d.z < 700 ? 3 : 0;
+  });
+  volume.isovalue = 3;  // the label's number
+  const Scene scene(volume);
+  const Settings settings = refined + Settings{"surface.label=3", "input.spacing=[1, 0.5, 2.25]",
+                                               "output.normals=false", "output.tile_vertices=1024"};
+  scene.expect_one_tree(settings, {{"work.brick=16", "work.shard=2"}});
+  VOXWELD_EXPECT_DONE(scene.run(settings));
+  expect_good(scene.output());
+}
+
+TEST(RefinedKinds, OfACrop) {
+  const Scene scene("gyroid", 96);
+  const Settings settings =
+      refined + Settings{"input.crop=[5, 9, 3, 90, 80, 96]", "output.tile_vertices=2000"};
+  scene.expect_one_tree(settings, {{"work.brick=16", "work.shard=2"}});
+  VOXWELD_EXPECT_DONE(scene.run(settings));
+  expect_good(scene.output());
+}
+
+TEST(RefinedKinds, OffIsAsIfThereWereNone) {
+  const Scene scene("part", 48);
+  const Tree plain = scene.clean_tree();
+  EXPECT_EQ(difference(plain, scene.clean_tree({"simplify.refine=off"})), "");
+  EXPECT_EQ(difference(plain, scene.clean_tree({"simplify.intersections=report"})), "");
+  VOXWELD_EXPECT_DONE(scene.run());
+  EXPECT_FALSE(manifest_of(scene.output()).contains("refine"));
+  // And the work of the one is that of the other.
+  VOXWELD_EXPECT_DONE(scene.run({"simplify.refine=off"}));
+  for (const auto& [stage, ran] : units_run(scene.output())) EXPECT_EQ(ran, 0u) << stage;
+}
+
+TEST(RefinedKinds, TheManifestSaysWhatWasDone) {
+  const Scene scene("gyroid", 64);
+  const ProgramResult result = scene.run(refined);
+  VOXWELD_EXPECT_DONE(result);
+  const nlohmann::json manifest = manifest_of(scene.output());
+  const nlohmann::json& refine = manifest.at("refine");
+  EXPECT_EQ(refine.at("mode"), "collapse");
+  EXPECT_GT(refine.at("cubes"), 0);
+  EXPECT_EQ(refine.at("unit"), manifest.at("error").at("unit"));
+  for (const char* key :
+       {"collapses", "moves", "flips", "intersecting_before", "intersecting_left", "worst", "p99"})
+    EXPECT_TRUE(refine.contains(key)) << key;
+  EXPECT_NE(result.out.find("refined: "), std::string::npos) << result.out;
+  const ProgramResult info = run_voxweld({"info", scene.output().string()});
+  EXPECT_NE(info.out.find("refine:"), std::string::npos) << info.out;
+}
+
+TEST(RefinedKinds, WhatCannotBeRefinedIsRefused) {
+  const Scene scene("part", 20);
+  for (const char* mode : {"each", "shared"})
+    expect_refused(
+        scene.run(refined + Settings{"surface.inside=above", std::string("labels.mode=") + mode}),
+        "simplify.refine = \"collapse\": meshes of labels.mode");
+  expect_refused(scene.run(refined + Settings{"simplify.topology=free"}), "no manifold");
+  for (const char* stage : {"refine", "seams", "retile"})
+    expect_refused(scene.command(stage), std::string("has no stage ") + stage);
+}
+
+}  // namespace
+}  // namespace voxweld::testing

@@ -1,0 +1,135 @@
+// The work of refine: stages by themselves, in shares, gone on with, damaged, after edits.
+#include <fmt/format.h>
+
+#include <fstream>
+
+#include "tests/pipeline/run/edit_scene.h"
+
+namespace voxweld::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+const Settings settings = {"simplify.refine=collapse", "work.brick=16", "work.shard=2",
+                           "output.tile_vertices=1024"};
+const std::vector<std::string> refine_stages = {"refine", "seams", "retile"};
+
+std::vector<fs::path> artifacts_of(const Scene& scene, const std::string& stage,
+                                   const std::string& ending) {
+  std::vector<fs::path> found = files_ending(scene.work(), ending);
+  std::erase_if(found, [&](const fs::path& path) {
+    return path.string().find("/" + stage + "-") == std::string::npos;
+  });
+  return found;
+}
+
+TEST(RefineWork, StageByStage) {
+  const Scene scene("porous", 96);
+  const Tree clean = scene.clean_tree(settings);
+  for (const char* stage :
+       {"ingest", "build", "merge", "stitch", "refine", "seams", "retile", "encode"}) {
+    const ProgramResult before = scene.command_with("run", settings, {"--dry-run"});
+    VOXWELD_EXPECT_DONE(before);
+    VOXWELD_EXPECT_DONE(scene.command(stage, settings));
+  }
+  EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
+  const ProgramResult after = scene.command_with("run", settings, {"--dry-run"});
+  EXPECT_EQ(after.out.find("would run"), std::string::npos) << after.out;
+  const ProgramResult status = scene.command("status", settings);
+  EXPECT_NE(status.out.find("finished"), std::string::npos) << status.out;
+  EXPECT_NE(status.out.find("ranges"), std::string::npos) << status.out;
+}
+
+TEST(RefineWork, AStageThatComesTooEarlySaysWhatIsMissing) {
+  const Scene scene("porous", 70);
+  VOXWELD_EXPECT_DONE(scene.command("build", settings));
+  VOXWELD_EXPECT_DONE(scene.command("merge", settings));
+  expect_refused(scene.command("refine", settings), "`voxweld stitch CONFIG`");
+  expect_refused(scene.command_with("refine", settings, {"--part", "0/2"}),
+                 "`voxweld stitch CONFIG`");
+  VOXWELD_EXPECT_DONE(scene.command("stitch", settings));
+  expect_refused(scene.command_with("seams", settings, {"--ranges", "0"}),
+                 "`voxweld refine CONFIG`");
+  expect_refused(scene.command_with("refine", settings, {"--ranges", "99"}), "stage refine has");
+}
+
+TEST(RefineWork, AllSharesAreTheWhole) {
+  const Scene scene("porous", 96);
+  const Tree clean = scene.clean_tree(settings);
+  for (const char* stage : {"ingest", "build", "merge"})
+    VOXWELD_EXPECT_DONE(scene.command(stage, settings));
+  for (const char* stage : {"stitch", "refine", "seams", "retile", "encode"})
+    for (const char* part : {"2/3", "0/3", "1/3"})
+      VOXWELD_EXPECT_DONE(scene.command_with(stage, settings, {"--part", part}));
+  VOXWELD_EXPECT_DONE(scene.command("encode", settings));
+  EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
+  for (const auto& [stage, ran] : units_run(scene.output())) EXPECT_EQ(ran, 0u) << stage;
+  EXPECT_TRUE(temporary_files(scene.work()).empty());
+}
+
+TEST(RefineWork, GoesOnWhereItStopped) {
+  const Scene scene("porous", 96);
+  const Tree clean = scene.clean_tree(settings);
+  VOXWELD_EXPECT_DONE(scene.run(settings));
+  for (const std::string& stage : refine_stages) {
+    scene.forget_stages({stage});
+    VOXWELD_EXPECT_DONE(scene.run(settings));
+    EXPECT_EQ(difference(clean, output_tree(scene.output())), "") << stage;
+    // What comes out of it is the same, so nothing behind it is done again.
+    for (const auto& [name, ran] : units_run(scene.output()))
+      EXPECT_EQ(ran > 0, name == stage) << name << " after " << stage;
+  }
+}
+
+TEST(RefineWork, DamageIsFoundAndMended) {
+  const Scene scene("porous", 96);
+  VOXWELD_EXPECT_DONE(scene.run(settings));
+  const Tree clean = output_tree(scene.output());
+  const auto damage_one = [&](const std::string& stage, const std::string& ending) {
+    SCOPED_TRACE(stage + ending);
+    const auto files = artifacts_of(scene, stage, ending);
+    ASSERT_FALSE(files.empty());
+    const fs::path& file = files[files.size() / 2];
+    auto bytes = read_whole_file(file);
+    bytes[bytes.size() / 2] ^= std::byte{4};
+    write_whole_file(file, bytes, Durability::rename_only);
+    // All that reads it is to be done.
+    scene.forget_stages(stage == "stitch"   ? std::vector<std::string>{"refine"}
+                        : stage == "refine" ? std::vector<std::string>{"seams"}
+                        : stage == "seams"  ? std::vector<std::string>{"retile"}
+                                            : std::vector<std::string>{"encode"});
+    VOXWELD_EXPECT_DONE(scene.run(settings));
+    EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
+  };
+  for (const char* stage : {"stitch", "refine", "seams"}) damage_one(stage, ".cubes");
+  damage_one("retile", "tile.plan");
+  damage_one("retile", ".tile");
+}
+
+// Three cubes a side, the last of them of the ring's alone.
+TEST(RefineWork, AnEditReachesFewUnits) {
+  const Scene scene("gyroid", 128);
+  const EditScene edits(scene);
+  VOXWELD_EXPECT_DONE(scene.run(settings));
+  const auto all = units_run(scene.output());
+  edits.set(ball("add", {16, 16, 16}, 9));  // inside one cube of either pass
+  VOXWELD_EXPECT_DONE(scene.run(settings));
+  auto units = units_run(scene.output());
+  for (const std::string stage : {"stitch", "refine", "seams", "retile"}) {
+    EXPECT_GT(units[stage], 0u) << stage;
+    EXPECT_LT(units[stage], all.at(stage) / 3) << stage;
+  }
+  EXPECT_EQ(difference(scene.clean_tree(settings), output_tree(scene.output())), "");
+}
+
+TEST(RefineWork, CleanKeepsWhatIsInUse) {
+  const Scene scene("porous", 64);
+  VOXWELD_EXPECT_DONE(scene.run());
+  VOXWELD_EXPECT_DONE(scene.run(settings));
+  VOXWELD_EXPECT_DONE(scene.command("clean", settings));
+  VOXWELD_EXPECT_DONE(scene.run(settings));
+  for (const auto& [stage, ran] : units_run(scene.output())) EXPECT_EQ(ran, 0u) << stage;
+}
+
+}  // namespace
+}  // namespace voxweld::testing

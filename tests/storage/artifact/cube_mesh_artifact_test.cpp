@@ -1,0 +1,164 @@
+#include "storage/artifact/cube_mesh_artifact.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "storage/artifact/tile_plan_artifact.h"
+#include "storage/support/error.h"
+#include "storage/support/file_io.h"
+#include "tests/support/temp_directory.h"
+
+namespace voxweld {
+namespace {
+
+using testing::TempDirectory;
+
+RefineMesh triangle(LatticePoint at, bool normals, std::uint32_t samples) {
+  RefineMesh mesh;
+  for (std::int32_t k = 0; k < 3; ++k) {
+    mesh.positions.push_back({at[0] + k, at[1] + k * k, at[2] - k});
+    mesh.ids.push_back({static_cast<std::uint64_t>(at[0] + k) << 40});
+    if (normals) mesh.normals.push_back({PackedNormal{1, 2}, PackedNormal{3, 4}});
+  }
+  mesh.triangles.push_back({0, 1, 2});
+  for (std::uint32_t i = 0; i < samples; ++i) mesh.samples.push_back({at, 0});
+  return mesh;
+}
+
+struct Counted {
+  std::uint64_t a = 0, b = 0;
+};
+
+class CubeMeshFile : public ::testing::Test {
+ protected:
+  Hash128 write() const {
+    CubeMeshWriter out(path(), {1, 2});
+    out.piece(3, {1, 1, 0}, triangle({10, 20, 30}, true, 2), {});
+    out.piece(3, {2, 1, 0}, {}, triangle({50, 0, 5}, false, 0));
+    out.piece(9, {1, 0, 1}, triangle({7, 8, 9}, true, 0), triangle({90, 8, 9}, true, 1));
+    const Counted counted{11, 12};
+    const std::vector<CubeCount> blocks = {{64, 4, 0, 1}, {128, 4, 0, 3}};
+    return out.finish(as_record(counted), blocks);
+  }
+  void expect_damaged() const {
+    EXPECT_THROW(
+        {
+          const CubeMeshArtifact file(path());
+          file.counted<Counted>();
+          file.blocks();
+          for (std::size_t i = 0; i < file.pieces().size(); ++i) {
+            file.read(i, CubePart::inside);
+            file.read(i, CubePart::leaving);
+          }
+        },
+        DamagedArtifact);
+  }
+  std::filesystem::path path() const { return directory_ / "a.cubes"; }
+
+ private:
+  const TempDirectory directory_;
+};
+
+TEST_F(CubeMeshFile, ReadsBack) {
+  const Hash128 content = write();
+  const CubeMeshArtifact file(path());
+  EXPECT_EQ(file.key(), (Hash128{1, 2}));
+  EXPECT_EQ(file.content_hash(), content);
+  const CubeMeshSummary& summary = file.summary();
+  EXPECT_EQ(summary.pieces, 3u);
+  EXPECT_EQ(summary.all.triangles, 4u);
+  EXPECT_EQ(summary.all.vertices, 12u);
+  EXPECT_EQ(summary.all.samples, 3u);
+  EXPECT_EQ(summary.leaving, 2u);
+  EXPECT_EQ(summary.lowest_code, 3u);
+  EXPECT_EQ(summary.highest_code, 9u);
+  EXPECT_EQ(summary.box, (LatticeBox{{7, 0, 3}, {92, 24, 30}}));
+  EXPECT_EQ(summary.leaving_box, (LatticeBox{{50, 0, 3}, {92, 12, 9}}));
+  EXPECT_EQ(file.counted<Counted>().b, 12u);
+  EXPECT_EQ(file.blocks()[1].polygons, 3u);
+
+  const auto& piece = file.pieces()[2];
+  EXPECT_EQ(piece.code, 9u);
+  EXPECT_EQ(morton_decode(piece.cube), (Index3{1, 0, 1}));
+  EXPECT_EQ(piece.leaving.samples, 1u);
+  EXPECT_EQ(piece.leaving_box, (LatticeBox{{90, 8, 7}, {92, 12, 9}}));
+  const RefineMesh read = file.read(2, CubePart::leaving), wrote = triangle({90, 8, 9}, true, 1);
+  EXPECT_EQ(read.positions, wrote.positions);
+  EXPECT_EQ(read.ids, wrote.ids);
+  EXPECT_EQ(read.normals, wrote.normals);
+  EXPECT_EQ(read.triangles, wrote.triangles);
+  EXPECT_EQ(read.samples, wrote.samples);
+  EXPECT_TRUE(file.read(1, CubePart::leaving).normals.empty());
+  EXPECT_TRUE(file.read(1, CubePart::inside).triangles.empty());
+}
+
+// Each part has a hash of its own, so that what reads one does not depend on the other.
+TEST_F(CubeMeshFile, PartsHaveTheirHashes) {
+  write();
+  const CubeMeshArtifact file(path());
+  EXPECT_NE(file.part_hash(2, CubePart::inside), file.part_hash(2, CubePart::leaving));
+  EXPECT_EQ(file.part_hash(0, CubePart::leaving), file.part_hash(1, CubePart::inside));
+}
+
+TEST_F(CubeMeshFile, MayBeEmpty) {
+  CubeMeshWriter(path(), {5, 6}).finish({}, {});
+  const CubeMeshArtifact file(path());
+  EXPECT_EQ(file.summary().pieces, 0u);
+  EXPECT_TRUE(file.pieces().empty());
+  EXPECT_TRUE(file.blocks().empty());
+  EXPECT_THROW(file.counted<Counted>(), DamagedArtifact);
+}
+
+TEST_F(CubeMeshFile, DamageIsFoundInAnyByte) {
+  write();
+  const auto whole = read_whole_file(path());
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    SCOPED_TRACE(i);
+    auto bytes = whole;
+    bytes[i] ^= std::byte{1};
+    write_whole_file(path(), bytes, Durability::rename_only);
+    expect_damaged();
+  }
+  write_whole_file(path(), std::span(whole).first(whole.size() / 2), Durability::rename_only);
+  expect_damaged();
+}
+
+// What no checksum finds: whoever wrote it was wrong.
+TEST_F(CubeMeshFile, NumbersThatNameNothingAreRefused) {
+  const auto refused = [&](const RefineMesh& mesh) {
+    CubeMeshWriter out(path(), {});
+    out.piece(0, {}, mesh, {});
+    const Counted counted;
+    out.finish(as_record(counted), {});
+    expect_damaged();
+  };
+  RefineMesh mesh = triangle({1, 2, 3}, true, 1);
+  mesh.triangles[0][1] = 3;
+  refused(mesh);
+  mesh = triangle({1, 2, 3}, true, 1);
+  mesh.samples[0].triangle = 1;
+  refused(mesh);
+  mesh = triangle({1, 2, 3}, true, 1);
+  mesh.normals.pop_back();
+  refused(mesh);
+}
+
+TEST(TilePlanFile, ReadsBack) {
+  const TempDirectory directory;
+  const auto path = directory / "tile.plan";
+  const TilePlanParts parts{{{64, 5, 0, 7, 8}}, {{{1, 2}, 3, 4, 5}, {}}};
+  write_tile_plan(path, {8, 9}, parts);
+  const TilePlanArtifact file(path);
+  EXPECT_EQ(file.key(), (Hash128{8, 9}));
+  EXPECT_EQ(file.read().sources, parts.sources);
+  ASSERT_EQ(file.read().tiles.size(), 1u);
+  EXPECT_EQ(file.read().tiles[0].polygons, 8u);
+  auto bytes = read_whole_file(path);
+  bytes[bytes.size() / 2] ^= std::byte{1};
+  write_whole_file(path, bytes, Durability::rename_only);
+  EXPECT_THROW(TilePlanArtifact(path).read(), DamagedArtifact);
+}
+
+}  // namespace
+}  // namespace voxweld
