@@ -40,6 +40,8 @@ class Repairer {
         if (mesh_.alive(t)) any |= mend(t, round);
       if (!any && anywhere_) break;
       anywhere_ = !any;
+      bad.insert(bad.end(), changed_.begin(), changed_.end());
+      changed_.clear();
       bad = intersecting(bad);
     }
     mesh_.set_intersecting(std::move(bad));
@@ -91,6 +93,7 @@ class Repairer {
   };
   std::vector<Known> known_;
   std::vector<std::uint32_t> ring_;
+  std::vector<std::uint32_t> changed_;  // triangles, in this round
   // When vertices were changed last, and of triangles when nothing helped.
   struct Failure {
     std::uint64_t clock = 0;
@@ -101,7 +104,8 @@ class Repairer {
   std::vector<Failure> failed_;
 };
 
-// Of what was mended, and of what lies around that.
+// Of what was mended or changed, and of what lies around that. A bad triangle may be gone, and those
+// that were changed with it may have come upon others.
 std::vector<std::uint32_t> Repairer::intersecting(const std::vector<std::uint32_t>& among) const {
   std::vector<std::uint32_t> near;
   for (const std::uint32_t t : among) {
@@ -239,6 +243,8 @@ bool Repairer::mend(std::uint32_t t, int round) {
     failed_[t] = {clock_, anywhere_};
     return false;
   }
+  const auto kept = static_cast<std::ptrdiff_t>(best_.change.now.size());
+  changed_.insert(changed_.end(), best_.change.old.begin(), best_.change.old.begin() + kept);
   ++clock_;
   for (const Corners& c : best_.change.now)
     for (const std::uint32_t v : c) touched_[v] = clock_;

@@ -80,6 +80,12 @@ void check(const Case& c, Totals& totals) {
   totals.left += left;
 }
 
+// A triangle that intersected went, and those changed with it came upon others.
+TEST(RefineVolume, WhatIsLeftIsCounted) {
+  Totals totals;
+  check({{24, true, 55}, 0.5, RefineMode::repair}, totals);
+}
+
 TEST(RefineVolume, RandomVolumesStaySoundAndLoseTheirIntersections) {
   const char* wanted = std::getenv("VOXWELD_REFINE_VOLUMES");
   const unsigned count = wanted != nullptr ? static_cast<unsigned>(std::atoi(wanted)) : 8;
