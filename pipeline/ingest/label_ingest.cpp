@@ -8,7 +8,6 @@
 #include "pipeline/ingest/label_tally.h"
 #include "pipeline/stage/artifacts.h"
 #include "storage/store/store_source.h"
-#include "storage/support/error.h"
 
 namespace voxweld {
 namespace {
@@ -16,13 +15,8 @@ namespace {
 constexpr std::size_t labels_of_shard = std::size_t{1} << 15;  // in memory
 constexpr std::size_t least_labels = std::size_t{1} << 12;     // while all are added up
 
-bool is_current(const std::filesystem::path& path, Hash128 key) {
-  if (!std::filesystem::exists(path)) return false;
-  try {
-    return LabelCounts(path).key() == key;
-  } catch (const DamagedArtifact&) {
-    return false;
-  }
+bool are_counted(const std::filesystem::path& path, Hash128 key) {
+  return is_current(path, [&] { return LabelCounts(path).key() == key; });
 }
 
 // Boxes of whole rows of chunks, y filled first: a store's chunks are decoded once.
@@ -51,12 +45,12 @@ void write_counts(const std::filesystem::path& path, Hash128 key, LabelTally& ta
 }  // namespace
 
 bool labels_are_counted(const IngestJob& job) {
-  return is_current(label_counts_path(job.folder), label_counts_key(job.stamp));
+  return are_counted(label_counts_path(job.folder), label_counts_key(job.stamp));
 }
 
 bool shard_labels_are_counted(const IngestJob& job, const StoreLayout& layout, Index3 shard) {
-  return is_current(label_counts_path(job.folder, shard),
-                    label_counts_key(store_shard_key(job, layout, shard)));
+  return are_counted(label_counts_path(job.folder, shard),
+                     label_counts_key(store_shard_key(job, layout, shard)));
 }
 
 void ShardLabelCounter::count(Index3 shard, const WorkerContext& worker) {

@@ -115,14 +115,10 @@ class MergeWork final : public StageWork {
     return std::vector<Unit>(numbers.size(), Unit{0, "top tree", 1});
   }
   bool done(std::uint64_t) override {
-    if (!std::filesystem::exists(job_.path())) return false;
-    try {
+    return is_current(job_.path(), [&] {
       const TopArtifact artifact(job_.path());
       return artifact.key() == job_.key && artifact.shards() == shard_hashes(*job_.build);
-    } catch (const DamagedArtifact& damage) {
-      if (damage.path() == job_.path()) return false;
-      throw;
-    }
+    });
   }
   std::string missing_text(const StageLook&) const override { return {}; }
 

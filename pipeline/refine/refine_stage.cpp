@@ -9,7 +9,6 @@
 #include "pipeline/stage/cube_mesh.h"
 #include "stages/refine/mesh_part.h"
 #include "stages/refine/retile.h"
-#include "storage/support/error.h"
 
 namespace voxweld {
 namespace {
@@ -41,20 +40,11 @@ class RefineStage final : public StageWork {
   }
   bool done(std::uint64_t unit) override {
     const std::filesystem::path path = path_of(unit);
-    if (!std::filesystem::exists(path)) return false;
-    try {
-      return CubeMeshArtifact(path).key() == key(unit, reads(unit));
-    } catch (const DamagedArtifact& damage) {
-      if (damage.path() != path.string()) throw;
-      return false;
-    }
+    return is_current(path, [&] { return CubeMeshArtifact(path).key() == key(unit, reads(unit)); });
   }
 
   StageMemory memory(std::span<const std::uint64_t> numbers) override {
-    std::vector<std::uint64_t> needs(numbers.size());
-    probe_all(numbers.size(), [&](std::size_t i) { needs[i] = bytes(numbers[i]); });
-    const auto largest = std::ranges::max_element(needs);
-    return {std::string(stage_name(job_.stage)), 0, largest == needs.end() ? 0 : *largest,
+    return {std::string(stage_name(job_.stage)), 0, largest_bytes(numbers),
             fmt::format("one range of cubes (output.tile_vertices = {})", tile_vertices_),
             "raise run.memory or lower output.tile_vertices"};
   }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "pipeline/executor/probe.h"
 #include "stages/refine/mesh_part.h"
 #include "stages/refine/retile.h"
 #include "storage/artifact/tile_artifact.h"
@@ -37,13 +36,7 @@ class RetileStage final : public StageWork {
   }
   bool done(std::uint64_t unit) override {
     const std::filesystem::path path = path_of(unit);
-    if (!std::filesystem::exists(path)) return false;
-    try {
-      return TileArtifact(path).key() == key(unit, pieces_of(unit));
-    } catch (const DamagedArtifact& damage) {
-      if (damage.path() != path.string()) throw;
-      return false;
-    }
+    return is_current(path, [&] { return TileArtifact(path).key() == key(unit, pieces_of(unit)); });
   }
   StageLook look(const UnitSelection& selection) override {
     StageLook look = StageWork::look(selection);
@@ -52,10 +45,7 @@ class RetileStage final : public StageWork {
   }
 
   StageMemory memory(std::span<const std::uint64_t> numbers) override {
-    std::vector<std::uint64_t> needs(numbers.size());
-    probe_all(numbers.size(), [&](std::size_t i) { needs[i] = bytes(numbers[i]); });
-    const auto largest = std::ranges::max_element(needs);
-    return {"retile", 0, largest == needs.end() ? 0 : *largest,
+    return {"retile", 0, largest_bytes(numbers),
             fmt::format("one tile (output.tile_vertices = {})", job_.tile_vertices),
             "raise run.memory or lower output.tile_vertices"};
   }

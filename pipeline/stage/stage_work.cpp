@@ -35,6 +35,13 @@ std::string StageWork::missing_text(const StageLook& look) const {
              : fmt::format("{} of {} {} missing", look.to_do().size(), look.units, noun());
 }
 
+std::uint64_t StageWork::largest_bytes(std::span<const std::uint64_t> numbers) {
+  std::vector<std::uint64_t> needs(numbers.size());
+  probe_all(numbers.size(), [&](std::size_t i) { needs[i] = bytes(numbers[i]); });
+  const auto largest = std::ranges::max_element(needs);
+  return largest == needs.end() ? 0 : *largest;
+}
+
 namespace {
 
 void do_units(RunContext& context, StageWork& work, std::uint64_t units,

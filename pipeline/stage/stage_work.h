@@ -70,6 +70,10 @@ class StageWork {
   // Before and after all units, in the process that leads: what belongs to the stage as a whole.
   virtual void open(RunContext&, const StageLook&) {}
   virtual void close(RunContext&) {}
+
+ protected:
+  // Of these units what the largest takes, as bytes().
+  std::uint64_t largest_bytes(std::span<const std::uint64_t> numbers);
 };
 
 // Does all that is missing of the units context selects and, where it selects all, of the rest.

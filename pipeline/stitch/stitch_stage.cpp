@@ -7,21 +7,9 @@
 #include "pipeline/executor/probe.h"
 #include "pipeline/stitch/stitch_work.h"
 #include "stages/refine/mesh_part.h"
-#include "storage/support/error.h"
 
 namespace voxweld {
 namespace {
-
-// What it would be made from is looked up only where there is something to compare it with.
-bool is_current(const std::filesystem::path& path, StitchWork& work, std::uint64_t unit) {
-  if (!std::filesystem::exists(path)) return false;
-  try {
-    return work.key_of(path) == work.key(unit);
-  } catch (const DamagedArtifact& damage) {
-    if (damage.path() != path.string()) throw;
-    return false;
-  }
-}
 
 class StitchStage final : public StageWork {
  public:
@@ -42,7 +30,8 @@ class StitchStage final : public StageWork {
     return units;
   }
   bool done(std::uint64_t unit) override {
-    return is_current(stitch_artifact_path(job_, plan_, unit), *work_, unit);
+    const std::filesystem::path path = stitch_artifact_path(job_, plan_, unit);
+    return is_current(path, [&] { return work_->key_of(path) == work_->key(unit); });
   }
   std::string missing_text(const StageLook& look) const override {
     return fmt::format("{} of {} tiles missing", look.missing.size(), look.units);

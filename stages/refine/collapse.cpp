@@ -27,10 +27,6 @@ struct Edge {
   }
 };
 
-Vec3 to_double(Index3 v) {
-  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-}
-
 class Collapser {
  public:
   Collapser(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts)
@@ -48,8 +44,7 @@ class Collapser {
     while (!queue_.empty()) {
       const Edge edge = queue_.top();
       queue_.pop();
-      if (mesh_.version(edge.u) != edge.version_u || mesh_.version(edge.v) != edge.version_v ||
-          mesh_.gone(edge.u) || mesh_.gone(edge.v))
+      if (mesh_.version(edge.u) != edge.version_u || mesh_.version(edge.v) != edge.version_v)
         continue;
       try_edge(edge.u, edge.v);
     }
@@ -60,7 +55,7 @@ class Collapser {
     double cost;  // mean distance
     LatticePoint at;
   };
-  Vec3 local(const LatticePoint& p) const { return to_double(lattice_vector(origin_, p)); }
+  Vec3 local(const LatticePoint& p) const { return as_vec3(lattice_vector(origin_, p)); }
   LatticePoint lattice(Vec3 p) const {
     LatticePoint q{};
     for (std::size_t a = 0; a < 3; ++a)
@@ -70,21 +65,12 @@ class Collapser {
   void add_plane(std::uint32_t t) {
     if (!mesh_.alive(t)) return;
     const LatticeTriangle s = mesh_.shape(t);
-    const Vec3 n = to_double(mesh_.normal(t));
+    const Vec3 n = as_vec3(mesh_.normal(t));
     const double length = std::sqrt(dot(n, n));
     if (!(length > 0)) return;
     const Vec3 unit = n * (1 / length);
     const Quadric q = Quadric::of_plane(unit, -dot(unit, local(s[0])), length);
     for (const std::uint32_t v : mesh_.corners(t)) quadrics_[v] += q;
-  }
-  // Which of two stays: the one others hold on to, else the one with the lower id.
-  std::uint32_t keeper(std::uint32_t u, std::uint32_t v) const {
-    if (mesh_.freedom(u) != mesh_.freedom(v)) return mesh_.freedom(u) == Freedom::free ? v : u;
-    return std::min(u, v);
-  }
-  bool may_collapse(std::uint32_t u, std::uint32_t v) const {
-    const Freedom a = mesh_.freedom(u), b = mesh_.freedom(v);
-    return a != Freedom::fixed && b != Freedom::fixed && (a == Freedom::free || b == Freedom::free);
   }
   // Places for both, the cheapest first.
   struct Candidates {
@@ -96,13 +82,13 @@ class Collapser {
       places[at] = one;
     }
   };
-  Candidates candidates(std::uint32_t u, std::uint32_t v) const;
+  Candidates candidates(const EdgeEnds& ends) const;
   void push(std::uint32_t u, std::uint32_t v);
   void push_around(std::uint32_t v, bool upwards_only);
   void try_edge(std::uint32_t u, std::uint32_t v);
   bool turns_little() const;
   bool has_normals_for(std::uint32_t anchor) const;
-  void set_normals(std::uint32_t u, std::uint32_t v, std::uint32_t keep, const LatticePoint& at);
+  void set_normals(std::uint32_t gone, std::uint32_t keep, const LatticePoint& at);
 
   EditMesh& mesh_;
   const RefineParameters& parameters_;
@@ -114,15 +100,15 @@ class Collapser {
   Change change_;
 };
 
-Collapser::Candidates Collapser::candidates(std::uint32_t u, std::uint32_t v) const {
+Collapser::Candidates Collapser::candidates(const EdgeEnds& ends) const {
   Candidates out;
-  Quadric q = quadrics_[u];
-  q += quadrics_[v];
-  const LatticePoint &a = mesh_.position(u), &b = mesh_.position(v);
+  const auto [gone, keep] = ends;
+  Quadric q = quadrics_[gone];
+  q += quadrics_[keep];
+  const LatticePoint &a = mesh_.position(gone), &b = mesh_.position(keep);
   const auto add = [&](const LatticePoint& p) { out.add({q.distance(local(p)), p}); };
-  const std::uint32_t keep = keeper(u, v);
   if (mesh_.freedom(keep) != Freedom::free) {
-    add(mesh_.position(keep));
+    add(b);
     return out;
   }
   const Vec3 middle = (local(a) + local(b)) * 0.5;
@@ -138,8 +124,9 @@ Collapser::Candidates Collapser::candidates(std::uint32_t u, std::uint32_t v) co
 }
 
 void Collapser::push(std::uint32_t u, std::uint32_t v) {
-  if (!may_collapse(u, v)) return;
-  const double cost = candidates(u, v).places[0].cost;
+  const auto ends = moves_.ends(u, v);
+  if (!ends) return;
+  const double cost = candidates(*ends).places[0].cost;
   if (cost > parameters_.tolerance) return;
   // Of places that are equally flat the small ones first: that keeps triangles in shape.
   const Vec3 edge = local(mesh_.position(v)) - local(mesh_.position(u));
@@ -152,8 +139,7 @@ void Collapser::push_around(std::uint32_t v, bool upwards_only) {
   mesh_.each_around(v, [&](std::uint32_t t) {
     // Each edge of a ring has one triangle in which it comes after v.
     const Corners& c = mesh_.corners(t);
-    const std::size_t k = c[0] == v ? 0 : c[1] == v ? 1 : 2;
-    const std::uint32_t w = c[(k + 1) % 3];
+    const std::uint32_t w = c[(corner_of(c, v) + 1) % 3];
     if (!upwards_only || w > v) push(std::min(v, w), std::max(v, w));
   });
 }
@@ -161,9 +147,7 @@ void Collapser::push_around(std::uint32_t v, bool upwards_only) {
 // Whether no triangle turns far.
 bool Collapser::turns_little() const {
   for (std::size_t i = 0; i < change_.now.size(); ++i) {
-    const LatticeTriangle& after = change_.shapes[i];
-    const Vec3 x = to_double(mesh_.normal(change_.old[i]));
-    const Vec3 y = to_double(exact_normal(after[0], after[1], after[2]));
+    const Vec3 x = as_vec3(mesh_.normal(change_.old[i])), y = as_vec3(change_.planes[i]);
     const double turn = dot(x, y), lengths = dot(x, x) * dot(y, y);
     if (lengths > 0 && (turn <= 0 || turn * turn < least_cosine * least_cosine * lengths))
       return false;
@@ -177,8 +161,8 @@ bool Collapser::has_normals_for(std::uint32_t anchor) const {
   const auto* normals = mesh_.normals(anchor);
   if (normals == nullptr) return true;
   const double cell = parameters_.reach;
-  return std::ranges::all_of(change_.shapes, [&](const LatticeTriangle& s) {
-    const Vec3 n = to_double(exact_normal(s[0], s[1], s[2]));
+  return std::ranges::all_of(change_.planes, [&](const Index3& plane) {
+    const Vec3 n = as_vec3(plane);
     const double length = std::sqrt(dot(n, n));
     const double least =
         length > 2 * large_triangle * cell * cell ? flat_cosine : double{cluster_cosine};
@@ -187,10 +171,9 @@ bool Collapser::has_normals_for(std::uint32_t anchor) const {
   });
 }
 
-void Collapser::set_normals(std::uint32_t u, std::uint32_t v, std::uint32_t keep,
-                            const LatticePoint& at) {
-  if (mesh_.normals(u) == nullptr || mesh_.freedom(keep) != Freedom::free) return;
-  const Vec3 a = local(mesh_.position(u)), b = local(mesh_.position(v)), edge = b - a;
+void Collapser::set_normals(std::uint32_t gone, std::uint32_t keep, const LatticePoint& at) {
+  if (mesh_.normals(gone) == nullptr || mesh_.freedom(keep) != Freedom::free) return;
+  const Vec3 a = local(mesh_.position(gone)), b = local(mesh_.position(keep)), edge = b - a;
   const double part = std::clamp(dot(local(at) - a, edge) / dot(edge, edge), 0.05, 0.95);
   std::array<NormalSum, std::size_t{2} * max_clusters> sums{};
   std::size_t count = 0;
@@ -202,19 +185,21 @@ void Collapser::set_normals(std::uint32_t u, std::uint32_t v, std::uint32_t keep
     }
   };
   // What stands for much weighs more: small triangles along creases have the worst normals.
-  const double near_u = (1 - part) * quadrics_[u].weight, near_v = part * quadrics_[v].weight;
-  const double most = std::max(near_u, near_v);
+  const double near_gone = (1 - part) * quadrics_[gone].weight,
+               near_keep = part * quadrics_[keep].weight;
+  const double most = std::max(near_gone, near_keep);
   if (!(most > 0)) return;
-  add(near_u >= near_v ? u : v, 1);
-  add(near_u >= near_v ? v : u, std::min(near_u, near_v) / most);
+  add(near_gone >= near_keep ? gone : keep, 1);
+  add(near_gone >= near_keep ? keep : gone, std::min(near_gone, near_keep) / most);
   mesh_.set_normals(keep,
                     pack_clusters(cluster_normals({sums.data(), count}, NormalSense::outward)));
 }
 
 void Collapser::try_edge(std::uint32_t u, std::uint32_t v) {
-  const std::uint32_t keep = keeper(u, v), gone = keep == u ? v : u;
+  const EdgeEnds ends = *moves_.ends(u, v);  // or it would not have been pushed
+  const auto [gone, keep] = ends;
   if (!moves_.linked(gone, keep)) return;
-  const Candidates candidates_here = candidates(u, v);
+  const Candidates candidates_here = candidates(ends);
   for (std::size_t i = 0; i < candidates_here.count; ++i) {
     const Candidate& place = candidates_here.places[i];
     if (place.cost > parameters_.tolerance) return;
@@ -223,7 +208,7 @@ void Collapser::try_edge(std::uint32_t u, std::uint32_t v) {
     const EditMesh::Step step{keep, place.at, gone};
     if (!mesh_.keeps_samples(change_, step, parameters_.tolerance)) continue;
     if (parameters_.intersections != IntersectionRule::ignore && !mesh_.clean(change_)) continue;
-    set_normals(gone, keep, keep, place.at);
+    set_normals(gone, keep, place.at);
     mesh_.apply(change_, step);
     quadrics_[keep] += quadrics_[gone];
     ++counts_.collapses;

@@ -14,7 +14,7 @@ namespace {
 
 bool share_a_vertex(const Corners& a, const Corners& b) {
   for (const std::uint32_t v : a)
-    if (v == b[0] || v == b[1] || v == b[2]) return true;
+    if (uses(b, v)) return true;
   return false;
 }
 
@@ -31,10 +31,6 @@ bool on_one_side(const LatticeTriangle& a, const Index3& normal, const LatticeTr
          sign_of_dot(normal, lattice_vector(a[0], b[2])) == side;
 }
 
-Index3 normal_of(const LatticeTriangle& t) {
-  return exact_normal(t[0], t[1], t[2]);
-}
-
 }  // namespace
 
 // Whether triangle t and `other`, which share no vertex, have nothing in common, not even a place.
@@ -49,13 +45,13 @@ void EditMesh::gather_umbrella(std::uint32_t v, const Change* change) {
   umbrella_.clear();
   const auto add = [&](const Corners& c, const LatticeTriangle& s, const Index3& normal,
                        std::uint32_t t) {
-    const std::size_t k = c[0] == v ? 0 : c[1] == v ? 1 : 2;
+    const std::size_t k = corner_of(c, v);
     umbrella_.push_back({{s[k], s[(k + 1) % 3], s[(k + 2) % 3]}, normal, t});
   };
   if (change != nullptr)
     for (std::size_t i = 0; i < change->now.size(); ++i) {
       const Corners& c = change->now[i];
-      if (c[0] == v || c[1] == v || c[2] == v) add(c, change->shapes[i], new_planes_[i], none);
+      if (uses(c, v)) add(c, change->shapes[i], change->planes[i], none);
     }
   each_around(v, [&](std::uint32_t t) {
     if (change == nullptr || marks_[t] != mark_) add(triangles_[t], shape(t), planes_[t], t);
@@ -83,17 +79,19 @@ bool EditMesh::is_proper_umbrella() const {
   return changes == 2;
 }
 
-bool EditMesh::clean(const Change& change) {
+void EditMesh::mark_old(const Change& change) {
   ++mark_;
   for (const std::uint32_t t : change.old) marks_[t] = mark_;
+}
+
+bool EditMesh::clean(const Change& change) {
+  mark_old(change);
   LatticeBox all = LatticeBox::around(change.shapes.front());
   for (const LatticeTriangle& t : change.shapes) all.extend(LatticeBox::around(t));
   near_.clear();
   grid_.each_near(all, [&](std::uint32_t t) {
     if (boxes_[t].meets(all) && alive(t) && marks_[t] != mark_) near_.push_back(t);
   });
-  new_planes_.clear();
-  for (const LatticeTriangle& shape : change.shapes) new_planes_.push_back(normal_of(shape));
   corners_near_.clear();
   for (const Corners& c : change.now) corners_near_.insert(corners_near_.end(), c.begin(), c.end());
   std::sort(corners_near_.begin(), corners_near_.end());
@@ -108,7 +106,7 @@ bool EditMesh::clean(const Change& change) {
   for (std::size_t i = 0; i < change.now.size(); ++i) {
     const LatticeTriangle& own = change.shapes[i];
     const LatticeBox box = LatticeBox::around(own);
-    const Index3& normal = new_planes_[i];
+    const Index3& normal = change.planes[i];
     for (const std::uint32_t t : near_)
       if (boxes_[t].meets(box) && !share_a_vertex(change.now[i], triangles_[t]) &&
           !apart(t, own, normal))
@@ -125,15 +123,14 @@ bool EditMesh::hit(std::uint32_t t, const Corners& corners, const LatticeTriangl
 }
 
 std::size_t EditMesh::hits(const Change& change, std::size_t most) {
-  ++mark_;
-  for (const std::uint32_t t : change.old) marks_[t] = mark_;
+  mark_old(change);
   std::size_t count = 0;
   for (std::size_t i = 0; i < change.shapes.size() && count < most; ++i) {
     const LatticeTriangle& own = change.shapes[i];
     for (std::size_t j = 0; j < i; ++j)
       count += intersect_beyond_shared(own, change.shapes[j]) ? 1 : 0;
     const LatticeBox box = LatticeBox::around(own);
-    const Index3 normal = normal_of(own);
+    const Index3& normal = change.planes[i];
     grid_.each_near(box, [&](std::uint32_t t) {
       if (count < most && boxes_[t].meets(box) && alive(t) && marks_[t] != mark_)
         count += hit(t, change.now[i], own, normal) ? 1 : 0;

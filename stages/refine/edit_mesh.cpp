@@ -84,7 +84,8 @@ EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box)
     triangles_[t] = sorted[t].first;
     place[sorted[t].second] = t;
     link(t);
-    set_shape(t, shape(t));
+    const LatticeTriangle s = shape(t);
+    set_shape(t, s, exact_normal(s[0], s[1], s[2]));
     movable_[t] = box_.contains(boxes_[t].lo) && box_.contains(boxes_[t].hi) ? 1 : 0;
   }
   for (const std::uint32_t t : mesh.intersecting) intersecting_.push_back(place[t]);
@@ -101,9 +102,9 @@ EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box)
   for (std::uint32_t v = 0; v < n; ++v) freedom_[v] = find_freedom(v);
 }
 
-void EditMesh::set_shape(std::uint32_t t, const LatticeTriangle& shape) {
+void EditMesh::set_shape(std::uint32_t t, const LatticeTriangle& shape, const Index3& plane) {
   boxes_[t] = LatticeBox::around(shape);
-  planes_[t] = exact_normal(shape[0], shape[1], shape[2]);
+  planes_[t] = plane;
   grid_.put(t, boxes_[t]);
 }
 
@@ -130,7 +131,7 @@ Freedom EditMesh::find_freedom(std::uint32_t v) const {
   bool all_inside = true;
   each_around(v, [&](std::uint32_t t) {
     const Corners& c = triangles_[t];
-    const std::size_t k = c[0] == v ? 0 : c[1] == v ? 1 : 2;
+    const std::size_t k = corner_of(c, v);
     edges.push_back({c[(k + 1) % 3], c[(k + 2) % 3]});
     all_inside = all_inside && movable(t);
   });
@@ -205,7 +206,7 @@ void EditMesh::apply(const Change& change, const Step& step) {
     }
     triangles_[t] = change.now[i];
     link(t);
-    set_shape(t, change.shapes[i]);
+    set_shape(t, change.shapes[i], change.planes[i]);
   }
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const std::uint32_t t = change.old[places_[i]];

@@ -21,17 +21,26 @@ enum class Freedom : std::uint8_t {
 };
 
 using Corners = std::array<std::uint32_t, 3>;
+inline bool uses(const Corners& c, std::uint32_t v) {
+  return c[0] == v || c[1] == v || c[2] == v;
+}
+// Which corner v is. Precondition: it is one.
+inline std::size_t corner_of(const Corners& c, std::uint32_t v) {
+  return c[0] == v ? 0 : c[1] == v ? 1 : 2;
+}
 
 // Triangles in place of others.
 struct Change {
   std::vector<std::uint32_t> old;  // numbers
   std::vector<Corners> now;
-  std::vector<LatticeTriangle> shapes;  // of `now`
+  std::vector<LatticeTriangle> shapes;  // of `now`, and their exact normals
+  std::vector<Index3> planes;
 
   void clear() {
     old.clear();
     now.clear();
     shapes.clear();
+    planes.clear();
   }
 };
 
@@ -125,7 +134,8 @@ class EditMesh {
     if (step.gone != none) f(positions_[step.gone]);
     if (step.moved != none && positions_[step.moved] != step.to) f(positions_[step.moved]);
   }
-  void set_shape(std::uint32_t t, const LatticeTriangle& shape);
+  void set_shape(std::uint32_t t, const LatticeTriangle& shape, const Index3& plane);
+  void mark_old(const Change& change);
   void link(std::uint32_t t);
   void unlink(std::uint32_t t);
   Freedom find_freedom(std::uint32_t v) const;
@@ -162,7 +172,6 @@ class EditMesh {
     std::uint32_t triangle;  // none: a new one
   };
   std::vector<Rib> umbrella_;
-  std::vector<Index3> new_planes_;  // of the change at hand
 };
 
 // The squared distance of a point from the nearest of these; triangle: which.

@@ -5,20 +5,14 @@
 #include "stages/exact/orientation.h"
 
 namespace voxweld {
-namespace {
-
-bool has(const Corners& c, std::uint32_t v) {
-  return c[0] == v || c[1] == v || c[2] == v;
-}
-
-}  // namespace
-
 bool EditMoves::add(std::uint32_t triangle, const Corners& now, const LatticeTriangle& shape,
                     Change& out) {
-  if (exact_normal(shape[0], shape[1], shape[2]) == Index3{}) return false;
+  const Index3 plane = exact_normal(shape[0], shape[1], shape[2]);
+  if (plane == Index3{}) return false;
   out.old.push_back(triangle);
   out.now.push_back(now);
   out.shapes.push_back(shape);
+  out.planes.push_back(plane);
   return true;
 }
 
@@ -43,6 +37,14 @@ void EditMoves::ring(std::uint32_t v, std::vector<std::uint32_t>& out) const {
   });
   std::sort(out.begin(), out.end());
   out.erase(std::unique(out.begin(), out.end()), out.end());
+}
+
+std::optional<EdgeEnds> EditMoves::ends(std::uint32_t u, std::uint32_t v) const {
+  const Freedom a = mesh_.freedom(u), b = mesh_.freedom(v);
+  if (a == Freedom::free && b == Freedom::free) return EdgeEnds{std::max(u, v), std::min(u, v)};
+  if (a == Freedom::free && b == Freedom::anchor) return EdgeEnds{u, v};
+  if (a == Freedom::anchor && b == Freedom::free) return EdgeEnds{v, u};
+  return std::nullopt;
 }
 
 bool EditMoves::linked(std::uint32_t u, std::uint32_t v) {
@@ -71,7 +73,7 @@ bool EditMoves::collapse(std::uint32_t u, std::uint32_t v, const LatticePoint& a
   const auto add_star = [&](const std::vector<std::uint32_t>& star, std::uint32_t other) {
     return std::ranges::all_of(star, [&](std::uint32_t t) {
       Corners c = mesh_.corners(t);
-      if (has(c, other)) return true;
+      if (uses(c, other)) return true;
       LatticeTriangle shape = mesh_.shape(c);
       for (std::size_t k = 0; k < 3; ++k)
         if (c[k] == u || c[k] == v) {
@@ -85,7 +87,7 @@ bool EditMoves::collapse(std::uint32_t u, std::uint32_t v, const LatticePoint& a
   // Those of v need no look where it stays.
   if (mesh_.position(v) != at && !add_star(star_v_, u)) return false;
   for (const std::uint32_t t : star_u_)
-    if (has(mesh_.corners(t), v)) out.old.push_back(t);
+    if (uses(mesh_.corners(t), v)) out.old.push_back(t);
   return !out.now.empty();
 }
 
@@ -97,7 +99,7 @@ bool EditMoves::flip(std::uint32_t triangle, std::size_t k, Change& out) {
   std::size_t around_a = 0, around_b = 0;
   mesh_.each_around(b, [&](std::uint32_t t) {
     ++around_b;
-    if (t == triangle || !has(mesh_.corners(t), a)) return;
+    if (t == triangle || !uses(mesh_.corners(t), a)) return;
     other = t;
     for (const std::uint32_t w : mesh_.corners(t))
       if (w != a && w != b) opposite = w;
@@ -107,7 +109,7 @@ bool EditMoves::flip(std::uint32_t triangle, std::size_t k, Change& out) {
   if (around_a < 4 || around_b < 4) return false;
   bool joined = opposite == far;
   mesh_.each_around(far,
-                    [&](std::uint32_t t) { joined = joined || has(mesh_.corners(t), opposite); });
+                    [&](std::uint32_t t) { joined = joined || uses(mesh_.corners(t), opposite); });
   if (joined) return false;
   const Corners first{a, opposite, far}, second{opposite, b, far};
   return add(triangle, first, mesh_.shape(first), out) &&

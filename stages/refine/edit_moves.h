@@ -1,9 +1,16 @@
 // What can be done at a place of a mesh: a vertex moves, an edge flips, an edge collapses.
 #pragma once
 
+#include <optional>
+
 #include "stages/refine/edit_mesh.h"
 
 namespace voxweld {
+
+// Of an edge that may collapse.
+struct EdgeEnds {
+  std::uint32_t gone, keep;
+};
 
 // Fills changes for EditMesh::apply. Of a change the i-th of the new triangles comes from the i-th of
 // the old ones; a collapse has two more old ones. All return false where the change would spoil the
@@ -16,6 +23,9 @@ class EditMoves {
 
   // v: free. at: in the cube.
   bool move(std::uint32_t v, const LatticePoint& at, Change& out);
+  // Which of two goes: to an anchor the other one, else the one with the higher id. Nothing where the
+  // edge may not collapse.
+  std::optional<EdgeEnds> ends(std::uint32_t u, std::uint32_t v) const;
   // u goes to v, which then lies at `at`. u: free; v: free, or an anchor that stays where it is.
   // The link condition (Dey, Edelsbrunner, Guha, Nekhayev, "Topology Preserving Edge Contraction",
   // 1999) is asked by `linked`, once for all places.

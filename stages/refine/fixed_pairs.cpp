@@ -17,21 +17,18 @@ bool counts_here(const RefineMesh& mesh, const FixedTriangle& a, const FixedTria
 
 FixedPairs find_fixed_pairs(const RefineMesh& mesh, const std::vector<FixedTriangle>& fixed) {
   FixedPairs found;
-  const auto listed = [&](std::uint32_t t) {
-    return std::binary_search(mesh.intersecting.begin(), mesh.intersecting.end(), t);
-  };
   std::vector<LatticeBox> boxes;
   boxes.reserve(fixed.size());
   for (const FixedTriangle& f : fixed) boxes.push_back(mesh.box(f.triangle));
   const BoxTree tree(boxes);
   for (std::uint32_t i = 0; i < fixed.size(); ++i) {
     const FixedTriangle& a = fixed[i];
-    if (mesh.checked ? !listed(a.triangle) : !a.own) continue;
+    if (mesh.checked ? !mesh.intersects(a.triangle) : !a.own) continue;
     const LatticeTriangle shape = mesh.shape(a.triangle);
     tree.each_meeting(boxes[i], [&](std::uint32_t j) {
       const FixedTriangle& b = fixed[j];
       // Where both are looked at, once.
-      const bool both = mesh.checked ? listed(b.triangle) : b.own;
+      const bool both = mesh.checked ? mesh.intersects(b.triangle) : b.own;
       if (i == j || (both && j < i) || (!a.own && !b.own)) return;
       if (!intersect_beyond_shared(shape, mesh.shape(b.triangle))) return;
       found.pairs += counts_here(mesh, a, b) ? 1 : 0;

@@ -17,10 +17,6 @@ void copy_notes(const RefineMesh& from, std::uint32_t t, RefineMesh& to, std::ui
   each_sample(from, t, [&](const SurfaceSample& s) { to.samples.push_back({s.point, as}); });
 }
 
-bool intersects(const RefineMesh& mesh, std::uint32_t t) {
-  return std::binary_search(mesh.intersecting.begin(), mesh.intersecting.end(), t);
-}
-
 std::uint32_t append_vertex(const RefineMesh& from, std::uint32_t v, RefineMesh& to) {
   to.positions.push_back(from.positions[v]);
   to.ids.push_back(from.ids[v]);
@@ -39,7 +35,7 @@ RefineMesh Extract::of(std::span<const std::uint32_t> chosen) {
   for (const std::uint32_t t : chosen) {
     const auto as = static_cast<std::uint32_t>(part.triangles.size());
     copy_notes(from_, t, part, as);
-    if (intersects(from_, t)) part.intersecting.push_back(as);
+    if (from_.intersects(t)) part.intersecting.push_back(as);
     auto triangle = from_.triangles[t];
     for (std::uint32_t& v : triangle) v = number(v, part, used);
     part.triangles.push_back(triangle);
@@ -60,7 +56,7 @@ void MeshGather::add(const RefineMesh& part, const std::function<bool(std::size_
   if (part.triangles.empty()) return;
   mesh_.checked = part.checked && (mesh_.checked || mesh_.triangles.empty());
   for (std::uint32_t t = 0; t < part.triangles.size(); ++t)
-    if (takes(t)) add_triangle(part, t, intersects(part, t));
+    if (takes(t)) add_triangle(part, t, part.intersects(t));
 }
 
 void MeshGather::add_triangle(const RefineMesh& part, std::uint32_t triangle, bool intersects) {

@@ -197,9 +197,8 @@ void RangeRefiner::find_pairs() {
 bool RangeRefiner::stays(const Triangles& triangles) const {
   if (parameters_.mode == RefineMode::collapse) return false;
   if (parameters_.intersections == IntersectionRule::ignore) return true;
-  return mesh_.checked && std::ranges::none_of(triangles, [&](std::uint32_t t) {
-           return std::binary_search(mesh_.intersecting.begin(), mesh_.intersecting.end(), t);
-         });
+  return mesh_.checked &&
+         std::ranges::none_of(triangles, [&](std::uint32_t t) { return mesh_.intersects(t); });
 }
 
 // All that lies in a box that is not cut up.

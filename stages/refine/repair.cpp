@@ -71,7 +71,7 @@ class Repairer {
   }
   void try_moves(std::uint32_t v);
   void try_flips(std::uint32_t t);
-  void try_collapse(std::uint32_t u, std::uint32_t v);
+  void try_collapse(std::uint32_t one, std::uint32_t other);
   void try_collapses(std::uint32_t t);
   // change_: made by moves_.
   bool in_turn(const EditMesh::Step& step);
@@ -177,11 +177,8 @@ void Repairer::try_moves(std::uint32_t v) {
   if (!anywhere_) return;
   // Nothing that is likely has helped.
   for (const double length : {0.125, 0.25, 0.5, 1.0})
-    each_index({splat(-1), splat(2)}, [&](Index3 d) {
-      consider_step(
-          Vec3{static_cast<double>(d.x), static_cast<double>(d.y), static_cast<double>(d.z)} *
-          (length * parameters_.reach));
-    });
+    each_index({splat(-1), splat(2)},
+               [&](Index3 d) { consider_step(as_vec3(d) * (length * parameters_.reach)); });
 }
 
 void Repairer::try_flips(std::uint32_t t) {
@@ -189,11 +186,10 @@ void Repairer::try_flips(std::uint32_t t) {
     if (moves_.flip(t, k, change_)) consider({}, 1);
 }
 
-void Repairer::try_collapse(std::uint32_t u, std::uint32_t v) {
-  if (mesh_.freedom(u) != Freedom::free) std::swap(u, v);
-  if (mesh_.freedom(u) != Freedom::free || mesh_.freedom(v) == Freedom::fixed) return;
-  if (mesh_.freedom(v) == Freedom::free && v > u) std::swap(u, v);
-  if (!moves_.linked(u, v)) return;
+void Repairer::try_collapse(std::uint32_t one, std::uint32_t other) {
+  const auto ends = moves_.ends(one, other);
+  if (!ends || !moves_.linked(ends->gone, ends->keep)) return;
+  const auto [u, v] = *ends;
   const LatticePoint a = mesh_.position(u), b = mesh_.position(v);
   const LatticePoint middle = nearest_point((to_double(a) + to_double(b)) * 0.5);
   for (const LatticePoint& at : {b, a, middle}) {

@@ -29,12 +29,8 @@ struct TrianglePlace {
 std::vector<TrianglePlace> in_order(const RefineMesh& mesh, const CubeLattice& blocks) {
   std::vector<TrianglePlace> places;
   places.reserve(mesh.triangles.size());
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& corners = mesh.triangles[t];
-    places.push_back({block_code(mesh, t, blocks),
-                      {mesh.ids[corners[0]], mesh.ids[corners[1]], mesh.ids[corners[2]]},
-                      t});
-  }
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    places.push_back({block_code(mesh, t, blocks), mesh.ids_of(t), t});
   std::sort(places.begin(), places.end());
   return places;
 }
@@ -45,8 +41,7 @@ void add_corner_normals(const RefineMesh& mesh, const std::array<std::uint32_t, 
                                      mesh.positions[triangle[2]]);
   if (normal == Index3{}) ++tile.collinear;
   if (mesh.normals.empty()) return;
-  const Vec3 direction{static_cast<double>(normal.x), static_cast<double>(normal.y),
-                       static_cast<double>(normal.z)};
+  const Vec3 direction = as_vec3(normal);
   const auto cluster = [&](std::uint32_t v) {
     return nearest_cluster(mesh.normals[v], direction, NormalSense::outward);
   };

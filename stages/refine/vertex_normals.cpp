@@ -70,9 +70,7 @@ void settle_normals(EditMesh& mesh, double cell) {
     if (packed == nullptr || mesh.gone(v) || mesh.freedom(v) != Freedom::free) continue;
     faces.clear();
     mesh.each_around(v, [&](std::uint32_t t) {
-      const Index3& n = mesh.normal(t);
-      const Vec3 area =
-          Vec3{static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z)} * 0.5;
+      const Vec3 area = as_vec3(mesh.normal(t)) * 0.5;
       faces.push_back({area, length(area)});
     });
     // The largest first; triangles come by their numbers, which are those of their ids.

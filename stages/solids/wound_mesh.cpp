@@ -13,10 +13,6 @@ namespace {
 constexpr Vec3 moved_by = {0x1p-22, 0x1p-27, 0x1p-32};
 constexpr double grown_by = 1e-6;  // boxes, beyond what rounding may be
 
-Vec3 to_double(Index3 v) {
-  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-}
-
 // Samples s with lo <= s + moved_by <= hi.
 Box3 samples_within(Vec3 lo, Vec3 hi) {
   Box3 box;
@@ -42,7 +38,7 @@ TriangleMesh scaled_mesh(const TriangleMesh& mesh, Vec3 spacing, Vec3 scale) {
   TriangleMesh scaled;
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (i == 0 || before(steps[order[i - 1]], steps[order[i]])) {
-      Vec3 place = to_double(steps[order[i]]) * (1.0 / static_cast<double>(mesh_cell));
+      Vec3 place = as_vec3(steps[order[i]]) * (1.0 / static_cast<double>(mesh_cell));
       for (int a = 0; a < 3; ++a) place[a] *= scale[a];
       scaled.vertices.push_back(place);
     }
@@ -65,7 +61,7 @@ struct WoundMesh::Edge {
   // u: 0 at the outside end, 1 at the inside end.
   double t(double u) const { return low_inside ? 1 - u : u; }
   Vec3 at(double u) const {
-    Vec3 index = to_double(low);
+    Vec3 index = as_vec3(low);
     index[axis] += t(u);
     return index;
   }
@@ -108,7 +104,7 @@ bool WoundMesh::holds(Vec3 index) const {
 }
 
 Relation WoundMesh::side_of(const Box3& samples) const {
-  Bounds box{place(to_double(samples.lo)), place(to_double(samples.hi - splat(1)))};
+  Bounds box{place(as_vec3(samples.lo)), place(as_vec3(samples.hi - splat(1)))};
   for (int a = 0; a < 3; ++a) {
     box.lo[a] -= grown_by;
     box.hi[a] += grown_by;
@@ -127,7 +123,7 @@ void WoundMesh::fill(const Box3& samples, std::int64_t end,
   const Index3 size = samples.size();
   Relation side = Relation::mixed;
   if (samples.count() == 1)
-    side = holds(to_double(samples.lo)) ? Relation::inside : Relation::outside;
+    side = holds(as_vec3(samples.lo)) ? Relation::inside : Relation::outside;
   else
     side = side_of(samples);
   if (side == Relation::outside) return;
@@ -160,7 +156,7 @@ std::optional<LatticeSolid::Crossing> WoundMesh::at_triangle(const Edge& edge) c
   };
   std::vector<Meeting> meetings;
   const double length = scale_[edge.axis];
-  winding_.each_meeting(place(to_double(edge.low)), edge.axis, length, [&](double t, Vec3 normal) {
+  winding_.each_meeting(place(as_vec3(edge.low)), edge.axis, length, [&](double t, Vec3 normal) {
     meetings.push_back({edge.t(std::clamp(t, 0.0, 1.0)), normal});
   });
   const auto leads_in = [&](const Meeting& m) { return m.normal[edge.axis] * edge.out() > 0; };

@@ -27,6 +27,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "storage/support/hash.h"
 
@@ -151,6 +152,19 @@ class OpenArtifact {
 // Writes the artifact again, the same but for its input stamp: what it was compared with since.
 // DamagedArtifact when its origin fails its checks.
 void restamp_artifact(const std::filesystem::path& path, Hash128 input_stamp);
+
+// Whether the artifact is there and whole, and is_so(), which opens it and may read others. Damage
+// of those is thrown on.
+template <class F>
+bool is_current(const std::filesystem::path& path, F&& is_so) {
+  if (!std::filesystem::exists(path)) return false;
+  try {
+    return is_so();
+  } catch (const DamagedArtifact& damage) {
+    if (damage.path() != path.string()) throw;
+    return false;
+  }
+}
 
 template <class T>
 void ArtifactReader::read_array(std::uint64_t name, std::vector<T>& out) const {

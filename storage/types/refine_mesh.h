@@ -1,6 +1,7 @@
 // A part of a surface's mesh while it is refined: what stitch hands over, and each pass of refine.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -32,6 +33,9 @@ struct RefineMesh {
   std::vector<std::uint32_t> intersecting;
   bool checked = false;
 
+  bool intersects(std::uint32_t triangle) const {
+    return std::binary_search(intersecting.begin(), intersecting.end(), triangle);
+  }
   std::array<VertexId, 3> ids_of(std::size_t triangle) const {
     const auto& c = triangles[triangle];
     return {ids[c[0]], ids[c[1]], ids[c[2]]};

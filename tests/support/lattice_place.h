@@ -5,8 +5,6 @@
 
 namespace voxweld::testing {
 
-inline Vec3 as_vec3(Index3 at) {
-  return {static_cast<double>(at.x), static_cast<double>(at.y), static_cast<double>(at.z)};
-}
+using voxweld::as_vec3;
 
 }  // namespace voxweld::testing

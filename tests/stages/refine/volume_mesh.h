@@ -6,6 +6,7 @@
 #include <random>
 
 #include "stages/refine/refine_range.h"
+#include "stages/refine/retile.h"
 #include "stages/stitch/lattice_plan.h"
 #include "tests/support/contour_in_memory.h"
 
@@ -40,18 +41,6 @@ inline MemoryVolume volume_of(const RandomVolume& wanted) {
   });
 }
 
-inline RefineMesh refine_mesh(const TileMesh& tile) {
-  RefineMesh mesh;
-  mesh.positions = tile.positions;
-  mesh.ids = tile.ids;
-  mesh.normals = tile.normals;
-  mesh.triangles = tile.triangles;
-  for (auto& t : mesh.triangles)
-    std::rotate(t.begin(), std::ranges::min_element(t, {}, [&](auto v) { return mesh.ids[v]; }),
-                t.end());
-  return mesh;
-}
-
 struct VolumeMesh {
   RefineMesh mesh;
   RefineFrame frame;
@@ -64,7 +53,7 @@ inline VolumeMesh mesh_of_volume(const RandomVolume& wanted, double tolerance) {
   const MemoryVolume volume = volume_of(wanted);
   const VolumeContour contour = contour_volume(volume, parameters);
   const OutputLattice lattice = plan_lattice({volume.size, {1, 1, 1}, 0.01});
-  return {refine_mesh(join_tiles(contour.tiles)), {lattice, {1, 1, 1}, {}, volume.size}};
+  return {to_refine_mesh(join_tiles(contour.tiles)), {lattice, {1, 1, 1}, {}, volume.size}};
 }
 
 }  // namespace voxweld::testing
