@@ -148,6 +148,11 @@ inline double octree_share(const SimplifyConfig& simplify) {
   return simplify.refine == SimplifyConfig::Refine::collapse ? 0.5 : 1.0;
 }
 
+// How many cells a vertex may leave its own by where the mesh is refined.
+inline double vertex_overhang(const SimplifyConfig& simplify) {
+  return simplify.refine == SimplifyConfig::Refine::off ? 0 : 1;
+}
+
 struct OutputConfig {
   enum class Merged : std::uint8_t { automatic, always, never };
 

@@ -41,14 +41,15 @@ std::vector<Setting> simplify_settings() {
       row({"simplify", "qef",
            "Solves the QEFs. \"qr\": stable in floats; \"normal\": normal equations, to compare."},
           binding::choice(simplify, &Simplify::qef, {"qr", "normal"}), collapse),
-      when_given(
-          row({"simplify", "refine",
-               "What is done to the mesh once it is stitched. \"repair\": triangles that cut each "
-               "other are moved apart; \"collapse\": edges are collapsed too, as far as tolerance "
-               "lets them, and cells to half of it.",
-               "\"off\""},
-              binding::choice_or_open(simplify, &Simplify::refine, {"off", "repair", "collapse"}),
-              tolerance)),
+      when_given(row(
+          {"simplify", "refine",
+           "What is done to the mesh once it is stitched. \"repair\": vertices go where they best "
+           "lie, out of their cells if need be, and triangles that cut each other are moved "
+           "apart; \"collapse\": edges are collapsed too, as far as tolerance "
+           "lets them, and cells to half of it.",
+           "\"off\""},
+          binding::choice_or_open(simplify, &Simplify::refine, {"off", "repair", "collapse"}),
+          tolerance)),
       when_given(row(
           {"simplify", "intersections",
            "Of refine. Triangles that cut each other: \"none\" lets refine make none; "

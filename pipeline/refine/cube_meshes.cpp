@@ -126,7 +126,7 @@ RefineMesh RangeReads::read(const std::function<void()>& between) const {
 }
 
 std::uint64_t part_bytes(const PartCounts& counts) {
-  return 2 * (counts.vertices * (12 + 8 + 12) + counts.triangles * 12 + counts.samples * 16);
+  return 2 * (counts.vertices * (12 + 8 + 12 + 12) + counts.triangles * 12 + counts.samples * 16);
 }
 
 }  // namespace voxweld

@@ -68,7 +68,10 @@ class RefineStage final : public StageWork {
     RefineCounts counts;
     mesh = refine_range(mesh, cubes_, ranges_[unit.key].cubes, job_.parameters, counts);
     std::vector<CubeCount> blocks;
-    if (job_.stage == Stage::seams) blocks = count_blocks(mesh, tile_blocks(job_.frame));
+    if (job_.stage == Stage::seams) {
+      blocks = count_blocks(mesh, tile_blocks(job_.frame));
+      mesh.aims.clear();  // nobody asks for them any more
+    }
     write_cube_mesh(path_of(unit.key), key(unit.key, read), mesh, cubes_after_, counts, blocks);
   }
 

@@ -74,8 +74,12 @@ class RetileStage final : public StageWork {
         mesh.add(triangles, [&](std::size_t t) { return belongs_to(triangles, t, blocks_, tile); });
       }
     }
-    write_tile(path_of(unit.key), key(unit.key, found),
-               to_tile_mesh(mesh.mesh(), tile, job_.lattice, blocks_));
+    TileMesh out = to_tile_mesh(mesh.mesh(), tile, job_.lattice, blocks_);
+    if (!job_.normals) {
+      out.normals.clear();
+      out.corner_normals.clear();
+    }
+    write_tile(path_of(unit.key), key(unit.key, found), out);
   }
 
  private:

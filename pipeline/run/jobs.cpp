@@ -105,6 +105,8 @@ void Jobs::plan_refine(const Config& config, const OutputFrame& output, const St
   const RefineFrame frame{output.snap.lattice, output.snap.spacing, output.snap.first,
                           build_->grid.size()};
   stitch_.cubes = frame;
+  stitch_.parameters.aims = build_->parameters.simplify.overhang > 0;
+  stitch_.parameters.normals = true;  // refine goes by them
   // The enumerators of both come in the order of the settings' table, but for "off".
   RefineParameters parameters;
   parameters.mode = config.simplify.refine == SimplifyConfig::Refine::repair ? RefineMode::repair
@@ -116,8 +118,11 @@ void Jobs::plan_refine(const Config& config, const OutputFrame& output, const St
       std::min({frame.spacing.x, frame.spacing.y, frame.spacing.z}) / frame.lattice.step;
   refine_ = {Stage::refine, 0, frame, parameters, paths.refine, paths.refine_key};
   seams_ = {Stage::seams, 1, frame, parameters, paths.seams, paths.seams_key};
-  retile_ = {frame, moved(frame.lattice, output.first),
-             static_cast<std::uint64_t>(config.output.tile_vertices), paths.retile,
+  retile_ = {frame,
+             moved(frame.lattice, output.first),
+             static_cast<std::uint64_t>(config.output.tile_vertices),
+             config.output.normals,
+             paths.retile,
              paths.retile_key};
   encode_.refined = paths.retile;
 }

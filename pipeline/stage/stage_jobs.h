@@ -69,6 +69,7 @@ struct RetileJob {
   RefineFrame frame;
   OutputLattice lattice;  // of the tiles, as the files have it
   std::uint64_t tile_vertices = 500000;
+  bool normals = true;  // of the tiles
   std::filesystem::path folder;
   Hash128 key;  // of the parameters; the plan also says which meshes it was made of
 

@@ -64,7 +64,8 @@ void NodeSolver::load(std::size_t lane, const Qef& qef) {
 }
 
 void NodeSolver::solve(int level, std::size_t count) {
-  const Vec3 half = half_side(level);
+  const Vec3 half =
+      half_side(level) + parameters_.spacing * (level == 0 ? parameters_.simplify.overhang : 0);
   const double threshold = parameters_.simplify.singular_threshold;
   if (parameters_.simplify.qef == QefForm::normal) {
     solve_normal(factors_, centres_, half, threshold, solutions_);

@@ -19,8 +19,9 @@ struct HermitePlane {
 };
 
 struct NodeSolution {
-  std::array<float, 3> offset{};  // from the node's centre, inside the node
-  float residual = 0;             // metric rms: root mean square distance; sum: root of the sum
+  // From the node's centre. Inside the node, but for the overhang of finest cells.
+  std::array<float, 3> offset{};
+  float residual = 0;  // metric rms: root mean square distance; sum: root of the sum
 };
 
 class NodeSolver {

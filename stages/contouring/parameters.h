@@ -39,6 +39,9 @@ struct SimplifyParameters {
   Topology topology = Topology::safe;
   QefForm qef = QefForm::qr;
   double singular_threshold = 0.1;  // of the largest singular value (Ju et al. 2002)
+  // How far out of a finest cell its vertex is sought, in cells. Stitch puts it back inside; refine,
+  // which knows what is around it, may not. (A larger leaf keeps the tolerance inside.)
+  double overhang = 0;
 };
 
 struct LabelParameters {

@@ -61,6 +61,7 @@ EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box)
     number[v] = i;
     positions_.push_back(mesh.positions[v]);
     ids_.push_back(mesh.ids[v]);
+    if (!mesh.aims.empty()) aims_.push_back(mesh.aims[v]);
     if (!mesh.normals.empty()) normals_.push_back(mesh.normals[v]);
   }
   const auto m = static_cast<std::uint32_t>(mesh.triangles.size());
@@ -217,9 +218,13 @@ void EditMesh::apply(const Change& change, const Step& step) {
 
 RefineMesh EditMesh::take() && {
   RefineMesh mesh;
+  // Where a vertex could be moved that was done, as far as it went.
+  for (std::size_t v = 0; v < aims_.size(); ++v)
+    if (freedom_[v] == Freedom::free) aims_[v] = positions_[v];
   mesh.checked = true;
   mesh.positions = std::move(positions_);
   mesh.ids = std::move(ids_);
+  mesh.aims = std::move(aims_);
   mesh.normals = std::move(normals_);
   auto bad = intersecting_.begin();
   for (std::uint32_t t = 0; t < triangles_.size(); ++t) {

@@ -56,6 +56,10 @@ class EditMesh {
   std::uint32_t vertices() const { return static_cast<std::uint32_t>(positions_.size()); }
   std::uint32_t triangles() const { return static_cast<std::uint32_t>(triangles_.size()); }
   const LatticePoint& position(std::uint32_t v) const { return positions_[v]; }
+  // Where it would best lie: its position where nothing is known.
+  const LatticePoint& aim(std::uint32_t v) const {
+    return aims_.empty() ? positions_[v] : aims_[v];
+  }
   Freedom freedom(std::uint32_t v) const { return freedom_[v]; }
   const Corners& corners(std::uint32_t t) const { return triangles_[t]; }
   bool alive(std::uint32_t t) const { return triangles_[t][0] != none; }
@@ -104,6 +108,14 @@ class EditMesh {
   void set_intersecting(std::vector<std::uint32_t> ascending) {
     intersecting_ = std::move(ascending);
   }
+  // Leaves out those that do so no more. Precondition: since they were found all changes were clean().
+  void recheck_intersecting() {
+    std::erase_if(intersecting_, [&](std::uint32_t t) {
+      bool any = false;
+      if (alive(t)) each_hit(t, [&](std::uint32_t) { any = true; });
+      return !any;
+    });
+  }
   // Of those the pairs of which one is movable.
   std::size_t count_pairs() const;
 
@@ -113,6 +125,7 @@ class EditMesh {
     std::uint32_t moved = none;
     LatticePoint to{};
     std::uint32_t gone = none;
+    bool leaves_sample = true;  // the place that `moved` leaves was one of the surface
   };
   // Whether no sample of the change's old triangles, and no place that a vertex leaves, would be
   // further from the new ones than `most`, or than it is now.
@@ -123,6 +136,7 @@ class EditMesh {
   void set_normals(std::uint32_t v, const std::array<PackedNormal, max_clusters>& normals) {
     if (!normals_.empty()) normals_[v] = normals;
   }
+  bool has_normals() const { return !normals_.empty(); }
   const std::array<PackedNormal, max_clusters>* normals(std::uint32_t v) const {
     return normals_.empty() ? nullptr : &normals_[v];
   }
@@ -132,7 +146,8 @@ class EditMesh {
   template <class F>
   void each_left(const Step& step, F&& f) const {
     if (step.gone != none) f(positions_[step.gone]);
-    if (step.moved != none && positions_[step.moved] != step.to) f(positions_[step.moved]);
+    if (step.leaves_sample && step.moved != none && positions_[step.moved] != step.to)
+      f(positions_[step.moved]);
   }
   void set_shape(std::uint32_t t, const LatticeTriangle& shape, const Index3& plane);
   void mark_old(const Change& change);
@@ -148,6 +163,7 @@ class EditMesh {
   LatticeBox box_;
   std::vector<LatticePoint> positions_;
   std::vector<VertexId> ids_;
+  std::vector<LatticePoint> aims_;
   std::vector<std::array<PackedNormal, max_clusters>> normals_;
   std::vector<Corners> triangles_;           // dead: none
   std::vector<std::uint32_t> heads_, next_;  // corners, 3 triangle + k, of each vertex

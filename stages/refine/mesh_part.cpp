@@ -10,7 +10,7 @@ namespace voxweld {
 namespace {
 
 constexpr std::uint32_t no_number = 0xffffffffu;
-constexpr std::uint64_t vertex_bytes = 12 + 8 + 12, triangle_bytes = 12;
+constexpr std::uint64_t vertex_bytes = 12 + 8 + 12 + 12, triangle_bytes = 12;
 
 // Copies what hangs on triangle t, which is `as` in the other mesh.
 void copy_notes(const RefineMesh& from, std::uint32_t t, RefineMesh& to, std::uint32_t as) {
@@ -20,6 +20,7 @@ void copy_notes(const RefineMesh& from, std::uint32_t t, RefineMesh& to, std::ui
 std::uint32_t append_vertex(const RefineMesh& from, std::uint32_t v, RefineMesh& to) {
   to.positions.push_back(from.positions[v]);
   to.ids.push_back(from.ids[v]);
+  if (!from.aims.empty()) to.aims.push_back(from.aims[v]);
   if (!from.normals.empty()) to.normals.push_back(from.normals[v]);
   return static_cast<std::uint32_t>(to.positions.size() - 1);
 }
@@ -83,6 +84,7 @@ RefineMesh MeshGather::take() {
 void MeshGather::reserve(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples) {
   mesh_.positions.reserve(vertices);
   mesh_.ids.reserve(vertices);
+  mesh_.aims.reserve(vertices);
   mesh_.normals.reserve(vertices);
   mesh_.triangles.reserve(triangles);
   mesh_.samples.reserve(samples);

@@ -3,6 +3,7 @@
 #include "stages/refine/collapse.h"
 #include "stages/refine/repair.h"
 #include "stages/refine/vertex_normals.h"
+#include "stages/refine/vertex_places.h"
 
 namespace voxweld {
 
@@ -13,6 +14,7 @@ void refine_cube(RefineMesh& mesh, const LatticeBox& box, const RefineParameters
     if (!mesh.checked) edit.set_intersecting(edit.find_intersecting());
     counts.pairs_before += edit.count_pairs();
   }
+  settle_places(edit, parameters, counts);
   if (parameters.intersections == IntersectionRule::none)
     repair_intersections(edit, parameters, counts);
   if (parameters.mode == RefineMode::collapse) {

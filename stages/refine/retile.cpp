@@ -59,6 +59,7 @@ RefineMesh to_refine_mesh(TileMesh tile) {
   }
   mesh.positions = std::move(tile.positions);
   mesh.ids = std::move(tile.ids);
+  mesh.aims = std::move(tile.aims);
   mesh.normals = std::move(tile.normals);
   mesh.triangles = std::move(tile.triangles);
   return mesh;

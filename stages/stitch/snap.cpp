@@ -21,6 +21,17 @@ Box3 interior(const SnapFrame& frame, CellKey leaf) {
   return box;
 }
 
+std::int64_t origin(const SnapFrame& frame, std::size_t axis) {
+  return static_cast<std::int64_t>(frame.lattice.origin[axis] / frame.lattice.step);
+}
+
+// All lattice points, in absolute coordinates.
+Box3 whole(const SnapFrame& frame) {
+  const Index3 lo{origin(frame, 0), origin(frame, 1), origin(frame, 2)};
+  return {lo, lo + splat(std::int64_t{1} << frame.lattice.bits)};
+}
+
+// Of those in the box.
 Index3 nearest(const SnapFrame& frame, CellKey leaf, const Box3& box,
                const std::array<float, 3>& offset) {
   Index3 q;
@@ -39,9 +50,7 @@ Index3 nearest(const SnapFrame& frame, CellKey leaf, const Box3& box,
 LatticePoint relative(const SnapFrame& frame, Index3 q) {
   LatticePoint point;
   for (std::size_t i = 0; i < 3; ++i)
-    point[i] = static_cast<std::int32_t>(
-        q[static_cast<int>(i)] -
-        static_cast<std::int64_t>(frame.lattice.origin[i] / frame.lattice.step));
+    point[i] = static_cast<std::int32_t>(q[static_cast<int>(i)] - origin(frame, i));
   return point;
 }
 
@@ -60,6 +69,10 @@ std::vector<Index3> steps_by_distance() {
 
 LatticePoint snap_vertex(const SnapFrame& frame, CellKey leaf, const std::array<float, 3>& offset) {
   return relative(frame, nearest(frame, leaf, interior(frame, leaf), offset));
+}
+
+LatticePoint point_of(const SnapFrame& frame, CellKey leaf, const std::array<float, 3>& offset) {
+  return relative(frame, nearest(frame, leaf, whole(frame), offset));
 }
 
 LatticePoint snap_sheets(const SnapFrame& frame, CellKey leaf, std::span<const LeafVertex> sheets) {

@@ -21,6 +21,9 @@ struct SnapFrame {
 // never coincide.
 LatticePoint snap_vertex(const SnapFrame& frame, CellKey leaf, const std::array<float, 3>& offset);
 
+// The nearest lattice point, inside the leaf or not.
+LatticePoint point_of(const SnapFrame& frame, CellKey leaf, const std::array<float, 3>& offset);
+
 // The sheets of one finest cell, in their order: a taken point yields the nearest free one inside.
 // Returns the point of the last of them.
 LatticePoint snap_sheets(const SnapFrame& frame, CellKey leaf, std::span<const LeafVertex> sheets);

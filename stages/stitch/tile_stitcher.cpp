@@ -162,6 +162,7 @@ std::uint32_t TileStitcher::append(VertexId id, const LatticePoint& point,
   const auto index = static_cast<std::uint32_t>(mesh_.positions.size());
   mesh_.positions.push_back(point);
   mesh_.ids.push_back(id);
+  if (parameters_.aims) mesh_.aims.push_back(point_of(parameters_.frame, id.leaf(), vertex.offset));
   mesh_.normals.push_back(vertex.normals);
   senses_.push_back(vertex.leaf.sense());
   return index;
@@ -220,6 +221,7 @@ TileMesh TileStitcher::finish() {
     }
   reorder(mesh_.positions, order);
   reorder(mesh_.ids, order);
+  if (parameters_.aims) reorder(mesh_.aims, order);
   if (parameters_.normals)
     reorder(mesh_.normals, order);
   else

@@ -23,6 +23,7 @@ struct StitchParameters {
   SnapFrame frame;
   Vec3 first{};  // output coordinates of sample (0, 0, 0), multiples of the lattice's step
   bool normals = true;
+  bool aims = false;  // TileMesh::aims are wanted
 };
 
 // One brick with what its polygons refer to. The spans are the caller's and need to live for the

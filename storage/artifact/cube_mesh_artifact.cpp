@@ -26,7 +26,7 @@ std::uint64_t part_section(std::size_t piece, CubePart part) {
 
 struct PartHead {
   PartCounts counts;
-  std::uint64_t normals = 0;
+  std::uint64_t normals = 0, aims = 0;
   std::uint64_t checked = 0, intersecting = 0;
 };
 
@@ -81,13 +81,14 @@ bool pieces_ascend(const std::vector<CubePieceRecord>& pieces) {
 PartCounts CubeMeshWriter::part(CubePart which, const RefineMesh& mesh) {
   const PartCounts counts{mesh.positions.size(), mesh.triangles.size(), mesh.samples.size()};
   if (counts.triangles == 0) return {};
-  const PartHead head{counts, mesh.normals.empty() ? 0U : 1U, mesh.checked ? 1U : 0U,
-                      mesh.intersecting.size()};
+  const PartHead head{counts, mesh.normals.empty() ? 0U : 1U, mesh.aims.empty() ? 0U : 1U,
+                      mesh.checked ? 1U : 0U, mesh.intersecting.size()};
   file_.begin_section(part_section(pieces_.size(), which));
   file_.append(as_record(head));
   file_.append(as_section(mesh.positions));
   file_.append(as_section(mesh.ids));
   file_.append(as_section(mesh.normals));
+  file_.append(as_section(mesh.aims));
   file_.append(as_section(mesh.triangles));
   file_.append(as_section(mesh.samples));
   file_.append(as_section(mesh.intersecting));
@@ -158,6 +159,7 @@ RefineMesh CubeMeshArtifact::read(std::size_t piece, CubePart part) const {
       head[0].counts.triangles == counts.triangles && head[0].counts.samples == counts.samples &&
       rest.take(counts.vertices, mesh.positions) && rest.take(counts.vertices, mesh.ids) &&
       rest.take(head[0].normals != 0 ? counts.vertices : 0, mesh.normals) &&
+      rest.take(head[0].aims != 0 ? counts.vertices : 0, mesh.aims) &&
       rest.take(counts.triangles, mesh.triangles) && rest.take(counts.samples, mesh.samples) &&
       rest.take(head[0].intersecting, mesh.intersecting) && rest.empty();
   if (!whole || !numbers_fit(mesh)) file_.damaged(contradicting);

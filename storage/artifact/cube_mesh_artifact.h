@@ -7,9 +7,9 @@
 //   (piece + 1) << 8 | 1 of the piece's triangles those inside the cube, where there are any
 //   (piece + 1) << 8 | 2 and those that leave it
 // A part stands for itself:
-//   u64 x 6 vertices, triangles, samples, 1 where there are normals, 1 where intersections have been
-//   looked for, and how many triangles intersect; then of the vertices positions, i32 x 3, ids, u64,
-//   and normals, PackedNormal x 3; of the triangles corners, u32 x 3; SurfaceSample of the samples;
+//   u64 x 7 vertices, triangles, samples, 1 where there are normals, 1 where there are aims, 1 where
+//   intersections have been looked for, and how many triangles intersect; then of the vertices
+//   positions, i32 x 3, ids, u64, normals, PackedNormal x 3, and aims, i32 x 3; of the triangles corners, u32 x 3; SurfaceSample of the samples;
 //   and the numbers of the triangles that intersect, u32
 #pragma once
 
@@ -20,7 +20,7 @@
 namespace voxweld {
 
 inline constexpr std::array<char, 4> cube_mesh_kind = {'c', 'u', 'b', 'm'};
-inline constexpr std::uint32_t cube_mesh_version = 1;
+inline constexpr std::uint32_t cube_mesh_version = 2;
 
 struct PartCounts {
   std::uint64_t vertices = 0, triangles = 0, samples = 0;

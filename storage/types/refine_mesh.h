@@ -24,6 +24,7 @@ struct RefineMesh {
   // For each vertex. Ids are distinct: in several parts of one mesh the same vertex has the same id.
   std::vector<LatticePoint> positions;
   std::vector<VertexId> ids;
+  std::vector<LatticePoint> aims;  // where they would best lie; empty where that is not known
   std::vector<std::array<PackedNormal, max_clusters>> normals;  // empty where normals are off
   // Counter-clockwise seen from outside, the corner with the lowest id first.
   std::vector<std::array<std::uint32_t, 3>> triangles;

@@ -49,6 +49,8 @@ struct TileMesh {
   // cells, axis), so that it depends on nothing but the mesh.
   std::vector<LatticePoint> positions;
   std::vector<VertexId> ids;
+  // Where it would best lie, which may be out of its leaf: for refine, else empty.
+  std::vector<LatticePoint> aims;
   std::vector<std::array<PackedNormal, max_clusters>> normals;
 
   // For each triangle: its vertices, counter-clockwise seen from outside, and for each corner its

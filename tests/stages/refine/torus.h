@@ -34,6 +34,8 @@ inline RefineMesh torus() {
       mesh.positions.push_back({static_cast<std::int32_t>(400 + r * std::cos(u)),
                                 static_cast<std::int32_t>(400 + r * std::sin(u)),
                                 static_cast<std::int32_t>(400 + 110 * std::sin(v))});
+      mesh.aims.push_back(mesh.positions.back());
+      if ((i + j) % 7 == 0) mesh.aims.back()[2] += 3;
       mesh.ids.push_back({(std::uint64_t{i} * across + j) * 7919 % 100003});
       mesh.normals.push_back({PackedNormal{static_cast<std::int16_t>(i), 1}});
     }
@@ -69,6 +71,7 @@ inline RefineMesh shuffled(const RefineMesh& mesh, unsigned seed) {
     place[v] = static_cast<std::uint32_t>(out.positions.size());
     out.positions.push_back(mesh.positions[v]);
     out.ids.push_back(mesh.ids[v]);
+    out.aims.push_back(mesh.aims[v]);
     out.normals.push_back(mesh.normals[v]);
   }
   for (const std::uint32_t t : triangles) {
@@ -96,8 +99,8 @@ inline std::multiset<Shape> shapes_of(const RefineMesh& mesh) {
 }
 
 inline bool same_mesh(const RefineMesh& a, const RefineMesh& b) {
-  return a.positions == b.positions && a.ids == b.ids && a.normals == b.normals &&
-         a.triangles == b.triangles && a.samples == b.samples;
+  return a.positions == b.positions && a.ids == b.ids && a.aims == b.aims &&
+         a.normals == b.normals && a.triangles == b.triangles && a.samples == b.samples;
 }
 
 }  // namespace voxweld::testing

@@ -45,15 +45,19 @@ struct VolumeMesh {
   RefineMesh mesh;
   RefineFrame frame;
 };
-inline VolumeMesh mesh_of_volume(const RandomVolume& wanted, double tolerance) {
+inline VolumeMesh mesh_of(const MemoryVolume& volume, double tolerance) {
   ContourParameters parameters;
   parameters.surface.isovalue = {0.0};
   parameters.surface.gradient = Gradient::subcell;
   parameters.simplify.tolerance = tolerance;
-  const MemoryVolume volume = volume_of(wanted);
+  parameters.simplify.overhang = 1;
   const VolumeContour contour = contour_volume(volume, parameters);
   const OutputLattice lattice = plan_lattice({volume.size, {1, 1, 1}, 0.01});
-  return {to_refine_mesh(join_tiles(contour.tiles)), {lattice, {1, 1, 1}, {}, volume.size}};
+  // One tile: so small a volume has no more. (join_tiles would lose the vertices' aims.)
+  return {to_refine_mesh(contour.tiles.at(0)), {lattice, {1, 1, 1}, {}, volume.size}};
+}
+inline VolumeMesh mesh_of_volume(const RandomVolume& wanted, double tolerance) {
+  return mesh_of(volume_of(wanted), tolerance);
 }
 
 }  // namespace voxweld::testing

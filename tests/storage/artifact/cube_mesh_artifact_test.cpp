@@ -20,6 +20,7 @@ RefineMesh triangle(LatticePoint at, bool normals, std::uint32_t samples) {
     mesh.positions.push_back({at[0] + k, at[1] + k * k, at[2] - k});
     mesh.ids.push_back({static_cast<std::uint64_t>(at[0] + k) << 40});
     if (normals) mesh.normals.push_back({PackedNormal{1, 2}, PackedNormal{3, 4}});
+    if (samples > 0) mesh.aims.push_back({k, at[1], at[2]});
   }
   mesh.triangles.push_back({0, 1, 2});
   for (std::uint32_t i = 0; i < samples; ++i) mesh.samples.push_back({at, 0});

@@ -1,0 +1,125 @@
+#include "stages/refine/vertex_places.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "stages/refine/edit_moves.h"
+#include "storage/types/brick_octree.h"
+
+namespace voxweld {
+namespace {
+
+constexpr int rounds = 2;  // a vertex may have to make room for another
+// Cosines between a triangle's normal and the nearest of a vertex', the worst of its three: what no
+// triangle comes to that was better before, and up to where its edges may be flipped. On smooth
+// surfaces normals say less than stitch knew when it cut its quads.
+constexpr double least_agreement = 0.3;
+constexpr double poor_agreement = 0.85;
+constexpr double least_gain = 0.01;  // of a flip, in squared cells
+
+class Placer {
+ public:
+  Placer(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts)
+      : mesh_(mesh),
+        tolerance_(parameters.tolerance),
+        least_gain_(least_gain * parameters.reach * parameters.reach),
+        counts_(counts),
+        moves_(mesh) {}
+
+  void run() {
+    for (int round = 0; round < rounds; ++round) {
+      for (std::uint32_t v = 0; v < mesh_.vertices(); ++v) move(v);
+      for (std::uint32_t t = 0; t < mesh_.triangles(); ++t) flip(t);
+    }
+  }
+
+ private:
+  // How well a triangle agrees with the normals of its vertices.
+  struct Agreement {
+    double cosine = 1;
+    double area = 0;  // twice that
+    double loss() const { return (1 - cosine) * area; }
+  };
+  Agreement agreement(const Corners& corners, const Index3& plane) const;
+  Agreement agreement(std::uint32_t t) const {
+    return agreement(mesh_.corners(t), mesh_.normal(t));
+  }
+  bool is_better(const Change& change, double least) const;
+  bool apply(const EditMesh::Step& step, double least);
+  void move(std::uint32_t v);
+  void flip(std::uint32_t t);
+
+  EditMesh& mesh_;
+  double tolerance_, least_gain_;
+  RefineCounts& counts_;
+  EditMoves moves_;
+  Change change_;
+};
+
+Placer::Agreement Placer::agreement(const Corners& corners, const Index3& plane) const {
+  const Vec3 n = as_vec3(plane);
+  Agreement agreement{1, std::sqrt(dot(n, n))};
+  for (const std::uint32_t v : corners) {
+    double best = -2 * agreement.area;
+    for (const PackedNormal packed : *mesh_.normals(v))
+      if (packed != no_normal) best = std::max(best, dot(unpack_normal(packed), n));
+    if (best < -1.5 * agreement.area) continue;  // it has none
+    agreement.cosine = std::min(agreement.cosine, best / agreement.area);
+  }
+  return agreement;
+}
+
+bool Placer::is_better(const Change& change, double least) const {
+  double gain = 0;
+  for (std::size_t i = 0; i < change.now.size(); ++i) {
+    const Agreement now = agreement(change.now[i], change.planes[i]);
+    const Agreement before = agreement(change.old[i]);
+    if (now.cosine < least_agreement && now.cosine < before.cosine) return false;
+    gain += before.loss() - now.loss();
+  }
+  return gain >= least;
+}
+
+bool Placer::apply(const EditMesh::Step& step, double least) {
+  if (!is_better(change_, least) || !mesh_.keeps_samples(change_, step, tolerance_) ||
+      !mesh_.clean(change_))
+    return false;
+  mesh_.apply(change_, step);
+  return true;
+}
+
+void Placer::move(std::uint32_t v) {
+  const LatticePoint from = mesh_.position(v), aim = mesh_.aim(v);
+  if (aim == from || mesh_.freedom(v) != Freedom::free) return;
+  LatticePoint middle{};
+  for (std::size_t a = 0; a < 3; ++a) middle[a] = from[a] + (aim[a] - from[a]) / 2;
+  for (const LatticePoint& at : {aim, middle}) {
+    if (at == from || !mesh_.box().contains(at) || !moves_.move(v, at, change_)) continue;
+    // The place that it leaves was none of the surface.
+    if (!apply({v, at, EditMesh::none, false}, 0)) continue;
+    ++counts_.moves;
+    return;
+  }
+}
+
+void Placer::flip(std::uint32_t t) {
+  if (!mesh_.movable(t)) return;
+  // It is the worse one of the two, or the other one's turn.
+  const Agreement now = agreement(t);
+  if (now.cosine > poor_agreement || now.loss() < least_gain_ / 2) return;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (moves_.flip(t, k, change_) && apply({}, least_gain_)) {
+      ++counts_.flips;
+      return;
+    }
+}
+
+}  // namespace
+
+void settle_places(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts) {
+  if (!mesh.has_normals()) return;
+  Placer(mesh, parameters, counts).run();
+  mesh.recheck_intersecting();
+}
+
+}  // namespace voxweld
