@@ -133,10 +133,6 @@ class CrossChecks {
   void refine() const {
     const SimplifyConfig& simplify = config_.simplify;
     if (simplify.refine == SimplifyConfig::Refine::off) return;
-    if (config_.labels.mode != LabelMode::off)
-      fail({"simplify.refine", "labels.mode"},
-           "meshes of labels.mode = \"each\" and \"shared\" are not refined; set it to \"off\", or "
-           "mesh one label with surface.label");
     if (simplify.topology == SimplifyConfig::Topology::free)
       fail({"simplify.refine", "simplify.topology"},
            "with simplify.topology = \"free\" the mesh is no manifold, and only those are refined; "

@@ -113,7 +113,7 @@ InfoDocument describe_top(const fs::path& path, const InfoOptions& options) {
   document["worst_residual"] = counts.worst_residual;
   document["leaves"] = level_facts(counts.leaves);
   if (artifact.of_labels()) {
-    add_label_plan(document, artifact, options.verbose);
+    add_label_plan(document, LabelTop(artifact), options.verbose);
     return document;
   }
   const std::vector<PlannedTile> tiles = artifact.tiles();

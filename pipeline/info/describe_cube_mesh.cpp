@@ -1,4 +1,4 @@
-// What stitch, refine and seams leave of a mesh that is refined, and the plan of its tiles.
+// What stitch, refine and seams leave of meshes that are refined, and the plan of their tiles.
 #include "pipeline/info/kinds.h"
 #include "stages/refine/refine_range.h"
 #include "storage/artifact/cube_mesh_artifact.h"
@@ -23,6 +23,14 @@ InfoDocument refine_facts(const RefineCounts& counts) {
           {"worst_steps", counts.worst}};
 }
 
+// How many different ones; pieces ascend by label.
+std::uint64_t label_count(std::span<const CubePieceRecord> pieces) {
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    count += i == 0 || pieces[i].label != pieces[i - 1].label ? 1 : 0;
+  return count;
+}
+
 }  // namespace
 
 InfoDocument tile_list_facts(const std::vector<PlannedTile>& tiles) {
@@ -39,7 +47,9 @@ InfoDocument describe_cube_mesh(const fs::path& path, const InfoOptions& options
   const CubeMeshArtifact artifact(path);
   const CubeMeshSummary& summary = artifact.summary();
   InfoDocument document = artifact_document("cube_mesh", path, artifact, cube_mesh_version);
-  document["cubes"] = summary.pieces;
+  // Label 0 may be a label, or stand for one surface.
+  document["labels"] = label_count(artifact.pieces());
+  document["pieces"] = summary.pieces;
   document["vertices"] = summary.all.vertices;
   document["triangles"] = summary.all.triangles;
   document["leaving_triangles"] = summary.leaving;
@@ -49,7 +59,8 @@ InfoDocument describe_cube_mesh(const fs::path& path, const InfoOptions& options
   if (!options.verbose) return document;
   document["cube_list"] = InfoDocument::array();
   for (const CubePieceRecord& piece : artifact.pieces())
-    document["cube_list"].push_back({{"at", facts_of(morton_decode(piece.cube))},
+    document["cube_list"].push_back({{"label", piece.label},
+                                     {"at", facts_of(morton_decode(piece.cube))},
                                      {"triangles", piece.inside.triangles},
                                      {"leaving_triangles", piece.leaving.triangles},
                                      {"samples", piece.inside.samples + piece.leaving.samples}});
@@ -58,11 +69,15 @@ InfoDocument describe_cube_mesh(const fs::path& path, const InfoOptions& options
 
 InfoDocument describe_tile_plan(const fs::path& path, const InfoOptions& options) {
   const TilePlanArtifact artifact(path);
-  const TilePlanParts parts = artifact.read();
   InfoDocument document = artifact_document("tile_plan", path, artifact, tile_plan_version);
-  document["tiles"] = parts.tiles.size();
-  document["made_of"] = parts.sources.size();
-  if (options.verbose) document["tile_list"] = tile_list_facts(parts.tiles);
+  document["made_of"] = artifact.sources().size();
+  if (artifact.of_labels()) {
+    add_label_plan(document, LabelTop(artifact.file()), options.verbose);
+    return document;
+  }
+  const std::vector<PlannedTile> tiles = artifact.tiles();
+  document["tiles"] = tiles.size();
+  if (options.verbose) document["tile_list"] = tile_list_facts(tiles);
   return document;
 }
 

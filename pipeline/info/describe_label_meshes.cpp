@@ -8,8 +8,7 @@ namespace voxweld {
 
 namespace fs = std::filesystem;
 
-void add_label_plan(InfoDocument& document, const TopArtifact& artifact, bool verbose) {
-  const LabelTop top(artifact);
+void add_label_plan(InfoDocument& document, const LabelTop& top, bool verbose) {
   const std::vector<BatchRecord> batches = top.batches();
   document["labels"] = top.surface_count();
   document["tiles"] = top.tile_count();

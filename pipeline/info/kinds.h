@@ -6,6 +6,7 @@
 #include "pipeline/config/config.h"
 #include "pipeline/info/facts.h"
 #include "storage/artifact/container.h"
+#include "storage/artifact/label_top.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/top_artifact.h"
 
@@ -35,7 +36,7 @@ InfoDocument artifact_document(const std::string& kind, const std::filesystem::p
 }
 
 // Of labels.mode = "each"; what `add` adds is in place of what there is without labels.
-void add_label_plan(InfoDocument& document, const TopArtifact& artifact, bool verbose);
+void add_label_plan(InfoDocument& document, const LabelTop& top, bool verbose);
 void add_label_tiles(InfoDocument& document, const TileArtifact& artifact);
 InfoDocument describe_label_list(const std::filesystem::path& path, const InfoOptions& options);
 

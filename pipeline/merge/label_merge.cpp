@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "pipeline/executor/probe.h"
+#include "pipeline/stage/batch_planner.h"
 #include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
 #include "storage/support/error.h"
@@ -12,18 +13,6 @@
 
 namespace voxweld {
 namespace {
-
-// Small labels are delivered several at a time. A batch ends before a label whose number says so,
-// one in so many, and not by counting: then a label that comes or goes moves no batch but its own.
-constexpr std::uint64_t labels_a_batch = 64, most_labels_a_batch = 256;
-
-// Steele, Lea, Flood, "Fast Splittable Pseudorandom Number Generators", 2014.
-std::uint64_t mixed(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15u;
-  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-  return x ^ x >> 31;
-}
 
 // What stitching a tile of one label reads, as a hash.
 class TileInputs {
@@ -96,62 +85,6 @@ class TileInputs {
   std::span<const TopLeaf> leaves_;     // those no shard knows of, ascending
 };
 
-// Labels of one tile put together until a batch is full.
-class BatchPlanner {
- public:
-  BatchPlanner(LabelTopWriter& out, std::uint64_t most_vertices)
-      : out_(out), most_vertices_(most_vertices) {}
-
-  // The label that was ended last, with its tiles.
-  void add(Material material, std::span<const PlannedTile> tiles, const TileInputs& inputs,
-           std::uint64_t largest_piece) {
-    const std::uint64_t surface = out_.surfaces() - 1, first_tile = out_.tiles() - tiles.size();
-    if (tiles.size() != 1 || ends_before(material, tiles[0])) finish();
-    for (std::size_t i = 0; i < tiles.size(); ++i) {
-      if (!key_) begin(material, surface, first_tile + i, tiles.size(), tiles[i]);
-      inputs.add_to(*key_, tiles[i]);
-      ++batch_.tiles;
-      batch_.vertices += tiles[i].vertices;
-      batch_.polygons += tiles[i].polygons;
-      batch_.most_vertices = std::max(batch_.most_vertices, tiles[i].vertices);
-      batch_.most_polygons = std::max(batch_.most_polygons, tiles[i].polygons);
-      batch_.largest_piece = std::max(batch_.largest_piece, largest_piece);
-      if (tiles.size() > 1) finish();
-    }
-    if (tiles.size() == 1) batch_.surfaces = surface - batch_.first_surface + 1;
-  }
-
-  void finish() {
-    if (!key_) return;
-    batch_.inputs = key_->finish();
-    out_.batch(batch_);
-    key_.reset();
-  }
-
- private:
-  bool ends_before(Material material, const PlannedTile& tile) const {
-    return key_ && (mixed(material) % labels_a_batch == 0 || batch_.tiles == most_labels_a_batch ||
-                    batch_.vertices + tile.vertices > most_vertices_);
-  }
-  void begin(Material material, std::uint64_t surface, std::uint64_t first_tile,
-             std::uint64_t surface_tiles, const PlannedTile& tile) {
-    key_.emplace();
-    batch_ = {};
-    batch_.material = material;
-    batch_.first_surface = surface;
-    batch_.surfaces = 1;
-    batch_.first_tile = first_tile;
-    batch_.surface_tiles = surface_tiles;
-    batch_.tile_code = tile.code;
-    batch_.tile_level = tile.level;
-  }
-
-  LabelTopWriter& out_;
-  std::uint64_t most_vertices_;
-  BatchRecord batch_;  // under way while key_ is
-  std::optional<KeyHasher> key_;
-};
-
 // One label after the other, from its nodes in Morton order.
 class LabelMerger : private TopSink {
  public:
@@ -192,7 +125,9 @@ class LabelMerger : private TopSink {
     for (const SurfaceNode& node : nodes_) out_.node(node);
     for (const PlannedTile& tile : tiles_) out_.tile(tile);
     out_.end_surface(material_);
-    batches_.add(material_, tiles_, TileInputs(grid_, material_, nodes_, leaves_), largest_piece_);
+    const TileInputs inputs(grid_, material_, nodes_, leaves_);
+    batches_.add(material_, tiles_, largest_piece_,
+                 [&](KeyHasher& key, const PlannedTile& tile) { inputs.add_to(key, tile); });
     reduction_.reset();
     nodes_.clear();
     tiles_.clear();

@@ -25,6 +25,11 @@ std::vector<LatticeBox> those_near(const std::vector<LatticeBox>& boxes, const L
 
 }  // namespace
 
+void PieceSpans::add(std::uint64_t pieces, const CubeKey& lowest, const CubeKey& highest) {
+  const CubeKey before = spans_.empty() ? CubeKey{} : spans_.back().highest_so_far;
+  spans_.push_back({pieces > 0, lowest, highest, pieces > 0 ? std::max(before, highest) : before});
+}
+
 const std::vector<CubeMeshes::Entry>& CubeMeshes::entries() {
   std::call_once(looked_, [&] {
     std::vector<Entry> entries(paths_.size());
@@ -38,8 +43,22 @@ const std::vector<CubeMeshes::Entry>& CubeMeshes::entries() {
       entries[i] = {artifact.summary(), artifact.content_hash()};
     });
     entries_ = std::move(entries);
+    for (const auto& [summary, content] : entries_)
+      spans_.add(summary.pieces, summary.lowest, summary.highest);
   });
   return entries_;
+}
+
+std::vector<Material> CubeMeshes::labels(Material first, Material end) {
+  std::vector<Material> labels;
+  spans().each({first, 0}, {end, 0}, [&](std::size_t i) {
+    each_piece_of(*open(i), {first, 0}, {end, 0}, [&](std::size_t, const CubePieceRecord& piece) {
+      labels.push_back(piece.label);
+    });
+  });
+  std::sort(labels.begin(), labels.end());
+  labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
+  return labels;
 }
 
 std::shared_ptr<const CubeMeshArtifact> CubeMeshes::open(std::size_t artifact) {
@@ -47,10 +66,12 @@ std::shared_ptr<const CubeMeshArtifact> CubeMeshes::open(std::size_t artifact) {
                    [&] { return std::make_shared<const CubeMeshArtifact>(paths_[artifact]); });
 }
 
-RangeReads::RangeReads(CubeMeshes& meshes, const CubeLattice& cubes, const CubeRange& own)
-    : meshes_(meshes) {
+RangeReads::RangeReads(CubeMeshes& meshes, const CubeLattice& cubes, Material label,
+                       const CubeRange& own)
+    : meshes_(meshes), label_(label) {
   add_own(cubes, own);
-  if (!near_.empty()) add_others(own);
+  const bool all = own.begin == 0 && own.end == CubeRange{}.end;
+  if (!near_.empty() && !all) add_others(own);
 }
 
 void RangeReads::add(const PieceRead& read, const CubePieceRecord& piece) {
@@ -65,37 +86,30 @@ void RangeReads::add(const PieceRead& read, const CubePieceRecord& piece) {
 }
 
 void RangeReads::add_own(const CubeLattice& cubes, const CubeRange& own) {
-  const auto& entries = meshes_.entries();
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    const CubeMeshSummary& summary = entries[i].summary;
-    if (summary.pieces == 0 || summary.highest_code < own.begin || own.end <= summary.lowest_code)
-      continue;
-    const auto artifact = meshes_.open(i);
-    const auto pieces = artifact->pieces();
-    const auto code = [](const CubePieceRecord& piece) { return piece.code; };
-    auto piece = std::ranges::lower_bound(pieces, own.begin, {}, code);
-    for (; piece != pieces.end() && own.contains(piece->code); ++piece) {
-      add({i, static_cast<std::size_t>(piece - pieces.begin()), true}, *piece);
-      near_.push_back(cubes.box(morton_decode(piece->cube)));
-      if (piece->leaving.triangles > 0) near_.push_back(piece->leaving_box);
-    }
-  }
+  const CubeKey begin{label_, own.begin}, end{label_, own.end};
+  meshes_.spans().each(begin, end, [&](std::size_t i) {
+    each_piece_of(*meshes_.open(i), begin, end, [&](std::size_t p, const CubePieceRecord& piece) {
+      add({i, p, true}, piece);
+      near_.push_back(cubes.box(morton_decode(piece.cube)));
+      if (piece.leaving.triangles > 0) near_.push_back(piece.leaving_box);
+    });
+  });
 }
 
 void RangeReads::add_others(const CubeRange& own) {
   LatticeBox reach = near_.front();
   for (const LatticeBox& box : near_) reach.extend(box);
+  const CubeKey begin{label_, 0}, end{label_, CubeRange{}.end};
   const auto& entries = meshes_.entries();
-  for (std::size_t i = 0; i < entries.size(); ++i) {
+  meshes_.spans().each(begin, end, [&](std::size_t i) {
     const CubeMeshSummary& summary = entries[i].summary;
-    if (summary.leaving == 0 || !summary.leaving_box.meets(reach)) continue;
-    const auto artifact = meshes_.open(i);
-    const auto pieces = artifact->pieces();
-    for (std::size_t p = 0; p < pieces.size(); ++p)
-      if (!own.contains(pieces[p].code) && pieces[p].leaving.triangles > 0 &&
-          pieces[p].leaving_box.meets(reach) && meets_any(pieces[p].leaving_box, near_))
-        add({i, p, false}, pieces[p]);
-  }
+    if (summary.leaving == 0 || !summary.leaving_box.meets(reach)) return;
+    each_piece_of(*meshes_.open(i), begin, end, [&](std::size_t p, const CubePieceRecord& piece) {
+      if (!own.contains(piece.code) && piece.leaving.triangles > 0 &&
+          piece.leaving_box.meets(reach) && meets_any(piece.leaving_box, near_))
+        add({i, p, false}, piece);
+    });
+  });
 }
 
 void RangeReads::add_hashes(KeyHasher& key) const {
@@ -109,7 +123,7 @@ void RangeReads::add_hashes(KeyHasher& key) const {
 
 RefineMesh RangeReads::read(const std::function<void()>& between) const {
   MeshGather mesh;
-  mesh.reserve(all_.vertices, all_.triangles, all_.samples);
+  mesh.reserve(all_.vertices, all_.triangles, all_.samples, all_.sided);
   for (const PieceRead& read : pieces_) {
     between();
     const auto artifact = meshes_.open(read.artifact);
@@ -126,7 +140,8 @@ RefineMesh RangeReads::read(const std::function<void()>& between) const {
 }
 
 std::uint64_t part_bytes(const PartCounts& counts) {
-  return 2 * (counts.vertices * (12 + 8 + 12 + 12) + counts.triangles * 12 + counts.samples * 16);
+  return 2 * (counts.vertices * (12 + 8 + 12 + 12) + counts.triangles * 12 + counts.samples * 16 +
+              counts.sided * sizeof(MaterialPair));
 }
 
 }  // namespace voxweld

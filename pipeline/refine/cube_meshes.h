@@ -1,6 +1,7 @@
 // What a unit of refine, seams or retile reads: pieces of the meshes that the stage before left.
 #pragma once
 
+#include <algorithm>
 #include <mutex>
 #include <vector>
 
@@ -11,6 +12,39 @@
 #include "storage/support/hash.h"
 
 namespace voxweld {
+
+// Where the pieces of artifacts lie, which come in the order of their labels.
+class PieceSpans {
+ public:
+  // Of the next artifact.
+  void add(std::uint64_t pieces, const CubeKey& lowest, const CubeKey& highest);
+  // f(number) of each artifact that may have pieces from `begin` on and before `end`, ascending.
+  template <class F>
+  void each(const CubeKey& begin, const CubeKey& end, F&& f) const {
+    auto span = std::ranges::partition_point(
+        spans_, [&](const Span& other) { return other.highest_so_far < begin; });
+    for (; span != spans_.end() && (!span->any || span->lowest.label <= end.label); ++span)
+      if (span->any && begin <= span->highest && span->lowest < end)
+        f(static_cast<std::size_t>(span - spans_.begin()));
+  }
+
+ private:
+  struct Span {
+    bool any = false;
+    CubeKey lowest, highest, highest_so_far;
+  };
+  std::vector<Span> spans_;
+};
+
+// f(number, record) of the artifact's pieces from `begin` on and before `end`.
+template <class F>
+void each_piece_of(const CubeMeshArtifact& artifact, const CubeKey& begin, const CubeKey& end,
+                   F&& f) {
+  const auto pieces = artifact.pieces();
+  const auto first = std::ranges::lower_bound(pieces, begin, {}, &CubePieceRecord::key);
+  for (auto piece = first; piece != pieces.end() && piece->key() < end; ++piece)
+    f(static_cast<std::size_t>(piece - pieces.begin()), *piece);
+}
 
 // The artifacts of one stage. What of each is needed to find pieces is held, and read when it is
 // first asked for; some of the artifacts are held open. Thread-safe.
@@ -29,6 +63,12 @@ class CubeMeshes {
   const std::filesystem::path& path(std::size_t artifact) const { return paths_[artifact]; }
   // InputError where an artifact is missing.
   const std::vector<Entry>& entries();
+  const PieceSpans& spans() {
+    entries();
+    return spans_;
+  }
+  // Those with pieces there, ascending: from `first` on and before `end`.
+  std::vector<Material> labels(Material first, Material end);
   std::shared_ptr<const CubeMeshArtifact> open(std::size_t artifact);
 
  private:
@@ -38,6 +78,7 @@ class CubeMeshes {
   std::vector<std::filesystem::path> paths_;
   std::once_flag looked_;
   std::vector<Entry> entries_;
+  PieceSpans spans_;
   BoundedCache<CubeMeshArtifact> open_{most_open};
 };
 
@@ -47,14 +88,16 @@ struct PieceRead {
   bool whole = false;
 };
 
-// What refining the cubes of a range takes: the pieces at home there; and of all others those
-// triangles that leave their cube and meet one of the cubes with a piece, or the box around what
+// What refining the cubes of a range takes, of one label: the pieces at home there; and of all
+// others of that label those triangles that leave their cube and meet one of the cubes with a piece, or the box around what
 // leaves such a piece. No triangle that stays in a cube of others is near enough to matter:
 // refine_range looks at nothing that does not meet a cube of its own.
 class RangeReads {
  public:
-  RangeReads(CubeMeshes& meshes, const CubeLattice& cubes, const CubeRange& own);
+  // label: 0 of one surface.
+  RangeReads(CubeMeshes& meshes, const CubeLattice& cubes, Material label, const CubeRange& own);
 
+  Material label() const { return label_; }
   void add_hashes(KeyHasher& key) const;
   const PartCounts& own() const { return own_; }  // of the pieces at home
   const PartCounts& all() const { return all_; }  // and others', at most
@@ -68,6 +111,7 @@ class RangeReads {
   void add(const PieceRead& read, const CubePieceRecord& piece);
 
   CubeMeshes& meshes_;
+  Material label_;
   std::vector<PieceRead> pieces_;
   std::vector<LatticeBox> near_;
   PartCounts own_, all_;

@@ -5,15 +5,14 @@
 
 #include "pipeline/stage/artifacts.h"
 #include "pipeline/stage/stage_work.h"
-#include "stages/refine/cube_ranges.h"
 
 namespace voxweld {
 
 // What the work refers to, and outlives it.
 struct RefineInputs {
   const RefineJob& job;
-  const std::vector<PlannedRange>& ranges;  // the units
-  Stage maker = Stage::stitch;              // of what it reads
+  const std::vector<RefineUnit>& units;
+  Stage maker = Stage::stitch;  // of what it reads; of refine the units are the same
   std::vector<std::filesystem::path> meshes;
   std::uint64_t tile_vertices = 0;  // for messages
 };
@@ -22,8 +21,8 @@ std::unique_ptr<StageWork> refine_stage(RefineInputs inputs);
 
 // Where the stage leaves its meshes, in the order of its units.
 std::vector<std::filesystem::path> refined_meshes(const RefineJob& job,
-                                                  const std::vector<PlannedRange>& ranges);
+                                                  const std::vector<RefineUnit>& units);
 // The sum over all of them.
-RefineCounts refine_counts(const RefineJob& job, const std::vector<PlannedRange>& ranges);
+RefineCounts refine_counts(const RefineJob& job, const std::vector<RefineUnit>& units);
 
 }  // namespace voxweld

@@ -16,27 +16,31 @@ namespace {
 struct TilePieces {
   std::vector<PieceRead> pieces;
   std::uint64_t largest_part = 0;
+  bool sided = false;  // their triangles have sides
 };
 
 class RetileStage final : public StageWork {
  public:
   RetileStage(const RetileJob& job, CubeMeshes& meshes, RetilePlan& plan)
-      : job_(job), meshes_(meshes), plan_(plan), blocks_(tile_blocks(job.frame)) {}
+      : job_(job), meshes_(meshes), plan_(plan), blocks_(tile_blocks(job.frame)) {
+    for (const PlanSource& source : plan.sources())
+      spans_.add(source.pieces, source.lowest, source.highest);
+  }
 
   Stage stage() const override { return Stage::retile; }
-  std::string noun() const override { return "tiles"; }
+  std::string noun() const override { return plan_.units().of_labels() ? "batches" : "tiles"; }
   std::string identity() const override { return job_.folder.filename().string(); }
   std::uint64_t size() const override { return plan_.units().size(); }
   std::vector<Unit> units(std::span<const std::uint64_t> numbers) const override {
     std::vector<Unit> units;
     for (const std::uint64_t number : numbers)
       units.push_back({number, plan_.units().name(number),
-                       static_cast<double>(plan_.tiles()[number].polygons)});
+                       static_cast<double>(plan_.units().total(number).polygons)});
     return units;
   }
   bool done(std::uint64_t unit) override {
     const std::filesystem::path path = path_of(unit);
-    return is_current(path, [&] { return TileArtifact(path).key() == key(unit, pieces_of(unit)); });
+    return is_current(path, [&] { return TileArtifact(path).key() == key(unit); });
   }
   StageLook look(const UnitSelection& selection) override {
     StageLook look = StageWork::look(selection);
@@ -50,41 +54,58 @@ class RetileStage final : public StageWork {
             "raise run.memory or lower output.tile_vertices"};
   }
   std::uint64_t bytes(std::uint64_t unit) override {
-    const PlannedTile& tile = plan_.tiles()[unit];
-    // A tile also refers to vertices beyond its border.
-    const std::uint64_t vertices = tile.vertices + tile.vertices / 4 + 1024;
-    return gather_bytes(vertices, 2 * tile.polygons, 0) +
-           retile_bytes(vertices, 2 * tile.polygons) + pieces_of(unit).largest_part;
+    std::uint64_t most = 0;
+    for (const RefinedTile& refined : plan_.tiles(unit)) {
+      const PlannedTile& tile = refined.tile;
+      const TilePieces found = pieces_of(refined);
+      // A tile also refers to vertices beyond its border.
+      const std::uint64_t vertices = tile.vertices + tile.vertices / 4 + 1024;
+      const std::uint64_t triangles = 2 * tile.polygons, sided = found.sided ? triangles : 0;
+      most = std::max(most, gather_bytes(vertices, triangles, 0, sided) +
+                                retile_bytes(vertices, triangles, sided) + found.largest_part);
+    }
+    return most;
   }
   void open(RunContext&, const StageLook&) override {
     if (!plan_.on_disk()) plan_.write();
   }
   void run(const Unit& unit, WorkerContext& worker) override {
-    const CellKey tile = plan_.tiles()[unit.key].key();
-    const TilePieces found = pieces_of(unit.key);
+    const std::vector<RefinedTile> tiles = plan_.tiles(unit.key);
+    if (!plan_.units().of_labels()) {
+      write_tile(path_of(unit.key), key(unit.key), mesh_of(tiles.front(), worker));
+      return;
+    }
+    LabelTilesWriter out(path_of(unit.key), key(unit.key));
+    for (const RefinedTile& tile : tiles) out.add(tile.label, mesh_of(tile, worker));
+    out.finish();
+  }
+
+ private:
+  std::filesystem::path path_of(std::uint64_t unit) const {
+    return tile_artifact_path(job_.folder, plan_.units(), unit);
+  }
+
+  TileMesh mesh_of(const RefinedTile& refined, const WorkerContext& worker) {
+    const PlannedTile& planned = refined.tile;
     MeshGather mesh;
-    const PlannedTile& planned = plan_.tiles()[unit.key];
-    mesh.reserve(planned.vertices, 2 * planned.polygons, 0);
+    const TilePieces found = pieces_of(refined);
+    mesh.reserve(planned.vertices, 2 * planned.polygons, 0, found.sided ? 2 * planned.polygons : 0);
     for (const PieceRead& piece : found.pieces) {
       worker.check_interrupt();
       const auto artifact = open_planned(piece.artifact);
       for (const CubePart part : {CubePart::inside, CubePart::leaving}) {
         RefineMesh triangles = artifact->read(piece.piece, part);
         triangles.samples.clear();
-        mesh.add(triangles, [&](std::size_t t) { return belongs_to(triangles, t, blocks_, tile); });
+        mesh.add(triangles,
+                 [&](std::size_t t) { return belongs_to(triangles, t, blocks_, planned.key()); });
       }
     }
-    TileMesh out = to_tile_mesh(mesh.mesh(), tile, job_.lattice, blocks_);
+    TileMesh out = to_tile_mesh(mesh.mesh(), planned.key(), job_.lattice, blocks_);
     if (!job_.normals) {
       out.normals.clear();
       out.corner_normals.clear();
     }
-    write_tile(path_of(unit.key), key(unit.key, found), out);
-  }
-
- private:
-  std::filesystem::path path_of(std::uint64_t unit) const {
-    return tile_artifact_path(job_.folder, plan_.units(), unit);
+    return out;
   }
 
   std::shared_ptr<const CubeMeshArtifact> open_planned(std::size_t artifact) {
@@ -95,36 +116,34 @@ class RetileStage final : public StageWork {
     return file;
   }
 
-  TilePieces pieces_of(std::uint64_t unit) {
-    const PlannedTile& tile = plan_.tiles()[unit];
+  TilePieces pieces_of(const RefinedTile& refined) {
+    const PlannedTile& tile = refined.tile;
     constexpr int bits = 3 * refine_cube_level;
-    const std::uint64_t begin = tile.code >> bits,
-                        end =
-                            ((tile.code + (std::uint64_t{1} << (3 * tile.level)) - 1) >> bits) + 1;
+    const std::uint64_t last = tile.code + (std::uint64_t{1} << (3 * tile.level)) - 1;
+    const CubeKey begin{refined.label, tile.code >> bits}, end{refined.label, (last >> bits) + 1};
     TilePieces found;
-    for (std::size_t i = 0; i < plan_.sources().size(); ++i) {
-      const PlanSource& source = plan_.sources()[i];
-      if (source.pieces == 0 || source.highest_code < begin || end <= source.lowest_code) continue;
-      const auto artifact = open_planned(i);
-      const auto pieces = artifact->pieces();
-      for (std::size_t p = 0; p < pieces.size(); ++p) {
-        if (pieces[p].code < begin || end <= pieces[p].code) continue;
+    spans_.each(begin, end, [&](std::size_t i) {
+      each_piece_of(*open_planned(i), begin, end, [&](std::size_t p, const CubePieceRecord& piece) {
         found.pieces.push_back({i, p, true});
-        found.largest_part = std::max(
-            {found.largest_part, part_bytes(pieces[p].inside), part_bytes(pieces[p].leaving)});
-      }
-    }
+        found.sided = found.sided || piece.inside.sided + piece.leaving.sided > 0;
+        found.largest_part =
+            std::max({found.largest_part, part_bytes(piece.inside), part_bytes(piece.leaving)});
+      });
+    });
     return found;
   }
 
-  Hash128 key(std::uint64_t unit, const TilePieces& found) {
-    const PlannedTile& tile = plan_.tiles()[unit];
+  Hash128 key(std::uint64_t unit) {
     KeyHasher key;
-    key.hash(job_.key).integer(static_cast<std::int64_t>(tile.code)).integer(tile.level);
-    for (const PieceRead& piece : found.pieces) {
-      const auto artifact = open_planned(piece.artifact);
-      for (const CubePart part : {CubePart::inside, CubePart::leaving})
-        key.hash(artifact->part_hash(piece.piece, part));
+    key.hash(job_.key);
+    for (const RefinedTile& refined : plan_.tiles(unit)) {
+      if (plan_.units().of_labels()) key.integer(static_cast<std::int64_t>(refined.label));
+      key.integer(static_cast<std::int64_t>(refined.tile.code)).integer(refined.tile.level);
+      for (const PieceRead& piece : pieces_of(refined).pieces) {
+        const auto artifact = open_planned(piece.artifact);
+        for (const CubePart part : {CubePart::inside, CubePart::leaving})
+          key.hash(artifact->part_hash(piece.piece, part));
+      }
     }
     return key.finish();
   }
@@ -132,6 +151,7 @@ class RetileStage final : public StageWork {
   const RetileJob& job_;
   CubeMeshes& meshes_;
   RetilePlan& plan_;
+  PieceSpans spans_;  // of what is planned
   CubeLattice blocks_;
 };
 

@@ -51,20 +51,21 @@ std::unique_ptr<StageWork> Stages::make(Stage stage) {
 std::unique_ptr<StageWork> Stages::make_refine(Stage stage) {
   const std::uint64_t tile_vertices = jobs_.merge().tile_vertices;
   if (stage == Stage::seams)
-    return refine_stage({jobs_.seams(), ranges(), Stage::refine,
-                         refined_meshes(jobs_.refine(), ranges()), tile_vertices});
+    return refine_stage({jobs_.seams(), refine_units(), Stage::refine,
+                         refined_meshes(jobs_.refine(), refine_units()), tile_vertices});
   std::vector<std::filesystem::path> stitched;
   for (std::uint64_t unit = 0; unit < merged_plan().size(); ++unit)
     stitched.push_back(stitch_artifact_path(jobs_.stitch(), merged_plan(), unit));
   return refine_stage(
-      {jobs_.refine(), ranges(), Stage::stitch, std::move(stitched), tile_vertices});
+      {jobs_.refine(), refine_units(), Stage::stitch, std::move(stitched), tile_vertices});
 }
 
 Manifest Stages::manifest() {
   check_input();
   std::optional<RefineFigures> figures;
   if (refines(context_.config))
-    figures = {refine_counts(jobs_.refine(), ranges()), refine_counts(jobs_.seams(), ranges())};
+    figures = {refine_counts(jobs_.refine(), refine_units()),
+               refine_counts(jobs_.seams(), refine_units())};
   return make_manifest(context_, jobs_, top(), figures);
 }
 
@@ -96,19 +97,21 @@ const UnitPlan& Stages::plan() {
   return refines(context_.config) ? retile_plan().units() : merged_plan();
 }
 
-const std::vector<PlannedRange>& Stages::ranges() {
-  if (!ranges_) ranges_ = cube_ranges(top().tiles());
-  return *ranges_;
+const std::vector<RefineUnit>& Stages::refine_units() {
+  if (!refine_units_) refine_units_ = voxweld::refine_units(top(), context_.config.labels.mode);
+  return *refine_units_;
 }
 
 CubeMeshes& Stages::refined() {
-  if (!refined_) refined_.emplace(Stage::seams, refined_meshes(jobs_.seams(), ranges()));
+  if (!refined_) refined_.emplace(Stage::seams, refined_meshes(jobs_.seams(), refine_units()));
   return *refined_;
 }
 
 RetilePlan& Stages::retile_plan() {
   const bool one_of_many = context_.inputs_checked || !context_.selection.all();
-  if (!retile_plan_) retile_plan_.emplace(jobs_.retile(), refined(), one_of_many);
+  if (retile_plan_ == nullptr)
+    retile_plan_ = voxweld::retile_plan(
+        {jobs_.retile(), refined(), top(), context_.config.labels.mode}, one_of_many);
   return *retile_plan_;
 }
 

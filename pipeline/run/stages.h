@@ -9,7 +9,6 @@
 #include "pipeline/run/jobs.h"
 #include "pipeline/stage/stage_work.h"
 #include "pipeline/stage/unit_plan.h"
-#include "stages/refine/cube_ranges.h"
 #include "storage/artifact/top_artifact.h"
 
 namespace voxweld {
@@ -38,7 +37,7 @@ class Stages {
  private:
   std::unique_ptr<StageWork> make(Stage stage);
   std::unique_ptr<StageWork> make_refine(Stage stage);
-  const std::vector<PlannedRange>& ranges();
+  const std::vector<RefineUnit>& refine_units();
   // What seams left, and the tiles planned of it.
   CubeMeshes& refined();
   RetilePlan& retile_plan();
@@ -49,9 +48,9 @@ class Stages {
   bool volume_is_open_ = false;
   std::optional<TopArtifact> top_;
   std::unique_ptr<UnitPlan> plan_;
-  std::optional<std::vector<PlannedRange>> ranges_;
+  std::optional<std::vector<RefineUnit>> refine_units_;
   std::optional<CubeMeshes> refined_;
-  std::optional<RetilePlan> retile_plan_;
+  std::unique_ptr<RetilePlan> retile_plan_;
   std::array<std::unique_ptr<StageWork>, all_stages.size()> works_;
 };
 

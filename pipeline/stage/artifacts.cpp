@@ -183,9 +183,13 @@ std::filesystem::path stitch_artifact_path(const StitchJob& job, const UnitPlan&
   return plan.path(job.folder, unit, job.cubes ? ".cubes" : ".tile");
 }
 
-std::filesystem::path range_artifact_path(const RefineJob& job, const CubeRange& range) {
-  const Index3 first = morton_decode(range.begin);
-  return fanned_out(job.folder, first, grid_name(first, ".cubes"));
+std::filesystem::path refine_artifact_path(const RefineJob& job, const RefineUnit& unit) {
+  const Index3 first = morton_decode(unit.range.cubes.begin);
+  const std::string range = grid_name(first, ".cubes");
+  if (!unit.of_labels()) return fanned_out(job.folder, first, range);
+  const std::filesystem::path folder = label_folder(job.folder, unit.first_label);
+  const std::string label = std::to_string(unit.first_label);
+  return unit.whole ? folder / (label + ".cubes") : fanned_out(folder / label, first, range);
 }
 
 std::filesystem::path tile_artifact_path(const std::filesystem::path& folder, const UnitPlan& plan,

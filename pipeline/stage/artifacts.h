@@ -6,7 +6,7 @@
 //   <work>/stitch-<hash>/.../<tile>.tile
 //   and where the mesh is refined
 //   <work>/stitch-<hash>/.../<tile>.cubes
-//   <work>/refine-<hash>/.../<first cube of the range>.cubes, seams-<hash>/ alike
+//   <work>/refine-<hash>/.../<first cube of the range, or label>.cubes, seams-<hash>/ alike
 //   <work>/retile-<hash>/tile.plan, .../<tile>.tile
 //   <work>/encode-<hash>/.../<tile>.record, merged.record
 //
@@ -18,6 +18,7 @@
 #include <filesystem>
 #include <string>
 
+#include "pipeline/stage/refine_units.h"
 #include "pipeline/stage/stage_jobs.h"
 #include "pipeline/stage/unit_plan.h"
 #include "stages/solids/solid.h"
@@ -64,7 +65,7 @@ Bounds shard_bounds(const BuildJob& job, Index3 shard);
 // What stitch makes of a unit: the tile's mesh as it is encoded, or sorted by cubes.
 std::filesystem::path stitch_artifact_path(const StitchJob& job, const UnitPlan& plan,
                                            std::uint64_t unit);
-std::filesystem::path range_artifact_path(const RefineJob& job, const CubeRange& range);
+std::filesystem::path refine_artifact_path(const RefineJob& job, const RefineUnit& unit);
 // What encode takes, in the folder of the stage that made it.
 std::filesystem::path tile_artifact_path(const std::filesystem::path& folder, const UnitPlan& plan,
                                          std::uint64_t unit);

@@ -4,14 +4,15 @@
 
 namespace voxweld {
 
-void write_cube_mesh(const std::filesystem::path& path, Hash128 key, const RefineMesh& mesh,
-                     const CubeLattice& cubes, const RefineCounts& counts,
-                     std::span<const CubeCount> blocks) {
-  CubeMeshWriter file(path, key);
+void add_pieces(CubeMeshWriter& file, Material label, const RefineMesh& mesh,
+                const CubeLattice& cubes) {
   each_piece(mesh, cubes, [&](const CubePiece& piece) {
-    file.piece(piece.code, piece.cube, piece.inside, piece.leaving);
+    file.piece({label, piece.code}, piece.cube, piece.inside, piece.leaving);
   });
-  file.finish(as_record(counts), blocks);
+}
+
+Hash128 finish_stitched(CubeMeshWriter& file) {
+  return file.finish(as_record(RefineCounts{}), {}, {});
 }
 
 }  // namespace voxweld

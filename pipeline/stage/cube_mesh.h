@@ -8,9 +8,11 @@
 
 namespace voxweld {
 
-// cubes: those of the step that will read it.
-void write_cube_mesh(const std::filesystem::path& path, Hash128 key, const RefineMesh& mesh,
-                     const CubeLattice& cubes, const RefineCounts& counts = {},
-                     std::span<const CubeCount> blocks = {});
+// One more surface, or a part of one. Labels ascend. cubes: those of the step that will read it.
+void add_pieces(CubeMeshWriter& file, Material label, const RefineMesh& mesh,
+                const CubeLattice& cubes);
+
+// As stitch leaves it, which has refined nothing.
+Hash128 finish_stitched(CubeMeshWriter& file);
 
 }  // namespace voxweld

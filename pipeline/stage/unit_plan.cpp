@@ -48,7 +48,8 @@ class TilePlan : public UnitPlan {
 
 class BatchPlan : public UnitPlan {
  public:
-  explicit BatchPlan(const TopArtifact& top) : top_(top), batches_(top_.batches()) {}
+  BatchPlan(const ArtifactReader& file, bool refined)
+      : top_(file), refined_(refined), batches_(top_.batches()) {}
 
   std::uint64_t size() const override { return batches_.size(); }
   std::string name(std::uint64_t unit) const override {
@@ -83,7 +84,7 @@ class BatchPlan : public UnitPlan {
     };
     if (of_several(batch))
       return {{tile_stem(stem(batch.material), batch.tile(), batch.surface_tiles).string(),
-               batch.vertices}};
+               counted_in(batch)}};
     std::vector<PlannedMesh> meshes;
     for (const SurfaceRecord& surface : top_.surfaces(batch.first_surface, batch.surfaces))
       meshes.push_back({stem(surface.material).string(), surface.vertices});
@@ -96,7 +97,16 @@ class BatchPlan : public UnitPlan {
 
  private:
   static bool of_several(const BatchRecord& batch) { return batch.surface_tiles > 1; }
+  // Of a label of several tiles. How many vertices of a refined mesh lie in which of them nobody
+  // knows.
+  std::uint64_t counted_in(const BatchRecord& batch) const {
+    if (!refined_) return batch.vertices;
+    const SurfaceRecord surface = top_.surfaces(batch.first_surface, 1).front();
+    return batch.first_tile == surface.first_tile ? surface.vertices : 0;
+  }
+
   LabelTop top_;
+  bool refined_;
   std::vector<BatchRecord> batches_;
 };
 
@@ -124,8 +134,12 @@ std::vector<PlannedTile> UnitPlan::largest_tiles() const {
 }
 
 std::unique_ptr<UnitPlan> unit_plan(const TopArtifact& top, LabelMode mode) {
-  if (mode == LabelMode::each) return std::make_unique<BatchPlan>(top);
+  if (mode == LabelMode::each) return std::make_unique<BatchPlan>(top.file(), false);
   return unit_plan(top.tiles());
+}
+
+std::unique_ptr<UnitPlan> unit_plan(const TilePlanArtifact& plan) {
+  return std::make_unique<BatchPlan>(plan.file(), true);
 }
 
 std::unique_ptr<UnitPlan> unit_plan(std::vector<PlannedTile> tiles) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "storage/artifact/tile_plan_artifact.h"
 #include "storage/artifact/top_artifact.h"
 #include "storage/types/material.h"
 
@@ -16,7 +17,9 @@ namespace voxweld {
 
 struct PlannedMesh {
   std::string stem;  // of its files: relative to the output directory, without their endings
-  std::uint64_t vertices = 0;  // of the octree that lie in its tile
+  // Of the octree that lie in its tile; of a label's refined tiles the first has all. So the sum is
+  // the label's.
+  std::uint64_t vertices = 0;
 };
 
 class UnitPlan {
@@ -45,6 +48,9 @@ class UnitPlan {
 
 // mode: of the run that made the top tree, which the plan refers to.
 std::unique_ptr<UnitPlan> unit_plan(const TopArtifact& top, LabelMode mode);
+
+// Of refined labels. The plan refers to it.
+std::unique_ptr<UnitPlan> unit_plan(const TilePlanArtifact& plan);
 
 // Of one surface, a unit a tile.
 std::unique_ptr<UnitPlan> unit_plan(std::vector<PlannedTile> tiles);

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <optional>
 
+#include "pipeline/stage/cube_mesh.h"
 #include "pipeline/stitch/tile_inputs.h"
+#include "stages/refine/retile.h"
 #include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
 #include "storage/artifact/tile_artifact.h"
@@ -63,7 +65,9 @@ class LabelPieces : public ReadPieces {
 class LabelStitch : public StitchWork {
  public:
   LabelStitch(const StitchJob& job, const TopArtifact& top)
-      : job_(job), top_(top), batches_(top_.batches()), files_(*job.build, top) {}
+      : StitchWork(job), top_(top), batches_(top_.batches()), files_(*job.build, top) {
+    if (job.cubes) cubes_.emplace(*job.cubes, 0);
+  }
 
   // Merge has looked at all it reads.
   Hash128 key(std::uint64_t unit) override {
@@ -75,13 +79,24 @@ class LabelStitch : public StitchWork {
   }
   void run(std::uint64_t unit, const std::filesystem::path& path, StitchScratch& scratch,
            WorkerContext& worker) override {
-    const BatchRecord& batch = batches_[unit];
-    const auto surfaces = top_.surfaces(batch.first_surface, batch.surfaces);
-    const auto tiles = top_.tiles(batch.first_tile, batch.tiles);
-    LabelTilesWriter out(path, key(unit));
-    for (std::size_t i = 0; i < tiles.size(); ++i)
-      out.add(surfaces[i].material, stitched(surfaces[i], tiles[i], scratch, worker));
-    out.finish();
+    const auto each_mesh = [&](auto&& f) {
+      const BatchRecord& batch = batches_[unit];
+      const auto surfaces = top_.surfaces(batch.first_surface, batch.surfaces);
+      const auto tiles = top_.tiles(batch.first_tile, batch.tiles);
+      for (std::size_t i = 0; i < tiles.size(); ++i)
+        f(surfaces[i].material, stitched(surfaces[i], tiles[i], scratch, worker));
+    };
+    if (!cubes_) {
+      LabelTilesWriter out(path, key(unit));
+      each_mesh([&](Material label, const TileMesh& mesh) { out.add(label, mesh); });
+      out.finish();
+      return;
+    }
+    CubeMeshWriter out(path, key(unit));
+    each_mesh([&](Material label, TileMesh mesh) {
+      add_pieces(out, label, to_refine_mesh(std::move(mesh)), *cubes_);
+    });
+    finish_stitched(out);
   }
 
  private:
@@ -121,10 +136,10 @@ class LabelStitch : public StitchWork {
     });
   }
 
-  const StitchJob& job_;
   LabelTop top_;
   std::vector<BatchRecord> batches_;
   LabelShardFiles files_;
+  std::optional<CubeLattice> cubes_;  // where the meshes are refined
 };
 
 }  // namespace

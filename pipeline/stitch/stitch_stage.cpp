@@ -56,8 +56,12 @@ class StitchStage final : public StageWork {
   std::uint64_t bytes(std::uint64_t unit) override {
     const PlannedTile tile = plan_.largest(unit);
     const std::uint64_t vertices = tile.vertices + tile.vertices / 4;
+    const std::uint64_t triangles = 2 * tile.polygons;
+    const std::uint64_t sided =
+        job_.build->parameters.labels.mode == LabelMode::shared ? triangles : 0;
     return stitch_bytes(vertices, tile.polygons) +
-           (job_.cubes ? piece_bytes(vertices, 2 * tile.polygons) : 0);
+           (job_.cubes ? piece_bytes(vertices, triangles, sided) + sided * sizeof(MaterialPair)
+                       : 0);
   }
   void begin(RunContext&, std::span<const std::uint64_t>, int threads) override {
     scratch_ = std::vector<StitchScratch>(static_cast<std::size_t>(threads));

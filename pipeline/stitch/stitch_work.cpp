@@ -34,7 +34,7 @@ class SurfacePieces : public ReadPieces {
 class TileStitch : public StitchWork {
  public:
   TileStitch(const StitchJob& job, const TopArtifact& top)
-      : job_(job), top_(top), tiles_(top.tiles()), files_(*job.build, top) {}
+      : StitchWork(job), top_(top), tiles_(top.tiles()), files_(*job.build, top) {}
 
   Hash128 key(std::uint64_t unit) override { return prepare(unit).key; }
   std::uint64_t brick_bytes(std::uint64_t unit) override {
@@ -45,14 +45,13 @@ class TileStitch : public StitchWork {
     const Inputs inputs = prepare(unit);
     SurfacePieces pieces(files_, scratch, worker);
     TileMesh mesh = stitch_tile(tiles_[unit], job_.parameters, inputs.bricks, inputs.above, pieces);
-    if (job_.cubes)
-      write_cube_mesh(path, inputs.key, to_refine_mesh(std::move(mesh)),
-                      CubeLattice(*job_.cubes, 0));
-    else
+    if (!job_.cubes) {
       write_tile(path, inputs.key, mesh);
-  }
-  Hash128 key_of(const std::filesystem::path& path) const override {
-    return job_.cubes ? CubeMeshArtifact(path).key() : StitchWork::key_of(path);
+      return;
+    }
+    CubeMeshWriter out(path, inputs.key);
+    add_pieces(out, 0, to_refine_mesh(std::move(mesh)), CubeLattice(*job_.cubes, 0));
+    finish_stitched(out);
   }
 
  private:
@@ -71,7 +70,6 @@ class TileStitch : public StitchWork {
     return inputs;
   }
 
-  const StitchJob& job_;
   const TopArtifact& top_;
   std::vector<PlannedTile> tiles_;
   ShardFiles files_;
@@ -80,7 +78,7 @@ class TileStitch : public StitchWork {
 }  // namespace
 
 Hash128 StitchWork::key_of(const std::filesystem::path& path) const {
-  return TileArtifact(path).key();
+  return job_.cubes ? CubeMeshArtifact(path).key() : TileArtifact(path).key();
 }
 
 const BrickOctree& ReadPieces::brick(const CellKey& key) {

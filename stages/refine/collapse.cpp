@@ -102,12 +102,12 @@ class Collapser {
 
 Collapser::Candidates Collapser::candidates(const EdgeEnds& ends) const {
   Candidates out;
-  const auto [gone, keep] = ends;
+  const auto [gone, keep, stays] = ends;
   Quadric q = quadrics_[gone];
   q += quadrics_[keep];
   const LatticePoint &a = mesh_.position(gone), &b = mesh_.position(keep);
   const auto add = [&](const LatticePoint& p) { out.add({q.distance(local(p)), p}); };
-  if (mesh_.freedom(keep) != Freedom::free) {
+  if (stays) {
     add(b);
     return out;
   }
@@ -166,8 +166,7 @@ bool Collapser::has_normals_for(std::uint32_t anchor) const {
     const double length = std::sqrt(dot(n, n));
     const double least =
         length > 2 * large_triangle * cell * cell ? flat_cosine : double{cluster_cosine};
-    return dot(nearest_cluster(*normals, n, NormalSense::outward).of(*normals), n) >=
-           least * length;
+    return dot(nearest_cluster(*normals, n, mesh_.sense()).of(*normals), n) >= least * length;
   });
 }
 
@@ -191,13 +190,12 @@ void Collapser::set_normals(std::uint32_t gone, std::uint32_t keep, const Lattic
   if (!(most > 0)) return;
   add(near_gone >= near_keep ? gone : keep, 1);
   add(near_gone >= near_keep ? keep : gone, std::min(near_gone, near_keep) / most);
-  mesh_.set_normals(keep,
-                    pack_clusters(cluster_normals({sums.data(), count}, NormalSense::outward)));
+  mesh_.set_normals(keep, pack_clusters(cluster_normals({sums.data(), count}, mesh_.sense())));
 }
 
 void Collapser::try_edge(std::uint32_t u, std::uint32_t v) {
   const EdgeEnds ends = *moves_.ends(u, v);  // or it would not have been pushed
-  const auto [gone, keep] = ends;
+  const auto [gone, keep, stays] = ends;
   if (!moves_.linked(gone, keep)) return;
   const Candidates candidates_here = candidates(ends);
   for (std::size_t i = 0; i < candidates_here.count; ++i) {

@@ -4,8 +4,6 @@ namespace voxweld {
 
 namespace {
 
-constexpr std::size_t enough = 32;  // ranges, for all processors to have some
-
 // Each in eight, where there are cubes of refine in it.
 std::vector<PlannedTile> cut(const std::vector<PlannedTile>& tiles) {
   std::vector<PlannedTile> parts;
@@ -28,7 +26,7 @@ std::vector<PlannedTile> cut(const std::vector<PlannedTile>& tiles) {
 
 }  // namespace
 
-std::vector<PlannedRange> cube_ranges(std::span<const PlannedTile> planned) {
+std::vector<PlannedRange> cube_ranges(std::span<const PlannedTile> planned, std::size_t enough) {
   std::vector<PlannedTile> tiles(planned.begin(), planned.end());
   while (!tiles.empty() && tiles.size() < enough) {
     std::vector<PlannedTile> parts = cut(tiles);

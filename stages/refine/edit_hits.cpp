@@ -58,7 +58,9 @@ void EditMesh::gather_umbrella(std::uint32_t v, const Change* change) {
   });
 }
 
-bool EditMesh::is_proper_umbrella() const {
+bool EditMesh::is_proper_umbrella(std::uint32_t v) const {
+  // Where several sheets meet, their shadows may lie on each other.
+  if (kinds_[v] != StarKind::disc) return false;
   // Along the axis in which they are largest together.
   std::array<double, 3> sums{};
   for (const Rib& rib : umbrella_)
@@ -90,7 +92,8 @@ bool EditMesh::clean(const Change& change) {
   for (const LatticeTriangle& t : change.shapes) all.extend(LatticeBox::around(t));
   near_.clear();
   grid_.each_near(all, [&](std::uint32_t t) {
-    if (boxes_[t].meets(all) && alive(t) && marks_[t] != mark_) near_.push_back(t);
+    const LatticeBox& box = boxes_[t];
+    if (box.meets(all) && alive(t) && marks_[t] != mark_) near_.push_back({box, t});
   });
   corners_near_.clear();
   for (const Corners& c : change.now) corners_near_.insert(corners_near_.end(), c.begin(), c.end());
@@ -98,7 +101,7 @@ bool EditMesh::clean(const Change& change) {
   corners_near_.erase(std::unique(corners_near_.begin(), corners_near_.end()), corners_near_.end());
   for (const std::uint32_t v : corners_near_) {
     gather_umbrella(v, &change);
-    if (is_proper_umbrella()) continue;
+    if (is_proper_umbrella(v)) continue;
     for (std::size_t i = 0; i < umbrella_.size() && umbrella_[i].triangle == none; ++i)
       for (std::size_t j = i + 1; j < umbrella_.size(); ++j)
         if (intersect_beyond_shared(umbrella_[i].shape, umbrella_[j].shape)) return false;
@@ -107,9 +110,9 @@ bool EditMesh::clean(const Change& change) {
     const LatticeTriangle& own = change.shapes[i];
     const LatticeBox box = LatticeBox::around(own);
     const Index3& normal = change.planes[i];
-    for (const std::uint32_t t : near_)
-      if (boxes_[t].meets(box) && !share_a_vertex(change.now[i], triangles_[t]) &&
-          !apart(t, own, normal))
+    for (const Near& near : near_)
+      if (near.box.meets(box) && !share_a_vertex(change.now[i], triangles_[near.triangle]) &&
+          !apart(near.triangle, own, normal))
         return false;
   }
   return true;
@@ -159,7 +162,7 @@ std::vector<std::uint32_t> EditMesh::find_intersecting() {
   for (std::uint32_t v = 0; v < vertices(); ++v) {
     if (!box_.contains(positions_[v])) continue;
     gather_umbrella(v, nullptr);
-    if (umbrella_.size() < 2 || is_proper_umbrella()) continue;
+    if (umbrella_.size() < 2 || is_proper_umbrella(v)) continue;
     for (std::size_t i = 0; i < umbrella_.size(); ++i)
       for (std::size_t j = i + 1; j < umbrella_.size(); ++j) {
         const std::uint32_t a = umbrella_[i].triangle, b = umbrella_[j].triangle;

@@ -36,17 +36,25 @@ double squared_distance(Vec3 a, Vec3 b, Vec3 c) {
   return height * height / dot(n, n);
 }
 
-}  // namespace
-
-Nearest nearest_triangle(const LatticePoint& point, std::span<const LatticeTriangle> triangles) {
+// Of those for which takes(number) holds; infinitely far where there is none.
+template <class Takes>
+Nearest nearest_among(const LatticePoint& point, std::span<const LatticeTriangle> triangles,
+                      Takes&& takes) {
   Nearest best{std::numeric_limits<double>::infinity(), 0};
   for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (!takes(i)) continue;
     const LatticeTriangle& t = triangles[i];
     const double d =
         squared_distance(offset(point, t[0]), offset(point, t[1]), offset(point, t[2]));
     if (d < best.squared) best = {d, i};
   }
   return best;
+}
+
+}  // namespace
+
+Nearest nearest_triangle(const LatticePoint& point, std::span<const LatticeTriangle> triangles) {
+  return nearest_among(point, triangles, [](std::size_t) { return true; });
 }
 
 EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box)
@@ -77,6 +85,7 @@ EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box)
   marks_.assign(m, 0);
   sample_heads_.assign(m, none);
   triangles_.resize(m);
+  sides_.resize(mesh.sides.size());
   boxes_.resize(m);
   planes_.resize(m);
   movable_.resize(m);
@@ -84,6 +93,7 @@ EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box)
   for (std::uint32_t t = m; t-- > 0;) {  // backwards, so that lists ascend
     triangles_[t] = sorted[t].first;
     place[sorted[t].second] = t;
+    if (!sides_.empty()) sides_[t] = mesh.sides[sorted[t].second];
     link(t);
     const LatticeTriangle s = shape(t);
     set_shape(t, s, exact_normal(s[0], s[1], s[2]));
@@ -99,8 +109,9 @@ EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box)
     sample_heads_[t] = static_cast<std::uint32_t>(samples_.size());
     samples_.push_back(point);
   }
-  freedom_.resize(n);
-  for (std::uint32_t v = 0; v < n; ++v) freedom_[v] = find_freedom(v);
+  freedom_.resize(n, Freedom::fixed);
+  kinds_.resize(n, StarKind::point);
+  for (std::uint32_t v = 0; v < n; ++v) find_freedom(v);
 }
 
 void EditMesh::set_shape(std::uint32_t t, const LatticeTriangle& shape, const Index3& plane) {
@@ -125,51 +136,59 @@ void EditMesh::unlink(std::uint32_t t) {
   }
 }
 
-// A vertex of a closed 2-manifold: its triangles are one ring around it.
-Freedom EditMesh::find_freedom(std::uint32_t v) const {
-  if (!box_.contains(positions_[v])) return Freedom::fixed;
-  std::vector<std::array<std::uint32_t, 2>> edges;  // opposite to v, in the triangles' direction
+void EditMesh::find_freedom(std::uint32_t v) {
+  if (!box_.contains(positions_[v])) return;
+  std::vector<LinkEdge> link;
   bool all_inside = true;
   each_around(v, [&](std::uint32_t t) {
     const Corners& c = triangles_[t];
     const std::size_t k = corner_of(c, v);
-    edges.push_back({c[(k + 1) % 3], c[(k + 2) % 3]});
+    link.push_back({c[(k + 1) % 3], c[(k + 2) % 3], sides(t)});
     all_inside = all_inside && movable(t);
   });
-  if (edges.size() < 3) return Freedom::fixed;
-  const std::uint32_t first = edges[0][0];
-  std::uint32_t at = first;
-  for (std::size_t count = 1; count <= edges.size(); ++count) {
-    std::size_t matches = 0;
-    std::uint32_t to = none;
-    for (const auto& edge : edges)
-      if (edge[0] == at) {
-        ++matches;
-        to = edge[1];
-      }
-    if (matches != 1) return Freedom::fixed;
-    at = to;
-    if (at == first) {
-      if (count != edges.size()) return Freedom::fixed;
-      return all_inside ? Freedom::free : Freedom::anchor;
-    }
+  kinds_[v] = kind_of_star(link);
+  // Of one surface, where borders end it.
+  if (kinds_[v] == StarKind::point && sides_.empty()) return;
+  freedom_[v] = all_inside ? Freedom::free : Freedom::anchor;
+}
+
+void EditMesh::note_left(const Change& change, const Step& step) {
+  left_.clear();
+  if (step.gone != none) note_left(change, step.gone);
+  if (step.leaves_sample && step.moved != none && positions_[step.moved] != step.to)
+    note_left(change, step.moved);
+}
+
+void EditMesh::note_left(const Change& change, std::uint32_t v) {
+  const auto first = static_cast<std::ptrdiff_t>(left_.size());
+  for (const std::uint32_t t : change.old) {
+    if (!uses(triangles_[t], v)) continue;
+    left_.push_back({positions_[v], sides(t)});
+    if (kinds_[v] == StarKind::disc) return;
   }
-  return Freedom::fixed;
+  std::sort(left_.begin() + first, left_.end(),
+            [](const Left& a, const Left& b) { return a.sides < b.sides; });
+  left_.erase(std::unique(left_.begin() + first, left_.end(),
+                          [](const Left& a, const Left& b) { return a.sides == b.sides; }),
+              left_.end());
 }
 
 bool EditMesh::keeps_samples(const Change& change, const Step& step, double most) {
   const double limit = most * most;
   places_.clear();
-  bool near = true;
-  each_left(step, [&](const LatticePoint& p) {
-    const Nearest now = nearest_triangle(p, change.shapes);
-    near = near && now.squared <= limit;
+  note_left(change, step);
+  const auto nearest = [&](const LatticePoint& point, const MaterialPair& of) {
+    return nearest_among(point, change.shapes,
+                         [&](std::size_t i) { return sides(change.old[i]) == of; });
+  };
+  for (const Left& left : left_) {
+    const Nearest now = nearest(left.place, left.sides);
+    if (now.squared > limit) return false;
     places_.push_back(static_cast<std::uint32_t>(now.triangle));
-  });
-  if (!near) return false;
+  }
   for (const std::uint32_t t : change.old)
     for (std::uint32_t s = sample_heads_[t]; s != none; s = sample_next_[s]) {
-      const Nearest now = nearest_triangle(samples_[s], change.shapes);
+      const Nearest now = nearest(samples_[s], sides(t));
       places_.push_back(static_cast<std::uint32_t>(now.triangle));
       if (now.squared <= limit) continue;
       const LatticeTriangle before = shape(t);
@@ -181,12 +200,11 @@ bool EditMesh::keeps_samples(const Change& change, const Step& step, double most
 void EditMesh::apply(const Change& change, const Step& step) {
   std::vector<std::uint32_t>& samples = moved_samples_;
   samples.clear();
-  const auto add_sample = [&](const LatticePoint& p) {
+  for (const Left& left : left_) {
     samples.push_back(static_cast<std::uint32_t>(samples_.size()));
-    samples_.push_back(p);
+    samples_.push_back(left.place);
     sample_next_.push_back(none);
-  };
-  each_left(step, add_sample);
+  }
   for (const std::uint32_t t : change.old) {
     for (std::uint32_t s = sample_heads_[t]; s != none; s = sample_next_[s]) samples.push_back(s);
     sample_heads_[t] = none;
@@ -237,6 +255,7 @@ RefineMesh EditMesh::take() && {
     for (std::uint32_t s = sample_heads_[t]; s != none; s = sample_next_[s])
       mesh.samples.push_back({samples_[s], static_cast<std::uint32_t>(mesh.triangles.size())});
     mesh.triangles.push_back(c);
+    if (!sides_.empty()) mesh.sides.push_back(sides_[t]);
   }
   return mesh;
 }

@@ -6,9 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "stages/contouring/normal_clusters.h"
 #include "stages/exact/orientation.h"
 #include "stages/exact/triangle_pair.h"
 #include "stages/refine/triangle_grid.h"
+#include "stages/refine/vertex_star.h"
 #include "storage/types/refine_mesh.h"
 
 namespace voxweld {
@@ -17,7 +19,7 @@ namespace voxweld {
 enum class Freedom : std::uint8_t {
   fixed,   // nothing
   anchor,  // others may come to it: its star is whole, but not all of it lies in the cube
-  free,    // it may move and go
+  free,    // its star lies in the cube: it may move, and go where its kind allows
 };
 
 using Corners = std::array<std::uint32_t, 3>;
@@ -61,15 +63,24 @@ class EditMesh {
     return aims_.empty() ? positions_[v] : aims_[v];
   }
   Freedom freedom(std::uint32_t v) const { return freedom_[v]; }
+  // Precondition: it is not fixed. No change that is made here changes it.
+  StarKind kind(std::uint32_t v) const { return kinds_[v]; }
+  bool may_go(std::uint32_t v) const {
+    return freedom_[v] == Freedom::free && kinds_[v] != StarKind::point;
+  }
   const Corners& corners(std::uint32_t t) const { return triangles_[t]; }
   bool alive(std::uint32_t t) const { return triangles_[t][0] != none; }
   // All of its corners lie in the cube.
   bool movable(std::uint32_t t) const { return movable_[t] != 0; }
+  // What the triangle separates; of a mesh without labels the same for all.
+  MaterialPair sides(std::uint32_t t) const { return sides_.empty() ? MaterialPair{} : sides_[t]; }
   LatticeTriangle shape(std::uint32_t t) const { return shape(triangles_[t]); }
   LatticeTriangle shape(const Corners& c) const {
     return {positions_[c[0]], positions_[c[1]], positions_[c[2]]};
   }
   const Index3& normal(std::uint32_t t) const { return planes_[t]; }  // exact_normal of its shape
+  // Where labels meet, normals have no outside.
+  NormalSense sense() const { return sides_.empty() ? NormalSense::outward : NormalSense::either; }
   // Grows whenever it moves, takes in another, or goes.
   std::uint32_t version(std::uint32_t v) const { return versions_[v]; }
   bool gone(std::uint32_t v) const { return heads_[v] == none; }
@@ -81,6 +92,13 @@ class EditMesh {
   }
   void star(std::uint32_t v, std::vector<std::uint32_t>& out) const {
     each_around(v, [&](std::uint32_t t) { out.push_back(t); });
+  }
+
+  // How many triangles use both.
+  std::size_t around_edge(std::uint32_t u, std::uint32_t v) const {
+    std::size_t count = 0;
+    each_around(u, [&](std::uint32_t t) { count += uses(triangles_[t], v) ? 1 : 0; });
+    return count;
   }
 
   // Whether the shapes of `change` intersect nothing, neither each other nor what stays.
@@ -128,7 +146,8 @@ class EditMesh {
     bool leaves_sample = true;  // the place that `moved` leaves was one of the surface
   };
   // Whether no sample of the change's old triangles, and no place that a vertex leaves, would be
-  // further from the new ones than `most`, or than it is now.
+  // further from the new ones than `most`, or than it is now. Of the new ones only those count that
+  // separate what its triangle does; a place that a vertex leaves is one of each sheet there.
   bool keeps_samples(const Change& change, const Step& step, double most);
   // Precondition: keeps_samples() has said yes to this change, and was not asked since. Samples go to
   // the nearest of the new triangles.
@@ -142,23 +161,19 @@ class EditMesh {
   }
 
  private:
-  // The places that vertices leave: f(place).
-  template <class F>
-  void each_left(const Step& step, F&& f) const {
-    if (step.gone != none) f(positions_[step.gone]);
-    if (step.leaves_sample && step.moved != none && positions_[step.moved] != step.to)
-      f(positions_[step.moved]);
-  }
+  // The places that vertices leave.
+  void note_left(const Change& change, const Step& step);
+  void note_left(const Change& change, std::uint32_t v);
   void set_shape(std::uint32_t t, const LatticeTriangle& shape, const Index3& plane);
   void mark_old(const Change& change);
   void link(std::uint32_t t);
   void unlink(std::uint32_t t);
-  Freedom find_freedom(std::uint32_t v) const;
+  void find_freedom(std::uint32_t v);
   bool hit(std::uint32_t t, const Corners& corners, const LatticeTriangle& own,
            const Index3& normal) const;
   bool apart(std::uint32_t t, const LatticeTriangle& shape, const Index3& normal) const;
   void gather_umbrella(std::uint32_t v, const Change* change);
-  bool is_proper_umbrella() const;
+  bool is_proper_umbrella(std::uint32_t v) const;
 
   LatticeBox box_;
   std::vector<LatticePoint> positions_;
@@ -166,12 +181,19 @@ class EditMesh {
   std::vector<LatticePoint> aims_;
   std::vector<std::array<PackedNormal, max_clusters>> normals_;
   std::vector<Corners> triangles_;           // dead: none
+  std::vector<MaterialPair> sides_;          // of triangles; what is made of them keeps theirs
   std::vector<std::uint32_t> heads_, next_;  // corners, 3 triangle + k, of each vertex
   std::vector<Freedom> freedom_;
+  std::vector<StarKind> kinds_;
   std::vector<std::uint32_t> versions_;
   std::vector<LatticePoint> samples_;
   std::vector<std::uint32_t> sample_heads_, sample_next_;  // of each triangle
   // Of the samples keeps_samples() has looked at last, in its order: where they would come to lie.
+  struct Left {
+    LatticePoint place;
+    MaterialPair sides;
+  };
+  std::vector<Left> left_;
   std::vector<std::uint32_t> places_, moved_samples_;
   TriangleGrid grid_;
   std::vector<std::uint32_t> marks_;  // of triangles: equal to mark_ where they are to go
@@ -180,7 +202,12 @@ class EditMesh {
   std::vector<std::uint32_t> intersecting_;
   std::vector<LatticeBox> boxes_;  // of triangles, and their exact normals
   std::vector<Index3> planes_;
-  std::vector<std::uint32_t> near_, corners_near_;
+  struct Near {
+    LatticeBox box;
+    std::uint32_t triangle;
+  };
+  std::vector<Near> near_;  // to a change
+  std::vector<std::uint32_t> corners_near_;
   // A triangle around a vertex, the vertex first.
   struct Rib {
     LatticeTriangle shape;

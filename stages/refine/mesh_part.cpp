@@ -11,10 +11,12 @@ namespace {
 
 constexpr std::uint32_t no_number = 0xffffffffu;
 constexpr std::uint64_t vertex_bytes = 12 + 8 + 12 + 12, triangle_bytes = 12;
+constexpr std::uint64_t sides_bytes = sizeof(MaterialPair);
 
-// Copies what hangs on triangle t, which is `as` in the other mesh.
+// Copies what hangs on triangle t, which is `as` in the other mesh, the last one there.
 void copy_notes(const RefineMesh& from, std::uint32_t t, RefineMesh& to, std::uint32_t as) {
   each_sample(from, t, [&](const SurfaceSample& s) { to.samples.push_back({s.point, as}); });
+  if (!from.sides.empty()) to.sides.push_back(from.sides[t]);
 }
 
 std::uint32_t append_vertex(const RefineMesh& from, std::uint32_t v, RefineMesh& to) {
@@ -81,28 +83,34 @@ RefineMesh MeshGather::take() {
   return std::exchange(mesh_, {});
 }
 
-void MeshGather::reserve(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples) {
+void MeshGather::reserve(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples,
+                         std::uint64_t sided) {
   mesh_.positions.reserve(vertices);
   mesh_.ids.reserve(vertices);
   mesh_.aims.reserve(vertices);
   mesh_.normals.reserve(vertices);
   mesh_.triangles.reserve(triangles);
+  mesh_.sides.reserve(sided);
   mesh_.samples.reserve(samples);
   number_.reserve(vertices);
 }
 
-std::uint64_t mesh_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples) {
-  return vertices * vertex_bytes + triangles * triangle_bytes + samples * sizeof(SurfaceSample);
+std::uint64_t mesh_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples,
+                         std::uint64_t sided) {
+  return vertices * vertex_bytes + triangles * triangle_bytes + samples * sizeof(SurfaceSample) +
+         sided * sides_bytes;
 }
 
-std::uint64_t gather_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples) {
+std::uint64_t gather_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples,
+                           std::uint64_t sided) {
   // The table has a node and some places for each vertex.
-  return mesh_bytes(vertices, triangles, samples) + vertices * 52;
+  return mesh_bytes(vertices, triangles, samples, sided) + vertices * 52;
 }
 
-std::uint64_t piece_bytes(std::uint64_t vertices, std::uint64_t triangles) {
+std::uint64_t piece_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t sided) {
   // Lists of triangles, which have grown; numbers of vertices; one piece, at worst all there is.
-  return triangles * (12 + 2 * triangle_bytes) + vertices * (8 + 2 * vertex_bytes);
+  return triangles * (12 + 2 * triangle_bytes) + vertices * (8 + 2 * vertex_bytes) +
+         2 * sided * sides_bytes;
 }
 
 void each_piece(const RefineMesh& mesh, const CubeLattice& cubes,

@@ -39,7 +39,8 @@ class Extract {
 class MeshGather {
  public:
   // Makes room for so many, so that gather_bytes() is enough.
-  void reserve(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples);
+  void reserve(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples,
+               std::uint64_t sided = 0);
   void add(const RefineMesh& part) {
     add(part, [](std::size_t) { return true; });
   }
@@ -56,10 +57,12 @@ class MeshGather {
   std::unordered_map<std::uint64_t, std::uint32_t> number_;
 };
 
-// Bytes of a mesh in memory.
-std::uint64_t mesh_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples);
+// Bytes of a mesh in memory. sided: how many of the triangles have sides.
+std::uint64_t mesh_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples,
+                         std::uint64_t sided = 0);
 // Bytes a MeshGather takes at most that has made room for a mesh of that size, parts not counted.
-std::uint64_t gather_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples);
+std::uint64_t gather_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples,
+                           std::uint64_t sided = 0);
 
 // What is at home in one cube: triangles with all corners in it, and those that leave it.
 struct CubePiece {
@@ -74,6 +77,6 @@ void each_piece(const RefineMesh& mesh, const CubeLattice& cubes,
                 const std::function<void(const CubePiece&)>& f);
 
 // Bytes each_piece takes at most, beside its argument.
-std::uint64_t piece_bytes(std::uint64_t vertices, std::uint64_t triangles);
+std::uint64_t piece_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t sided = 0);
 
 }  // namespace voxweld

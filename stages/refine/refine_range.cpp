@@ -144,7 +144,7 @@ void RangeRefiner::sort_into_cubes() {
   std::uint64_t samples = vertices;  // that go or move
   for (const SurfaceSample& sample : mesh_.samples)
     samples += own_.contains(cubes_.code(home_of(mesh_, sample.triangle, cubes_))) ? 1 : 0;
-  out_.reserve(vertices, triangles, samples);
+  out_.reserve(vertices, triangles, samples, mesh_.sides.empty() ? 0 : triangles);
   for (std::uint32_t t = 0; t < count; ++t) {
     const LatticeBox box = mesh_.box(t);
     const Index3 lo = cubes_.cube_of(box.lo), hi = cubes_.cube_of(box.hi);
@@ -262,10 +262,11 @@ std::uint64_t refine_bytes(const MeshSize& all, const MeshSize& own) {
   // put in order; and what comes out.
   const std::uint64_t sorting = all.vertices * 6 + all.triangles * 12;
   const std::uint64_t done =
-      mesh_bytes(own.vertices, own.triangles, own.samples) + own.triangles * 16;
-  const std::uint64_t out = gather_bytes(own.vertices, own.triangles, own.samples);
+      mesh_bytes(own.vertices, own.triangles, own.samples, own.sided) + own.triangles * 16;
+  const std::uint64_t out = gather_bytes(own.vertices, own.triangles, own.samples, own.sided);
   // EditMesh and the queue of edges of one part.
-  const std::uint64_t part = std::min<std::uint64_t>(all.triangles, most_triangles) * 320;
+  const std::uint64_t part = std::min<std::uint64_t>(all.triangles, most_triangles) * 320 +
+                             std::min<std::uint64_t>(all.sided, most_triangles) * 32;
   return sorting + done + out + part;
 }
 

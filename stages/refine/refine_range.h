@@ -53,6 +53,7 @@ Index3 home_of(const RefineMesh& mesh, std::size_t triangle, const CubeLattice& 
 // How much a mesh holds.
 struct MeshSize {
   std::uint64_t vertices = 0, triangles = 0, samples = 0;
+  std::uint64_t sided = 0;  // triangles that have sides
 };
 // Bytes refine_range takes at most, its result included, beside its argument, which is `all`. own: of
 // that what is at home in its range, with as many samples as there may be in the end.

@@ -189,11 +189,11 @@ void Repairer::try_flips(std::uint32_t t) {
 void Repairer::try_collapse(std::uint32_t one, std::uint32_t other) {
   const auto ends = moves_.ends(one, other);
   if (!ends || !moves_.linked(ends->gone, ends->keep)) return;
-  const auto [u, v] = *ends;
+  const auto [u, v, stays] = *ends;
   const LatticePoint a = mesh_.position(u), b = mesh_.position(v);
   const LatticePoint middle = nearest_point((to_double(a) + to_double(b)) * 0.5);
   for (const LatticePoint& at : {b, a, middle}) {
-    if (best_.enough || (at != b && mesh_.freedom(v) != Freedom::free)) return;
+    if (best_.enough || (at != b && stays)) return;
     if (moves_.collapse(u, v, at, change_)) consider({v, at, u}, 2);
   }
 }

@@ -42,16 +42,27 @@ void add_corner_normals(const RefineMesh& mesh, const std::array<std::uint32_t, 
   if (normal == Index3{}) ++tile.collinear;
   if (mesh.normals.empty()) return;
   const Vec3 direction = as_vec3(normal);
+  const NormalSense sense = mesh.sides.empty() ? NormalSense::outward : NormalSense::either;
   const auto cluster = [&](std::uint32_t v) {
-    return nearest_cluster(mesh.normals[v], direction, NormalSense::outward);
+    return nearest_cluster(mesh.normals[v], direction, sense);
   };
   tile.corner_normals.push_back({cluster(triangle[0]), cluster(triangle[1]), cluster(triangle[2])});
+}
+
+// Those there are, ascending.
+std::vector<MaterialPair> distinct_sides(const RefineMesh& mesh) {
+  std::vector<MaterialPair> pairs = mesh.sides;
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return {pairs.begin(), pairs.end()};
 }
 
 }  // namespace
 
 RefineMesh to_refine_mesh(TileMesh tile) {
   RefineMesh mesh;
+  mesh.sides.reserve(tile.triangle_pairs.size());
+  for (const std::uint32_t pair : tile.triangle_pairs) mesh.sides.push_back(tile.pairs[pair]);
   for (auto& triangle : tile.triangles) {
     const auto lowest =
         std::ranges::min_element(triangle, {}, [&](std::uint32_t v) { return tile.ids[v]; });
@@ -90,6 +101,7 @@ TileMesh to_tile_mesh(const RefineMesh& mesh, CellKey tile, const OutputLattice&
   out.tile = tile;
   out.lattice = lattice;
   out.polygon_triangles = mesh.triangles.size();
+  out.pairs = distinct_sides(mesh);
   std::vector<std::uint32_t> number(mesh.positions.size(), not_in_tile);
   for (const TrianglePlace& place : in_order(mesh, blocks)) {
     auto triangle = mesh.triangles[place.triangle];
@@ -104,14 +116,18 @@ TileMesh to_tile_mesh(const RefineMesh& mesh, CellKey tile, const OutputLattice&
       v = number[v];
     }
     out.triangles.push_back(triangle);
+    if (mesh.sides.empty()) continue;
+    const auto pair = std::ranges::lower_bound(out.pairs, mesh.sides[place.triangle]);
+    out.triangle_pairs.push_back(static_cast<std::uint32_t>(pair - out.pairs.begin()));
   }
   return out;
 }
 
-std::uint64_t retile_bytes(std::uint64_t vertices, std::uint64_t triangles) {
+std::uint64_t retile_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t sided) {
   // The sorted places; of the tile vectors that may have grown to twice their content, and hold old
-  // and new while they grow.
-  return triangles * (sizeof(TrianglePlace) + 45) + vertices * 100;
+  // and new while they grow. Pairs of labels are at worst one for each triangle, and sorted first.
+  return triangles * (sizeof(TrianglePlace) + 45) + vertices * 100 +
+         sided * (2 * sizeof(MaterialPair) + 12);
 }
 
 }  // namespace voxweld

@@ -32,6 +32,7 @@ TileMesh to_tile_mesh(const RefineMesh& mesh, CellKey tile, const OutputLattice&
                       const CubeLattice& blocks);
 
 // Bytes to_tile_mesh takes at most, its result included.
-std::uint64_t retile_bytes(std::uint64_t vertices, std::uint64_t triangles);
+std::uint64_t retile_bytes(std::uint64_t vertices, std::uint64_t triangles,
+                           std::uint64_t sided = 0);
 
 }  // namespace voxweld

@@ -22,7 +22,8 @@ double length(Vec3 v) {
 // Directions of a vertex, each the sum of what it was made of.
 class Directions {
  public:
-  Directions(const std::array<PackedNormal, max_clusters>& packed, double weight) {
+  Directions(const std::array<PackedNormal, max_clusters>& packed, double weight, NormalSense sense)
+      : either_(sense == NormalSense::either) {
     for (const PackedNormal one : packed)
       if (one != no_normal) sums_[count_++] = unpack_normal(one) * weight;
   }
@@ -30,18 +31,20 @@ class Directions {
   // To the nearest where one is near enough; else it is one more, or takes the place of the least.
   void add(const Face& face) {
     std::size_t best = 0, least = 0;
-    double likeness = -2;
+    double likeness = -2, sign = 1;
     for (std::size_t k = 0; k < count_; ++k) {
       const double size = length(sums_[k]);
       const double cosine = dot(sums_[k], face.area) / (size * face.size);
-      if (cosine > likeness) {
-        likeness = cosine;
+      const double turn = either_ && cosine < 0 ? -1 : 1;
+      if (turn * cosine > likeness) {
+        likeness = turn * cosine;
+        sign = turn;
         best = k;
       }
       if (size < length(sums_[least])) least = k;
     }
     if (likeness >= double{cluster_cosine})
-      sums_[best] = sums_[best] + face.area;
+      sums_[best] = sums_[best] + face.area * sign;
     else if (count_ < max_clusters)
       sums_[count_++] = face.area;
     else if (length(sums_[least]) < face.size)
@@ -59,6 +62,7 @@ class Directions {
  private:
   std::array<Vec3, max_clusters> sums_{};
   std::size_t count_ = 0;
+  bool either_;
 };
 
 }  // namespace
@@ -76,7 +80,7 @@ void settle_normals(EditMesh& mesh, double cell) {
     // The largest first; triangles come by their numbers, which are those of their ids.
     std::stable_sort(faces.begin(), faces.end(),
                      [](const Face& a, const Face& b) { return a.size > b.size; });
-    Directions directions(*packed, cells_of_volume * cell * cell);
+    Directions directions(*packed, cells_of_volume * cell * cell, mesh.sense());
     for (const Face& face : faces)
       if (face.size > 0) directions.add(face);
     mesh.set_normals(v, directions.packed());

@@ -61,8 +61,11 @@ Placer::Agreement Placer::agreement(const Corners& corners, const Index3& plane)
   Agreement agreement{1, std::sqrt(dot(n, n))};
   for (const std::uint32_t v : corners) {
     double best = -2 * agreement.area;
-    for (const PackedNormal packed : *mesh_.normals(v))
-      if (packed != no_normal) best = std::max(best, dot(unpack_normal(packed), n));
+    for (const PackedNormal packed : *mesh_.normals(v)) {
+      if (packed == no_normal) continue;
+      const double cosine = dot(unpack_normal(packed), n);
+      best = std::max(best, mesh_.sense() == NormalSense::either ? std::abs(cosine) : cosine);
+    }
     if (best < -1.5 * agreement.area) continue;  // it has none
     agreement.cosine = std::min(agreement.cosine, best / agreement.area);
   }

@@ -11,13 +11,14 @@ enum CubeMeshSection : std::uint64_t {
   cube_summary_section = 1,
   cube_pieces_section,
   cube_counted_section,
-  cube_blocks_section
+  cube_blocks_section,
+  cube_changes_section
 };
 
 constexpr const char* contradicting = "its sections contradict each other";
 
-static_assert(sizeof(CubePieceRecord) == 2 * 8 + 2 * 24 + 24);
-static_assert(sizeof(CubeMeshSummary) == 8 + 24 + 3 * 8 + 2 * 24);
+static_assert(sizeof(CubePieceRecord) == 3 * 8 + 2 * 32 + 24);
+static_assert(sizeof(CubeMeshSummary) == 8 + 32 + 8 + 2 * 16 + 2 * 24);
 static_assert(sizeof(SurfaceSample) == 16);
 
 std::uint64_t part_section(std::size_t piece, CubePart part) {
@@ -69,7 +70,7 @@ bool numbers_fit(const RefineMesh& mesh) {
 
 bool pieces_ascend(const std::vector<CubePieceRecord>& pieces) {
   const auto place = [](const CubePieceRecord& piece) {
-    return std::tuple(piece.code, piece.cube);
+    return std::tuple(piece.label, piece.code, piece.cube);
   };
   for (std::size_t i = 1; i < pieces.size(); ++i)
     if (place(pieces[i]) <= place(pieces[i - 1])) return false;
@@ -79,7 +80,8 @@ bool pieces_ascend(const std::vector<CubePieceRecord>& pieces) {
 }  // namespace
 
 PartCounts CubeMeshWriter::part(CubePart which, const RefineMesh& mesh) {
-  const PartCounts counts{mesh.positions.size(), mesh.triangles.size(), mesh.samples.size()};
+  const PartCounts counts{mesh.positions.size(), mesh.triangles.size(), mesh.samples.size(),
+                          mesh.sides.size()};
   if (counts.triangles == 0) return {};
   const PartHead head{counts, mesh.normals.empty() ? 0U : 1U, mesh.aims.empty() ? 0U : 1U,
                       mesh.checked ? 1U : 0U, mesh.intersecting.size()};
@@ -90,6 +92,7 @@ PartCounts CubeMeshWriter::part(CubePart which, const RefineMesh& mesh) {
   file_.append(as_section(mesh.normals));
   file_.append(as_section(mesh.aims));
   file_.append(as_section(mesh.triangles));
+  file_.append(as_section(mesh.sides));
   file_.append(as_section(mesh.samples));
   file_.append(as_section(mesh.intersecting));
   file_.end_section();
@@ -108,9 +111,9 @@ void CubeMeshWriter::add(const PartCounts& counts, const LatticeBox& box, bool l
   summary_.leaving += counts.triangles;
 }
 
-void CubeMeshWriter::piece(std::uint64_t code, Index3 cube, const RefineMesh& inside,
+void CubeMeshWriter::piece(CubeKey key, Index3 cube, const RefineMesh& inside,
                            const RefineMesh& leaving) {
-  CubePieceRecord record{code, morton_encode(cube), {}, {}, {}};
+  CubePieceRecord record{key.label, key.code, morton_encode(cube), {}, {}, {}};
   record.inside = part(CubePart::inside, inside);
   record.leaving = part(CubePart::leaving, leaving);
   if (record.inside.triangles > 0) add(record.inside, LatticeBox::around(inside.positions), false);
@@ -118,18 +121,20 @@ void CubeMeshWriter::piece(std::uint64_t code, Index3 cube, const RefineMesh& in
     record.leaving_box = LatticeBox::around(leaving.positions);
     add(record.leaving, record.leaving_box, true);
   }
-  if (pieces_.empty()) summary_.lowest_code = code;
-  summary_.highest_code = code;
+  if (pieces_.empty()) summary_.lowest = key;
+  summary_.highest = key;
   pieces_.push_back(record);
 }
 
 Hash128 CubeMeshWriter::finish(std::span<const std::byte> counted,
-                               std::span<const CubeCount> blocks) {
+                               std::span<const BlockRecord> blocks,
+                               std::span<const LabelChange> changes) {
   summary_.pieces = pieces_.size();
   file_.section(cube_summary_section, as_record(summary_));
   file_.section(cube_pieces_section, as_section(pieces_));
   file_.section(cube_counted_section, counted);
   file_.section(cube_blocks_section, std::as_bytes(blocks));
+  file_.section(cube_changes_section, std::as_bytes(changes));
   return file_.commit();
 }
 
@@ -157,18 +162,25 @@ RefineMesh CubeMeshArtifact::read(std::size_t piece, CubePart part) const {
   const bool whole =
       rest.take(1, head) && head[0].counts.vertices == counts.vertices &&
       head[0].counts.triangles == counts.triangles && head[0].counts.samples == counts.samples &&
+      head[0].counts.sided == counts.sided &&
+      (counts.sided == 0 || counts.sided == counts.triangles) &&
       rest.take(counts.vertices, mesh.positions) && rest.take(counts.vertices, mesh.ids) &&
       rest.take(head[0].normals != 0 ? counts.vertices : 0, mesh.normals) &&
       rest.take(head[0].aims != 0 ? counts.vertices : 0, mesh.aims) &&
-      rest.take(counts.triangles, mesh.triangles) && rest.take(counts.samples, mesh.samples) &&
+      rest.take(counts.triangles, mesh.triangles) && rest.take(counts.sided, mesh.sides) &&
+      rest.take(counts.samples, mesh.samples) &&
       rest.take(head[0].intersecting, mesh.intersecting) && rest.empty();
   if (!whole || !numbers_fit(mesh)) file_.damaged(contradicting);
   mesh.checked = head[0].checked != 0;
   return mesh;
 }
 
-std::vector<CubeCount> CubeMeshArtifact::blocks() const {
-  return file_.read_array<CubeCount>(cube_blocks_section);
+std::vector<BlockRecord> CubeMeshArtifact::blocks() const {
+  return file_.read_array<BlockRecord>(cube_blocks_section);
+}
+
+std::vector<LabelChange> CubeMeshArtifact::changes() const {
+  return file_.read_array<LabelChange>(cube_changes_section);
 }
 
 }  // namespace voxweld

@@ -1,21 +1,26 @@
 // A part of a surface's mesh, sorted by the cubes its triangles are at home in: what passes between
-// stitch, refine, seams and retile. Kind "cubm", a container with these sections:
+// stitch, refine, seams and retile. With labels.mode = "each" parts of the surfaces of some labels.
+// Kind "cubm", a container with these sections:
 //   1                    CubeMeshSummary (one)
-//   2                    CubePieceRecord of each piece, ascending by code, then by cube
+//   2                    CubePieceRecord of each piece, ascending by label, code and cube
 //   3                    what its maker counted, plain data of that maker, or empty
-//   4                    CubeCount of each block with a triangle (polygons: their number), ascending
+//   4                    BlockRecord of each block with a triangle, ascending by label and code
+//   5                    LabelChange of each label that lost vertices, ascending
 //   (piece + 1) << 8 | 1 of the piece's triangles those inside the cube, where there are any
 //   (piece + 1) << 8 | 2 and those that leave it
 // A part stands for itself:
-//   u64 x 7 vertices, triangles, samples, 1 where there are normals, 1 where there are aims, 1 where
-//   intersections have been looked for, and how many triangles intersect; then of the vertices
-//   positions, i32 x 3, ids, u64, normals, PackedNormal x 3, and aims, i32 x 3; of the triangles corners, u32 x 3; SurfaceSample of the samples;
-//   and the numbers of the triangles that intersect, u32
+//   u64 x 8 vertices, triangles, samples, triangles with sides (all or none), 1 where there are
+//   normals, 1 where there are aims, 1 where intersections have been looked for, and how many triangles
+//   intersect; then of the vertices positions, i32 x 3, ids, u64, normals, PackedNormal x 3, and aims,
+//   i32 x 3; of the triangles corners, u32 x 3, and sides, u64 x 2; SurfaceSample of the samples; and
+//   the numbers of the triangles that intersect, u32
 #pragma once
 
+#include <compare>
+
 #include "storage/artifact/container.h"
+#include "storage/types/material.h"
 #include "storage/types/refine_mesh.h"
-#include "storage/types/top_tree.h"
 
 namespace voxweld {
 
@@ -24,30 +29,58 @@ inline constexpr std::uint32_t cube_mesh_version = 2;
 
 struct PartCounts {
   std::uint64_t vertices = 0, triangles = 0, samples = 0;
+  std::uint64_t sided = 0;  // triangles that have sides
 
   PartCounts& operator+=(const PartCounts& other) {
     vertices += other.vertices;
     triangles += other.triangles;
     samples += other.samples;
+    sided += other.sided;
     return *this;
   }
 };
 
 enum class CubePart : std::uint8_t { inside = 1, leaving = 2 };
 
+// Where a piece lies among all: by label first. label: 0 where there is one surface. code: by which
+// ranges of cubes are given.
+struct CubeKey {
+  Material label = 0;
+  std::uint64_t code = 0;
+  friend constexpr auto operator<=>(const CubeKey&, const CubeKey&) = default;
+};
+
 struct CubePieceRecord {
-  std::uint64_t code = 0;  // by which ranges of cubes are given
+  Material label = 0;
+  std::uint64_t code = 0;
   std::uint64_t cube = 0;  // Morton number
   PartCounts inside, leaving;
   LatticeBox leaving_box;  // around them, where there are any
+
+  CubeKey key() const { return {label, code}; }
+};
+
+// The triangles of one block of cells (stages/refine/retile.h).
+struct BlockRecord {
+  Material label = 0;
+  std::uint64_t code = 0;  // Morton code of its lowest finest cell
+  std::uint64_t triangles = 0;
+  friend bool operator==(const BlockRecord&, const BlockRecord&) = default;
+};
+
+// What became of a label's surface since it was stitched, in the cubes of one unit.
+struct LabelChange {
+  Material label = 0;
+  std::uint64_t lost_vertices = 0;
+  friend bool operator==(const LabelChange&, const LabelChange&) = default;
 };
 
 struct CubeMeshSummary {
   std::uint64_t pieces = 0;
-  PartCounts all;                                   // vertices once for each part that has them
-  std::uint64_t leaving = 0;                        // triangles
-  std::uint64_t lowest_code = 0, highest_code = 0;  // where there are pieces
-  LatticeBox box, leaving_box;                      // where there are such triangles
+  PartCounts all;               // vertices once for each part that has them
+  std::uint64_t leaving = 0;    // triangles
+  CubeKey lowest, highest;      // where there are pieces
+  LatticeBox box, leaving_box;  // where there are such triangles
 };
 
 class CubeMeshWriter {
@@ -55,10 +88,11 @@ class CubeMeshWriter {
   CubeMeshWriter(const std::filesystem::path& path, Hash128 key)
       : file_(path, {cube_mesh_kind, cube_mesh_version, key}) {}
 
-  // Ascending by code, then by cube.
-  void piece(std::uint64_t code, Index3 cube, const RefineMesh& inside, const RefineMesh& leaving);
+  // Ascending by key, then by cube.
+  void piece(CubeKey key, Index3 cube, const RefineMesh& inside, const RefineMesh& leaving);
   // counted: as section 3.
-  Hash128 finish(std::span<const std::byte> counted, std::span<const CubeCount> blocks);
+  Hash128 finish(std::span<const std::byte> counted, std::span<const BlockRecord> blocks,
+                 std::span<const LabelChange> changes);
 
  private:
   PartCounts part(CubePart which, const RefineMesh& mesh);
@@ -83,7 +117,8 @@ class CubeMeshArtifact : public OpenArtifact {
   T counted() const {
     return file_.read_record<T>(3, "has no counts of its making");
   }
-  std::vector<CubeCount> blocks() const;
+  std::vector<BlockRecord> blocks() const;
+  std::vector<LabelChange> changes() const;
 
  private:
   CubeMeshSummary summary_;

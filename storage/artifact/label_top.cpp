@@ -24,31 +24,31 @@ LabelTopTables read_tables(const ArtifactReader& file) {
 
 }  // namespace
 
-LabelTopWriter::LabelTopWriter(const std::filesystem::path& path, Hash128 key)
-    : file_(path, {top_kind, top_version, key}),
+LabelTablesWriter::LabelTablesWriter(const std::filesystem::path& path, const ArtifactStamp& stamp)
+    : file_(path, stamp),
       tiles_(file_, page_of(tiles_table)),
       surfaces_(file_, page_of(surfaces_table)),
       nodes_(file_, page_of(nodes_table)),
       leaves_(file_, page_of(leaves_table)) {}
 
-void LabelTopWriter::leaf(const TopLeaf& leaf) {
+void LabelTablesWriter::leaf(const TopLeaf& leaf) {
   leaves_.push(leaf);
   ++open_.leaves;
 }
 
-void LabelTopWriter::tile(const PlannedTile& tile) {
+void LabelTablesWriter::tile(const PlannedTile& tile) {
   tiles_.push(tile);
   ++open_.tiles;
   open_.vertices += tile.vertices;
   open_.polygons += tile.polygons;
 }
 
-void LabelTopWriter::node(const SurfaceNode& node) {
+void LabelTablesWriter::node(const SurfaceNode& node) {
   nodes_.push(node);
   ++open_.nodes;
 }
 
-void LabelTopWriter::end_surface(Material material) {
+void LabelTablesWriter::end_surface(Material material) {
   open_.material = material;
   surfaces_.push(open_);
   open_ = {};
@@ -57,25 +57,38 @@ void LabelTopWriter::end_surface(Material material) {
   open_.first_leaf = leaves_.size();
 }
 
-void LabelTopWriter::batch(const BatchRecord& batch) {
+void LabelTablesWriter::end_surface(Material material, std::uint64_t vertices) {
+  open_.vertices = vertices;
+  end_surface(material);
+}
+
+void LabelTablesWriter::batch(const BatchRecord& batch) {
   batches_.push_back(batch);
 }
 
-Hash128 LabelTopWriter::finish(const MergeCounts& counts, std::span<const Hash128> shards) {
-  const LabelTopTables tables{tiles_.size(), surfaces_.size(), nodes_.size(), leaves_.size()};
+void LabelTablesWriter::finish_pages() {
   tiles_.finish();
   surfaces_.finish();
   nodes_.finish();
   leaves_.finish();
-  file_.section(top_counts_section, as_record(counts));
-  file_.section(top_shards_section, std::as_bytes(shards));
+}
+
+Hash128 LabelTablesWriter::finish_tables() {
+  const LabelTopTables tables{tiles_.size(), surfaces_.size(), nodes_.size(), leaves_.size()};
   file_.section(top_tables_section, as_record(tables));
   file_.section(batches_section, as_section(batches_));
   return file_.commit();
 }
 
-LabelTop::LabelTop(const TopArtifact& top)
-    : file_(top.file()),
+Hash128 LabelTopWriter::finish(const MergeCounts& counts, std::span<const Hash128> shards) {
+  finish_pages();
+  file().section(top_counts_section, as_record(counts));
+  file().section(top_shards_section, std::as_bytes(shards));
+  return finish_tables();
+}
+
+LabelTop::LabelTop(const ArtifactReader& file)
+    : file_(file),
       tiles_(file_, page_of(tiles_table), read_tables(file_).tiles),
       surfaces_(file_, page_of(surfaces_table), read_tables(file_).surfaces),
       nodes_(file_, page_of(nodes_table), read_tables(file_).nodes),

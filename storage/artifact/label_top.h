@@ -7,7 +7,8 @@
 //   3 << 56 | i  page i of the surfaces: SurfaceRecord, one a label, ascending
 //   4 << 56 | i  page i of the nodes: SurfaceNode, by label, then in Morton order
 //   5 << 56 | i  page i of the leaves: TopLeaf, by label, then in Morton order
-// Pages as paged_table.h has them: of a million labels only the batches are ever held together.
+// Pages as paged_table.h has them: of a million labels only the batches are ever held together. The
+// plan of tiles of refined labels has the same tables (tile_plan_artifact.h).
 #pragma once
 
 #include "storage/artifact/paged_table.h"
@@ -51,19 +52,26 @@ struct BatchRecord {
   CellKey tile() const { return CellKey::of(tile_code, tile_level); }
 };
 
-class LabelTopWriter {
+// Writes the tables, sections 5 on, beside what else an artifact of labels has.
+class LabelTablesWriter {
  public:
-  LabelTopWriter(const std::filesystem::path& path, Hash128 key);
+  LabelTablesWriter(const std::filesystem::path& path, const ArtifactStamp& stamp);
   // Of one label, each kind in Morton order; then the label itself. Labels ascend.
   void leaf(const TopLeaf& leaf);
   void tile(const PlannedTile& tile);
   void node(const SurfaceNode& node);
   void end_surface(Material material);
+  // The same where its mesh has another number of vertices than its tiles were planned by.
+  void end_surface(Material material, std::uint64_t vertices);
   void batch(const BatchRecord& batch);  // in the order of their tiles
   // So far: numbers for the next batch to begin with.
   std::uint64_t surfaces() const { return surfaces_.size(); }
   std::uint64_t tiles() const { return tiles_.size(); }
-  Hash128 finish(const MergeCounts& counts, std::span<const Hash128> shards);
+
+ protected:
+  ArtifactWriter& file() { return file_; }
+  void finish_pages();
+  Hash128 finish_tables();  // after all else
 
  private:
   ArtifactWriter file_;
@@ -75,10 +83,18 @@ class LabelTopWriter {
   SurfaceRecord open_;  // the label under way
 };
 
+class LabelTopWriter : public LabelTablesWriter {
+ public:
+  LabelTopWriter(const std::filesystem::path& path, Hash128 key)
+      : LabelTablesWriter(path, {top_kind, top_version, key}) {}
+  Hash128 finish(const MergeCounts& counts, std::span<const Hash128> shards);
+};
+
 // Reads the tables of an artifact that outlives it. Thread-safe.
 class LabelTop {
  public:
-  explicit LabelTop(const TopArtifact& top);
+  explicit LabelTop(const ArtifactReader& file);
+  explicit LabelTop(const TopArtifact& top) : LabelTop(top.file()) {}
 
   std::uint64_t surface_count() const { return surfaces_.size(); }
   std::uint64_t tile_count() const { return tiles_.size(); }

@@ -20,8 +20,9 @@ class PagedTableWriter {
   PagedTableWriter(ArtifactWriter& file, std::uint64_t first_page)
       : file_(file), first_page_(first_page) {}
 
-  std::uint64_t size() const { return pages_ * most + pending_.size(); }
+  std::uint64_t size() const { return size_; }
   void push(const T& record) {
+    ++size_;
     pending_.push_back(record);
     if (pending_.size() == most) flush();
   }
@@ -36,7 +37,7 @@ class PagedTableWriter {
     pending_.clear();
   }
   ArtifactWriter& file_;
-  std::uint64_t first_page_, pages_ = 0;
+  std::uint64_t first_page_, pages_ = 0, size_ = 0;
   std::vector<T> pending_;
 };
 

@@ -2,21 +2,24 @@
 // sections:
 //   1  PlannedTile, in Morton order
 //   2  PlanSource of each artifact it was made of (cube_mesh_artifact.h), in their order
+// With labels.mode = "each" there is a plan for each label: section 2 is the same, and in place of
+// section 1 are the tables of label_top.h, sections 5 on, without nodes and leaves.
 #pragma once
 
-#include "storage/artifact/container.h"
+#include "storage/artifact/cube_mesh_artifact.h"
+#include "storage/artifact/label_top.h"
 #include "storage/types/top_tree.h"
 
 namespace voxweld {
 
 inline constexpr std::array<char, 4> tile_plan_kind = {'t', 'p', 'l', 'n'};
-inline constexpr std::uint32_t tile_plan_version = 1;
+inline constexpr std::uint32_t tile_plan_version = 2;
 
 // Where the pieces of one artifact lie.
 struct PlanSource {
   Hash128 content;
   std::uint64_t pieces = 0;
-  std::uint64_t lowest_code = 0, highest_code = 0;  // where there are pieces
+  CubeKey lowest, highest;  // where there are pieces
   friend bool operator==(const PlanSource&, const PlanSource&) = default;
 };
 
@@ -27,11 +30,20 @@ struct TilePlanParts {
 
 void write_tile_plan(const std::filesystem::path& path, Hash128 key, const TilePlanParts& parts);
 
+class LabelTilePlanWriter : public LabelTablesWriter {
+ public:
+  LabelTilePlanWriter(const std::filesystem::path& path, Hash128 key)
+      : LabelTablesWriter(path, {tile_plan_kind, tile_plan_version, key}) {}
+  Hash128 finish(std::span<const PlanSource> sources);
+};
+
 class TilePlanArtifact : public OpenArtifact {
  public:
-  explicit TilePlanArtifact(const std::filesystem::path& path)
-      : OpenArtifact(path, tile_plan_kind, tile_plan_version) {}
-  TilePlanParts read() const;
+  explicit TilePlanArtifact(const std::filesystem::path& path);
+  bool of_labels() const;
+  std::vector<PlannedTile> tiles() const;  // of one surface
+  std::vector<PlanSource> sources() const;
+  const ArtifactReader& file() const { return file_; }
 };
 
 }  // namespace voxweld

@@ -28,6 +28,9 @@ struct RefineMesh {
   std::vector<std::array<PackedNormal, max_clusters>> normals;  // empty where normals are off
   // Counter-clockwise seen from outside, the corner with the lowest id first.
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  // labels.mode = "shared" only, for each triangle: what it separates. Its normal points out of
+  // `inside`.
+  std::vector<MaterialPair> sides;
   std::vector<SurfaceSample> samples;  // ascending by triangle
   // Triangles that intersect others, ascending: of each such pair at least one. Where `checked` is
   // false nobody has looked.

@@ -55,6 +55,52 @@ TEST_P(Refined, IsSound) {
 INSTANTIATE_TEST_SUITE_P(Phantoms, Refined, ::testing::Values("gyroid", "part", "porous"),
                          [](const auto& each) { return each.param; });
 
+// Columns of labels that lean within a ball, others around them.
+RawVolume leaning_labels(Index3 size) {
+  return volume_of(size, [&](Index3 s) {
+    const Index3 d = s * 2 - size;
+    const bool inside = d.x * d.x + d.y * d.y + d.z * d.z < size.x * size.x;
+    return inside ? 1 + (s.x + s.z / 3) / 21 + 10 * ((s.y + s.x / 5) / 17) : s.z / 50;
+  });
+}
+
+// One complex of all labels.
+TEST(RefinedComplex, IsTheSameWhateverThePartition) {
+  const Scene scene(leaning_labels({90, 80, 76}));
+  const Settings settings = refined + Settings{"labels.mode=shared", "output.tile_vertices=1024"};
+  const Tree tree = scene.expect_one_tree(
+      settings, {{"work.brick=16", "work.shard=2", "run.threads=1"},
+                 {"work.brick=32", "work.shard=1", "run.threads=3"},
+                 {"work.brick=128", "work.shard=1", "work.copy=true", "work.chunk=16"}});
+  EXPECT_GE(tree.size(), 5u);
+  const Tree merged = merged_files(tree);
+  EXPECT_EQ(
+      difference(merged,
+                 merged_files(scene.clean_tree(settings + Settings{"output.tile_vertices=3000"}))),
+      "");
+}
+
+TEST(RefinedComplex, IsSound) {
+  const Scene scene(leaning_labels({90, 80, 76}));
+  std::uint64_t plain = 0;
+  for (const char* mode : {"off", "repair", "collapse"})
+    for (const char* border : {"closed", "open"}) {
+      SCOPED_TRACE(fmt::format("{} {}", mode, border));
+      VOXWELD_EXPECT_DONE(scene.run(
+          Settings{std::string("simplify.refine=") + mode, std::string("surface.border=") + border,
+                   "simplify.tolerance=0.1", "labels.mode=shared", "output.tile_vertices=1024"}));
+      const VerifyReport report = expect_good(scene.output());
+      EXPECT_GT(report.seam_vertices, 0u);
+      EXPECT_EQ(report.boundary_edges > 0, std::string(border) == "open");
+      if (std::string(mode) == "off") plain = report.triangles;
+      if (std::string(mode) == "collapse") {
+        EXPECT_LT(report.triangles, plain * 3 / 4);
+      }
+      if (std::string(mode) == "off") continue;
+      EXPECT_EQ(manifest_of(scene.output()).at("refine").at("intersecting_left"), 0);
+    }
+}
+
 // As a mesh whose samples are labels, without normals, with other spacings.
 TEST(RefinedKinds, OfALabelAndOfOtherSpacings) {
   RawVolume volume = integer_volume(SampleType::u8, {70, 60, 66}, [](Index3 at) {
@@ -110,10 +156,6 @@ TEST(RefinedKinds, TheManifestSaysWhatWasDone) {
 
 TEST(RefinedKinds, WhatCannotBeRefinedIsRefused) {
   const Scene scene("part", 20);
-  for (const char* mode : {"each", "shared"})
-    expect_refused(
-        scene.run(refined + Settings{"surface.inside=above", std::string("labels.mode=") + mode}),
-        "simplify.refine = \"collapse\": meshes of labels.mode");
   expect_refused(scene.run(refined + Settings{"simplify.topology=free"}), "no manifold");
   for (const char* stage : {"refine", "seams", "retile"})
     expect_refused(scene.command(stage), std::string("has no stage ") + stage);

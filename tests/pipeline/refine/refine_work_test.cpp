@@ -53,18 +53,27 @@ TEST(RefineWork, AStageThatComesTooEarlySaysWhatIsMissing) {
   expect_refused(scene.command_with("refine", settings, {"--ranges", "99"}), "stage refine has");
 }
 
-TEST(RefineWork, AllSharesAreTheWhole) {
-  const Scene scene("porous", 96);
-  const Tree clean = scene.clean_tree(settings);
+void expect_shares_are_the_whole(const Scene& scene, const Settings& of) {
+  const Tree clean = scene.clean_tree(of);
   for (const char* stage : {"ingest", "build", "merge"})
-    VOXWELD_EXPECT_DONE(scene.command(stage, settings));
+    VOXWELD_EXPECT_DONE(scene.command(stage, of));
   for (const char* stage : {"stitch", "refine", "seams", "retile", "encode"})
     for (const char* part : {"2/3", "0/3", "1/3"})
-      VOXWELD_EXPECT_DONE(scene.command_with(stage, settings, {"--part", part}));
-  VOXWELD_EXPECT_DONE(scene.command("encode", settings));
+      VOXWELD_EXPECT_DONE(scene.command_with(stage, of, {"--part", part}));
+  VOXWELD_EXPECT_DONE(scene.command("encode", of));
   EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
   for (const auto& [stage, ran] : units_run(scene.output())) EXPECT_EQ(ran, 0u) << stage;
   EXPECT_TRUE(temporary_files(scene.work()).empty());
+}
+
+TEST(RefineWork, AllSharesAreTheWhole) {
+  expect_shares_are_the_whole(Scene("porous", 96), settings);
+}
+TEST(RefineWork, AllSharesBetweenLabelsAreTheWhole) {
+  const Scene scene(volume_of({96, 90, 80}, [](Index3 at) {
+    return 1 + (at.x + at.z / 3) / 23 + 10 * ((at.y + at.x / 5) / 19);
+  }));
+  expect_shares_are_the_whole(scene, settings + Settings{"labels.mode=shared"});
 }
 
 TEST(RefineWork, GoesOnWhereItStopped) {

@@ -50,12 +50,9 @@ void read_all_of_cubes(const fs::path& path) {
   const CubeMeshArtifact artifact(path);
   artifact.counted<RefineCounts>();
   artifact.blocks();
+  artifact.changes();
   for (std::size_t i = 0; i < artifact.pieces().size(); ++i)
     for (const CubePart part : {CubePart::inside, CubePart::leaving}) artifact.read(i, part);
-}
-
-void read_all_of_tile_plan(const fs::path& path) {
-  TilePlanArtifact(path).read();
 }
 
 constexpr int brick_level = 4, shard_level = 5;  // of the tests' runs
@@ -78,11 +75,7 @@ void read_all_of_label_shard(const fs::path& path) {
     copy.brick(built.code, file, [](const PieceHead&, std::span<const FilledBlock>) {});
 }
 
-void read_all_of_label_top(const fs::path& path) {
-  const TopArtifact artifact(path);
-  artifact.counts();
-  artifact.shards();
-  const LabelTop top(artifact);
+void read_all_of_tables(const LabelTop& top) {
   top.batches();
   top.tiles(0, top.tile_count());
   constexpr std::uint64_t end = ~std::uint64_t{0} >> 1;
@@ -90,6 +83,22 @@ void read_all_of_label_top(const fs::path& path) {
     top.nodes(surface, shard_level, 0, end);
     top.leaves(surface, 0, end);
   }
+}
+
+void read_all_of_label_top(const fs::path& path) {
+  const TopArtifact artifact(path);
+  artifact.counts();
+  artifact.shards();
+  read_all_of_tables(LabelTop(artifact));
+}
+
+void read_all_of_tile_plan(const fs::path& path) {
+  const TilePlanArtifact artifact(path);
+  artifact.sources();
+  if (artifact.of_labels())
+    read_all_of_tables(LabelTop(artifact.file()));
+  else
+    artifact.tiles();
 }
 
 void read_all_of_counts(const fs::path& path) {
@@ -173,6 +182,9 @@ INSTANTIATE_TEST_SUITE_P(
                       Kind{"octrees_of_each_label", "each", ".octree", read_all_of_label_shard},
                       Kind{"tree_of_each_label", "each", ".tree", read_all_of_label_top},
                       Kind{"tiles_of_each_label", "each", ".tile", read_all_of_tile},
+                      Kind{"cubes_of_each_label", "each", ".cubes", read_all_of_cubes, "collapse"},
+                      Kind{"tile_plan_of_each_label", "each", "tile.plan", read_all_of_tile_plan,
+                           "collapse"},
                       Kind{"octree_of_shared_labels", "shared", ".octree", read_all_of_shard},
                       Kind{"tile_of_shared_labels", "shared", ".tile", read_all_of_tile},
                       Kind{"counts_of_a_shard", "each", ".labels", read_all_of_counts},

@@ -1,9 +1,6 @@
 // labels.mode = "each", end to end: a closed mesh for each label of a volume.
 #include <fmt/format.h>
 
-#include <set>
-
-#include "storage/manifest/manifest.h"
 #include "tests/pipeline/run/label_volumes.h"
 #include "tests/pipeline/run/scene.h"
 
@@ -14,46 +11,24 @@ const Settings each_mode = {"labels.mode=each"};
 const Settings small_tiles =
     each_mode + Settings{"work.brick=16", "work.shard=2", "output.tile_vertices=1024"};
 
-// The main promise: a label's mesh among all labels' is the mesh of a run of that label alone.
-void expect_as_alone(const RawVolume& volume, const Settings& settings, std::size_t several_tiles) {
-  const Scene scene(volume);
-  VOXWELD_EXPECT_DONE(scene.run_in("all", each_mode + settings));
-  std::size_t several = 0;
-  const std::set<std::uint64_t> labels = labels_of(volume);
-  for (const std::uint64_t label : labels) {
-    if (label == 0) continue;
-    const Settings alone = {fmt::format("surface.label={}", label),
-                            fmt::format("surface.isovalue={}", label)};
-    scene.forget("one");
-    VOXWELD_EXPECT_DONE(scene.run_in("one", alone + settings));
-    const Tree expected = label_files(scene.output("one"), label);
-    EXPECT_EQ(difference(expected, label_files(scene.output("all"), label)), "") << label;
-    EXPECT_FALSE(expected.empty());
-    several += expected.size() > 2;
-  }
-  EXPECT_GE(several, several_tiles);
-  EXPECT_EQ(manifest_of(scene.output("all")).at("counts").at("labels"),
-            labels.size() - labels.count(0));
-}
-
 TEST(EachLabel, HasTheMeshOfARunOfItAlone) {
-  expect_as_alone(ball_labels(SampleType::u16, {40, 36, 33}), {"work.brick=16"}, 0);
-  expect_as_alone(ball_labels(SampleType::u64, {33, 20, 20}), {"work.brick=32"}, 0);
-  expect_as_alone(ball_labels(SampleType::i32, {20, 17, 16}), {}, 0);
+  expect_labels_as_alone(ball_labels(SampleType::u16, {40, 36, 33}), {"work.brick=16"}, 0);
+  expect_labels_as_alone(ball_labels(SampleType::u64, {33, 20, 20}), {"work.brick=32"}, 0);
+  expect_labels_as_alone(ball_labels(SampleType::i32, {20, 17, 16}), {}, 0);
 }
 
 TEST(EachLabel, HasTheMeshOfARunOfItAloneInManyTiles) {
   const RawVolume volume = cell_labels({70, 60, 50}, 6, 0.03, 1);
-  expect_as_alone(volume, {"work.brick=16", "work.shard=2", "output.tile_vertices=1024"}, 4);
-  expect_as_alone(volume,
-                  {"work.brick=16", "work.shard=1", "work.chunk=16", "output.tile_vertices=1500",
-                   "simplify.tolerance=2"},
-                  2);
+  expect_labels_as_alone(volume, {"work.brick=16", "work.shard=2", "output.tile_vertices=1024"}, 4);
+  expect_labels_as_alone(volume,
+                         {"work.brick=16", "work.shard=1", "work.chunk=16",
+                          "output.tile_vertices=1500", "simplify.tolerance=2"},
+                         2);
 }
 
 TEST(EachLabel, HasTheMeshOfARunOfItAloneInNoise) {
-  expect_as_alone(cell_labels({34, 33, 20}, 4, 1.0, 2),
-                  {"work.brick=16", "work.shard=2", "output.tile_vertices=1024"}, 3);
+  expect_labels_as_alone(cell_labels({34, 33, 20}, 4, 1.0, 2),
+                         {"work.brick=16", "work.shard=2", "output.tile_vertices=1024"}, 3);
 }
 
 // Slabs and blocks whose octrees collapse above the bricks, and above the shards.
@@ -61,11 +36,11 @@ TEST(EachLabel, HasTheMeshOfARunOfItAloneAboveTheBricks) {
   RawVolume volume = volume_of({140, 140, 130}, [](Index3 at) {
     return at.z < 40 ? 3 : 16 * at.z + at.x < 16 * 90 ? 200 : at.y < 70 ? 7 : 0;
   });
-  expect_as_alone(volume, {"work.brick=16", "work.shard=2", "simplify.tolerance=0.5"}, 0);
-  expect_as_alone(volume,
-                  {"work.brick=16", "work.shard=1", "work.chunk=16", "simplify.tolerance=0.5",
-                   "surface.border=open", "work.copy=true"},
-                  0);
+  expect_labels_as_alone(volume, {"work.brick=16", "work.shard=2", "simplify.tolerance=0.5"}, 0);
+  expect_labels_as_alone(volume,
+                         {"work.brick=16", "work.shard=1", "work.chunk=16",
+                          "simplify.tolerance=0.5", "surface.border=open", "work.copy=true"},
+                         0);
 }
 
 std::vector<Settings> label_partitions() {

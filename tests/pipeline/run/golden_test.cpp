@@ -111,7 +111,7 @@ TEST(RefinedGoldens, OfEveryStage) {
   VOXWELD_EXPECT_DONE(scene.run({"simplify.refine=collapse", "work.brick=16", "work.shard=2",
                                  "output.tile_vertices=1024", "simplify.tolerance=0.2"}));
   constexpr std::uint32_t version = refine_version << 16 | cube_mesh_version;
-  expect_recorded({"stitch, refine and seams", 131074, "c67e67e9f907c7d44310f574d9f6e558"}, version,
+  expect_recorded({"stitch, refine and seams", 131074, "00bdb1816db459db0f717cc828927f37"}, version,
                   hash_of(files_ending(scene.work(), ".cubes"), cube_mesh_kind, cube_mesh_version));
   expect_recorded({"retile", 5, "8ca7352f6fb55117eec21a6f7e1166bc"}, tile_version,
                   hash_of(files_ending(scene.work(), ".tile"), tile_kind, tile_version));
@@ -132,6 +132,31 @@ const char* const label_edits =
     "\n[[edit]]\nop = \"add\"\nmaterial = 11\nshape = \"box\"\ncenter = [24.3, 15.2, 20.1]\n"
     "size = [11, 13.5, 40]\n[[edit]]\nop = \"replace\"\nmaterial = 5\nshape = \"sphere\"\n"
     "center = [14.5, 25.5, 18.25]\nradius = 7.75\n";
+
+// The same labels, refined.
+void expect_refined_labels(const char* mode, const Golden& cubes, const Golden& tiles) {
+  const Scene scene(label_volume());
+  std::ofstream(scene.config(), std::ios::app) << label_edits;
+  VOXWELD_EXPECT_DONE(scene.run({std::string("labels.mode=") + mode, "simplify.refine=collapse",
+                                 "work.brick=16", "work.shard=2", "output.tile_vertices=1024"}));
+  constexpr std::uint32_t version = refine_version << 16 | cube_mesh_version;
+  expect_recorded(cubes, version,
+                  hash_of(files_ending(scene.work(), ".cubes"), cube_mesh_kind, cube_mesh_version));
+  expect_recorded(tiles, tile_version,
+                  hash_of(files_ending(scene.work(), ".tile"), tile_kind, tile_version));
+}
+
+TEST(RefinedGoldens, OfEachLabel) {
+  expect_refined_labels("each",
+                        {"stitch, refine and seams", 131074, "43e26f436063b5969e11e255a8019eb2"},
+                        {"retile", 5, "10230f423b48867a3179310233a2687d"});
+}
+
+TEST(RefinedGoldens, OfSharedLabels) {
+  expect_refined_labels("shared",
+                        {"stitch, refine and seams", 131074, "b073974b3c22362c066c9c3da9522643"},
+                        {"retile", 5, "47b357f15890fcca611c4ff38feebfbc"});
+}
 
 // The versions in the key of a build of labels: of the artifacts, of those of each label, and of
 // the estimate.

@@ -65,4 +65,26 @@ Tree label_files(const std::filesystem::path& output, std::uint64_t label) {
   return files;
 }
 
+void expect_labels_as_alone(const RawVolume& volume, const Settings& settings,
+                            std::size_t several_tiles) {
+  const Scene scene(volume);
+  VOXWELD_EXPECT_DONE(scene.run_in("all", Settings{"labels.mode=each"} + settings));
+  std::size_t several = 0;
+  const std::set<std::uint64_t> labels = labels_of(volume);
+  for (const std::uint64_t label : labels) {
+    if (label == 0) continue;
+    const Settings alone = {fmt::format("surface.label={}", label),
+                            fmt::format("surface.isovalue={}", label)};
+    scene.forget("one");
+    VOXWELD_EXPECT_DONE(scene.run_in("one", alone + settings));
+    const Tree expected = label_files(scene.output("one"), label);
+    EXPECT_EQ(difference(expected, label_files(scene.output("all"), label)), "") << label;
+    EXPECT_FALSE(expected.empty());
+    several += expected.size() > 2;
+  }
+  EXPECT_GE(several, several_tiles);
+  EXPECT_EQ(manifest_of(scene.output("all")).at("counts").at("labels"),
+            labels.size() - labels.count(0));
+}
+
 }  // namespace voxweld::testing

@@ -21,4 +21,9 @@ std::set<std::uint64_t> labels_of(const RawVolume& volume);
 // The files of one label, or of the only surface, by the place of their tile.
 Tree label_files(const std::filesystem::path& output, std::uint64_t label);
 
+// The main promise: a label's mesh among all labels' is the mesh of a run of that label alone. At
+// least so many labels have several tiles.
+void expect_labels_as_alone(const RawVolume& volume, const Settings& settings,
+                            std::size_t several_tiles);
+
 }  // namespace voxweld::testing

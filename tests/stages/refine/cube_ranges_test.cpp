@@ -40,5 +40,14 @@ TEST(CubeRanges, OfManyTilesAreTheTiles) {
   EXPECT_EQ(ranges[31].cubes.begin, morton_encode({124, 0, 0}));
 }
 
+TEST(CubeRanges, AreCutUpUntilThereAreEnough) {
+  const std::vector<PlannedTile> tiles = {tile(8, {0, 0, 0}, 100)};
+  EXPECT_EQ(cube_ranges(tiles, 0).size(), 1u);
+  EXPECT_EQ(cube_ranges(tiles, 1).size(), 1u);
+  EXPECT_EQ(cube_ranges(tiles, 2).size(), 8u);
+  EXPECT_EQ(cube_ranges(tiles, 9).size(), 64u);
+  EXPECT_EQ(cube_ranges(tiles, 1000).size(), 64u);  // cubes are not cut
+}
+
 }  // namespace
 }  // namespace voxweld

@@ -11,6 +11,7 @@ namespace {
 using testing::shapes_of;
 using testing::torus;
 using testing::torus_frame;
+using testing::with_sides;
 
 class Pieces : public ::testing::TestWithParam<int> {};
 
@@ -42,7 +43,7 @@ TEST_P(Pieces, AreWhatIsAtHomeInEachCube) {
 }
 
 TEST_P(Pieces, TogetherAreTheMesh) {
-  const RefineMesh mesh = torus();
+  const RefineMesh mesh = with_sides(torus());
   MeshGather gather;
   each_piece(mesh, CubeLattice(torus_frame(), GetParam()), [&](const CubePiece& piece) {
     gather.add(piece.leaving);
@@ -60,7 +61,7 @@ TEST_P(Pieces, TogetherAreTheMesh) {
 INSTANTIATE_TEST_SUITE_P(Passes, Pieces, ::testing::Values(0, 1));
 
 TEST(Gather, TakesWhatItIsTold) {
-  const RefineMesh mesh = torus();
+  const RefineMesh mesh = with_sides(torus());
   MeshGather gather;
   gather.add(mesh, [](std::size_t t) { return t % 2 == 1; });
   const RefineMesh half = gather.take();

@@ -6,12 +6,13 @@
 #include "stages/refine/refine_range.h"
 #include "tests/stages/refine/volume_mesh.h"
 #include "tests/support/allocation_count.h"
+#include "tests/support/label_cases.h"
+#include "tests/support/label_complex.h"
 
 namespace voxweld {
 namespace {
 
-void expect_enough(const testing::RandomVolume& volume) {
-  const testing::VolumeMesh made = testing::mesh_of_volume(volume, 0.05);
+void expect_enough(const testing::VolumeMesh& made) {
   RefineMesh mesh = made.mesh;
   RefineParameters parameters;
   parameters.tolerance = 0.1 / made.frame.lattice.step;
@@ -19,7 +20,7 @@ void expect_enough(const testing::RandomVolume& volume) {
   parameters.intersections = IntersectionRule::report;
   for (int pass = 0; pass < refine_passes; ++pass) {
     const MeshSize size{mesh.positions.size(), mesh.triangles.size(),
-                        mesh.samples.size() + mesh.positions.size()};
+                        mesh.samples.size() + mesh.positions.size(), mesh.sides.size()};
     const CubeLattice cubes(made.frame, pass);
     RefineCounts counts;
     const std::uint64_t before = testing::live_bytes();
@@ -33,10 +34,16 @@ void expect_enough(const testing::RandomVolume& volume) {
 }
 
 TEST(RefineMemory, OfANoisyCubeIsSaidBefore) {
-  expect_enough({40, true, 3});  // more triangles than are done at once
+  expect_enough(
+      testing::mesh_of_volume({40, true, 3}, 0.05));  // more triangles than are done at once
 }
 TEST(RefineMemory, OfASmoothSurfaceIsSaidBefore) {
-  expect_enough({80, false, 2});
+  expect_enough(testing::mesh_of_volume({80, false, 2}, 0.05));
+}
+TEST(RefineMemory, BetweenLabelsIsSaidBefore) {
+  for (const testing::MemoryVolume& volume :
+       {testing::noise({24, 24, 24}, 6, 1), testing::voronoi(90, 30, 8, 2)})
+    expect_enough(testing::mesh_of(volume, testing::shared_labels(0.05)));
 }
 
 }  // namespace

@@ -52,10 +52,7 @@ void check(const Case& c, Totals& totals) {
   const auto euler = testing::euler_characteristic(mesh.triangles);
   const auto components = testing::connected_components(mesh.triangles);
   const std::size_t triangles = mesh.triangles.size(), pairs = pairs_of(mesh);
-  RefineParameters refine;
-  refine.mode = c.mode;
-  refine.tolerance = c.tolerance / frame.lattice.step;
-  refine.reach = 1 / frame.lattice.step;
+  const RefineParameters refine = testing::refining(frame, c.tolerance, c.mode);
   std::size_t left = pairs;
   for (int pass = 0; pass < refine_passes; ++pass) {
     RefineCounts counts;

@@ -12,6 +12,7 @@ namespace {
 using testing::shuffled;
 using testing::torus;
 using testing::torus_frame;
+using testing::with_sides;
 
 TileMesh tile_of(const RefineMesh& mesh, CellKey tile) {
   const CubeLattice blocks = tile_blocks(torus_frame());
@@ -78,6 +79,43 @@ TEST(Retile, FromStitchAndBack) {
   stitched.quads = 5;
   const RefineMesh mesh = to_refine_mesh(stitched);
   EXPECT_EQ(testing::shapes_of(mesh), testing::shapes_of(torus()));
+}
+
+// The pairs of labels that its own triangles lie between, and each triangle's place in that.
+TEST(Retile, BetweenLabels) {
+  const RefineMesh mesh = with_sides(torus());
+  for (const CellKey key : {CellKey{8, {}}, CellKey{5, {3, 1, 2}}, CellKey{4, {6, 3, 5}}}) {
+    const TileMesh tile = tile_of(mesh, key), other = tile_of(shuffled(mesh, 5), key);
+    EXPECT_EQ(tile.pairs, other.pairs);
+    EXPECT_EQ(tile.triangle_pairs, other.triangle_pairs);
+    EXPECT_TRUE(std::ranges::is_sorted(tile.pairs));
+    ASSERT_EQ(tile.triangle_pairs.size(), tile.triangles.size());
+    std::set<std::uint32_t> used(tile.triangle_pairs.begin(), tile.triangle_pairs.end());
+    EXPECT_EQ(used.size(), tile.pairs.size());
+    EXPECT_GT(used.size(), 0u);
+    // There and back.
+    MeshGather part;
+    part.add(mesh,
+             [&](std::size_t t) { return belongs_to(mesh, t, tile_blocks(torus_frame()), key); });
+    EXPECT_EQ(testing::shapes_of(to_refine_mesh(tile)), testing::shapes_of(part.mesh()));
+  }
+}
+
+// Where labels meet a normal serves both sides: a corner takes it, or its opposite.
+TEST(Retile, NormalsBetweenLabelsAreTurnedToTheirTriangle) {
+  RefineMesh mesh;
+  mesh.positions = {{400, 400, 400}, {420, 400, 400}, {400, 420, 400}, {400, 380, 400}};
+  mesh.ids = {{1}, {2}, {3}, {4}};
+  const PackedNormal down = pack_normal({0, 0, -1});
+  mesh.normals.assign(4, {down, no_normal, no_normal});
+  mesh.triangles = {{0, 1, 2}, {0, 1, 3}};
+  mesh.sides = {{1, 2}, {1, 3}};
+  const TileMesh tile = tile_of(mesh, {8, {}});
+  ASSERT_EQ(tile.corner_normals.size(), 2u);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_TRUE(tile.corner_normals[0][k].turned());
+    EXPECT_FALSE(tile.corner_normals[1][k].turned());
+  }
 }
 
 TEST(Retile, WithoutNormals) {

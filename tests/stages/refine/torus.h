@@ -7,6 +7,7 @@
 #include <numeric>
 #include <random>
 #include <set>
+#include <tuple>
 #include <vector>
 
 #include "stages/refine/refine_range.h"
@@ -57,6 +58,15 @@ inline RefineMesh torus() {
   return mesh;
 }
 
+// As if it lay between labels; what a triangle separates depends on its ids alone.
+inline RefineMesh with_sides(RefineMesh mesh) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::uint64_t label = mesh.ids_of(t)[0].bits % 3;
+    mesh.sides.push_back({label, label == 0 ? exterior : label + 1});
+  }
+  return mesh;
+}
+
 // The same mesh, its triangles and vertices in other orders.
 inline RefineMesh shuffled(const RefineMesh& mesh, unsigned seed) {
   std::mt19937 random(seed);
@@ -81,16 +91,18 @@ inline RefineMesh shuffled(const RefineMesh& mesh, unsigned seed) {
     auto triangle = mesh.triangles[t];
     for (std::uint32_t& v : triangle) v = place[v];
     out.triangles.push_back(triangle);
+    if (!mesh.sides.empty()) out.sides.push_back(mesh.sides[t]);
   }
   return out;
 }
 
 // A triangle by what it is, wherever it stands in a mesh.
-using Shape = std::pair<std::array<std::uint64_t, 3>, std::array<LatticePoint, 3>>;
+using Shape = std::tuple<std::array<std::uint64_t, 3>, std::array<LatticePoint, 3>, MaterialPair>;
 inline Shape shape_of(const RefineMesh& mesh, std::size_t t) {
   const auto& c = mesh.triangles[t];
   return {{mesh.ids[c[0]].bits, mesh.ids[c[1]].bits, mesh.ids[c[2]].bits},
-          {mesh.positions[c[0]], mesh.positions[c[1]], mesh.positions[c[2]]}};
+          {mesh.positions[c[0]], mesh.positions[c[1]], mesh.positions[c[2]]},
+          mesh.sides.empty() ? MaterialPair{} : mesh.sides[t]};
 }
 inline std::multiset<Shape> shapes_of(const RefineMesh& mesh) {
   std::multiset<Shape> shapes;
@@ -100,7 +112,8 @@ inline std::multiset<Shape> shapes_of(const RefineMesh& mesh) {
 
 inline bool same_mesh(const RefineMesh& a, const RefineMesh& b) {
   return a.positions == b.positions && a.ids == b.ids && a.aims == b.aims &&
-         a.normals == b.normals && a.triangles == b.triangles && a.samples == b.samples;
+         a.normals == b.normals && a.triangles == b.triangles && a.sides == b.sides &&
+         a.samples == b.samples;
 }
 
 }  // namespace voxweld::testing

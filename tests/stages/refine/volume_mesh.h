@@ -45,19 +45,30 @@ struct VolumeMesh {
   RefineMesh mesh;
   RefineFrame frame;
 };
-inline VolumeMesh mesh_of(const MemoryVolume& volume, double tolerance) {
-  ContourParameters parameters;
-  parameters.surface.isovalue = {0.0};
-  parameters.surface.gradient = Gradient::subcell;
-  parameters.simplify.tolerance = tolerance;
+inline VolumeMesh mesh_of(const MemoryVolume& volume, ContourParameters parameters) {
   parameters.simplify.overhang = 1;
   const VolumeContour contour = contour_volume(volume, parameters);
   const OutputLattice lattice = plan_lattice({volume.size, {1, 1, 1}, 0.01});
   // One tile: so small a volume has no more. (join_tiles would lose the vertices' aims.)
   return {to_refine_mesh(contour.tiles.at(0)), {lattice, {1, 1, 1}, {}, volume.size}};
 }
+inline VolumeMesh mesh_of(const MemoryVolume& volume, double tolerance) {
+  ContourParameters parameters;
+  parameters.surface.isovalue = {0.0};
+  parameters.surface.gradient = Gradient::subcell;
+  parameters.simplify.tolerance = tolerance;
+  return mesh_of(volume, parameters);
+}
 inline VolumeMesh mesh_of_volume(const RandomVolume& wanted, double tolerance) {
   return mesh_of(volume_of(wanted), tolerance);
+}
+
+inline RefineParameters refining(const RefineFrame& frame, double tolerance, RefineMode mode) {
+  RefineParameters refine;
+  refine.mode = mode;
+  refine.tolerance = tolerance / frame.lattice.step;
+  refine.reach = 1 / frame.lattice.step;
+  return refine;
 }
 
 }  // namespace voxweld::testing

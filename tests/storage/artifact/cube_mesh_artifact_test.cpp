@@ -27,6 +27,11 @@ RefineMesh triangle(LatticePoint at, bool normals, std::uint32_t samples) {
   return mesh;
 }
 
+RefineMesh between(MaterialPair sides, RefineMesh mesh) {
+  mesh.sides.assign(mesh.triangles.size(), sides);
+  return mesh;
+}
+
 struct Counted {
   std::uint64_t a = 0, b = 0;
 };
@@ -35,12 +40,14 @@ class CubeMeshFile : public ::testing::Test {
  protected:
   Hash128 write() const {
     CubeMeshWriter out(path(), {1, 2});
-    out.piece(3, {1, 1, 0}, triangle({10, 20, 30}, true, 2), {});
-    out.piece(3, {2, 1, 0}, {}, triangle({50, 0, 5}, false, 0));
-    out.piece(9, {1, 0, 1}, triangle({7, 8, 9}, true, 0), triangle({90, 8, 9}, true, 1));
+    out.piece({0, 3}, {1, 1, 0}, triangle({10, 20, 30}, true, 2), {});
+    out.piece({0, 3}, {2, 1, 0}, {}, triangle({50, 0, 5}, false, 0));
+    out.piece({7, 1}, {1, 0, 1}, triangle({7, 8, 9}, true, 0),
+              between({4, exterior}, triangle({90, 8, 9}, true, 1)));
     const Counted counted{11, 12};
-    const std::vector<CubeCount> blocks = {{64, 4, 0, 1}, {128, 4, 0, 3}};
-    return out.finish(as_record(counted), blocks);
+    const std::vector<BlockRecord> blocks = {{0, 64, 1}, {7, 0, 3}};
+    const std::vector<LabelChange> changes = {{7, 5}};
+    return out.finish(as_record(counted), blocks, changes);
   }
   void expect_damaged() const {
     EXPECT_THROW(
@@ -48,6 +55,7 @@ class CubeMeshFile : public ::testing::Test {
           const CubeMeshArtifact file(path());
           file.counted<Counted>();
           file.blocks();
+          file.changes();
           for (std::size_t i = 0; i < file.pieces().size(); ++i) {
             file.read(i, CubePart::inside);
             file.read(i, CubePart::leaving);
@@ -71,16 +79,18 @@ TEST_F(CubeMeshFile, ReadsBack) {
   EXPECT_EQ(summary.all.triangles, 4u);
   EXPECT_EQ(summary.all.vertices, 12u);
   EXPECT_EQ(summary.all.samples, 3u);
+  EXPECT_EQ(summary.all.sided, 1u);
   EXPECT_EQ(summary.leaving, 2u);
-  EXPECT_EQ(summary.lowest_code, 3u);
-  EXPECT_EQ(summary.highest_code, 9u);
+  EXPECT_EQ(summary.lowest, (CubeKey{0, 3}));
+  EXPECT_EQ(summary.highest, (CubeKey{7, 1}));
   EXPECT_EQ(summary.box, (LatticeBox{{7, 0, 3}, {92, 24, 30}}));
   EXPECT_EQ(summary.leaving_box, (LatticeBox{{50, 0, 3}, {92, 12, 9}}));
   EXPECT_EQ(file.counted<Counted>().b, 12u);
-  EXPECT_EQ(file.blocks()[1].polygons, 3u);
+  EXPECT_EQ(file.blocks()[1], (BlockRecord{7, 0, 3}));
+  EXPECT_EQ(file.changes(), std::vector<LabelChange>({{7, 5}}));
 
   const auto& piece = file.pieces()[2];
-  EXPECT_EQ(piece.code, 9u);
+  EXPECT_EQ(piece.key(), (CubeKey{7, 1}));
   EXPECT_EQ(morton_decode(piece.cube), (Index3{1, 0, 1}));
   EXPECT_EQ(piece.leaving.samples, 1u);
   EXPECT_EQ(piece.leaving_box, (LatticeBox{{90, 8, 7}, {92, 12, 9}}));
@@ -89,6 +99,8 @@ TEST_F(CubeMeshFile, ReadsBack) {
   EXPECT_EQ(read.ids, wrote.ids);
   EXPECT_EQ(read.normals, wrote.normals);
   EXPECT_EQ(read.triangles, wrote.triangles);
+  EXPECT_EQ(read.sides, (std::vector<MaterialPair>{{4, exterior}}));
+  EXPECT_TRUE(file.read(2, CubePart::inside).sides.empty());
   EXPECT_EQ(read.samples, wrote.samples);
   EXPECT_TRUE(file.read(1, CubePart::leaving).normals.empty());
   EXPECT_TRUE(file.read(1, CubePart::inside).triangles.empty());
@@ -103,7 +115,7 @@ TEST_F(CubeMeshFile, PartsHaveTheirHashes) {
 }
 
 TEST_F(CubeMeshFile, MayBeEmpty) {
-  CubeMeshWriter(path(), {5, 6}).finish({}, {});
+  CubeMeshWriter(path(), {5, 6}).finish({}, {}, {});
   const CubeMeshArtifact file(path());
   EXPECT_EQ(file.summary().pieces, 0u);
   EXPECT_TRUE(file.pieces().empty());
@@ -125,13 +137,23 @@ TEST_F(CubeMeshFile, DamageIsFoundInAnyByte) {
   expect_damaged();
 }
 
+// By label, whatever the cubes are.
+TEST_F(CubeMeshFile, PiecesMustAscend) {
+  CubeMeshWriter out(path(), {});
+  out.piece({5, 3}, {1, 1, 0}, triangle({1, 2, 3}, false, 0), {});
+  out.piece({4, 9}, {1, 0, 1}, triangle({4, 5, 6}, false, 0), {});
+  const Counted counted;
+  out.finish(as_record(counted), {}, {});
+  expect_damaged();
+}
+
 // What no checksum finds: whoever wrote it was wrong.
 TEST_F(CubeMeshFile, NumbersThatNameNothingAreRefused) {
   const auto refused = [&](const RefineMesh& mesh) {
     CubeMeshWriter out(path(), {});
-    out.piece(0, {}, mesh, {});
+    out.piece({}, {}, mesh, {});
     const Counted counted;
-    out.finish(as_record(counted), {});
+    out.finish(as_record(counted), {}, {});
     expect_damaged();
   };
   RefineMesh mesh = triangle({1, 2, 3}, true, 1);
@@ -143,22 +165,51 @@ TEST_F(CubeMeshFile, NumbersThatNameNothingAreRefused) {
   mesh = triangle({1, 2, 3}, true, 1);
   mesh.normals.pop_back();
   refused(mesh);
+  mesh = between({1, 2}, triangle({1, 2, 3}, true, 1));
+  mesh.sides.push_back({2, 3});
+  refused(mesh);
 }
 
 TEST(TilePlanFile, ReadsBack) {
   const TempDirectory directory;
   const auto path = directory / "tile.plan";
-  const TilePlanParts parts{{{64, 5, 0, 7, 8}}, {{{1, 2}, 3, 4, 5}, {}}};
+  const TilePlanParts parts{{{64, 5, 0, 7, 8}}, {{{1, 2}, 3, {0, 4}, {0, 5}}, {}}};
   write_tile_plan(path, {8, 9}, parts);
   const TilePlanArtifact file(path);
   EXPECT_EQ(file.key(), (Hash128{8, 9}));
-  EXPECT_EQ(file.read().sources, parts.sources);
-  ASSERT_EQ(file.read().tiles.size(), 1u);
-  EXPECT_EQ(file.read().tiles[0].polygons, 8u);
+  EXPECT_FALSE(file.of_labels());
+  EXPECT_EQ(file.sources(), parts.sources);
+  ASSERT_EQ(file.tiles().size(), 1u);
+  EXPECT_EQ(file.tiles()[0].polygons, 8u);
   auto bytes = read_whole_file(path);
-  bytes[bytes.size() / 2] ^= std::byte{1};
+  bytes[65] ^= std::byte{1};
   write_whole_file(path, bytes, Durability::rename_only);
-  EXPECT_THROW(TilePlanArtifact(path).read(), DamagedArtifact);
+  EXPECT_THROW(TilePlanArtifact(path).tiles(), DamagedArtifact);
+}
+
+TEST(TilePlanFile, OfLabelsHasTheirTables) {
+  const TempDirectory directory;
+  const auto path = directory / "tile.plan";
+  const std::vector<PlanSource> sources = {{{1, 2}, 3, {4, 5}, {6, 7}}};
+  LabelTilePlanWriter out(path, {8, 9});
+  for (const Material label : {Material{3}, Material{1} << 50}) {
+    out.tile({64, 5, 0, 7, 8});
+    out.end_surface(label, label == 3 ? 6 : 9);
+  }
+  BatchRecord batch;
+  batch.material = 3;
+  batch.surfaces = batch.tiles = 2;
+  out.batch(batch);
+  out.finish(sources);
+  const TilePlanArtifact file(path);
+  EXPECT_TRUE(file.of_labels());
+  EXPECT_EQ(file.sources(), sources);
+  const LabelTop tables(file.file());
+  EXPECT_EQ(tables.batches().at(0).surfaces, 2u);
+  ASSERT_EQ(tables.surface_count(), 2u);
+  EXPECT_EQ(tables.surfaces(0, 2)[1].material, Material{1} << 50);
+  EXPECT_EQ(tables.surfaces(0, 2)[1].vertices, 9u);
+  EXPECT_EQ(tables.tiles(1, 1)[0].polygons, 8u);
 }
 
 }  // namespace
