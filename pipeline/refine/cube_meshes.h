@@ -88,10 +88,10 @@ struct PieceRead {
   bool whole = false;
 };
 
-// What refining the cubes of a range takes, of one label: the pieces at home there; and of all
-// others of that label those triangles that leave their cube and meet one of the cubes with a piece, or the box around what
-// leaves such a piece. No triangle that stays in a cube of others is near enough to matter:
-// refine_range looks at nothing that does not meet a cube of its own.
+// What refining the cubes of a range takes, of one label: the pieces at home there; and of all others
+// of that label those triangles that leave their cube and meet one of the cubes with a piece, or the
+// box around what leaves such a piece. No triangle that stays in a cube of others is near enough to
+// matter: refine_range looks at nothing that does not meet a cube of its own.
 class RangeReads {
  public:
   // label: 0 of one surface.

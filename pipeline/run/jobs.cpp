@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/build/build_stage.h"
@@ -267,6 +268,12 @@ Manifest make_manifest(const RunContext& context, const Jobs& jobs, const TopArt
   while (levels > 1 && counts.leaves[levels - 1] == 0) --levels;
   m.counts.leaves.assign(counts.leaves.begin(),
                          counts.leaves.begin() + static_cast<std::ptrdiff_t>(levels));
+  // A leaf at the border has a boundary vertex anywhere in it.
+  if (m.open_border) {
+    const Vec3& spacing = parameters.spacing;
+    m.border_slack = (std::ldexp(1.0, static_cast<int>(levels) - 1) - 1) *
+                     std::max({spacing.x, spacing.y, spacing.z});
+  }
   m.input =
       std::make_unique<nlohmann::json>(nlohmann::json{{"path", config.input.path.string()},
                                                       {"format", info.format},

@@ -64,5 +64,13 @@ TEST(EachLabel, EveryPartitionGivesTheSameBytes) {
   }
 }
 
+// A leaf of several cells at the border has its vertex, and so the mesh its end, some cells inside.
+TEST(EachLabel, EndsInsideWithLargeLeavesAtAnOpenBorder) {
+  const Scene scene(cell_labels({90, 80, 76}, 20, 0.01, 6));
+  VOXWELD_EXPECT_DONE(
+      scene.run(small_tiles + Settings{"surface.border=open", "simplify.tolerance=0.5"}));
+  EXPECT_GT(expect_good(scene.output()).boundary_edges, 0u);
+}
+
 }  // namespace
 }  // namespace voxweld::testing
