@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Runs of voxweld on the test cluster, whose nodes differ in processors: driven from here and handed
-# over, both end in the bytes of a local run; a cancelled one is taken up again, and so is one whose
-# driver died at the worst moment; what cannot run is refused; an image that cannot be read stops no
-# more than its layer. Prints a line a step with its seconds. Exits 77 (skipped) where a cluster
-# cannot be made.
+# over, both end in the bytes of a local run, refined or not; a cancelled one is taken up again, and
+# so is one whose driver died at the worst moment; what cannot run is refused; an image that cannot be
+# read stops no more than its layer. Prints a line a step with its seconds. Exits 77 (skipped) where a
+# cluster cannot be made.
 # Usage: tests/cluster/run_test.sh [VOXWELD]        (default: build/voxweld)
 set -euo pipefail
 # shellcheck source=tests/cluster/support.sh
@@ -20,8 +20,8 @@ on() {
   timeout 300 "$voxweld" "$command" "$data/$config.toml" --set "work.directory=$data/$name.work" \
     --set "output.directory=$data/$name.mesh" "$@" >"$data/$name.$command.log" 2>&1
 }
-same() { # same NAME: as the local run
-  [ "$(tree_hash "$data/$1.mesh")" = "$expected" ] || fail "$1: other bytes than the local run"
+same() { # same NAME [HASH]: as the local run
+  [ "$(tree_hash "$data/$1.mesh")" = "${2:-$expected}" ] || fail "$1: other bytes than the local run"
   "$voxweld" verify "$data/$1.mesh" >"$data/$1.verify.log" 2>&1 || fail "$1: verify finds faults"
 }
 wait_until_finished() { # wait_until_finished NAME
@@ -73,6 +73,16 @@ grep -q "in Slurm already" "$data/handed.submit.log" || fail "submitted twice: $
 wait_until_finished handed
 same handed
 step "handed to Slurm: the same bytes"
+
+# Three more stages.
+on fine run --set simplify.refine=collapse || fail "the refined local run"
+refined=$(tree_hash "$data/fine.mesh")
+on refined run --set simplify.refine=collapse --set run.executor=slurm || fail "the refined run"
+same refined "$refined"
+for stage in refine seams retile; do
+  grep -q "$stage: job [0-9]* of" "$data/refined.run.log" || fail "no task did $stage"
+done
+step "refined: the same bytes"
 
 on broken submit || fail "submit"
 sleep 2

@@ -34,7 +34,7 @@ TEST(EachLabel, HasTheMeshOfARunOfItAloneInNoise) {
 // Slabs and blocks whose octrees collapse above the bricks, and above the shards.
 TEST(EachLabel, HasTheMeshOfARunOfItAloneAboveTheBricks) {
   RawVolume volume = volume_of({140, 140, 130}, [](Index3 at) {
-    return at.z < 40 ? 3 : 16 * at.z + at.x < 16 * 90 ? 200 : at.y < 70 ? 7 : 0;
+    return at.z < 40 ? 3 : 16 * at.z + at.x < 1440 ? 200 : at.y < 70 ? 7 : 0;
   });
   expect_labels_as_alone(volume, {"work.brick=16", "work.shard=2", "simplify.tolerance=0.5"}, 0);
   expect_labels_as_alone(volume,
