@@ -102,8 +102,9 @@ TEST(LabelRefineWork, DamageIsFoundAndMended) {
     for (int time = 0; time < 3; ++time) {
       SCOPED_TRACE(stage + ending);
       auto files = files_ending(scene.work(), ending);
+      const std::string folder = "/" + stage + "-";
       std::erase_if(files, [&](const fs::path& path) {
-        return path.string().find("/" + stage + "-") == std::string::npos;
+        return path.string().find(folder) == std::string::npos;
       });
       ASSERT_FALSE(files.empty());
       const fs::path& file = files[random() % files.size()];
