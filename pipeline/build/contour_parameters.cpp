@@ -60,7 +60,7 @@ ContourParameters contour_parameters(const Config& config, const VolumeInfo& inf
       s.tolerance *
       (s.tolerance_unit == SimplifyConfig::Unit::voxel ? smallest_spacing(geometry) : 1.0) *
       octree_share(s);
-  p.simplify.overhang = vertex_overhang(s);
+  p.simplify.overhang = vertex_overhang(config);
   p.simplify.metric = s.metric == SimplifyConfig::Metric::rms ? Metric::rms : Metric::sum;
   p.simplify.topology =
       s.topology == SimplifyConfig::Topology::safe ? Topology::safe : Topology::free;

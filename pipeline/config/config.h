@@ -148,11 +148,6 @@ inline double octree_share(const SimplifyConfig& simplify) {
   return simplify.refine == SimplifyConfig::Refine::collapse ? 0.5 : 1.0;
 }
 
-// How many cells a vertex may leave its own by where the mesh is refined.
-inline double vertex_overhang(const SimplifyConfig& simplify) {
-  return simplify.refine == SimplifyConfig::Refine::off ? 0 : 1;
-}
-
 struct OutputConfig {
   enum class Merged : std::uint8_t { automatic, always, never };
 
@@ -266,6 +261,13 @@ struct Config {
 
   friend bool operator==(const Config&, const Config&) = default;
 };
+
+// How many cells a vertex may leave its own by where the mesh is refined. Between labels none: their
+// surfaces have no sharp edges, and it made 8 % more triangles of the liver (tolerance 0.1).
+inline double vertex_overhang(const Config& config) {
+  const bool of_labels = config.surface.label || config.labels.mode != LabelMode::off;
+  return config.simplify.refine == SimplifyConfig::Refine::off || of_labels ? 0 : 1;
+}
 
 // Reads the TOML file at `path`, then applies `overrides` in order, each "table.key=value": the
 // value is TOML, bare words are strings ("surface.isovalue=otsu"). Relative paths are relative to

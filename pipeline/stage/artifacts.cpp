@@ -77,7 +77,7 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info,
   // Without it keys are those of before there were any.
   if (!info.scale.identity()) build.text("scale").real(info.scale.slope).real(info.scale.intercept);
   if (config.surface.noise) build.text("noise").real(*config.surface.noise);
-  if (refines(config)) build.text("overhang").real(vertex_overhang(config.simplify));
+  if (refines(config)) build.text("overhang").real(vertex_overhang(config));
   if (labels.rules != nullptr || config.surface.label) build.integer(label_estimate_version);
   if (labels.rules != nullptr) build.hash(hash_of(*labels.rules));
   paths.build_key = build.finish();

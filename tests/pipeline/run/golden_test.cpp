@@ -148,14 +148,14 @@ void expect_refined_labels(const char* mode, const Golden& cubes, const Golden& 
 
 TEST(RefinedGoldens, OfEachLabel) {
   expect_refined_labels("each",
-                        {"stitch, refine and seams", 131074, "43e26f436063b5969e11e255a8019eb2"},
-                        {"retile", 5, "10230f423b48867a3179310233a2687d"});
+                        {"stitch, refine and seams", 131074, "84ad4e6077dca3b612f86375b7d70cd7"},
+                        {"retile", 5, "86368386feb92f044b3d86ef5a395712"});
 }
 
 TEST(RefinedGoldens, OfSharedLabels) {
   expect_refined_labels("shared",
-                        {"stitch, refine and seams", 131074, "b073974b3c22362c066c9c3da9522643"},
-                        {"retile", 5, "47b357f15890fcca611c4ff38feebfbc"});
+                        {"stitch, refine and seams", 131074, "dbfad13d17df6a6a3ef482104e8087f5"},
+                        {"retile", 5, "904dff44c152e1cea490f1be301921ef"});
 }
 
 // The versions in the key of a build of labels: of the artifacts, of those of each label, and of
