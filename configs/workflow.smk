@@ -7,6 +7,7 @@
 #   config    the config file of the run
 #   parts     into how many parts the stages but merge are cut (4)
 #   refine    whether the config has simplify.refine: then there are three stages more (0)
+#   target    whether it has simplify.triangles or simplify.ratio: then there are two besides (0)
 #   voxweld   the program (the one on PATH)
 #   done      the folder of the done-marks, one file a command (CONFIG without .toml, and .done)
 #   threads   of a command (4)
@@ -31,7 +32,13 @@ DONE = os.path.abspath(str(config.get("done", os.path.splitext(CONFIG)[0] + ".do
 THREADS = int(config.get("threads", 4))
 VOXWELD = shlex.quote(str(config.get("voxweld", "voxweld")))
 
-REFINE = str(config.get("refine", 0)).lower() not in ("0", "false", "off", "no", "")
+
+def is_set(name):
+    return str(config.get(name, 0)).lower() not in ("0", "false", "off", "no", "")
+
+
+TARGET = is_set("target")
+REFINE = TARGET or is_set("refine")
 
 if PARTS < 1:
     raise WorkflowError("parts is {}: at least 1 is needed".format(PARTS))
@@ -62,6 +69,16 @@ if REFINE:
             "encode": parts_of("retile"),
         }
     )
+# A unit of refine needs the counts of all units of survey, to choose its tolerance by.
+if TARGET:
+    BEFORE.update(
+        {
+            "survey": parts_of("stitch"),
+            "refine": parts_of("survey"),
+            "recount": parts_of("refine"),
+            "seams": parts_of("recount"),
+        }
+    )
 # What the closing command of a stage waits for.
 CLOSES = {
     "ingest": parts_of("ingest"),
@@ -82,7 +99,7 @@ rule part:
     output:
         touch(mark("{stage}-{part}-of-{parts}")),
     wildcard_constraints:
-        stage="ingest|build|stitch|refine|seams|retile|encode",
+        stage="ingest|build|stitch|survey|refine|recount|seams|retile|encode",
         part="[0-9]+",
         parts=str(PARTS),
     threads: THREADS

@@ -26,12 +26,7 @@ steps=("$@")
 require_known step "${known[*]}" "${steps[@]}"
 require_program "$voxweld" "build it, or name it in VOXWELD"
 
-scratch=${VOXWELD_SCRATCH:-}
-if [ -z "$scratch" ]; then
-  scratch=$(mktemp -d)
-  trap 'rm -rf "$scratch"' EXIT
-fi
-mkdir -p "$scratch"
+make_scratch
 
 rows=()
 failures=0

@@ -32,6 +32,17 @@ require_known() {
   done
 }
 
+# make_scratch: sets scratch, a folder to write into: VOXWELD_SCRATCH, or a new one that is removed in
+# the end.
+make_scratch() {
+  scratch=${VOXWELD_SCRATCH:-}
+  if [ -z "$scratch" ]; then
+    scratch=$(mktemp -d)
+    trap 'rm -rf "$scratch"' EXIT
+  fi
+  mkdir -p "$scratch"
+}
+
 # tree_hash DIRECTORY [FIND_TEST...]: of all bytes of an output directory but the manifest, which has
 # times and hosts in it, and but what the tests of find leave out.
 tree_hash() {

@@ -20,12 +20,7 @@ for program in voxweld measure_mesh; do
   require_program "$build/$program" "build it, or name its folder in VOXWELD_BUILD"
 done
 
-scratch=${VOXWELD_SCRATCH:-}
-if [ -z "$scratch" ]; then
-  scratch=$(mktemp -d)
-  trap 'rm -rf "$scratch"' EXIT
-fi
-mkdir -p "$scratch"
+make_scratch
 
 failures=0
 echo "| mesh | seconds | verify | triangles | volume | vertices off: mean, most | mesh's: mean, most | sharp edges within 0.1 cells: share, mean, most | folded edges |"

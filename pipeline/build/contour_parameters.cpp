@@ -58,8 +58,7 @@ ContourParameters contour_parameters(const Config& config, const VolumeInfo& inf
   p.simplify.enabled = s.enabled;
   p.simplify.tolerance =
       s.tolerance *
-      (s.tolerance_unit == SimplifyConfig::Unit::voxel ? smallest_spacing(geometry) : 1.0) *
-      octree_share(s);
+      (s.tolerance_unit == SimplifyConfig::Unit::voxel ? smallest_spacing(geometry) : 1.0);
   p.simplify.overhang = vertex_overhang(config);
   p.simplify.metric = s.metric == SimplifyConfig::Metric::rms ? Metric::rms : Metric::sum;
   p.simplify.topology =

@@ -44,6 +44,8 @@ std::string sample_value(const Setting& setting) {
       {"surface.isovalue", "\"otsu\""},
       {"surface.label", "7"},
       {"labels.map", "\"labels.csv\""},
+      {"simplify.triangles", "100000"},
+      {"simplify.ratio", "0.1"},
       {"work.directory", "\"scan.work\""},
       {"output.directory", "\"scan.mesh\""}};
   const auto found = samples.find(setting.name());

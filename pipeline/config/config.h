@@ -137,16 +137,12 @@ struct SimplifyConfig {
   Qef qef = Qef::qr;
   Refine refine = Refine::off;
   Intersections intersections = Intersections::none;
+  // How many triangles are to be left, or which part; one of the two at most.
+  std::optional<std::int64_t> triangles = {};
+  std::optional<double> ratio = {};
 
   friend bool operator==(const SimplifyConfig&, const SimplifyConfig&) = default;
 };
-
-// The part of the tolerance that cells are collapsed with. Where edges are collapsed after that, they
-// make better use of the rest: the part phantom, 512^3, has as many triangles in the end, and less
-// error (by area .0104 in place of .0123 in the mean).
-inline double octree_share(const SimplifyConfig& simplify) {
-  return simplify.refine == SimplifyConfig::Refine::collapse ? 0.5 : 1.0;
-}
 
 struct OutputConfig {
   enum class Merged : std::uint8_t { automatic, always, never };
@@ -261,6 +257,11 @@ struct Config {
 
   friend bool operator==(const Config&, const Config&) = default;
 };
+
+// Whether the tolerance of refine is found, so that a number of triangles is left.
+inline bool has_target(const Config& config) {
+  return config.simplify.triangles || config.simplify.ratio;
+}
 
 // How many cells a vertex may leave its own by where the mesh is refined. Between labels none: their
 // surfaces have no sharp edges, and it made 8 % more triangles of the liver (tolerance 0.1).

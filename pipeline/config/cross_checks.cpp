@@ -132,6 +132,14 @@ class CrossChecks {
 
   void refine() const {
     const SimplifyConfig& simplify = config_.simplify;
+    for (const char* key : {"simplify.triangles", "simplify.ratio"})
+      if (setting_of(key).get(config_) && simplify.refine != SimplifyConfig::Refine::collapse)
+        fail({key, "simplify.refine"},
+             "only a mesh whose edges are collapsed can be brought to a number of triangles; set "
+             "simplify.refine = \"collapse\", or remove this key");
+    if (simplify.triangles && simplify.ratio)
+      fail({"simplify.ratio", "simplify.triangles"},
+           "simplify.triangles says the same in another way; remove one of the two");
     if (simplify.refine == SimplifyConfig::Refine::off) return;
     if (simplify.topology == SimplifyConfig::Topology::free)
       fail({"simplify.refine", "simplify.topology"},

@@ -92,6 +92,11 @@ Verdict check_positive(const ConfigValue& value) {
   return {exact_number(value) && value.number() > 0, {}};
 }
 
+Verdict check_part(const ConfigValue& value) {
+  const Verdict positive = check_positive(value);
+  return positive.accepted ? Verdict{value.number() <= 1, {}} : positive;
+}
+
 // A list of `count` items that all fit.
 template <class F>
 bool is_list_of(const ConfigValue& value, std::size_t count, F&& fits) {
@@ -309,6 +314,7 @@ Verdict check(const Rule& rule, const ConfigValue& value) {
                  },
                  [&](const PowerOfTwoRule& r) { return check_power(r, value); },
                  [&](const PositiveNumberRule&) { return check_positive(value); },
+                 [&](const PartRule&) { return check_part(value); },
                  [&](const NumberOrWordRule& r) { return check_numbers_or_words(r, value); },
                  [&](const SpacingRule&) { return check_spacing(value); },
                  [&](const IntegerListRule& r) { return check_integers(r, value); },

@@ -28,6 +28,7 @@ struct PowerOfTwoRule {  // lo .. hi
   std::int64_t lo = 1, hi = 1;
 };
 struct PositiveNumberRule {};  // finite, above 0
+struct PartRule {};            // above 0, at most 1
 // Finite, or one of the words; integers beyond TOML's 63 bits in quotes. Or a list of such.
 struct NumberOrWordRule {
   std::vector<std::string> words;
@@ -68,10 +69,10 @@ struct LabelListRule {   // one of the words, or a list of labels and ranges of 
 };
 
 using Rule = std::variant<PathRule, ChoiceRule, ChoiceListRule, FlagRule, SwitchRule, IntegerRule,
-                          PowerOfTwoRule, PositiveNumberRule, NumberOrWordRule, SpacingRule,
-                          IntegerListRule, TripleRule, NumberRule, NumberPairRule, PerAxisRule,
-                          AxesRule, MemoryRule, NameRule, TextRule, TimeLimitRule, OptionListRule,
-                          LineListRule, LabelRule, LabelListRule>;
+                          PowerOfTwoRule, PositiveNumberRule, PartRule, NumberOrWordRule,
+                          SpacingRule, IntegerListRule, TripleRule, NumberRule, NumberPairRule,
+                          PerAxisRule, AxesRule, MemoryRule, NameRule, TextRule, TimeLimitRule,
+                          OptionListRule, LineListRule, LabelRule, LabelListRule>;
 
 // Whether the rule takes one text and nothing else, so that on a command line quotes say nothing.
 // Choices are left out: a number in the place of a name is worth a message.

@@ -40,6 +40,7 @@ std::string accepted_text(const Rule& rule) {
           },
           [](const PowerOfTwoRule& r) { return "a power of two " + range_text(r.lo, r.hi); },
           [](const PositiveNumberRule&) { return std::string("a finite number above 0"); },
+          [](const PartRule&) { return std::string("a number above 0, at most 1"); },
           [](const NumberOrWordRule& r) {
             return "a finite number, " + alternatives(r.words) + ", or a list of such";
           },

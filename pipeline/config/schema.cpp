@@ -64,6 +64,11 @@ struct RuleSchema {
     return {{"enum", std::move(values)}};
   }
   Json operator()(const PositiveNumberRule&) const { return positive_number(); }
+  Json operator()(const PartRule&) const {
+    Json json = positive_number();
+    json["maximum"] = 1;
+    return json;
+  }
   Json operator()(const NumberOrWordRule& rule) const {
     Json json = either({{"type", "number"}}, {{"enum", rule.words}});
     json["anyOf"].push_back(large_integer());

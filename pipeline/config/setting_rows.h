@@ -26,9 +26,12 @@ inline constexpr Stages ingest_and_build = {Stage::ingest, Stage::build};
 // with them (a higher tolerance may leave every brick as it was), so merge's key names them too.
 inline constexpr Stages collapse = {Stage::build, Stage::merge};
 // Both passes over the stitched mesh.
-inline constexpr Stages refined = {Stage::refine, Stage::seams};
+inline constexpr Stages refined = {Stage::survey, Stage::refine, Stage::recount, Stage::seams};
+// A survey is the same whatever is chosen by it.
+inline constexpr Stages chosen = {Stage::refine, Stage::seams};
 // What cells may be off, and edges.
-inline constexpr Stages tolerance = {Stage::build, Stage::merge, Stage::refine, Stage::seams};
+inline constexpr Stages tolerance = {Stage::build,  Stage::merge,   Stage::survey,
+                                     Stage::refine, Stage::recount, Stage::seams};
 // Octrees and root records are relative to the cell, so their bytes need not change with the
 // spacing; the lengths merge and stitch work with do. Samples are the same with any spacing: ingest
 // writes no more than the store's metadata anew. Of a mesh, also where its lattice begins, which is

@@ -56,7 +56,8 @@ std::vector<Setting> make_settings() {
 
 std::string_view stage_name(Stage stage) {
   constexpr std::array<std::string_view, all_stages.size()> names = {
-      "ingest", "build", "merge", "stitch", "refine", "seams", "retile", "encode"};
+      "ingest", "build",   "merge", "stitch", "survey",
+      "refine", "recount", "seams", "retile", "encode"};
   return names[static_cast<std::size_t>(stage)];
 }
 
@@ -65,6 +66,9 @@ std::vector<Stage> stages_of(const Config& config) {
   if (!refines(config))
     std::erase_if(stages,
                   [](Stage stage) { return Stage::stitch < stage && stage < Stage::encode; });
+  if (!has_target(config))
+    std::erase_if(stages,
+                  [](Stage stage) { return stage == Stage::survey || stage == Stage::recount; });
   return stages;
 }
 

@@ -17,13 +17,24 @@
 
 namespace voxweld {
 
-enum class Stage : std::uint8_t { ingest, build, merge, stitch, refine, seams, retile, encode };
-inline constexpr std::array<Stage, 8> all_stages = {Stage::ingest, Stage::build,  Stage::merge,
-                                                    Stage::stitch, Stage::refine, Stage::seams,
-                                                    Stage::retile, Stage::encode};
+enum class Stage : std::uint8_t {
+  ingest,
+  build,
+  merge,
+  stitch,
+  survey,
+  refine,
+  recount,
+  seams,
+  retile,
+  encode
+};
+inline constexpr std::array<Stage, 10> all_stages = {
+    Stage::ingest, Stage::build,   Stage::merge, Stage::stitch, Stage::survey,
+    Stage::refine, Stage::recount, Stage::seams, Stage::retile, Stage::encode};
 std::string_view stage_name(Stage stage);
 // Those a run of the config has, in their order: refine, seams and retile where simplify.refine asks
-// for them.
+// for them, survey and recount where a number of triangles is asked for.
 std::vector<Stage> stages_of(const Config& config);
 bool refines(const Config& config);
 

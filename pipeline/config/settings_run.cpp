@@ -25,7 +25,9 @@ std::vector<Setting> simplify_settings() {
   return {
       row({"simplify", "enabled", "Collapse octree cells where the surface allows it."},
           binding::member(simplify, &Simplify::enabled, FlagRule{}), collapse),
-      row({"simplify", "tolerance", "How far a vertex may be from the surface it stands for."},
+      row({"simplify", "tolerance",
+           "How far a vertex may be from the surface it stands for. Of refine = \"collapse\" also "
+           "how far a point of that mesh may come to lie from the refined one."},
           binding::member(simplify, &Simplify::tolerance, PositiveNumberRule{}), tolerance),
       row({"simplify", "tolerance_unit",
            "\"voxel\": in smallest spacings; \"physical\": in the spacing's unit."},
@@ -46,17 +48,30 @@ std::vector<Setting> simplify_settings() {
            "What is done to the mesh once it is stitched. \"repair\": vertices go where they best "
            "lie, out of their cells if need be, and triangles that cut each other are moved "
            "apart; \"collapse\": edges are collapsed too, as far as tolerance "
-           "lets them, and cells to half of it.",
+           "lets them.",
            "\"off\""},
           binding::choice_or_open(simplify, &Simplify::refine, {"off", "repair", "collapse"}),
           tolerance)),
       when_given(row(
           {"simplify", "intersections",
-           "Of refine. Triangles that cut each other: \"none\" lets refine make none; "
-           "\"report\" only counts them; \"ignore\" does not look for them.",
+           "What refine does about triangles that cut each other. \"none\": mends them, and makes "
+           "no new ones; \"report\" only counts them; \"ignore\" does not look for them.",
            "\"none\""},
           binding::choice_or_open(simplify, &Simplify::intersections, {"none", "report", "ignore"}),
           refined)),
+      when_given(row(
+          {"simplify", "triangles",
+           "With refine = \"collapse\": how many triangles the mesh is to have in the end, of all "
+           "labels together. A run finds out how far edges have to be collapsed for it, in place "
+           "of tolerance; cells still go by tolerance. After an edit the whole mesh may change.",
+           "none: tolerance decides"},
+          binding::member(simplify, &Simplify::triangles, IntegerRule{1, no_limit}), chosen)),
+      when_given(
+          row({"simplify", "ratio",
+               "Like triangles, but as a part of the triangles that there are without refine. Only "
+               "one of the two can be given.",
+               "none: tolerance decides"},
+              binding::member(simplify, &Simplify::ratio, PartRule{}), chosen)),
   };
 }
 

@@ -204,6 +204,8 @@ InfoDocument describe_kind(const fs::path& path, const ArtifactHead& head,
   if (kind == "tpln") return describe_tile_plan(path, options);
   if (kind == "hist") return describe_histogram(path);
   if (kind == "nois") return describe_noise(path);
+  if (kind == "srvy") return describe_collapse_survey(path, options);
+  if (kind == "tolr") return describe_tolerance(path);
   if (kind == "lcnt") return describe_labels(path);
   if (kind == "pcch") return describe_pieces(path);
   if (kind == "mesh" || kind == "mbin" || kind == "mtab") return describe_mesh_pieces(path, kind);

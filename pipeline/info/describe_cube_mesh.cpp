@@ -1,8 +1,11 @@
-// What stitch, refine and seams leave of meshes that are refined, and the plan of their tiles.
+// What stitch, refine and seams leave of meshes that are refined, how far they went where that is
+// chosen, and the plan of their tiles.
 #include "pipeline/info/kinds.h"
 #include "stages/refine/refine_range.h"
+#include "storage/artifact/collapse_survey_artifact.h"
 #include "storage/artifact/cube_mesh_artifact.h"
 #include "storage/artifact/tile_plan_artifact.h"
+#include "storage/artifact/tolerance_artifact.h"
 
 namespace voxweld {
 namespace {
@@ -64,6 +67,32 @@ InfoDocument describe_cube_mesh(const fs::path& path, const InfoOptions& options
                                      {"triangles", piece.inside.triangles},
                                      {"leaving_triangles", piece.leaving.triangles},
                                      {"samples", piece.inside.samples + piece.leaving.samples}});
+  return document;
+}
+
+InfoDocument describe_collapse_survey(const fs::path& path, const InfoOptions& options) {
+  const CollapseSurveyArtifact artifact = read_collapse_survey(path);
+  const CollapseSurvey& survey = artifact.survey;
+  InfoDocument document = keyed_document("collapse_survey", path, artifact.key);
+  document["content_hash"] = to_hex(artifact.content);
+  document["triangles"] = survey.all();
+  document["fixed_triangles"] = survey.fixed;
+  document["held_triangles"] = survey.held;
+  document["border_vertices"] = survey.border;
+  document["tolerances"] = survey.left.size();
+  if (!options.verbose) return document;
+  document["triangles_left"] = survey.left;
+  return document;
+}
+
+InfoDocument describe_tolerance(const fs::path& path) {
+  const ToleranceArtifact artifact = read_tolerance_artifact(path);
+  InfoDocument document = keyed_document("tolerance", path, artifact.key);
+  document["tolerance_steps"] = artifact.chosen.tolerance;
+  document["triangles_before"] = artifact.chosen.before;
+  document["triangles_asked_for"] = artifact.chosen.target;
+  document["triangles_about"] = artifact.chosen.left;
+  document["reached"] = artifact.chosen.reached != 0;
   return document;
 }
 

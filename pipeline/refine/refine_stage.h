@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "pipeline/refine/collapse_choice.h"
 #include "pipeline/stage/artifacts.h"
 #include "pipeline/stage/stage_work.h"
 
@@ -14,10 +15,11 @@ struct RefineInputs {
   const std::vector<RefineUnit>& units;
   Stage maker = Stage::stitch;  // of what it reads; of refine the units are the same
   std::vector<std::filesystem::path> meshes;
-  std::uint64_t tile_vertices = 0;  // for messages
+  std::uint64_t tile_vertices = 0;   // for messages
+  CollapseChoice* choice = nullptr;  // of the job's tolerance, where it has a target
 };
 
-std::unique_ptr<StageWork> refine_stage(RefineInputs inputs);
+std::unique_ptr<StageWork> refine_stage(const RefineInputs& inputs);
 
 // Where the stage leaves its meshes, in the order of its units.
 std::vector<std::filesystem::path> refined_meshes(const RefineJob& job,

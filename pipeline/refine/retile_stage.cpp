@@ -118,7 +118,7 @@ class RetileStage final : public StageWork {
 
   TilePieces pieces_of(const RefinedTile& refined) {
     const PlannedTile& tile = refined.tile;
-    constexpr int bits = 3 * refine_cube_level;
+    const int bits = 3 * job_.frame.level;
     const std::uint64_t last = tile.code + (std::uint64_t{1} << (3 * tile.level)) - 1;
     const CubeKey begin{refined.label, tile.code >> bits}, end{refined.label, (last >> bits) + 1};
     TilePieces found;

@@ -46,6 +46,7 @@ Used used_by(RunContext& context) {
   ingest.prove(context, look);
   if (!look.current()) return used;
   stages.open(Stage::build);
+  if (!stages.folders_are_known()) return used;
   for (const fs::path& folder : stages.jobs().later_folders())
     used.folders.insert(folder.filename());
   used.later_stages_known = true;

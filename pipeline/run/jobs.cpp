@@ -73,12 +73,13 @@ void Jobs::open_volume(Config& config) {
   if (asks_for_noise(config)) config.surface.noise = choose_noise(config, ingest_);
   const Volume volume = ingested_volume(config, ingest_);
   VolumeInfo info = volume.source->info();
-  const LabelParameters labels = final_labels(config, map_, ingest_);
+  labels_ = final_labels(config, map_, ingest_);
   const OutputFrame output = output_frame(config, info.geometry);
   info.geometry = output.geometry;
-  const StagePaths paths = stage_paths(config, info, labels);
+  output_info_ = info;
+  const StagePaths paths = stage_paths(config, info, labels_);
   build_.emplace(BuildJob{volume, brick_grid(config, info.geometry),
-                          contour_parameters(config, volume.source->info(), volume.solid, labels),
+                          contour_parameters(config, volume.source->info(), volume.solid, labels_),
                           paths.build, paths.build_key,
                           shard_memory(config, info, info.largest_decode)});
   if (ingest_.mesh) build_->largest_bin = largest_bin(*ingest_.mesh);
@@ -89,12 +90,11 @@ void Jobs::open_volume(Config& config) {
   stitch_.parameters.frame = output.snap;
   stitch_.parameters.first = output.first;
   stitch_.parameters.normals = config.output.normals;
-  stitch_.folder = paths.stitch;
-  stitch_.key = paths.stitch_key;
-  encode_ = {&stitch_, info.geometry, paths.encode, config.output.directory, paths.encode_key};
+  encode_ = {&stitch_, info.geometry, {}, config.output.directory, {}};
   encode_.materials = &map_.materials;
   encode_.formats = writers_named(mesh_writers(), config.output.formats);
-  if (refines(config)) plan_refine(config, output, paths);
+  if (refines(config)) plan_refine(config, output);
+  place_stages(paths);
   const auto& entries = map_.materials.entries;
   encode_.coloured = std::ranges::any_of(encode_.formats, &MeshWriter::coloured) &&
                      std::any_of(entries.begin(), entries.end(), [](const MaterialEntry& entry) {
@@ -102,7 +102,7 @@ void Jobs::open_volume(Config& config) {
                      });
 }
 
-void Jobs::plan_refine(const Config& config, const OutputFrame& output, const StagePaths& paths) {
+void Jobs::plan_refine(const Config& config, const OutputFrame& output) {
   const RefineFrame frame{output.snap.lattice, output.snap.spacing, output.snap.first,
                           build_->grid.size()};
   stitch_.cubes = frame;
@@ -113,24 +113,67 @@ void Jobs::plan_refine(const Config& config, const OutputFrame& output, const St
   parameters.mode = config.simplify.refine == SimplifyConfig::Refine::repair ? RefineMode::repair
                                                                              : RefineMode::collapse;
   parameters.intersections = static_cast<IntersectionRule>(config.simplify.intersections);
-  parameters.tolerance =
-      build_->parameters.simplify.tolerance / octree_share(config.simplify) / frame.lattice.step;
+  parameters.tolerance = build_->parameters.simplify.tolerance / frame.lattice.step;
   parameters.reach =
       std::min({frame.spacing.x, frame.spacing.y, frame.spacing.z}) / frame.lattice.step;
-  refine_ = {Stage::refine, 0, frame, parameters, paths.refine, paths.refine_key};
-  seams_ = {Stage::seams, 1, frame, parameters, paths.seams, paths.seams_key};
+  parameters.places = parameters.tolerance;
+  refine_ = {Stage::refine, 0, frame, parameters, {}, {}};
+  seams_ = {Stage::seams, 1, frame, parameters, {}, {}};
+  if (has_target(config)) {
+    CollapseTarget target;
+    if (config.simplify.triangles)
+      target.triangles = static_cast<std::uint64_t>(*config.simplify.triangles);
+    target.ratio = config.simplify.ratio.value_or(1);
+    refine_.target = seams_.target = target;
+    survey_ = {Stage::survey, 0, frame, parameters, {}, {}};
+    recount_ = {Stage::recount, 1, frame, parameters, {}, {}};
+  }
   retile_ = {frame,
              moved(frame.lattice, output.first),
              static_cast<std::uint64_t>(config.output.tile_vertices),
              config.output.normals,
-             paths.retile,
-             paths.retile_key};
+             {},
+             {}};
+}
+
+void Jobs::place_stages(const StagePaths& paths) {
+  const auto place = [](auto& job, const std::filesystem::path& folder, Hash128 key) {
+    job.folder = folder;
+    job.key = key;
+  };
+  place(stitch_, paths.stitch, paths.stitch_key);
+  place(survey_, paths.survey, paths.survey_key);
+  place(refine_, paths.refine, paths.refine_key);
+  place(recount_, paths.recount, paths.recount_key);
+  place(seams_, paths.seams, paths.seams_key);
+  place(retile_, paths.retile, paths.retile_key);
+  place(encode_, paths.encode, paths.encode_key);
   encode_.refined = paths.retile;
+}
+
+void Jobs::fit_cubes(const Config& config, std::uint64_t vertices) {
+  // A closed surface has two triangles for a vertex.
+  const double part =
+      config.simplify.ratio.value_or(static_cast<double>(config.simplify.triangles.value_or(0)) /
+                                     std::max(1.0, 2 * static_cast<double>(vertices)));
+  const int level = target_cube_level(part, vertices, build_->grid.size());
+  stitch_.cubes->level = level;
+  for (RefineFrame* const frame :
+       {&survey_.frame, &refine_.frame, &recount_.frame, &seams_.frame, &retile_.frame})
+    frame->level = level;
+  place_stages(stage_paths(config, output_info_, labels_, level));
+}
+
+void Jobs::set_tolerance(Stage stage, double tolerance) {
+  RefineJob& job = stage == Stage::refine ? refine_ : seams_;
+  job.parameters.tolerance = tolerance;
+  if (stage == Stage::refine) recount_.parameters.tolerance = tolerance;
 }
 
 std::vector<std::filesystem::path> Jobs::later_folders() const {
   std::vector<std::filesystem::path> folders = {build_->folder, merge_.folder, stitch_.folder};
   if (stitch_.cubes) folders.insert(folders.end(), {refine_.folder, seams_.folder, retile_.folder});
+  if (refine_.target) folders.insert(folders.end(), {survey_.folder, recount_.folder});
   folders.push_back(encode_.folder);
   return folders;
 }
@@ -233,17 +276,25 @@ nlohmann::json refine_json(const Config& config, const Jobs& jobs, const RefineF
   RefineCounts all = figures.refine;
   all.add(figures.seams);
   const double step = jobs.refine().frame.lattice.step;
-  return {{"mode", *find_setting("simplify", "refine")->get(config)->text()},
-          {"tolerance", jobs.refine().parameters.tolerance * step},
-          {"collapses", all.collapses},
-          {"moves", all.moves},
-          {"flips", all.flips},
-          {"cubes", all.cubes},
-          {"intersecting_before", figures.refine.pairs_before},
-          {"intersecting_left", figures.seams.pairs_left},
-          {"worst", figures.seams.worst * step},
-          {"p99", figures.seams.quantile(0.99) * step},
-          {"unit", jobs.encode().frame.unit}};
+  nlohmann::json json = {{"mode", *find_setting("simplify", "refine")->get(config)->text()},
+                         {"tolerance", jobs.seams().parameters.tolerance * step},
+                         {"collapses", all.collapses},
+                         {"moves", all.moves},
+                         {"flips", all.flips},
+                         {"cubes", all.cubes},
+                         {"intersecting_before", figures.refine.pairs_before},
+                         {"intersecting_left", figures.seams.pairs_left},
+                         {"worst", figures.seams.worst * step},
+                         {"p99", figures.seams.quantile(0.99) * step},
+                         {"unit", jobs.encode().frame.unit}};
+  if (figures.target)
+    json["target"] = {
+        {"triangles", figures.target->target},
+        {"before", figures.target->before},
+        {"reached", figures.target->reached != 0},
+        {"first_tolerance", jobs.refine().parameters.tolerance * step},
+        {"tolerance_voxels", jobs.seams().parameters.tolerance / jobs.seams().parameters.reach}};
+  return json;
 }
 
 }  // namespace

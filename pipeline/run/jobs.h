@@ -7,6 +7,7 @@
 #include "pipeline/ingest/ingest_stage.h"
 #include "pipeline/run/output_frame.h"
 #include "pipeline/stage/stage_jobs.h"
+#include "storage/artifact/tolerance_artifact.h"
 #include "storage/labels/label_map.h"
 
 namespace voxweld {
@@ -42,20 +43,30 @@ class Jobs {
   // Of a config that refines.
   const RefineJob& refine() const { return refine_; }
   const RefineJob& seams() const { return seams_; }
+  // Of one that asks for a number of triangles.
+  const RefineJob& survey() const { return survey_; }
+  const RefineJob& recount() const { return recount_; }
+  // Once merge is current: cubes of refine that fit a number of triangles. vertices: as merge has them.
+  void fit_cubes(const Config& config, std::uint64_t vertices);
+  // Once it is chosen: that of refine, and recount after it, or of seams.
+  void set_tolerance(Stage stage, double tolerance);
   const RetileJob& retile() const { return retile_; }
   const EncodeJob& encode() const { return encode_; }
   // Where the stages after ingest, as many as the config has, leave their artifacts.
   std::vector<std::filesystem::path> later_folders() const;
 
  private:
-  void plan_refine(const Config& config, const OutputFrame& output, const StagePaths& paths);
+  void plan_refine(const Config& config, const OutputFrame& output);
+  void place_stages(const StagePaths& paths);  // stitch and all behind it
 
   IngestJob ingest_;
   LabelMap map_;
+  VolumeInfo output_info_;  // of the volume, with the geometry that the output has
+  LabelParameters labels_;
   std::optional<BuildJob> build_;
   MergeJob merge_;
   StitchJob stitch_;
-  RefineJob refine_, seams_;
+  RefineJob refine_, seams_, survey_, recount_;
   RetileJob retile_;
   EncodeJob encode_;
 };
@@ -72,6 +83,7 @@ void warn_of_large_tiles(const RunContext& context);
 // What refine did to the mesh, in both passes.
 struct RefineFigures {
   RefineCounts refine, seams;
+  std::optional<ChosenTolerance> target = {};  // of a config that asks for a number of triangles
 };
 
 // The manifest but for what encode adds. top: of these jobs; refined: of a config that refines.

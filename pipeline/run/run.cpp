@@ -95,7 +95,8 @@ void on_steady_input(RunContext& context, Stages& stages, F&& work) {
   }
 }
 
-// ingest -> build -> merge -> stitch -> (refine -> seams -> retile ->) encode
+// ingest -> build -> merge -> stitch -> (refine -> seams -> retile ->) encode; where a number of
+// triangles is asked for, survey before refine and recount before seams
 void run_stages(RunContext& context) {
   Stages stages(context);
   check_budget(context, stages.jobs());
@@ -185,6 +186,11 @@ void run_all(RunContext& context) {
 
 void run_one(RunContext& context, Stage stage) {
   const std::vector<Stage> all = stages_of(context.config);
+  if (std::ranges::find(all, stage) == all.end() && refines(context.config))
+    throw InputError(
+        fmt::format("simplify.triangles and simplify.ratio: neither is given, so a run of this "
+                    "config has no stage {}; give one of them, or leave this command out",
+                    stage_name(stage)));
   if (std::ranges::find(all, stage) == all.end())
     throw InputError(
         fmt::format("simplify.refine = \"off\": a run of this config has no stage {}; set it to "

@@ -10,6 +10,7 @@
 #include "pipeline/merge/merge_stage.h"
 #include "pipeline/refine/refine_stage.h"
 #include "pipeline/refine/retile_stage.h"
+#include "pipeline/refine/survey_stage.h"
 #include "pipeline/stitch/stitch_stage.h"
 #include "storage/support/error.h"
 
@@ -25,6 +26,7 @@ std::unique_ptr<StageWork> Stages::make(Stage stage) {
   if (stage == Stage::ingest) return ingest_stage(context_.config, jobs_.ingest());
   if (!volume_is_open_) jobs_.open_volume(context_.config);
   volume_is_open_ = true;
+  if (stage > Stage::merge) fit_cubes();
   switch (stage) {
     case Stage::build:
       return build_stage(jobs_.build());
@@ -32,7 +34,9 @@ std::unique_ptr<StageWork> Stages::make(Stage stage) {
       return merge_stage(jobs_.merge());
     case Stage::stitch:
       return stitch_stage(jobs_.stitch(), top(), merged_plan());
+    case Stage::survey:
     case Stage::refine:
+    case Stage::recount:
     case Stage::seams:
       return make_refine(stage);
     case Stage::retile:
@@ -48,16 +52,61 @@ std::unique_ptr<StageWork> Stages::make(Stage stage) {
   throw std::logic_error("no such stage");
 }
 
+// Once, before any stage looks for its artifacts.
+void Stages::fit_cubes() {
+  if (has_target(context_.config) && !cubes_fit_)
+    jobs_.fit_cubes(context_.config, top().counts().vertices);
+  cubes_fit_ = true;
+}
+
+bool Stages::folders_are_known() {
+  if (!has_target(context_.config)) return true;
+  if (!merge_is_there(jobs_.merge())) return false;
+  fit_cubes();
+  return true;
+}
+
 std::unique_ptr<StageWork> Stages::make_refine(Stage stage) {
   const std::uint64_t tile_vertices = jobs_.merge().tile_vertices;
-  if (stage == Stage::seams)
-    return refine_stage({jobs_.seams(), refine_units(), Stage::refine,
-                         refined_meshes(jobs_.refine(), refine_units()), tile_vertices});
+  const std::vector<RefineUnit>& units = refine_units();
+  switch (stage) {
+    case Stage::survey:
+      return survey_stage({jobs_.survey(), units, Stage::stitch, stitched_meshes(), tile_vertices});
+    case Stage::refine:
+      return refine_stage({jobs_.refine(), units, Stage::stitch, stitched_meshes(), tile_vertices,
+                           choice(Stage::refine)});
+    case Stage::recount:
+      choice(Stage::refine);
+      return survey_stage({jobs_.recount(), units, Stage::refine,
+                           refined_meshes(jobs_.refine(), units), tile_vertices});
+    default:
+      return refine_stage({jobs_.seams(), units, Stage::refine,
+                           refined_meshes(jobs_.refine(), units), tile_vertices,
+                           choice(Stage::seams)});
+  }
+}
+
+std::vector<std::filesystem::path> Stages::stitched_meshes() {
   std::vector<std::filesystem::path> stitched;
   for (std::uint64_t unit = 0; unit < merged_plan().size(); ++unit)
     stitched.push_back(stitch_artifact_path(jobs_.stitch(), merged_plan(), unit));
-  return refine_stage(
-      {jobs_.refine(), refine_units(), Stage::stitch, std::move(stitched), tile_vertices});
+  return stitched;
+}
+
+CollapseChoice* Stages::choice(Stage stage) {
+  if (!has_target(context_.config)) return nullptr;
+  const bool seams = stage == Stage::seams;
+  std::unique_ptr<CollapseChoice>& known = seams ? seams_choice_ : refine_choice_;
+  if (known != nullptr) return known.get();
+  std::optional<ChosenTolerance> first;
+  if (seams) first = choice(Stage::refine)->chosen();
+  const RefineJob& job = seams ? jobs_.seams() : jobs_.refine();
+  const RefineJob& counted = seams ? jobs_.recount() : jobs_.survey();
+  known = std::make_unique<CollapseChoice>(
+      ChoiceInputs{job, counted, refined_meshes(counted, refine_units()), first},
+      context_.inputs_checked);
+  jobs_.set_tolerance(stage, known->chosen().tolerance);
+  return known.get();
 }
 
 Manifest Stages::manifest() {
@@ -66,6 +115,7 @@ Manifest Stages::manifest() {
   if (refines(context_.config))
     figures = {refine_counts(jobs_.refine(), refine_units()),
                refine_counts(jobs_.seams(), refine_units())};
+  if (const CollapseChoice* const last = choice(Stage::seams)) figures->target = last->chosen();
   return make_manifest(context_, jobs_, top(), figures);
 }
 
@@ -98,7 +148,9 @@ const UnitPlan& Stages::plan() {
 }
 
 const std::vector<RefineUnit>& Stages::refine_units() {
-  if (!refine_units_) refine_units_ = voxweld::refine_units(top(), context_.config.labels.mode);
+  if (!refine_units_)
+    refine_units_ =
+        voxweld::refine_units(top(), context_.config.labels.mode, jobs_.refine().frame.level);
   return *refine_units_;
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "pipeline/refine/collapse_choice.h"
 #include "pipeline/refine/retile_plan.h"
 #include "pipeline/run/jobs.h"
 #include "pipeline/stage/stage_work.h"
@@ -23,6 +24,9 @@ class Stages {
   Jobs& jobs() { return jobs_; }
   // Precondition: the stages before it are current, or known to be enough for the units asked for.
   StageWork& open(Stage stage);
+  // Folders of the stages behind merge, which of a run that asks for a number of triangles are known
+  // once merge is current.
+  bool folders_are_known();
   // The top tree, opened once. Precondition: merge is current.
   const TopArtifact& top();
   // Merge's plan of tiles: what stitch works by.
@@ -36,7 +40,11 @@ class Stages {
 
  private:
   std::unique_ptr<StageWork> make(Stage stage);
+  void fit_cubes();
   std::unique_ptr<StageWork> make_refine(Stage stage);
+  std::vector<std::filesystem::path> stitched_meshes();
+  // With a target: the tolerance of refine or seams, put into its job.
+  CollapseChoice* choice(Stage stage);
   const std::vector<RefineUnit>& refine_units();
   // What seams left, and the tiles planned of it.
   CubeMeshes& refined();
@@ -45,11 +53,12 @@ class Stages {
 
   RunContext& context_;
   Jobs jobs_;
-  bool volume_is_open_ = false;
+  bool volume_is_open_ = false, cubes_fit_ = false;
   std::optional<TopArtifact> top_;
   std::unique_ptr<UnitPlan> plan_;
   std::optional<std::vector<RefineUnit>> refine_units_;
   std::optional<CubeMeshes> refined_;
+  std::unique_ptr<CollapseChoice> refine_choice_, seams_choice_;
   std::unique_ptr<RetilePlan> retile_plan_;
   std::array<std::unique_ptr<StageWork>, all_stages.size()> works_;
 };

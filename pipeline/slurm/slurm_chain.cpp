@@ -109,15 +109,16 @@ std::vector<std::string> parts(const SlurmSetup& setup, std::size_t build_tasks)
   return lines;
 }
 
-// Units of refine and seams read of all artifacts before them, so that one lost task would fail them
-// all: a job makes up for it first.
-void add_refine(Chain& chain, const std::vector<std::string>& lines) {
-  chain.job("stitch-rest", {chain.command("stitch")});
-  chain.array("refine", lines);
-  chain.job("refine-rest", {chain.command("refine")});
-  chain.array("seams", lines);
-  chain.job("seams-rest", {chain.command("seams")});
-  chain.array("retile", lines);
+// Units of refine and seams, and of survey and recount, read of all artifacts before them, so that one
+// lost task would fail them all: a job makes up for it first.
+void add_refine(Chain& chain, const Config& config, const std::vector<std::string>& lines) {
+  std::string before = "stitch";
+  for (const Stage stage : stages_of(config)) {
+    if (stage <= Stage::stitch || stage == Stage::encode) continue;
+    chain.job(before + "-rest", {chain.command(before)});
+    before = stage_name(stage);
+    chain.array(before, lines);
+  }
 }
 
 void refuse_if_submitted(const Config& config, SlurmClient& client) {
@@ -151,7 +152,7 @@ std::vector<SubmittedStep> submit_chain(RunContext& context, const SlurmSetup& s
     chain.array("build", build);
     chain.job("merge", {chain.command("build"), chain.command("merge")});
     chain.array("stitch", parts(setup, build.size()));
-    if (refines(context.config)) add_refine(chain, parts(setup, build.size()));
+    if (refines(context.config)) add_refine(chain, context.config, parts(setup, build.size()));
     chain.array("encode", parts(setup, build.size()));
     auto finish = chain.command("run");
     finish.insert(finish.end(), {"--set", "run.executor=local"});

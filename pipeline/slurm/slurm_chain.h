@@ -14,6 +14,9 @@
 //   seams         array   the second, alike
 //   seams-rest    job
 //   retile        array   the refined mesh cut into tiles
+//   and with simplify.triangles or simplify.ratio, each followed by a job as the others are
+//   survey        array   before refine
+//   recount       array   before seams
 //
 //   encode        array   their assets
 //   finish        job     all that is missing, the merged mesh, the manifest

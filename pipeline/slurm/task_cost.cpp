@@ -13,12 +13,14 @@ constexpr std::size_t enough_reports = 200;
 
 }  // namespace
 
-// A sample, a brick with a surface, a vertex or polygon (also of a pass of refine), a polygon.
+// A sample, a brick with a surface, a vertex or polygon (also of a pass of refine, or of a survey of it),
+// a polygon.
 double usual_seconds_per_weight(StageName stage) {
   if (stage == "ingest") return 1e-8;
   if (stage == "build") return 0.005;
   if (stage == "stitch") return 5e-7;
   if (stage == "refine" || stage == "seams") return 5e-6;
+  if (stage == "survey" || stage == "recount") return 1e-5;
   if (stage == "retile") return 1e-6;
   if (stage == "encode") return 2e-6;
   return 0;

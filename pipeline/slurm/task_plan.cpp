@@ -1,8 +1,12 @@
 #include "pipeline/slurm/task_plan.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
+
+#include "pipeline/stage/stage_work.h"
 
 namespace voxweld {
 namespace {
@@ -99,9 +103,9 @@ std::string task_arguments(StageName stage, const PlannedTask& task) {
   // The driver has looked at what the stage needs.
   std::string checked = "--inputs-checked";
   if (stage == "merge") return checked;  // all of it
-  if (stage == "ingest" || stage == "build") return "--shards " + unit_list(task.units);
-  const bool of_cubes = stage == "refine" || stage == "seams";
-  return (of_cubes ? "--ranges " : "--tiles ") + unit_list(task.units) + " " + checked;
+  const Stage one = *std::ranges::find(all_stages, stage, stage_name);
+  const std::string units = fmt::format("--{} {}", unit_option(one), unit_list(task.units));
+  return one <= Stage::build ? units : units + " " + checked;
 }
 
 }  // namespace voxweld

@@ -30,6 +30,8 @@ constexpr double counting_cost = 0.25;
 constexpr double tile_bytes = 62, asset_bytes = 6;
 // And of a mesh sorted by cubes, where vertices at borders are in several parts.
 constexpr double cubes_bytes = 75;
+// What a unit of survey leaves.
+constexpr double counts_bytes = 1200;
 // The tiles of a plan are cubes of the octree, so most hold much less than they may.
 constexpr double tile_filling = 0.35;
 
@@ -127,9 +129,13 @@ WorkPlan plan_work(const RunContext& context, const Jobs& jobs, std::int64_t slo
   add(Stage::stitch, tiles, tiles, tile_bytes * plan.vertices,
       usual_cost("stitch", plan.vertices + polygons));
   if (refines(config)) {
-    for (const Stage pass : {Stage::refine, Stage::seams})
-      add(pass, tiles, tiles, cubes_bytes * plan.vertices,
-          usual_cost("refine", plan.vertices + polygons));
+    for (const Stage pass : stages_of(config)) {
+      const double weight = plan.vertices + polygons;
+      if (pass == Stage::survey || pass == Stage::recount)
+        add(pass, tiles, tiles, counts_bytes * tiles, usual_cost("survey", weight));
+      if (pass == Stage::refine || pass == Stage::seams)
+        add(pass, tiles, tiles, cubes_bytes * plan.vertices, usual_cost("refine", weight));
+    }
     add(Stage::retile, tiles, tiles + 1, tile_bytes * plan.vertices,
         usual_cost("retile", polygons));
   }

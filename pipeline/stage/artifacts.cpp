@@ -7,6 +7,7 @@
 #include "stages/build/build_brick.h"
 #include "stages/build/label_edge.h"
 #include "stages/solids/lattice_solid.h"
+#include "storage/artifact/collapse_survey_artifact.h"
 #include "storage/artifact/cube_mesh_artifact.h"
 #include "storage/artifact/label_counts.h"
 #include "storage/artifact/label_shard_artifact.h"
@@ -57,8 +58,8 @@ std::string grid_name(Index3 at, const char* ending) {
 
 }  // namespace
 
-StagePaths stage_paths(const Config& config, const VolumeInfo& info,
-                       const LabelParameters& labels) {
+StagePaths stage_paths(const Config& config, const VolumeInfo& info, const LabelParameters& labels,
+                       int cube_level) {
   const VolumeGeometry& g = info.geometry;
   const auto vec = [](KeyHasher& key, Vec3 v) { key.real(v.x).real(v.y).real(v.z); };
   StagePaths paths;
@@ -102,9 +103,18 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info,
   if (refines(config)) {
     paths.stitch_key =
         KeyHasher().hash(paths.stitch_key).text("cubes").integer(cube_mesh_version).finish();
+    if (cube_level != refine_cube_level)
+      paths.stitch_key = KeyHasher().hash(paths.stitch_key).integer(cube_level).finish();
     constexpr std::uint32_t version = refine_version << 16 | cube_mesh_version;
     paths.refine_key = next(Stage::refine, version, paths.stitch_key);
     paths.seams_key = next(Stage::seams, version, paths.refine_key);
+    if (has_target(config)) {
+      constexpr std::uint32_t counts = refine_version << 16 | collapse_survey_version;
+      paths.survey_key = next(Stage::survey, counts, paths.stitch_key);
+      paths.recount_key = next(Stage::recount, counts, paths.refine_key);
+      paths.survey = work / ("survey-" + short_hex(paths.survey_key));
+      paths.recount = work / ("recount-" + short_hex(paths.recount_key));
+    }
     paths.retile_key = next(Stage::retile, tile_plan_version << 16 | tile_version, paths.seams_key);
     paths.refine = work / ("refine-" + short_hex(paths.refine_key));
     paths.seams = work / ("seams-" + short_hex(paths.seams_key));
@@ -185,11 +195,13 @@ std::filesystem::path stitch_artifact_path(const StitchJob& job, const UnitPlan&
 
 std::filesystem::path refine_artifact_path(const RefineJob& job, const RefineUnit& unit) {
   const Index3 first = morton_decode(unit.range.cubes.begin);
-  const std::string range = grid_name(first, ".cubes");
+  const bool counts = job.stage == Stage::survey || job.stage == Stage::recount;
+  const char* const ending = counts ? ".counts" : ".cubes";
+  const std::string range = grid_name(first, ending);
   if (!unit.of_labels()) return fanned_out(job.folder, first, range);
   const std::filesystem::path folder = label_folder(job.folder, unit.first_label);
   const std::string label = std::to_string(unit.first_label);
-  return unit.whole ? folder / (label + ".cubes") : fanned_out(folder / label, first, range);
+  return unit.whole ? folder / (label + ending) : fanned_out(folder / label, first, range);
 }
 
 std::filesystem::path tile_artifact_path(const std::filesystem::path& folder, const UnitPlan& plan,

@@ -8,6 +8,10 @@
 //   <work>/stitch-<hash>/.../<tile>.cubes
 //   <work>/refine-<hash>/.../<first cube of the range, or label>.cubes, seams-<hash>/ alike
 //   <work>/retile-<hash>/tile.plan, .../<tile>.tile
+//   and where a number of triangles is to be left
+//   <work>/survey-<hash>/.../<as of refine>.counts, recount-<hash>/ alike
+//   <work>/refine-<hash>/tolerance, seams-<hash>/tolerance
+//   and of all runs
 //   <work>/encode-<hash>/.../<tile>.record, merged.record
 //
 // A folder's hash is of what its stage and those before it read of the config, so that a task of an
@@ -29,17 +33,21 @@ namespace voxweld {
 // Goes up whenever encode's bytes change. (The versions of the others stand beside their formats.)
 inline constexpr std::uint32_t encode_version = 2;
 // And whenever those of refine change.
-inline constexpr std::uint32_t refine_version = 2;
+inline constexpr std::uint32_t refine_version = 3;
 
 // Folders of a run's artifacts, each named for what its stage and those before it read.
 struct StagePaths {
-  std::filesystem::path ingest, build, merge, stitch, refine, seams, retile, encode;
+  std::filesystem::path ingest, build, merge, stitch, survey, refine, recount, seams, retile,
+      encode;
   // Of the parameters, all stages before included.
-  Hash128 build_key, merge_key, stitch_key, refine_key, seams_key, retile_key, encode_key;
+  Hash128 build_key, merge_key, stitch_key, survey_key, refine_key, recount_key, seams_key,
+      retile_key, encode_key;
 };
 // Of stages that the config has not: nothing.
 // info: with output_geometry; for the ingest folder alone it is not looked at.
-StagePaths stage_paths(const Config& config, const VolumeInfo& info, const LabelParameters& labels);
+// cube_level: of refine.
+StagePaths stage_paths(const Config& config, const VolumeInfo& info, const LabelParameters& labels,
+                       int cube_level = refine_cube_level);
 
 // Of ingest's folder.
 std::filesystem::path store_path(const std::filesystem::path& ingest);
@@ -65,6 +73,7 @@ Bounds shard_bounds(const BuildJob& job, Index3 shard);
 // What stitch makes of a unit: the tile's mesh as it is encoded, or sorted by cubes.
 std::filesystem::path stitch_artifact_path(const StitchJob& job, const UnitPlan& plan,
                                            std::uint64_t unit);
+// Of survey and recount as of refine and seams.
 std::filesystem::path refine_artifact_path(const RefineJob& job, const RefineUnit& unit);
 // What encode takes, in the folder of the stage that made it.
 std::filesystem::path tile_artifact_path(const std::filesystem::path& folder, const UnitPlan& plan,

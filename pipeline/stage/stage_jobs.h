@@ -1,6 +1,7 @@
 // What each stage after ingest is asked to do: plain data, wired to each other by pipeline/run.
 #pragma once
 
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -55,14 +56,30 @@ struct StitchJob {
   std::optional<RefineFrame> cubes = {};
 };
 
-// One pass of refine.
+// How many triangles are to be left.
+struct CollapseTarget {
+  std::optional<std::uint64_t> triangles;
+  double ratio = 1;  // of those that there are, where no number is given
+
+  std::uint64_t of(std::uint64_t there) const {
+    return triangles ? *triangles
+                     : static_cast<std::uint64_t>(std::llround(ratio * static_cast<double>(there)));
+  }
+};
+
+// One pass of refine, or what its tolerance is chosen by.
 struct RefineJob {
-  Stage stage = Stage::refine;  // or seams
+  Stage stage = Stage::refine;  // or seams; survey and recount before them
   int pass = 0;                 // of CubeLattice
   RefineFrame frame;
+  // With a target the tolerance is known once what it is chosen by is there: of recount it is that of
+  // refine, of survey there is none.
   RefineParameters parameters;
   std::filesystem::path folder;
   Hash128 key;
+  std::optional<CollapseTarget> target = {};
+
+  std::filesystem::path tolerance_path() const { return folder / "tolerance"; }
 };
 
 struct RetileJob {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <queue>
 
 #include "stages/contouring/normal_clusters.h"
 #include "stages/exact/orientation.h"
+#include "stages/refine/edge_queue.h"
 #include "stages/refine/edit_moves.h"
 #include "stages/refine/quadric.h"
 
@@ -17,15 +17,9 @@ constexpr double least_cosine = 0.3;  // of a triangle's turn in one collapse
 constexpr double large_triangle = 16;  // cells
 constexpr double flat_cosine = 0.995;  // of 6 degrees
 
-struct Edge {
-  double cost;
-  std::uint32_t u, v, version_u, version_v;
-  // The cheapest first; equal ones in the order of their ids.
-  bool operator<(const Edge& o) const {
-    if (cost != o.cost) return cost > o.cost;
-    return u != o.u ? u > o.u : v > o.v;
-  }
-};
+// What an edge's squared length adds to its cost: of places that are equally flat the small ones go
+// first, which keeps triangles in shape.
+constexpr double shortest_first = 1e-6;
 
 class Collapser {
  public:
@@ -37,22 +31,22 @@ class Collapser {
         moves_(mesh) {
     origin_ = mesh.box().lo;
     for (std::uint32_t t = 0; t < mesh.triangles(); ++t) add_plane(t);
-    for (std::uint32_t v = 0; v < mesh.vertices(); ++v) push_around(v, true);
   }
 
-  void run() {
-    while (!queue_.empty()) {
-      const Edge edge = queue_.top();
-      queue_.pop();
-      if (mesh_.version(edge.u) != edge.version_u || mesh_.version(edge.v) != edge.version_v)
-        continue;
-      try_edge(edge.u, edge.v);
-    }
+  // Again with a larger tolerance: what it would not let go before is looked at anew.
+  void run(double tolerance) {
+    tolerance_ = tolerance;
+    for (std::uint32_t v = 0; v < mesh_.vertices(); ++v)
+      if (!mesh_.gone(v)) push_around(v, true);
+    QueuedEdge edge{};
+    while (queue_.pop(edge))
+      if (mesh_.version(edge.u) == edge.version_u && mesh_.version(edge.v) == edge.version_v)
+        try_edge(edge.u, edge.v);
   }
 
  private:
   struct Candidate {
-    double cost;  // mean distance
+    double cost;  // mean squared distance
     LatticePoint at;
   };
   Vec3 local(const LatticePoint& p) const { return as_vec3(lattice_vector(origin_, p)); }
@@ -82,6 +76,13 @@ class Collapser {
       places[at] = one;
     }
   };
+  Quadric quadric(const EdgeEnds& ends) const {
+    Quadric q = quadrics_[ends.gone];
+    q += quadrics_[ends.keep];
+    return q;
+  }
+  bool is_too_far(double squared) const { return squared > tolerance_ * tolerance_; }
+  Vec3 best_place(const Quadric& q, const EdgeEnds& ends) const;
   Candidates candidates(const EdgeEnds& ends) const;
   void push(std::uint32_t u, std::uint32_t v);
   void push_around(std::uint32_t v, bool upwards_only);
@@ -93,45 +94,48 @@ class Collapser {
   EditMesh& mesh_;
   const RefineParameters& parameters_;
   RefineCounts& counts_;
+  double tolerance_ = 0;
   LatticePoint origin_{};
   std::vector<Quadric> quadrics_;
-  std::priority_queue<Edge> queue_;
+  EdgeQueue queue_;
   EditMoves moves_;
   Change change_;
 };
 
+// Precondition: the end that is kept may move.
+Vec3 Collapser::best_place(const Quadric& q, const EdgeEnds& ends) const {
+  const Vec3 a = local(mesh_.position(ends.gone)), b = local(mesh_.position(ends.keep));
+  const Vec3 middle = (a + b) * 0.5, best = q.minimiser(middle);
+  // Where the planes are nearly parallel it may lie far off.
+  const Vec3 way = best - middle, edge = b - a;
+  return dot(way, way) > 4 * dot(edge, edge) ? middle : best;
+}
+
 Collapser::Candidates Collapser::candidates(const EdgeEnds& ends) const {
   Candidates out;
-  const auto [gone, keep, stays] = ends;
-  Quadric q = quadrics_[gone];
-  q += quadrics_[keep];
-  const LatticePoint &a = mesh_.position(gone), &b = mesh_.position(keep);
-  const auto add = [&](const LatticePoint& p) { out.add({q.distance(local(p)), p}); };
-  if (stays) {
-    add(b);
-    return out;
+  const Quadric q = quadric(ends);
+  const LatticePoint &a = mesh_.position(ends.gone), &b = mesh_.position(ends.keep);
+  const auto add = [&](const LatticePoint& p) { out.add({q.squared_distance(local(p)), p}); };
+  if (!ends.stays) {
+    const Vec3 middle = (local(a) + local(b)) * 0.5;
+    for (const LatticePoint& p : {lattice(best_place(q, ends)), lattice(middle)})
+      if (mesh_.box().contains(p)) add(p);
+    add(a);
   }
-  const Vec3 middle = (local(a) + local(b)) * 0.5;
-  Vec3 best = q.minimiser(middle);
-  // Where the planes are nearly parallel it may lie far off.
-  const Vec3 way = best - middle, edge = local(b) - local(a);
-  if (dot(way, way) > 4 * dot(edge, edge)) best = middle;
-  for (const LatticePoint& p : {lattice(best), lattice(middle)})
-    if (mesh_.box().contains(p)) add(p);
-  add(a);
   add(b);
   return out;
 }
 
+// By the best place there is: a lattice point near it costs little more.
 void Collapser::push(std::uint32_t u, std::uint32_t v) {
   const auto ends = moves_.ends(u, v);
   if (!ends) return;
-  const double cost = candidates(*ends).places[0].cost;
-  if (cost > parameters_.tolerance) return;
-  // Of places that are equally flat the small ones first: that keeps triangles in shape.
-  const Vec3 edge = local(mesh_.position(v)) - local(mesh_.position(u));
-  const double length = std::sqrt(dot(edge, edge));
-  queue_.push({cost + 1e-3 * length, u, v, mesh_.version(u), mesh_.version(v)});
+  const Quadric q = quadric(*ends);
+  const Vec3 keep = local(mesh_.position(ends->keep));
+  const double cost = q.squared_distance(ends->stays ? keep : best_place(q, *ends));
+  if (is_too_far(cost)) return;
+  const Vec3 edge = local(mesh_.position(ends->gone)) - keep;
+  queue_.push(cost + shortest_first * dot(edge, edge), {u, v, mesh_.version(u), mesh_.version(v)});
 }
 
 void Collapser::push_around(std::uint32_t v, bool upwards_only) {
@@ -200,11 +204,11 @@ void Collapser::try_edge(std::uint32_t u, std::uint32_t v) {
   const Candidates candidates_here = candidates(ends);
   for (std::size_t i = 0; i < candidates_here.count; ++i) {
     const Candidate& place = candidates_here.places[i];
-    if (place.cost > parameters_.tolerance) return;
+    if (is_too_far(place.cost)) return;
     if (!moves_.collapse(gone, keep, place.at, change_) || !turns_little()) continue;
     if (mesh_.freedom(keep) != Freedom::free && !has_normals_for(keep)) continue;
     const EditMesh::Step step{keep, place.at, gone};
-    if (!mesh_.keeps_samples(change_, step, parameters_.tolerance)) continue;
+    if (!mesh_.keeps_samples(change_, step, tolerance_)) continue;
     if (parameters_.intersections != IntersectionRule::ignore && !mesh_.clean(change_)) continue;
     set_normals(gone, keep, place.at);
     mesh_.apply(change_, step);
@@ -218,7 +222,17 @@ void Collapser::try_edge(std::uint32_t u, std::uint32_t v) {
 }  // namespace
 
 void collapse_edges(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts) {
-  Collapser(mesh, parameters, counts).run();
+  Collapser(mesh, parameters, counts).run(parameters.tolerance);
+}
+
+void collapse_by_steps(EditMesh& mesh, const RefineParameters& parameters,
+                       std::span<const double> tolerances, RefineCounts& counts,
+                       const std::function<void(std::size_t)>& after) {
+  Collapser collapser(mesh, parameters, counts);
+  for (std::size_t i = 0; i < tolerances.size(); ++i) {
+    collapser.run(tolerances[i]);
+    after(i);
+  }
 }
 
 }  // namespace voxweld

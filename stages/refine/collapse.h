@@ -1,6 +1,9 @@
 // Edge collapse by quadrics in one cube.
 #pragma once
 
+#include <functional>
+#include <span>
+
 #include "stages/refine/edit_mesh.h"
 #include "stages/refine/refine_range.h"
 
@@ -14,5 +17,11 @@ namespace voxweld {
 // - nothing intersects that did not.
 // Garland and Heckbert, 1997, with the area-weighted planes of the triangles as they come.
 void collapse_edges(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts);
+
+// The same with one tolerance after the other in place of the parameters' own: planes go on adding
+// up. Calls after(i) when it is done with the i-th. Precondition: they ascend.
+void collapse_by_steps(EditMesh& mesh, const RefineParameters& parameters,
+                       std::span<const double> tolerances, RefineCounts& counts,
+                       const std::function<void(std::size_t)>& after);
 
 }  // namespace voxweld

@@ -17,6 +17,19 @@ std::int32_t first_of_cell(const RefineFrame& frame, int axis, std::int64_t cell
 
 }  // namespace
 
+int target_cube_level(double part, std::uint64_t vertices, Index3 size) {
+  constexpr double most_vertices = 1 << 18;
+  const double side = 1 << refine_cube_level;
+  double cubes = static_cast<double>(size.x) / side * static_cast<double>(size.y) / side *
+                 static_cast<double>(size.z) / side;
+  int level = refine_cube_level;
+  for (double least = 0.25; level < refine_cube_level + 2 && part <= least; least /= 4, ++level) {
+    cubes /= 8;
+    if (static_cast<double>(vertices) > most_vertices * std::max(1.0, cubes)) break;
+  }
+  return level;
+}
+
 CubeLattice::CubeLattice(const RefineFrame& frame, int pass, int level) {
   const std::int64_t side = std::int64_t{1} << level;
   cubes_ = std::max<std::int64_t>(1, (std::int64_t{1} << domain_level(frame.size)) / side);
@@ -28,15 +41,23 @@ CubeLattice::CubeLattice(const RefineFrame& frame, int pass, int level) {
       borders.push_back(first_of_cell(frame, axis, cell));
       if (cell > frame.size[axis]) break;
     }
+    const auto count = static_cast<std::int32_t>(borders.size());
+    sides_[static_cast<std::size_t>(axis)] =
+        std::max(1, count > 2 ? (borders.back() - borders[1]) / (count - 2) : borders.back());
   }
 }
 
 Index3 CubeLattice::cube_of(const LatticePoint& point) const {
   Index3 cube;
-  for (std::size_t a = 0; a < 3; ++a)
-    cube[static_cast<int>(a)] =
-        std::upper_bound(borders_[a].begin() + 1, borders_[a].end() - 1, point[a]) -
-        borders_[a].begin() - 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::vector<std::int32_t>& borders = borders_[a];
+    const auto last = static_cast<std::int64_t>(borders.size()) - 2;
+    // Borders are nearly even.
+    std::int64_t at = std::clamp<std::int64_t>((point[a] - borders[1]) / sides_[a] + 1, 0, last);
+    while (at > 0 && point[a] < borders[static_cast<std::size_t>(at)]) --at;
+    while (at < last && point[a] >= borders[static_cast<std::size_t>(at) + 1]) ++at;
+    cube[static_cast<int>(a)] = at;
+  }
   return cube;
 }
 

@@ -1,6 +1,7 @@
 // The fixed lattice of cubes by which a mesh is refined.
 //
-// Cubes are of 64 cells a side, whatever bricks, shards and tiles are. In the first pass they begin
+// Cubes are of 64 cells a side (more where few triangles are asked for), whatever bricks, shards and
+// tiles are. In the first pass they begin
 // at cell 0; in the second they are shifted down by half a side, so that what was a border lies in
 // the middle. What is changed in a pass lies in one cube, before and after; cubes are convex, so
 // what is done in one has no part in what is done in another.
@@ -24,12 +25,20 @@ struct RefineFrame {
   Vec3 spacing{1, 1, 1};
   Index3 first{};
   Index3 size;  // samples a side of the volume
+  int level = refine_cube_level;
 };
+
+// The level of the cubes of a mesh of which this part of its triangles is to be left: 7 or 8 where that
+// is a quarter or a sixteenth, since triangles get twice or four times as long, and a cube without room
+// for them could not get rid of more. vertices: as the mesh comes. A cube has no more of them than
+// 2^18, were they everywhere alike, so that memory is bounded.
+int target_cube_level(double part, std::uint64_t vertices, Index3 size);
 
 class CubeLattice {
  public:
-  // pass: 0 or 1. level: log2 of the cells a side.
-  CubeLattice(const RefineFrame& frame, int pass, int level = refine_cube_level);
+  // pass: 0 or 1. level: log2 of the cells a side, where it is not the frame's.
+  CubeLattice(const RefineFrame& frame, int pass) : CubeLattice(frame, pass, frame.level) {}
+  CubeLattice(const RefineFrame& frame, int pass, int level);
 
   // The number of the cube a point lies in, 0 or more on each axis. Points beyond the volume's cells
   // count to the cubes at the border.
@@ -42,8 +51,9 @@ class CubeLattice {
 
  private:
   std::array<std::vector<std::int32_t>, 3>
-      borders_;             // the lowest lattice coordinate of each cube, and the end
-  std::int64_t cubes_ = 1;  // unshifted ones a side of the domain
+      borders_;                          // the lowest lattice coordinate of each cube, and the end
+  std::array<std::int32_t, 3> sides_{};  // about how far they are apart
+  std::int64_t cubes_ = 1;               // unshifted ones a side of the domain
 };
 
 // Cubes with begin <= code < end.

@@ -5,10 +5,10 @@ namespace voxweld {
 namespace {
 
 // Each in eight, where there are cubes of refine in it.
-std::vector<PlannedTile> cut(const std::vector<PlannedTile>& tiles) {
+std::vector<PlannedTile> cut(const std::vector<PlannedTile>& tiles, std::uint32_t level) {
   std::vector<PlannedTile> parts;
   for (const PlannedTile& tile : tiles) {
-    if (tile.level <= refine_cube_level) {
+    if (tile.level <= level) {
       parts.push_back(tile);
       continue;
     }
@@ -26,17 +26,18 @@ std::vector<PlannedTile> cut(const std::vector<PlannedTile>& tiles) {
 
 }  // namespace
 
-std::vector<PlannedRange> cube_ranges(std::span<const PlannedTile> planned, std::size_t enough) {
+std::vector<PlannedRange> cube_ranges(std::span<const PlannedTile> planned, std::size_t enough,
+                                      int level) {
   std::vector<PlannedTile> tiles(planned.begin(), planned.end());
   while (!tiles.empty() && tiles.size() < enough) {
-    std::vector<PlannedTile> parts = cut(tiles);
+    std::vector<PlannedTile> parts = cut(tiles, static_cast<std::uint32_t>(level));
     if (parts.size() == tiles.size()) break;
     tiles = std::move(parts);
   }
   std::vector<PlannedRange> ranges;
   std::uint64_t cube = 0;  // of the tile before
   for (const PlannedTile& tile : tiles) {
-    const std::uint64_t begin = tile.code >> (3 * refine_cube_level);
+    const std::uint64_t begin = tile.code >> (3 * level);
     if (ranges.empty()) {
       ranges.emplace_back();
     } else if (cube != begin) {

@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
 
 #include "stages/exact/orientation.h"
 #include "stages/refine/edit_mesh.h"
@@ -16,6 +19,12 @@ bool share_a_vertex(const Corners& a, const Corners& b) {
   for (const std::uint32_t v : a)
     if (uses(b, v)) return true;
   return false;
+}
+
+// axis: 1 to 3 along it, -1 to -3 against it.
+bool runs_along(const Index3& normal, int axis) {
+  const std::int64_t along = normal[std::abs(axis) - 1];
+  return axis > 0 ? along > 0 : along < 0;
 }
 
 bool share_a_place(const LatticeTriangle& a, const LatticeTriangle& b) {
@@ -43,42 +52,68 @@ bool EditMesh::apart(std::uint32_t t, const LatticeTriangle& other, const Index3
 // The triangles around v as they will be; where there is no change, as they are.
 void EditMesh::gather_umbrella(std::uint32_t v, const Change* change) {
   umbrella_.clear();
-  const auto add = [&](const Corners& c, const LatticeTriangle& s, const Index3& normal,
-                       std::uint32_t t) {
-    const std::size_t k = corner_of(c, v);
-    umbrella_.push_back({{s[k], s[(k + 1) % 3], s[(k + 2) % 3]}, normal, t});
-  };
   if (change != nullptr)
-    for (std::size_t i = 0; i < change->now.size(); ++i) {
-      const Corners& c = change->now[i];
-      if (uses(c, v)) add(c, change->shapes[i], change->planes[i], none);
+    for (std::uint64_t left = uses_[v]; left != 0; left &= left - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(left));
+      const LatticeTriangle& s = change->shapes[i];
+      const std::size_t k = corner_of(change->now[i], v);
+      umbrella_.push_back({&s[k], &s[(k + 1) % 3], &s[(k + 2) % 3], &change->planes[i], none});
     }
   each_around(v, [&](std::uint32_t t) {
-    if (change == nullptr || marks_[t] != mark_) add(triangles_[t], shape(t), planes_[t], t);
+    if (change != nullptr && marks_[t] == mark_) return;
+    const Corners& c = triangles_[t];
+    const std::size_t k = corner_of(c, v);
+    umbrella_.push_back(
+        {&positions_[v], &positions_[c[(k + 1) % 3]], &positions_[c[(k + 2) % 3]], &planes_[t], t});
   });
 }
 
-bool EditMesh::is_proper_umbrella(std::uint32_t v) const {
+// Of the umbrella that was gathered.
+EditMesh::SignedAxis EditMesh::proper_axis(std::uint32_t v) const {
   // Where several sheets meet, their shadows may lie on each other.
-  if (kinds_[v] != StarKind::disc) return false;
-  // Along the axis in which they are largest together.
+  if (kinds_[v] != StarKind::disc) return 0;
+  // The one along which they are largest together.
   std::array<double, 3> sums{};
   for (const Rib& rib : umbrella_)
     for (int a = 0; a < 3; ++a)
-      sums[static_cast<std::size_t>(a)] += static_cast<double>(rib.normal[a]);
+      sums[static_cast<std::size_t>(a)] += static_cast<double>((*rib.normal)[a]);
   std::size_t axis = 0;
   for (std::size_t a = 1; a < 3; ++a)
     if (std::abs(sums[a]) > std::abs(sums[axis])) axis = a;
+  const auto found =
+      static_cast<SignedAxis>((sums[axis] > 0 ? 1 : -1) * static_cast<int>(axis + 1));
   const std::size_t up = (axis + 1) % 3;
-  const bool positive = sums[axis] > 0;
   std::size_t changes = 0;
   for (const Rib& rib : umbrella_) {
-    const std::int64_t n = rib.normal[static_cast<int>(axis)];
-    if (n == 0 || (n > 0) != positive) return false;
-    const std::int32_t y = rib.shape[0][up];
-    changes += (rib.shape[1][up] < y) != (rib.shape[2][up] < y) ? 1 : 0;
+    if (!runs_along(*rib.normal, found)) return 0;
+    const std::int32_t y = (*rib.at)[up];
+    changes += ((*rib.next)[up] < y) != ((*rib.last)[up] < y) ? 1 : 0;
   }
-  return changes == 2;
+  return changes == 2 ? found : SignedAxis{0};
+}
+
+// Where one or two triangles come in the place of some, and run the same way, they all still run once
+// around: two are less than a whole turn, and there are only whole turns.
+bool EditMesh::stays_proper(std::uint32_t v, const Change& change) {
+  if (std::popcount(uses_[v]) > 2 || kinds_[v] != StarKind::disc) return false;
+  if (proper_[v] == 0) {
+    gather_umbrella(v, nullptr);
+    proper_[v] = proper_axis(v);
+    if (proper_[v] == 0) return false;
+  }
+  for (std::uint64_t left = uses_[v]; left != 0; left &= left - 1)
+    if (!runs_along(change.planes[static_cast<std::size_t>(std::countr_zero(left))], proper_[v]))
+      return false;
+  return true;
+}
+
+// What is still known of vertices once the change is made. All but the one that moves get two new
+// triangles at most, as edges of discs have two.
+void EditMesh::keep_proper(const Change& change, const Step& step) {
+  for (std::size_t i = 0; i < change.now.size(); ++i)
+    for (const std::uint32_t v : change.now[i])
+      if (proper_[v] != 0 && !runs_along(change.planes[i], proper_[v])) proper_[v] = 0;
+  if (step.moved != none) proper_[step.moved] = 0;
 }
 
 void EditMesh::mark_old(const Change& change) {
@@ -88,34 +123,43 @@ void EditMesh::mark_old(const Change& change) {
 
 bool EditMesh::clean(const Change& change) {
   mark_old(change);
-  LatticeBox all = LatticeBox::around(change.shapes.front());
-  for (const LatticeTriangle& t : change.shapes) all.extend(LatticeBox::around(t));
-  near_.clear();
-  grid_.each_near(all, [&](std::uint32_t t) {
-    const LatticeBox& box = boxes_[t];
-    if (box.meets(all) && alive(t) && marks_[t] != mark_) near_.push_back({box, t});
-  });
-  corners_near_.clear();
-  for (const Corners& c : change.now) corners_near_.insert(corners_near_.end(), c.begin(), c.end());
-  std::sort(corners_near_.begin(), corners_near_.end());
-  corners_near_.erase(std::unique(corners_near_.begin(), corners_near_.end()), corners_near_.end());
-  for (const std::uint32_t v : corners_near_) {
+  for (std::size_t i = 0; i < change.now.size(); ++i)
+    for (const std::uint32_t v : change.now[i]) {
+      if (uses_[v] == 0) used_.push_back(v);
+      uses_[v] |= std::uint64_t{1} << i;
+    }
+  const bool clean = umbrellas_are_clean(change) && others_stay_apart(change);
+  for (const std::uint32_t v : used_) uses_[v] = 0;
+  used_.clear();
+  return clean;
+}
+
+// Of those that share a vertex with a new one.
+bool EditMesh::umbrellas_are_clean(const Change& change) {
+  for (const std::uint32_t v : used_) {
+    if (stays_proper(v, change)) continue;
     gather_umbrella(v, &change);
-    if (is_proper_umbrella(v)) continue;
+    if (proper_axis(v) != 0) continue;
     for (std::size_t i = 0; i < umbrella_.size() && umbrella_[i].triangle == none; ++i)
       for (std::size_t j = i + 1; j < umbrella_.size(); ++j)
-        if (intersect_beyond_shared(umbrella_[i].shape, umbrella_[j].shape)) return false;
-  }
-  for (std::size_t i = 0; i < change.now.size(); ++i) {
-    const LatticeTriangle& own = change.shapes[i];
-    const LatticeBox box = LatticeBox::around(own);
-    const Index3& normal = change.planes[i];
-    for (const Near& near : near_)
-      if (near.box.meets(box) && !share_a_vertex(change.now[i], triangles_[near.triangle]) &&
-          !apart(near.triangle, own, normal))
-        return false;
+        if (intersect_beyond_shared(umbrella_[i].shape(), umbrella_[j].shape())) return false;
   }
   return true;
+}
+
+// Those that share none.
+bool EditMesh::others_stay_apart(const Change& change) const {
+  BoxQueries boxes = grid_.queries();
+  for (const LatticeTriangle& t : change.shapes) boxes.add(LatticeBox::around(t));
+  return grid_.none_near(boxes, [&](std::uint32_t t, std::uint64_t left) {
+    if (marks_[t] == mark_) return false;
+    for (const std::uint32_t v : triangles_[t]) left &= ~uses_[v];
+    for (; left != 0; left &= left - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(left));
+      if (!apart(t, change.shapes[i], change.planes[i])) return true;
+    }
+    return false;
+  });
 }
 
 // Of triangles of the mesh.
@@ -135,8 +179,7 @@ std::size_t EditMesh::hits(const Change& change, std::size_t most) {
     const LatticeBox box = LatticeBox::around(own);
     const Index3& normal = change.planes[i];
     grid_.each_near(box, [&](std::uint32_t t) {
-      if (count < most && boxes_[t].meets(box) && alive(t) && marks_[t] != mark_)
-        count += hit(t, change.now[i], own, normal) ? 1 : 0;
+      if (count < most && marks_[t] != mark_) count += hit(t, change.now[i], own, normal) ? 1 : 0;
     });
   }
   return count;
@@ -162,26 +205,23 @@ std::vector<std::uint32_t> EditMesh::find_intersecting() {
   for (std::uint32_t v = 0; v < vertices(); ++v) {
     if (!box_.contains(positions_[v])) continue;
     gather_umbrella(v, nullptr);
-    if (umbrella_.size() < 2 || is_proper_umbrella(v)) continue;
+    if (umbrella_.size() < 2) continue;
+    proper_[v] = proper_axis(v);
+    if (proper_[v] != 0) continue;
     for (std::size_t i = 0; i < umbrella_.size(); ++i)
       for (std::size_t j = i + 1; j < umbrella_.size(); ++j) {
         const std::uint32_t a = umbrella_[i].triangle, b = umbrella_[j].triangle;
         if ((movable(a) || movable(b)) &&
-            intersect_beyond_shared(umbrella_[i].shape, umbrella_[j].shape))
+            intersect_beyond_shared(umbrella_[i].shape(), umbrella_[j].shape()))
           add(a, b);
       }
   }
-  for (std::uint32_t t = 0; t < triangles(); ++t) {
-    if (!movable(t)) continue;
-    const LatticeTriangle own = shape(t);
-    const LatticeBox box = boxes_[t];
-    const Index3& normal = planes_[t];
-    grid_.each_near(box, [&](std::uint32_t other) {
-      if ((other > t || !movable(other)) && boxes_[other].meets(box) &&
-          !share_a_vertex(triangles_[t], triangles_[other]) && !apart(other, own, normal))
-        add(t, other);
-    });
-  }
+  const auto is_movable = [&](std::uint32_t t) { return movable(t); };
+  grid_.each_pair(is_movable, [&](std::uint32_t t, std::uint32_t other) {
+    if (movable(other) && other < t) return;
+    if (!share_a_vertex(triangles_[t], triangles_[other]) && !apart(other, shape(t), planes_[t]))
+      add(t, other);
+  });
   std::sort(bad.begin(), bad.end());
   bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
   return bad;

@@ -1,62 +1,9 @@
 #include "stages/refine/edit_mesh.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace voxweld {
-namespace {
-
-Vec3 offset(const LatticePoint& from, const LatticePoint& to) {
-  return {static_cast<double>(to[0] - from[0]), static_cast<double>(to[1] - from[1]),
-          static_cast<double>(to[2] - from[2])};
-}
-
-// Squared distance of the origin of the triangle's corners, given relative to the point (Ericson,
-// "Real-Time Collision Detection", 2005, section 5.1.5).
-double squared_distance(Vec3 a, Vec3 b, Vec3 c) {
-  const Vec3 ab = b - a, ac = c - a;
-  const auto squared = [](Vec3 v) { return dot(v, v); };
-  const double d1 = -dot(ab, a), d2 = -dot(ac, a);
-  if (d1 <= 0 && d2 <= 0) return squared(a);
-  const double d3 = -dot(ab, b), d4 = -dot(ac, b);
-  if (d3 >= 0 && d4 <= d3) return squared(b);
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return squared(a + ab * (d1 / (d1 - d3)));
-  const double d5 = -dot(ab, c), d6 = -dot(ac, c);
-  if (d6 >= 0 && d5 <= d6) return squared(c);
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return squared(a + ac * (d2 / (d2 - d6)));
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
-    return squared(b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))));
-  const Vec3 n = cross(ab, ac);
-  const double height = dot(n, a);
-  return height * height / dot(n, n);
-}
-
-// Of those for which takes(number) holds; infinitely far where there is none.
-template <class Takes>
-Nearest nearest_among(const LatticePoint& point, std::span<const LatticeTriangle> triangles,
-                      Takes&& takes) {
-  Nearest best{std::numeric_limits<double>::infinity(), 0};
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    if (!takes(i)) continue;
-    const LatticeTriangle& t = triangles[i];
-    const double d =
-        squared_distance(offset(point, t[0]), offset(point, t[1]), offset(point, t[2]));
-    if (d < best.squared) best = {d, i};
-  }
-  return best;
-}
-
-}  // namespace
-
-Nearest nearest_triangle(const LatticePoint& point, std::span<const LatticeTriangle> triangles) {
-  return nearest_among(point, triangles, [](std::size_t) { return true; });
-}
-
 EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box)
     : box_(box), grid_(box, mesh.triangles.size()) {
   const auto n = static_cast<std::uint32_t>(mesh.positions.size());
@@ -81,12 +28,13 @@ EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box)
   std::sort(sorted.begin(), sorted.end());
   heads_.assign(n, none);
   versions_.assign(n, 0);
+  uses_.assign(n, 0);
+  proper_.assign(n, 0);
   next_.assign(std::size_t{3} * m, none);
   marks_.assign(m, 0);
   sample_heads_.assign(m, none);
   triangles_.resize(m);
   sides_.resize(mesh.sides.size());
-  boxes_.resize(m);
   planes_.resize(m);
   movable_.resize(m);
   std::vector<std::uint32_t> place(m);
@@ -97,7 +45,7 @@ EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box)
     link(t);
     const LatticeTriangle s = shape(t);
     set_shape(t, s, exact_normal(s[0], s[1], s[2]));
-    movable_[t] = box_.contains(boxes_[t].lo) && box_.contains(boxes_[t].hi) ? 1 : 0;
+    movable_[t] = std::ranges::all_of(s, [&](const auto& p) { return box_.contains(p); }) ? 1 : 0;
   }
   for (const std::uint32_t t : mesh.intersecting) intersecting_.push_back(place[t]);
   std::sort(intersecting_.begin(), intersecting_.end());
@@ -115,9 +63,8 @@ EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box)
 }
 
 void EditMesh::set_shape(std::uint32_t t, const LatticeTriangle& shape, const Index3& plane) {
-  boxes_[t] = LatticeBox::around(shape);
   planes_[t] = plane;
-  grid_.put(t, boxes_[t]);
+  grid_.put(t, LatticeBox::around(shape));
 }
 
 void EditMesh::link(std::uint32_t t) {
@@ -177,27 +124,29 @@ bool EditMesh::keeps_samples(const Change& change, const Step& step, double most
   const double limit = most * most;
   places_.clear();
   note_left(change, step);
-  const auto nearest = [&](const LatticePoint& point, const MaterialPair& of) {
-    return nearest_among(point, change.shapes,
-                         [&](std::size_t i) { return sides(change.old[i]) == of; });
-  };
+  nearest_.clear();
+  for (std::size_t i = 0; i < change.shapes.size(); ++i)
+    nearest_.add(change.shapes[i], sides(change.old[i]));
   for (const Left& left : left_) {
-    const Nearest now = nearest(left.place, left.sides);
+    const Nearest now = nearest_.to(left.place, left.sides, 0);
     if (now.squared > limit) return false;
     places_.push_back(static_cast<std::uint32_t>(now.triangle));
   }
-  for (const std::uint32_t t : change.old)
+  for (std::size_t i = 0; i < change.old.size(); ++i) {
+    const std::uint32_t t = change.old[i];
     for (std::uint32_t s = sample_heads_[t]; s != none; s = sample_next_[s]) {
-      const Nearest now = nearest(samples_[s], sides(t));
+      // What takes the triangle's place is as good a guess as any.
+      const Nearest now = nearest_.to(samples_[s], sides(t), i);
       places_.push_back(static_cast<std::uint32_t>(now.triangle));
       if (now.squared <= limit) continue;
-      const LatticeTriangle before = shape(t);
-      if (now.squared > nearest_triangle(samples_[s], {&before, 1}).squared) return false;
+      if (now.squared > squared_distance(samples_[s], shape(t))) return false;
     }
+  }
   return true;
 }
 
 void EditMesh::apply(const Change& change, const Step& step) {
+  keep_proper(change, step);
   std::vector<std::uint32_t>& samples = moved_samples_;
   samples.clear();
   for (const Left& left : left_) {

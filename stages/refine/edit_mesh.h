@@ -9,6 +9,7 @@
 #include "stages/contouring/normal_clusters.h"
 #include "stages/exact/orientation.h"
 #include "stages/exact/triangle_pair.h"
+#include "stages/refine/nearest_triangle.h"
 #include "stages/refine/triangle_grid.h"
 #include "stages/refine/vertex_star.h"
 #include "storage/types/refine_mesh.h"
@@ -33,6 +34,8 @@ inline std::size_t corner_of(const Corners& c, std::uint32_t v) {
 
 // Triangles in place of others.
 struct Change {
+  static constexpr std::size_t most = 64;  // that are new
+
   std::vector<std::uint32_t> old;  // numbers
   std::vector<Corners> now;
   std::vector<LatticeTriangle> shapes;  // of `now`, and their exact normals
@@ -111,12 +114,9 @@ class EditMesh {
   template <class F>
   void each_hit(std::uint32_t t, F&& f) const {
     const LatticeTriangle own = shape(t);
-    const LatticeBox& box = boxes_[t];
     const Index3& normal = planes_[t];
-    grid_.each_near(box, [&](std::uint32_t other) {
-      if (other != t && boxes_[other].meets(box) && alive(other) &&
-          hit(other, triangles_[t], own, normal))
-        f(other);
+    grid_.each_near(LatticeBox::around(own), [&](std::uint32_t other) {
+      if (other != t && hit(other, triangles_[t], own, normal)) f(other);
     });
   }
   // The triangles that intersect others, of pairs of which one is movable, ascending.
@@ -172,8 +172,14 @@ class EditMesh {
   bool hit(std::uint32_t t, const Corners& corners, const LatticeTriangle& own,
            const Index3& normal) const;
   bool apart(std::uint32_t t, const LatticeTriangle& shape, const Index3& normal) const;
+  // An axis and a direction on it: 1 to 3 along it, -1 to -3 against it, 0 none.
+  using SignedAxis = std::int8_t;
   void gather_umbrella(std::uint32_t v, const Change* change);
-  bool is_proper_umbrella(std::uint32_t v) const;
+  SignedAxis proper_axis(std::uint32_t v) const;
+  bool stays_proper(std::uint32_t v, const Change& change);
+  void keep_proper(const Change& change, const Step& step);
+  bool umbrellas_are_clean(const Change& change);
+  bool others_stay_apart(const Change& change) const;
 
   LatticeBox box_;
   std::vector<LatticePoint> positions_;
@@ -195,33 +201,28 @@ class EditMesh {
   };
   std::vector<Left> left_;
   std::vector<std::uint32_t> places_, moved_samples_;
+  NearestTriangles nearest_;  // of the change at hand
   TriangleGrid grid_;
   std::vector<std::uint32_t> marks_;  // of triangles: equal to mark_ where they are to go
   std::uint32_t mark_ = 0;
   std::vector<std::uint8_t> movable_;  // triangles; what is made of them stays so
   std::vector<std::uint32_t> intersecting_;
-  std::vector<LatticeBox> boxes_;  // of triangles, and their exact normals
-  std::vector<Index3> planes_;
-  struct Near {
-    LatticeBox box;
-    std::uint32_t triangle;
-  };
-  std::vector<Near> near_;  // to a change
-  std::vector<std::uint32_t> corners_near_;
+  std::vector<Index3> planes_;  // of triangles: their exact normals
+  // Of each vertex the new triangles of the change at hand that use it, one bit each; and the vertices
+  // that have any.
+  std::vector<std::uint64_t> uses_;
+  std::vector<std::uint32_t> used_;
   // A triangle around a vertex, the vertex first.
   struct Rib {
-    LatticeTriangle shape;
-    Index3 normal;
+    const LatticePoint *at, *next, *last;
+    const Index3* normal;
     std::uint32_t triangle;  // none: a new one
+    LatticeTriangle shape() const { return {*at, *next, *last}; }
   };
   std::vector<Rib> umbrella_;
+  // Of vertices: along which axis all triangles around it are known to run the same way and once
+  // around, as they are now.
+  std::vector<SignedAxis> proper_;
 };
-
-// The squared distance of a point from the nearest of these; triangle: which.
-struct Nearest {
-  double squared = 0;
-  std::size_t triangle = 0;
-};
-Nearest nearest_triangle(const LatticePoint& point, std::span<const LatticeTriangle> triangles);
 
 }  // namespace voxweld

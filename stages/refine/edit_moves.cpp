@@ -8,7 +8,7 @@ namespace voxweld {
 bool EditMoves::add(std::uint32_t triangle, const Corners& now, const LatticeTriangle& shape,
                     Change& out) {
   const Index3 plane = exact_normal(shape[0], shape[1], shape[2]);
-  if (plane == Index3{}) return false;
+  if (plane == Index3{} || out.now.size() == Change::most) return false;
   out.old.push_back(triangle);
   out.now.push_back(now);
   out.shapes.push_back(shape);

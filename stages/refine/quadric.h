@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 
 #include "storage/types/box.h"
 
@@ -38,8 +37,8 @@ struct Quadric {
     const double z = xz * p.x + yz * p.y + zz * p.z + 2 * b.z;
     return std::max(0.0, x * p.x + y * p.y + z * p.z + c);
   }
-  // The root of the mean of the squared distances.
-  double distance(Vec3 p) const { return weight > 0 ? std::sqrt((*this)(p) / weight) : 0; }
+  // The mean of the squared distances.
+  double squared_distance(Vec3 p) const { return weight > 0 ? (*this)(p) / weight : 0; }
 
   // Where it is least; of flat and straight places the one nearest to `near`: a pull there that is
   // small beside what a plane weighs.

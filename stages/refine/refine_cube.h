@@ -12,4 +12,8 @@ namespace voxweld {
 void refine_cube(RefineMesh& mesh, const LatticeBox& box, const RefineParameters& parameters,
                  RefineCounts& counts);
 
+// What would be left of the triangles in `box` with each of these tolerances, which ascend.
+CollapseSurvey survey_cube(const RefineMesh& mesh, const LatticeBox& box,
+                           const RefineParameters& parameters, std::span<const double> tolerances);
+
 }  // namespace voxweld

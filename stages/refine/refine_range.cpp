@@ -9,6 +9,7 @@
 #include "stages/refine/edit_mesh.h"
 #include "stages/refine/fixed_pairs.h"
 #include "stages/refine/mesh_part.h"
+#include "stages/refine/nearest_triangle.h"
 #include "stages/refine/refine_cube.h"
 
 namespace voxweld {
@@ -71,19 +72,44 @@ class RangeRefiner {
     return result;
   }
 
+  CollapseSurvey survey(const CubeLattice& others, std::span<const double> tolerances) {
+    sort_into_cubes();
+    CollapseSurvey sum;
+    sum.left.resize(tolerances.size());
+    for (const std::uint32_t t : crossing_) {
+      if (!own_.contains(cubes_.code(home_of(mesh_, t, cubes_)))) continue;
+      ++sum.fixed;
+      const LatticeBox box = mesh_.box(t);
+      sum.held += others.cube_of(box.lo) == others.cube_of(box.hi) ? 0 : 1;
+    }
+    for (const auto& [cube, triangles] : populated_) {
+      each_part(
+          cubes_.box(morton_decode(cube.number)), triangles,
+          [&](const LatticeBox& part, const Triangles& inside) {
+            const RefineMesh mesh = extract_.of(inside);
+            sum.add(survey_cube(mesh, part, parameters_, tolerances));
+          },
+          [&](std::uint32_t) { ++sum.fixed; });
+    }
+    return sum;
+  }
+
  private:
   // One triangle that comes out, before they are put in order.
   struct Done {
     std::uint32_t mesh : 31;  // 0: as it was, else of refined_, from 1 on
     std::uint32_t intersects : 1;
     std::uint32_t triangle;
+    VertexId first;  // of its corners, which mostly tells the order
   };
   const RefineMesh& mesh_of(const Done& done) const {
     return done.mesh == 0 ? mesh_ : *refined_[done.mesh - 1];
   }
   void add_done(std::size_t mesh, std::uint32_t triangle, bool intersects) {
-    done_.push_back(
-        {static_cast<std::uint32_t>(mesh) & 0x7fffffffu, intersects ? 1u : 0u, triangle});
+    Done done{static_cast<std::uint32_t>(mesh) & 0x7fffffffu, intersects ? 1u : 0u, triangle, {}};
+    const RefineMesh& from = mesh_of(done);
+    done.first = from.ids[from.triangles[triangle][0]];
+    done_.push_back(done);
   }
 
   void sort_into_cubes();
@@ -229,6 +255,7 @@ void RangeRefiner::refine_one(Index3 cube, const Triangles& triangles) {
     if (home_of(mesh_, t, cubes_) == cube && !lies_in(mesh_, t, box))
       add_done(0, t, is_intersecting(t));
   std::sort(done_.begin(), done_.end(), [&](const Done& a, const Done& b) {
+    if (a.first != b.first) return a.first < b.first;
     return mesh_of(a).ids_of(a.triangle) < mesh_of(b).ids_of(b.triangle);
   });
   for (const Done& done : done_) {
@@ -242,7 +269,7 @@ void RangeRefiner::refine_one(Index3 cube, const Triangles& triangles) {
 void RangeRefiner::count_samples(const RefineMesh& mesh, std::uint32_t t) {
   const LatticeTriangle shape = mesh.shape(t);
   each_sample(mesh, t, [&](const SurfaceSample& s) {
-    counts_.add_distance(std::sqrt(nearest_triangle(s.point, {&shape, 1}).squared));
+    counts_.add_distance(std::sqrt(squared_distance(s.point, shape)));
   });
 }
 
@@ -257,12 +284,20 @@ RefineMesh refine_range(const RefineMesh& mesh, const CubeLattice& cubes, const 
   return RangeRefiner(mesh, cubes, own, parameters, counts).run();
 }
 
+CollapseSurvey survey_range(const RefineMesh& mesh, const CubeLattice& cubes,
+                            const CubeLattice& others, const CubeRange& own,
+                            const RefineParameters& parameters,
+                            std::span<const double> tolerances) {
+  RefineCounts counts;
+  return RangeRefiner(mesh, cubes, own, parameters, counts).survey(others, tolerances);
+}
+
 std::uint64_t refine_bytes(const MeshSize& all, const MeshSize& own) {
   // Cubes of vertices, lists of triangles; then of the cube at hand what was done and what is to be
   // put in order; and what comes out.
   const std::uint64_t sorting = all.vertices * 6 + all.triangles * 12;
   const std::uint64_t done =
-      mesh_bytes(own.vertices, own.triangles, own.samples, own.sided) + own.triangles * 16;
+      mesh_bytes(own.vertices, own.triangles, own.samples, own.sided) + own.triangles * 32;
   const std::uint64_t out = gather_bytes(own.vertices, own.triangles, own.samples, own.sided);
   // EditMesh and the queue of edges of one part.
   const std::uint64_t part = std::min<std::uint64_t>(all.triangles, most_triangles) * 320 +

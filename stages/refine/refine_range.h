@@ -4,7 +4,11 @@
 // only if all of its corners lie there; all others are fixed in that pass.
 #pragma once
 
+#include <optional>
+#include <span>
+
 #include "stages/refine/cube_lattice.h"
+#include "storage/types/collapse_survey.h"
 #include "storage/types/refine_mesh.h"
 
 namespace voxweld {
@@ -19,6 +23,8 @@ struct RefineParameters {
   // something is mended.
   double tolerance = 0;
   double reach = 0;
+  // And where a vertex goes where it best lies, if not the tolerance.
+  std::optional<double> places = {};
 };
 
 // What was done and what came of it; sums over cubes. Plain data: artifacts hold it as it is.
@@ -46,6 +52,12 @@ struct RefineCounts {
 // meet the box of such a cube or of such a triangle. So it holds the whole star of each vertex there.
 RefineMesh refine_range(const RefineMesh& mesh, const CubeLattice& cubes, const CubeRange& own,
                         const RefineParameters& parameters, RefineCounts& counts);
+
+// Of the same triangles, how many would be left with each of these tolerances in place of the
+// parameters' own. Precondition beside those of refine_range: they ascend. others: of the other pass.
+CollapseSurvey survey_range(const RefineMesh& mesh, const CubeLattice& cubes,
+                            const CubeLattice& others, const CubeRange& own,
+                            const RefineParameters& parameters, std::span<const double> tolerances);
 
 // The cube a triangle is at home in.
 Index3 home_of(const RefineMesh& mesh, std::size_t triangle, const CubeLattice& cubes);

@@ -2,8 +2,8 @@
 
 namespace voxweld {
 
-TriangleGrid::TriangleGrid(const LatticeBox& box, std::size_t triangles) : lo_(box.lo) {
-  bin_of_.reserve(triangles);
+TriangleGrid::TriangleGrid(const LatticeBox& box, std::size_t triangles) : lo_(box.lo), pack_(box) {
+  slots_.reserve(triangles);
   std::size_t first = 0;
   for (std::int32_t side = triangles > 20000 ? 32 : 16; side >= 1; side /= 4) {
     if (side == 2) side = 1;
@@ -27,23 +27,29 @@ std::size_t TriangleGrid::level_of(const LatticeBox& box) const {
 }
 
 void TriangleGrid::put(std::uint32_t triangle, const LatticeBox& box) {
-  if (triangle >= bin_of_.size()) bin_of_.resize(triangle + 1, none);
+  if (triangle >= slots_.size()) slots_.resize(triangle + 1);
   Level& level = levels_[level_of(box)];
   const auto bin = static_cast<std::uint32_t>(number(level, place(level, box.lo)));
-  if (bin == bin_of_[triangle]) return;
+  const PackedBox packed(pack_, box, triangle);
+  Slot& slot = slots_[triangle];
+  if (bin == slot.bin) {
+    bins_[bin][slot.place] = packed;
+    return;
+  }
   remove(triangle);
-  bins_[bin].push_back(triangle);
-  bin_of_[triangle] = bin;
+  slot = {bin, static_cast<std::uint32_t>(bins_[bin].size())};
+  bins_[bin].push_back(packed);
   ++level.count;
 }
 
 void TriangleGrid::remove(std::uint32_t triangle) {
-  const std::uint32_t bin = bin_of_[triangle];
+  const auto [bin, place] = slots_[triangle];
   if (bin == none) return;
-  std::vector<std::uint32_t>& list = bins_[bin];
-  *std::find(list.begin(), list.end(), triangle) = list.back();
+  std::vector<PackedBox>& list = bins_[bin];
+  list[place] = list.back();
+  slots_[list[place].number()].place = place;
   list.pop_back();
-  bin_of_[triangle] = none;
+  slots_[triangle].bin = none;
   for (std::size_t l = levels_.size(); l-- > 0;)
     if (bin >= levels_[l].first) {
       --levels_[l].count;

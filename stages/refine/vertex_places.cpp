@@ -21,7 +21,7 @@ class Placer {
  public:
   Placer(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts)
       : mesh_(mesh),
-        tolerance_(parameters.tolerance),
+        tolerance_(parameters.places.value_or(parameters.tolerance)),
         least_gain_(least_gain * parameters.reach * parameters.reach),
         counts_(counts),
         moves_(mesh) {}

@@ -47,10 +47,25 @@ class Link {
   std::span<const LinkEdge> edges_;
 };
 
+// One sheet once around, of which each edge begins where another one ends: nearly all stars.
+bool is_ring(std::span<const LinkEdge> edges) {
+  std::uint32_t node = edges[0].to;
+  std::size_t seen = 1;
+  for (; node != edges[0].from && seen < edges.size(); ++seen) {
+    const auto next = std::ranges::find(edges, node, &LinkEdge::from);
+    if (next == edges.end() || next->sides != edges[0].sides) return false;
+    node = next->to;
+  }
+  // It came back by as many edges as there are: so it went by each of them once, since the way on is
+  // always the same from the same node.
+  return node == edges[0].from && seen == edges.size();
+}
+
 }  // namespace
 
 StarKind kind_of_star(std::span<const LinkEdge> edges) {
   if (edges.size() < 3) return StarKind::point;
+  if (is_ring(edges)) return StarKind::disc;
   const Link link(edges);
   std::uint32_t ends[2] = {};
   std::size_t count = 0;

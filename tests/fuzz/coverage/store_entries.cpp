@@ -6,6 +6,7 @@
 #include <set>
 
 #include "storage/artifact/asset_record.h"
+#include "storage/artifact/collapse_survey_artifact.h"
 #include "storage/artifact/histogram_artifact.h"
 #include "storage/artifact/label_counts.h"
 #include "storage/artifact/label_shard_artifact.h"
@@ -14,6 +15,7 @@
 #include "storage/artifact/noise_artifact.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
+#include "storage/artifact/tolerance_artifact.h"
 #include "storage/artifact/top_artifact.h"
 #include "storage/artifact/unfinished_note.h"
 #include "storage/spool/spool_record.h"
@@ -125,7 +127,9 @@ const ArtifactParser parsers[] = {
     {"octr", shard_version, read_shard},
     {"shrd", shard_record_version, read_shard_of_store},
     {"tile", tile_version, read_tile},
-    {"tops", top_version, read_top}};
+    {"tops", top_version, read_top},
+    {"srvy", collapse_survey_version, [](const fs::path& path) { read_collapse_survey(path); }},
+    {"tolr", tolerance_version, [](const fs::path& path) { read_tolerance_artifact(path); }}};
 
 const ArtifactParser* parser_of(Bytes kind) {
   for (const ArtifactParser& parser : parsers)

@@ -58,6 +58,7 @@ std::string type_text(const Rule& rule) {
           [](const IntegerRule& r) { return r.automatic ? "integer or string" : "integer"; },
           [](const PowerOfTwoRule&) { return "integer"; },
           [](const PositiveNumberRule&) { return "number"; },
+          [](const PartRule&) { return "number"; },
           [](const NumberOrWordRule&) { return "number or string"; },
           [](const SpacingRule&) { return "number or list of numbers"; },
           [](const IntegerListRule&) { return "list of integers"; },
@@ -212,12 +213,15 @@ TEST(GeneratedFiles, ExampleLoadsWithEveryKeyActive) {
   const auto is_of_meshes = [](const Setting& s) {
     return s.description.starts_with("Meshes only");
   };
+  const auto is_of_collapse = [](const Setting& s) {
+    return s.name() == "simplify.triangles" || s.name() == "simplify.ratio";
+  };
   for (const std::string header : {"\n# [[filter]]\n", "\n# [[edit]]\n"})
     for (std::size_t at; (at = text.find(header)) != std::string::npos;)
       for (++at; at < text.size() && text[at] != '\n'; at = text.find('\n', at) + 1)
         text.erase(at, 2);
   for (const Setting& setting : settings())
-    if (is_of_meshes(setting) || setting.name() == "surface.label")
+    if (is_of_meshes(setting) || is_of_collapse(setting) || setting.name() == "surface.label")
       continue;
     else if (const auto at = text.find("\n# " + setting.key + " = "); at != std::string::npos)
       text.erase(at + 1, 2);
@@ -232,6 +236,12 @@ TEST(GeneratedFiles, ExampleLoadsWithEveryKeyActive) {
   text = reference_config();  // not all filters go with a label
   text.erase(text.find("\n# label = ") + 1, 2);
   EXPECT_TRUE(testing::parse(text).surface.label);
+  for (const std::string key : {"triangles", "ratio"}) {
+    text = reference_config();
+    text.erase(text.find("\n# " + key + " = ") + 1, 2);
+    text.replace(text.find("# refine = \"off\""), 16, "refine = \"collapse\"");
+    EXPECT_TRUE(has_target(testing::parse(text))) << key;
+  }
   for (const char* fineness : {"resolution", "cell"}) {
     text = reference_config();
     for (const std::string& key : {std::string(fineness), std::string("margin")})

@@ -198,6 +198,12 @@ Config any_config() {
   if (config.simplify.topology == SimplifyConfig::Topology::safe)
     config.simplify.refine = any_of<SimplifyConfig::Refine>(3);
   config.simplify.intersections = any_of<SimplifyConfig::Intersections>(3);
+  if (config.simplify.refine == SimplifyConfig::Refine::collapse) {
+    if (*rc::gen::arbitrary<bool>())
+      config.simplify.triangles = *rc::gen::inRange<std::int64_t>(1, 1'000'000);
+    else if (*rc::gen::arbitrary<bool>())
+      config.simplify.ratio = *rc::gen::inRange(1, 1001) / 1000.0;
+  }
   // Its modes exclude keys of other tables.
   config.labels = any_labels();
   if (config.input.is_mesh()) config.labels.mode = LabelMode::off;
@@ -205,7 +211,6 @@ Config any_config() {
     config.surface.label.reset();
     config.surface.inside = SurfaceConfig::Inside::above;
     config.simplify.topology = SimplifyConfig::Topology::safe;
-    config.simplify.refine = SimplifyConfig::Refine::off;
     config.surface.isovalue = any_nonzero();
   }
   if (config.surface.isovalue) config.surface.isovalue_rule = IsovalueRule::otsu;

@@ -28,6 +28,8 @@ const std::map<std::string, KeyChange>& key_changes() {
   constexpr auto stitch = Stage::stitch;
   constexpr auto refine = Stage::refine;
   constexpr auto seams = Stage::seams;
+  constexpr auto survey = Stage::survey;
+  constexpr auto recount = Stage::recount;
   constexpr auto encode = Stage::encode;
   static const std::map<std::string, KeyChange> changes = {
       {"input.path", {"\"other.raw\"", {}}},
@@ -68,13 +70,15 @@ const std::map<std::string, KeyChange>& key_changes() {
       {"surface.border", {"\"open\"", {build, stitch}}},
       {"surface.gradient", {"\"central\"", {build}}},
       {"simplify.enabled", {"false", {build, merge}}},
-      {"simplify.tolerance", {"0.2", {build, merge, refine, seams}}},
-      {"simplify.tolerance_unit", {"\"physical\"", {build, merge, refine, seams}}},
+      {"simplify.tolerance", {"0.2", {build, merge, survey, refine, recount, seams}}},
+      {"simplify.tolerance_unit", {"\"physical\"", {build, merge, survey, refine, recount, seams}}},
       {"simplify.metric", {"\"sum\"", {build, merge}}},
       {"simplify.topology", {"\"free\"", {build, merge}}},
       {"simplify.qef", {"\"normal\"", {build, merge}}},
-      {"simplify.refine", {"\"repair\"", {build, merge, refine, seams}}},
-      {"simplify.intersections", {"\"report\"", {refine, seams}}},
+      {"simplify.refine", {"\"repair\"", {build, merge, survey, refine, recount, seams}}},
+      {"simplify.intersections", {"\"report\"", {survey, refine, recount, seams}}},
+      {"simplify.triangles", {"1000", {refine, seams}}},
+      {"simplify.ratio", {"0.5", {refine, seams}}},
       {"output.directory", {"\"elsewhere\"", {}}},
       {"output.formats", {"[\"drc\"]", {encode}}},
       {"output.merged", {"true", {encode}}},
@@ -106,7 +110,9 @@ std::string base_text(const std::string& key = {}) {
   if (key == "input.cell") return "input.path = \"part.stl\"\ninput.cell = 0.5\n";
   if (key == "input.resolution" || key == "input.margin" || key == "input.close")
     return "input.path = \"part.stl\"\ninput.resolution = 50\n";
-  return least_config("input.format = \"raw\"\ninput.size = [8, 8, 8]\ninput.type = \"uint8\"\n");
+  const bool of_collapse = key == "simplify.triangles" || key == "simplify.ratio";
+  return least_config("input.format = \"raw\"\ninput.size = [8, 8, 8]\ninput.type = \"uint8\"\n" +
+                      std::string(of_collapse ? "simplify.refine = \"collapse\"\n" : ""));
 }
 
 Config base() {

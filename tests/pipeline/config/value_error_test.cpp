@@ -128,6 +128,10 @@ simplify.refine: "off", "repair" or "collapse" (default: "off")
   "collaps" (a string); did you mean "collapse"? | true (a boolean)
 simplify.intersections: "none", "report" or "ignore" (default: "none")
   "no" (a string) | 0
+simplify.triangles: an integer of at least 1 (default: none: tolerance decides)
+  0 | -5 | 1.5
+simplify.ratio: a number above 0, at most 1 (default: none: tolerance decides)
+  0 | -0.5 | 1.5
 output.directory: a path in quotes (default: "<config name>.mesh" beside the config)
   1.5; write paths in quotes | "" (a string)
 output.formats: a list of one or more of "drc" or "glb", each once (default: ["drc", "glb"])

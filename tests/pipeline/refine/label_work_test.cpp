@@ -1,10 +1,5 @@
 // The work of refining labels: in shares, gone on with, damaged, killed, after edits.
-#include <fmt/format.h>
-
-#include <csignal>
-
-#include "storage/support/file_io.h"
-#include "tests/pipeline/run/edit_scene.h"
+#include "tests/pipeline/refine/refine_work.h"
 #include "tests/pipeline/run/label_volumes.h"
 
 namespace voxweld::testing {
@@ -77,65 +72,21 @@ TEST(LabelRefineWork, StageByStageAndInSharesItIsTheSame) {
 
 TEST(LabelRefineWork, GoesOnWhereItStopped) {
   const Scene scene(label_mix());
-  VOXWELD_EXPECT_DONE(scene.run(many_labels));
-  const Tree clean = output_tree(scene.output());
-  for (const std::string& stage : stages_of_refine) {
-    scene.forget_stages({stage});
-    VOXWELD_EXPECT_DONE(scene.run(many_labels));
-    EXPECT_EQ(difference(clean, output_tree(scene.output())), "") << stage;
-    for (const auto& [name, ran] : units_run(scene.output()))
-      EXPECT_EQ(ran > 0, name == stage) << name << " after " << stage;
-  }
+  expect_goes_on(scene, many_labels, scene.clean_tree(many_labels), stages_of_refine);
 }
 
 TEST(LabelRefineWork, DamageIsFoundAndMended) {
   const Scene scene(label_mix());
-  VOXWELD_EXPECT_DONE(scene.run(many_labels));
-  const Tree clean = output_tree(scene.output());
-  std::mt19937 random(3);
-  const std::vector<std::array<std::string, 3>> all = {{"stitch", ".cubes", "refine"},
-                                                       {"refine", ".cubes", "seams"},
-                                                       {"seams", ".cubes", "retile"},
-                                                       {"retile", "tile.plan", "encode"},
-                                                       {"retile", ".tile", "encode"}};
-  for (const auto& [stage, ending, reader] : all)
-    for (int time = 0; time < 3; ++time) {
-      SCOPED_TRACE(stage + ending);
-      auto files = files_ending(scene.work(), ending);
-      const std::string folder = "/" + stage + "-";
-      std::erase_if(files, [&](const fs::path& path) {
-        return path.string().find(folder) == std::string::npos;
-      });
-      ASSERT_FALSE(files.empty());
-      const fs::path& file = files[random() % files.size()];
-      auto bytes = read_whole_file(file);
-      bytes[random() % bytes.size()] ^= std::byte{4};
-      write_whole_file(file, bytes, Durability::rename_only);
-      scene.forget_stages({reader});
-      VOXWELD_EXPECT_DONE(scene.run(many_labels));
-      EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
-    }
+  expect_damage_is_mended(scene, many_labels, 3,
+                          {{"stitch", ".cubes", "refine"},
+                           {"refine", ".cubes", "seams"},
+                           {"seams", ".cubes", "retile"},
+                           {"retile", "tile.plan", "encode"},
+                           {"retile", ".tile", "encode"}});
 }
 
 TEST(LabelRefineWork, KilledItLosesNothing) {
-  const Scene scene(label_mix());
-  const Tree clean = scene.clean_tree(many_labels);
-  const ProgramResult undisturbed = scene.run_in("timing", many_labels);
-  VOXWELD_EXPECT_DONE(undisturbed);
-  std::mt19937 random(9);
-  int killed = 0;
-  for (int i = 0; i < 6; ++i) {
-    std::uniform_real_distribution<double> moment(0.1 * undisturbed.seconds, undisturbed.seconds);
-    const ProgramResult result = scene.run(many_labels, Stop{SIGKILL, moment(random)});
-    if (result.exit_code == 128 + SIGKILL)
-      ++killed;
-    else
-      scene.forget();
-  }
-  EXPECT_GT(killed, 0);
-  VOXWELD_EXPECT_DONE(scene.run(many_labels));
-  EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
-  EXPECT_TRUE(temporary_files(scene.work()).empty());
+  expect_kills_lose_nothing(Scene(label_mix()), many_labels, 6, 0.1);
 }
 
 TEST(LabelRefineWork, AnEditRedoesTheLabelsItTouches) {

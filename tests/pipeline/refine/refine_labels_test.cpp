@@ -159,7 +159,7 @@ TEST(RefinedLabels, AreListedWithWhatIsLeftOfThem) {
   VOXWELD_EXPECT_DONE(scene.run(fine));
   const auto before = listed(scene.output());
   VOXWELD_EXPECT_DONE(
-      scene.run(fine + Settings{"simplify.refine=collapse", "simplify.tolerance=0.4"}));
+      scene.run(fine + Settings{"simplify.refine=collapse", "simplify.tolerance=0.2"}));
   const auto after = listed(scene.output());
   expect_sound(scene, 2);
   for (const std::uint64_t label : {4, 9}) {

@@ -1,27 +1,12 @@
 // The work of refine: stages by themselves, in shares, gone on with, damaged, after edits.
-#include <fmt/format.h>
-
-#include <fstream>
-
-#include "tests/pipeline/run/edit_scene.h"
+#include "tests/pipeline/refine/refine_work.h"
 
 namespace voxweld::testing {
 namespace {
 
-namespace fs = std::filesystem;
-
 const Settings settings = {"simplify.refine=collapse", "work.brick=16", "work.shard=2",
                            "output.tile_vertices=1024"};
 const std::vector<std::string> refine_stages = {"refine", "seams", "retile"};
-
-std::vector<fs::path> artifacts_of(const Scene& scene, const std::string& stage,
-                                   const std::string& ending) {
-  std::vector<fs::path> found = files_ending(scene.work(), ending);
-  std::erase_if(found, [&](const fs::path& path) {
-    return path.string().find("/" + stage + "-") == std::string::npos;
-  });
-  return found;
-}
 
 TEST(RefineWork, StageByStage) {
   const Scene scene("porous", 96);
@@ -78,41 +63,16 @@ TEST(RefineWork, AllSharesBetweenLabelsAreTheWhole) {
 
 TEST(RefineWork, GoesOnWhereItStopped) {
   const Scene scene("porous", 96);
-  const Tree clean = scene.clean_tree(settings);
-  VOXWELD_EXPECT_DONE(scene.run(settings));
-  for (const std::string& stage : refine_stages) {
-    scene.forget_stages({stage});
-    VOXWELD_EXPECT_DONE(scene.run(settings));
-    EXPECT_EQ(difference(clean, output_tree(scene.output())), "") << stage;
-    // What comes out of it is the same, so nothing behind it is done again.
-    for (const auto& [name, ran] : units_run(scene.output()))
-      EXPECT_EQ(ran > 0, name == stage) << name << " after " << stage;
-  }
+  expect_goes_on(scene, settings, scene.clean_tree(settings), refine_stages);
 }
 
 TEST(RefineWork, DamageIsFoundAndMended) {
-  const Scene scene("porous", 96);
-  VOXWELD_EXPECT_DONE(scene.run(settings));
-  const Tree clean = output_tree(scene.output());
-  const auto damage_one = [&](const std::string& stage, const std::string& ending) {
-    SCOPED_TRACE(stage + ending);
-    const auto files = artifacts_of(scene, stage, ending);
-    ASSERT_FALSE(files.empty());
-    const fs::path& file = files[files.size() / 2];
-    auto bytes = read_whole_file(file);
-    bytes[bytes.size() / 2] ^= std::byte{4};
-    write_whole_file(file, bytes, Durability::rename_only);
-    // All that reads it is to be done.
-    scene.forget_stages(stage == "stitch"   ? std::vector<std::string>{"refine"}
-                        : stage == "refine" ? std::vector<std::string>{"seams"}
-                        : stage == "seams"  ? std::vector<std::string>{"retile"}
-                                            : std::vector<std::string>{"encode"});
-    VOXWELD_EXPECT_DONE(scene.run(settings));
-    EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
-  };
-  for (const char* stage : {"stitch", "refine", "seams"}) damage_one(stage, ".cubes");
-  damage_one("retile", "tile.plan");
-  damage_one("retile", ".tile");
+  expect_damage_is_mended(Scene("porous", 96), settings, 1,
+                          {{"stitch", ".cubes", "refine"},
+                           {"refine", ".cubes", "seams"},
+                           {"seams", ".cubes", "retile"},
+                           {"retile", "tile.plan", "encode"},
+                           {"retile", ".tile", "encode"}});
 }
 
 // Three cubes a side, the last of them of the ring's alone.

@@ -9,6 +9,7 @@
 #include "stages/exact/intersections.h"
 #include "stages/refine/edit_mesh.h"
 #include "stages/refine/refine_range.h"
+#include "tests/stages/refine/plain_nearest.h"
 #include "tests/stages/refine/refine_ranges.h"
 #include "tests/stages/refine/torus.h"
 #include "tests/stages/refine/volume_mesh.h"
@@ -241,7 +242,7 @@ TEST(LabelRefine, EachSheetStaysNearWhereItWas) {
     double most = 0;
     for (std::size_t t = 0; t < made.mesh.triangles.size(); ++t)
       for (const LatticePoint& p : made.mesh.shape(t))
-        most = std::max(most, nearest_triangle(p, sheets[made.mesh.sides[t]]).squared);
+        most = std::max(most, testing::nearest_triangle(p, sheets[made.mesh.sides[t]]).squared);
     EXPECT_LE(std::sqrt(most), refine.tolerance * (1 + 1e-9)) << seed;
     EXPECT_GE(std::sqrt(most), refine.tolerance / 2) << seed;
     EXPECT_LT(mesh.triangles.size(), made.mesh.triangles.size() / 5) << seed;

@@ -12,6 +12,17 @@
 namespace voxweld {
 namespace {
 
+// With tolerances as large as there are.
+void expect_survey_enough(const RefineMesh& mesh, const RefineFrame& frame, int pass,
+                          const RefineParameters& parameters, std::uint64_t most) {
+  const std::vector<double> tolerances = {0.01 * parameters.reach, 64 * parameters.reach};
+  const std::uint64_t before = testing::live_bytes();
+  testing::forget_peak();
+  survey_range(mesh, CubeLattice(frame, pass), CubeLattice(frame, 1 - pass), {}, parameters,
+               tolerances);
+  EXPECT_LE(testing::peak_bytes() - before, most) << mesh.triangles.size();
+}
+
 void expect_enough(const testing::VolumeMesh& made) {
   RefineMesh mesh = made.mesh;
   RefineParameters parameters;
@@ -29,6 +40,7 @@ void expect_enough(const testing::VolumeMesh& made) {
     const std::uint64_t taken = testing::peak_bytes() - before;
     EXPECT_LE(taken, refine_bytes(size, size)) << size.triangles;
     EXPECT_GE(taken * 4, refine_bytes(size, size)) << size.triangles;
+    expect_survey_enough(mesh, made.frame, pass, parameters, refine_bytes(size, size));
     mesh = std::move(refined);
   }
 }

@@ -62,6 +62,31 @@ TEST(RefineRange, WhatNeedsNoRepairStaysAsItIs) {
     }
 }
 
+// What the tolerance leaves that is tried last is what a pass with it leaves: tolerances before it do
+// little to that. Ranges add up.
+TEST(RefineRange, ASurveyCountsWhatAPassLeaves) {
+  const RefineMesh mesh = torus();
+  const std::vector<double> tolerances = {0.001 * collapsing.tolerance, 0.1 * collapsing.tolerance,
+                                          collapsing.tolerance};
+  for (const int pass : {0, 1}) {
+    const CubeLattice cubes(torus_frame(), pass), others(torus_frame(), 1 - pass);
+    const CollapseSurvey whole = survey_range(mesh, cubes, others, {}, collapsing, tolerances);
+    EXPECT_EQ(whole.all(), mesh.triangles.size());
+    EXPECT_LE(whole.held, whole.fixed);
+    EXPECT_TRUE(std::ranges::is_sorted(whole.left, std::greater<>()));
+    const Refined one = refine_in(mesh, torus_frame(), pass, cut_at({}), collapsing, true);
+    const auto left = static_cast<double>(one.mesh.triangles.size());
+    EXPECT_NEAR(static_cast<double>(whole.left.back() + whole.fixed), left, 0.05 * left);
+    for (const auto& codes : cuts) {
+      CollapseSurvey sum;
+      for (const CubeRange& range : cut_at(codes))
+        sum.add(survey_range(testing::needed(mesh, cubes, range), cubes, others, range, collapsing,
+                             tolerances));
+      EXPECT_EQ(sum, whole);
+    }
+  }
+}
+
 TEST(RefineRange, OfNothingIsNothing) {
   RefineCounts counts;
   const RefineMesh none = refine_range({}, CubeLattice(torus_frame(), 0), {}, collapsing, counts);

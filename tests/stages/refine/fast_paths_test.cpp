@@ -1,0 +1,205 @@
+// What is quick against what is plain.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "plain_nearest.h"
+#include "stages/refine/edge_queue.h"
+#include "stages/refine/edit_moves.h"
+#include "stages/refine/nearest_triangle.h"
+#include "stages/refine/triangle_grid.h"
+#include "torus.h"
+
+namespace voxweld {
+namespace {
+
+class Random {
+ public:
+  std::int32_t operator()(std::int32_t lo, std::int32_t hi) {
+    return lo + static_cast<std::int32_t>(engine_() % static_cast<std::uint32_t>(hi - lo + 1));
+  }
+  LatticePoint point(std::int32_t lo, std::int32_t hi) {
+    return {(*this)(lo, hi), (*this)(lo, hi), (*this)(lo, hi)};
+  }
+  LatticeTriangle triangle(std::int32_t lo, std::int32_t hi) {
+    LatticeTriangle t;
+    do t = {point(lo, hi), point(lo, hi), point(lo, hi)};
+    while (has_no_area(t));
+    return t;
+  }
+
+ private:
+  std::mt19937 engine_{7};
+};
+
+// Of few coordinates, so that many are equally near.
+TEST(NearestTriangles, SayWhatAllOfThemSay) {
+  Random random;
+  for (int round = 0; round < 400; ++round) {
+    NearestTriangles nearest;
+    std::vector<LatticeTriangle> shapes;
+    const std::int32_t side = round % 2 == 0 ? 6 : 30000;
+    const std::size_t count = 1 + static_cast<std::size_t>(random(0, 12));
+    for (std::size_t i = 0; i < count; ++i) {
+      shapes.push_back(random.triangle(0, side));
+      nearest.add(shapes.back(), {});
+    }
+    for (int k = 0; k < 20; ++k) {
+      const LatticePoint point = random.point(-side / 2, side + side / 2);
+      const Nearest plain = testing::nearest_triangle(point, shapes);
+      const Nearest found =
+          nearest.to(point, {}, static_cast<std::size_t>(random(0, 2 * static_cast<int>(count))));
+      EXPECT_EQ(found.squared, plain.squared);
+      EXPECT_EQ(found.triangle, plain.triangle);
+    }
+  }
+}
+
+TEST(NearestTriangles, AreOfTheSameSides) {
+  NearestTriangles nearest;
+  nearest.add({{{0, 0, 0}, {9, 0, 0}, {0, 9, 0}}}, {1, 2});
+  nearest.add({{{0, 0, 5}, {9, 0, 5}, {0, 9, 5}}}, {1, 3});
+  EXPECT_EQ(nearest.to({1, 1, 0}, {1, 3}, 0).triangle, 1u);
+  EXPECT_EQ(nearest.to({1, 1, 0}, {1, 3}, 0).squared, 25);
+  EXPECT_TRUE(std::isinf(nearest.to({1, 1, 0}, {2, 3}, 0).squared));
+}
+
+LatticeBox random_box(Random& random, const LatticeBox& around, std::int32_t beyond) {
+  LatticeTriangle corners;
+  for (LatticePoint& p : corners)
+    for (std::size_t a = 0; a < 3; ++a) p[a] = random(around.lo[a] - beyond, around.hi[a] + beyond);
+  // Most are small.
+  if (random(0, 3) != 0)
+    for (std::size_t k = 1; k < 3; ++k)
+      for (std::size_t a = 0; a < 3; ++a) corners[k][a] = corners[0][a] + random(-40, 40);
+  return LatticeBox::around(corners);
+}
+
+// Cubes of few steps and of so many that their coordinates are rounded; boxes that lie far outside.
+TEST(TriangleGrid, FindsAllThatMeet) {
+  Random random;
+  for (const std::int32_t side : {300, 20000, 3000000}) {
+    const LatticeBox around{{500, 600, 700}, {500 + side, 600 + side, 700 + side}};
+    TriangleGrid grid(around, 100);
+    std::vector<LatticeBox> boxes(600);
+    for (std::uint32_t t = 0; t < boxes.size(); ++t) grid.put(t, random_box(random, around, side));
+    for (std::uint32_t t = 0; t < boxes.size(); ++t)  // they change, and some go
+      grid.put(t, boxes[t] = random_box(random, around, side * 2 / 3));
+    std::vector<bool> there(boxes.size(), true);
+    for (std::uint32_t t = 0; t < boxes.size(); t += 5) {
+      grid.remove(t);
+      there[t] = false;
+    }
+    std::vector<std::vector<bool>> near(boxes.size(), std::vector<bool>(boxes.size()));
+    grid.each_pair([](std::uint32_t t) { return t % 2 == 0; },
+                   [&](std::uint32_t a, std::uint32_t b) {
+                     EXPECT_TRUE(a % 2 == 0 && a != b && !near[a][b]);
+                     near[a][b] = true;
+                   });
+    for (std::uint32_t a = 0; a < boxes.size(); ++a) {
+      BoxQueries some = grid.queries();
+      for (std::uint32_t k = a; k < std::min<std::size_t>(a + 11, boxes.size()); ++k)
+        some.add(boxes[k]);
+      std::vector<std::uint64_t> met(boxes.size());
+      EXPECT_TRUE(grid.none_near(some, [&](std::uint32_t t, std::uint64_t bits) {
+        met[t] = bits;
+        return false;
+      }));
+      std::vector<bool> found(boxes.size());
+      grid.each_near(boxes[a], [&](std::uint32_t t) {
+        EXPECT_TRUE(there[t] && !found[t]);
+        found[t] = true;
+      });
+      for (std::uint32_t b = 0; b < boxes.size(); ++b) {
+        if (!there[b]) continue;
+        if (boxes[a].meets(boxes[b])) {
+          EXPECT_TRUE(found[b]);
+          EXPECT_TRUE(near[a][b] || !there[a] || a % 2 == 1 || a == b);
+        }
+        for (std::uint32_t k = a; k < std::min<std::size_t>(a + 11, boxes.size()); ++k)
+          EXPECT_TRUE((met[b] >> (k - a) & 1) != 0 || !boxes[k].meets(boxes[b]));
+      }
+    }
+  }
+}
+
+TEST(TriangleGrid, PassesOverWhatIsFarAway) {
+  const LatticeBox around{{0, 0, 0}, {16000, 16000, 16000}};
+  TriangleGrid grid(around, 100);
+  grid.put(0, {{10, 10, 10}, {20, 20, 20}});
+  grid.put(1, {{22, 10, 10}, {40, 20, 20}});
+  std::vector<std::uint32_t> found;
+  grid.each_near({{5, 5, 5}, {21, 30, 30}}, [&](std::uint32_t t) { found.push_back(t); });
+  EXPECT_EQ(found, std::vector<std::uint32_t>{0});
+}
+
+TEST(EdgeQueue, GivesTheCheapestFirstAndEqualOnesInTurn) {
+  Random random;
+  EdgeQueue queue;
+  std::vector<double> costs;
+  QueuedEdge edge{};
+  for (std::uint32_t i = 0; i < 3000; ++i) {
+    costs.push_back(std::ldexp(random(0, 1000), random(-30, 30)));
+    queue.push(costs.back(), {i, 0, 0, 0});
+    if (i % 3 == 0) {
+      ASSERT_TRUE(queue.pop(edge));
+      costs[edge.u] = -1;
+    }
+  }
+  double last = 0;
+  while (queue.pop(edge)) {
+    EXPECT_GE(costs[edge.u] * 17 / 16 + 0x1p-39, last);
+    last = std::max(last, costs[edge.u]);
+    costs[edge.u] = -1;
+  }
+  EXPECT_EQ(std::ranges::count(costs, -1.0), 3000) << "each came out once";
+  for (std::uint32_t i = 0; i < 5; ++i) queue.push(2.5, {i, 0, 0, 0});
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    ASSERT_TRUE(queue.pop(edge));
+    EXPECT_EQ(edge.u, i);
+  }
+  EXPECT_FALSE(queue.pop(edge));
+}
+
+// Whether a change makes triangles intersect is known from shadows and from what was known before;
+// hits() looks at all pairs. Half of the changes are made, so that what is kept has to be right.
+TEST(EditMesh, AChangeIsCleanWhereNothingIsHit) {
+  Random random;
+  const LatticeBox box{{0, 0, 0}, {1000, 1000, 1000}};
+  EditMesh mesh(testing::torus(), box);
+  mesh.set_intersecting(mesh.find_intersecting());
+  EditMoves moves(mesh);
+  Change change;
+  std::size_t clean = 0, unclean = 0;
+  const auto look = [&](const EditMesh::Step& step) {
+    const bool is_clean = mesh.clean(change);
+    ASSERT_EQ(is_clean, mesh.hits(change, 1) == 0);
+    ++(is_clean ? clean : unclean);
+    if (random(0, 1) == 0 || !mesh.keeps_samples(change, step, 1e9)) return;
+    mesh.apply(change, step);
+  };
+  for (int round = 0; round < 6000; ++round) {
+    const auto t = static_cast<std::uint32_t>(random(0, static_cast<int>(mesh.triangles()) - 1));
+    if (!mesh.alive(t)) continue;
+    const std::uint32_t u = mesh.corners(t)[0], v = mesh.corners(t)[1];
+    LatticePoint at = mesh.position(u);
+    for (std::int32_t& x : at) x += random(-60, 60);
+    if (round % 3 == 0) {
+      if (mesh.freedom(u) == Freedom::free && moves.move(u, at, change))
+        look({u, at, EditMesh::none});
+    } else if (round % 3 == 1) {
+      if (mesh.movable(t) && moves.flip(t, 1, change)) look({});
+    } else if (round % 15 == 2) {
+      const auto ends = moves.ends(u, v);
+      if (!ends || !moves.linked(ends->gone, ends->keep)) continue;
+      if (ends->stays) at = mesh.position(ends->keep);
+      if (moves.collapse(ends->gone, ends->keep, at, change)) look({ends->keep, at, ends->gone});
+    }
+  }
+  EXPECT_GT(clean, 300u);
+  EXPECT_GT(unclean, 300u);
+}
+
+}  // namespace
+}  // namespace voxweld
