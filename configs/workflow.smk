@@ -6,8 +6,9 @@
 # --config takes
 #   config    the config file of the run
 #   parts     into how many parts the stages but merge are cut (4)
-#   refine    whether the config has simplify.refine: then there are three stages more (0)
-#   target    whether it has simplify.triangles or simplify.ratio: then there are two besides (0)
+#   refine    whether the mesh is refined; 0 where the config has simplify.refine = "off",
+#             simplify.enabled = false or simplify.topology = "free" (1)
+#   target    whether the config has simplify.triangles or simplify.ratio (0)
 #   voxweld   the program (the one on PATH)
 #   done      the folder of the done-marks, one file a command (CONFIG without .toml, and .done)
 #   threads   of a command (4)
@@ -33,12 +34,12 @@ THREADS = int(config.get("threads", 4))
 VOXWELD = shlex.quote(str(config.get("voxweld", "voxweld")))
 
 
-def is_set(name):
-    return str(config.get(name, 0)).lower() not in ("0", "false", "off", "no", "")
+def is_set(name, default):
+    return str(config.get(name, default)).lower() not in ("0", "false", "off", "no", "")
 
 
-TARGET = is_set("target")
-REFINE = TARGET or is_set("refine")
+TARGET = is_set("target", 0)
+REFINE = TARGET or is_set("refine", 1)
 
 if PARTS < 1:
     raise WorkflowError("parts is {}: at least 1 is needed".format(PARTS))

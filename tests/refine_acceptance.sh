@@ -4,18 +4,19 @@
 # of edges at a border. Fails where verify does, as for edges and vertices that are not manifold, or where
 # the manifest has another number of pairs. What has no data is skipped, and told.
 # Usage: tests/refine_acceptance.sh [CASE...]    (default: all)
-#   CASE  sphere torus gyroid part porous temple noise bunny scans labels meshes
+#   CASE  sphere torus gyroid part porous temple noise bunny scans labels meshes random
 # Environment: VOXWELD (the program, default build/voxweld), VOXWELD_SHARED_DATA (folder with
 # bunny_ct/, label/, meshes/, nifti/ and vtk/), VOXWELD_SCRATCH (default a new folder below TMPDIR that
 # is removed; needs some GB), VOXWELD_SIZE (samples a side of the phantoms, default 512; noise has a
-# quarter of that), VOXWELD_MODES (default "collapse repair").
+# quarter of that), VOXWELD_MODES (default "collapse repair"), VOXWELD_RANDOM (how many random volumes,
+# default 1000: noise and porous ones by turns, 24 to 48 samples a side, at three tolerances each).
 set -euo pipefail
 # shellcheck source=tests/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 voxweld=${VOXWELD:-$root/build/voxweld}
 data=${VOXWELD_SHARED_DATA:-$root/../shared/data}
 size=${VOXWELD_SIZE:-512}
-known=(sphere torus gyroid part porous temple noise bunny scans labels meshes)
+known=(sphere torus gyroid part porous temple noise bunny scans labels meshes random)
 cases=("$@")
 [ $# -gt 0 ] || cases=("${known[@]}")
 require_known case "${known[*]}" "${cases[@]}"
@@ -32,13 +33,14 @@ failed() {
 # number FILE KEY: the first number with that key in a JSON file.
 number() { grep -oE "\"$2\": ?[0-9]+" "$1" | head -n 1 | grep -oE '[0-9]+$'; }
 
-# refined NAME CONFIG: its text is in CONFIG.
+# refined NAME CONFIG [SETTING...]: its text is in CONFIG.
 refined() {
-  local name=$1 config=$2 mode pairs left seconds begin
+  local name=$1 config=$2 mode pairs left seconds begin setting more=()
+  for setting in "${@:3}"; do more+=(--set "$setting"); done
   for mode in ${VOXWELD_MODES:-collapse repair}; do
     rm -rf "$scratch/work" "$scratch/mesh"
     begin=$(date +%s.%N)
-    if ! "$voxweld" run "$config" --log-level warning --set simplify.refine="$mode" \
+    if ! "$voxweld" run "$config" --log-level warning --set simplify.refine="$mode" "${more[@]}" \
       --set work.directory="$scratch/work" --set output.directory="$scratch/mesh" \
       >"$scratch/out" 2>"$scratch/err"; then
       failed "$name, $mode" "$(tail -n 1 "$scratch/err")"
@@ -120,11 +122,44 @@ meshes() {
   done
 }
 
+# One line for each kind, mode and tolerance: sums over all volumes.
+random() {
+  local kind tolerance i rows=$scratch/random.rows
+  for kind in noise porous; do
+    for tolerance in 0.05 0.3 1e9; do
+      for ((i = 0; i < ${VOXWELD_RANDOM:-1000} / 2; ++i)); do
+        "$voxweld" phantom $kind --size $((24 + i % 25)) --seed $((i + 1)) --type float32 \
+          -o "$scratch/random.nrrd" --force --log-level quiet >/dev/null
+        printf '[input]\npath = "%s"\n[surface]\nisovalue = 0\ninside = "below"\n' \
+          "$scratch/random.nrrd" >"$scratch/random.toml"
+        refined "$kind $((i + 1)), tolerance $tolerance" "$scratch/random.toml" \
+          simplify.tolerance=$tolerance run.threads=1
+      done >"$rows"
+      grep FAILED "$rows" || true
+      sum_rows "$kind" $tolerance <"$rows"
+    done
+  done
+}
+
+# sum_rows KIND TOLERANCE: of rows as refined() prints them.
+sum_rows() {
+  awk -F'|' -v kind="$1" -v tolerance="$2" '
+    /FAILED/ { next }
+    { split($2, name, ", "); mode = name[3]; gsub(/ /, "", mode); ++runs[mode]
+      for (i = 3; i <= 7; ++i) sums[mode, i] += $i
+      seconds[mode] += $8
+      if ($5 > 0) ++with[mode] }
+    END { for (mode in runs)
+      printf "| %s, %d volumes (%d with pairs), tolerance %s, %s | %d | %d | %d | %d | %d | %.0f s |\n",
+        kind, runs[mode], with[mode], tolerance, mode, sums[mode, 3], sums[mode, 4], sums[mode, 5],
+        sums[mode, 6], sums[mode, 7], seconds[mode] }'
+}
+
 echo "| volume, refine | triangles | pairs before | pairs | degenerate | border | time |"
 echo "| --- | ---: | ---: | ---: | ---: | ---: | ---: |"
 for one in "${cases[@]}"; do
   case $one in
-    bunny | scans | labels | meshes) "$one" ;;
+    bunny | scans | labels | meshes | random) "$one" ;;
     *) phantom "$one" ;;
   esac
 done

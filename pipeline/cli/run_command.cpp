@@ -121,10 +121,11 @@ void add_stage_commands(CLI::App& app, Program& program) {
       "Stage 3: joins the bricks' octrees at the top and plans the tiles",
       "Stage 4: makes the triangles of each tile",
       "With simplify.triangles or ratio, after stage 4: counts what collapse would leave",
-      "With simplify.refine, after stage 4: repairs and collapses inside cubes of 64 cells",
+      "After stage 4, unless simplify.refine is off: repairs and collapses inside cubes of 64 "
+      "cells",
       "With simplify.triangles or ratio: counts anew in shifted cubes what the rest would leave",
-      "With simplify.refine: the same in shifted cubes, where the first had their borders",
-      "With simplify.refine: plans tiles of the refined mesh and cuts it into them",
+      "Unless simplify.refine is off: the same in shifted cubes, where the first had their borders",
+      "Unless simplify.refine is off: plans tiles of the refined mesh and cuts it into them",
       "Stage 5: writes the compressed mesh files and the manifest"};
   for (const Stage stage : all_stages) {
     auto one = std::make_shared<RunArguments>();

@@ -126,7 +126,7 @@ struct SimplifyConfig {
   enum class Metric : std::uint8_t { rms, sum };
   enum class Topology : std::uint8_t { safe, free };
   enum class Qef : std::uint8_t { qr, normal };
-  enum class Refine : std::uint8_t { off, repair, collapse };
+  enum class Refine : std::uint8_t { automatic, off, repair, collapse };
   enum class Intersections : std::uint8_t { none, report, ignore };
 
   bool enabled = true;
@@ -135,7 +135,7 @@ struct SimplifyConfig {
   Metric metric = Metric::rms;
   Topology topology = Topology::safe;
   Qef qef = Qef::qr;
-  Refine refine = Refine::off;
+  Refine refine = Refine::automatic;
   Intersections intersections = Intersections::none;
   // How many triangles are to be left, or which part; one of the two at most.
   std::optional<std::int64_t> triangles = {};
@@ -263,11 +263,21 @@ inline bool has_target(const Config& config) {
   return config.simplify.triangles || config.simplify.ratio;
 }
 
+// What is done to the stitched mesh, never `automatic`. Left open it is `collapse` where cells are
+// collapsed too, and keep the topology: of these meshes alone no two triangles have to cut each other.
+inline SimplifyConfig::Refine refine_mode(const Config& config) {
+  using Simplify = SimplifyConfig;
+  if (config.simplify.refine != Simplify::Refine::automatic) return config.simplify.refine;
+  return config.simplify.enabled && config.simplify.topology == Simplify::Topology::safe
+             ? Simplify::Refine::collapse
+             : Simplify::Refine::off;
+}
+
 // How many cells a vertex may leave its own by where the mesh is refined. Between labels none: their
 // surfaces have no sharp edges, and it made 8 % more triangles of the liver (tolerance 0.1).
 inline double vertex_overhang(const Config& config) {
   const bool of_labels = config.surface.label || config.labels.mode != LabelMode::off;
-  return config.simplify.refine == SimplifyConfig::Refine::off || of_labels ? 0 : 1;
+  return refine_mode(config) == SimplifyConfig::Refine::off || of_labels ? 0 : 1;
 }
 
 // Reads the TOML file at `path`, then applies `overrides` in order, each "table.key=value": the

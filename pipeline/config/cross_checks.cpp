@@ -133,14 +133,14 @@ class CrossChecks {
   void refine() const {
     const SimplifyConfig& simplify = config_.simplify;
     for (const char* key : {"simplify.triangles", "simplify.ratio"})
-      if (setting_of(key).get(config_) && simplify.refine != SimplifyConfig::Refine::collapse)
+      if (setting_of(key).get(config_) && refine_mode(config_) != SimplifyConfig::Refine::collapse)
         fail({key, "simplify.refine"},
              "only a mesh whose edges are collapsed can be brought to a number of triangles; set "
              "simplify.refine = \"collapse\", or remove this key");
     if (simplify.triangles && simplify.ratio)
       fail({"simplify.ratio", "simplify.triangles"},
            "simplify.triangles says the same in another way; remove one of the two");
-    if (simplify.refine == SimplifyConfig::Refine::off) return;
+    if (refine_mode(config_) == SimplifyConfig::Refine::off) return;
     if (simplify.topology == SimplifyConfig::Topology::free)
       fail({"simplify.refine", "simplify.topology"},
            "with simplify.topology = \"free\" the mesh is no manifold, and only those are refined; "

@@ -27,6 +27,9 @@ inline constexpr Stages ingest_and_build = {Stage::ingest, Stage::build};
 inline constexpr Stages collapse = {Stage::build, Stage::merge};
 // Both passes over the stitched mesh.
 inline constexpr Stages refined = {Stage::survey, Stage::refine, Stage::recount, Stage::seams};
+// Build, as vertices leave their cells where there is such a pass.
+inline constexpr Stages refined_from_build = {Stage::build, Stage::survey, Stage::refine,
+                                              Stage::recount, Stage::seams};
 // A survey is the same whatever is chosen by it.
 inline constexpr Stages chosen = {Stage::refine, Stage::seams};
 // What cells may be off, and edges.

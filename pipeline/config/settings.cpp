@@ -72,8 +72,13 @@ std::vector<Stage> stages_of(const Config& config) {
   return stages;
 }
 
+std::string_view refine_name(SimplifyConfig::Refine mode) {
+  constexpr std::array<std::string_view, 4> names = {"auto", "off", "repair", "collapse"};
+  return names[static_cast<std::size_t>(mode)];
+}
+
 bool refines(const Config& config) {
-  return config.simplify.refine != SimplifyConfig::Refine::off;
+  return refine_mode(config) != SimplifyConfig::Refine::off;
 }
 
 bool Setting::read_by(Stage stage) const {

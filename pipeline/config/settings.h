@@ -36,6 +36,8 @@ std::string_view stage_name(Stage stage);
 // Those a run of the config has, in their order: refine, seams and retile where simplify.refine asks
 // for them, survey and recount where a number of triangles is asked for.
 std::vector<Stage> stages_of(const Config& config);
+// As in the config file.
+std::string_view refine_name(SimplifyConfig::Refine mode);
 bool refines(const Config& config);
 
 // What is told of a key, whatever it is bound to.
@@ -57,8 +59,8 @@ struct Setting : KeyFacts {
   // The stages whose artifact bytes the value may change, beyond what reaches them through their
   // inputs. Empty: no result depends on it.
   std::vector<Stage> stages;
-  // Their artifacts are keyed by what the value comes to (which label stands for what), not by the
-  // value itself: it is in no parameter_hash().
+  // Their artifacts are keyed by what the value comes to (which label stands for what, whether a mesh
+  // is refined), not by the value itself: it is in no parameter_hash().
   bool by_effect = false;
   // It came after the others: where it is open it is in no parameter_hash(), so that work that was
   // done before there was such a key goes on being used.

@@ -43,15 +43,14 @@ std::vector<Setting> simplify_settings() {
       row({"simplify", "qef",
            "Solves the QEFs. \"qr\": stable in floats; \"normal\": normal equations, to compare."},
           binding::choice(simplify, &Simplify::qef, {"qr", "normal"}), collapse),
-      when_given(row(
+      by_effect(row(
           {"simplify", "refine",
            "What is done to the mesh once it is stitched. \"repair\": vertices go where they best "
            "lie, out of their cells if need be, and triangles that cut each other are moved "
-           "apart; \"collapse\": edges are collapsed too, as far as tolerance "
-           "lets them.",
-           "\"off\""},
-          binding::choice_or_open(simplify, &Simplify::refine, {"off", "repair", "collapse"}),
-          tolerance)),
+           "apart; \"collapse\": edges are collapsed too, as far as tolerance lets them. \"auto\": "
+           "\"collapse\", but \"off\" where enabled = false or topology = \"free\"."},
+          binding::choice(simplify, &Simplify::refine, {"auto", "off", "repair", "collapse"}),
+          refined_from_build)),
       when_given(row(
           {"simplify", "intersections",
            "What refine does about triangles that cut each other. \"none\": mends them, and makes "
@@ -61,9 +60,11 @@ std::vector<Setting> simplify_settings() {
           refined)),
       when_given(row(
           {"simplify", "triangles",
-           "With refine = \"collapse\": how many triangles the mesh is to have in the end, of all "
-           "labels together. A run finds out how far edges have to be collapsed for it, in place "
-           "of tolerance; cells still go by tolerance. After an edit the whole mesh may change.",
+           "How many triangles the mesh is to have in the end, of all labels together. A run finds "
+           "out how far edges have to be collapsed for it, in place of tolerance; cells still go "
+           "by tolerance. Not where refine is \"off\" or \"repair\". After an edit the whole mesh "
+           "may "
+           "change.",
            "none: tolerance decides"},
           binding::member(simplify, &Simplify::triangles, IntegerRule{1, no_limit}), chosen)),
       when_given(

@@ -158,6 +158,11 @@ std::vector<ChangedSetting> changed_settings(const Config& before, const Config&
 Hash128 result_hash(const Config& config) {
   KeyHasher hasher;
   for (const Stage stage : stages_of(config)) hasher.hash(parameter_hash(config, stage));
+  Config asked = config;
+  asked.simplify.refine = refine_mode(config);
+  for (const Setting& setting : settings())
+    if (const auto value = setting.get(asked); setting.by_effect && value != setting.default_value)
+      feed_parameter(hasher, {setting.name(), value});
   return hasher.text(config.input.path.string()).finish();
 }
 

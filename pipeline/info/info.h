@@ -30,13 +30,13 @@
 //   tile             key, content_hash, version, made_by, level, at, vertices, triangles, quads,
 //                    polygon_triangles, collinear, lattice {step, bits, origin}; with labels.mode =
 //                    "each" in place of these meshes [{label, level, at, vertices, triangles}]
-//   cube_mesh        (simplify.refine) key, content_hash, version, made_by, cubes (with triangles),
+//   cube_mesh        (of refine) key, content_hash, version, made_by, cubes (with triangles),
 //                    vertices (once for each part that has them), triangles, leaving_triangles (of
 //                    those, with corners in several cubes), samples, box {lo, hi} (lattice points,
 //                    where there are triangles), refined {cubes, collapses, moves, flips,
 //                    intersecting_before, intersecting_left, worst_steps}; verbose: cube_list [{at,
 //                    triangles (inside), leaving_triangles, samples}]
-//   tile_plan        (simplify.refine) key, content_hash, version, made_by, tiles, made_of (meshes);
+//   tile_plan        (of refine) key, content_hash, version, made_by, tiles, made_of (meshes);
 //                    verbose: tile_list as of a top_tree
 //   asset_record     key, vertices, triangles, quads, polygon_triangles, collinear, files [{path,
 //                    format, bytes, xxh3_128}]; with labels.mode = "each" labels
@@ -57,7 +57,7 @@
 //                    boundary_edges (of an odd number of triangles), holes, hole_list [{edges,
 //                    size, center}] (the largest first: verbose all of them, else ten)
 //   output           border, topology, frame, lattice, counts, files {count, bytes}, merged, error,
-//                    refine (with simplify.refine), input (as manifest.json has them); verbose: file_list
+//                    refine (unless it is off), input (as manifest.json has them); verbose: file_list
 //   tile_list        tiles, vertices, triangles, files, file_bytes; verbose: tile_list
 //   label_list       labels, tiles, vertices, triangles, volume, area (sums); verbose: label_list
 //                    [{label, name, triangles, volume, area}]

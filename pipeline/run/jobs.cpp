@@ -110,8 +110,8 @@ void Jobs::plan_refine(const Config& config, const OutputFrame& output) {
   stitch_.parameters.normals = true;  // refine goes by them
   // The enumerators of both come in the order of the settings' table, but for "off".
   RefineParameters parameters;
-  parameters.mode = config.simplify.refine == SimplifyConfig::Refine::repair ? RefineMode::repair
-                                                                             : RefineMode::collapse;
+  parameters.mode = refine_mode(config) == SimplifyConfig::Refine::repair ? RefineMode::repair
+                                                                          : RefineMode::collapse;
   parameters.intersections = static_cast<IntersectionRule>(config.simplify.intersections);
   parameters.tolerance = build_->parameters.simplify.tolerance / frame.lattice.step;
   parameters.reach =
@@ -276,7 +276,7 @@ nlohmann::json refine_json(const Config& config, const Jobs& jobs, const RefineF
   RefineCounts all = figures.refine;
   all.add(figures.seams);
   const double step = jobs.refine().frame.lattice.step;
-  nlohmann::json json = {{"mode", *find_setting("simplify", "refine")->get(config)->text()},
+  nlohmann::json json = {{"mode", refine_name(refine_mode(config))},
                          {"tolerance", jobs.seams().parameters.tolerance * step},
                          {"collapses", all.collapses},
                          {"moves", all.moves},

@@ -184,6 +184,13 @@ void run_all(RunContext& context) {
   }
 }
 
+// Of a config that does not refine.
+std::string_view why_off(const Config& config) {
+  if (config.simplify.refine == SimplifyConfig::Refine::off) return "";
+  return config.simplify.enabled ? ", that is \"off\" with simplify.topology = \"free\""
+                                 : ", that is \"off\" with simplify.enabled = false";
+}
+
 void run_one(RunContext& context, Stage stage) {
   const std::vector<Stage> all = stages_of(context.config);
   if (std::ranges::find(all, stage) == all.end() && refines(context.config))
@@ -192,10 +199,10 @@ void run_one(RunContext& context, Stage stage) {
                     "config has no stage {}; give one of them, or leave this command out",
                     stage_name(stage)));
   if (std::ranges::find(all, stage) == all.end())
-    throw InputError(
-        fmt::format("simplify.refine = \"off\": a run of this config has no stage {}; set it to "
-                    "\"repair\" or \"collapse\", or leave this command out",
-                    stage_name(stage)));
+    throw InputError(fmt::format(
+        "simplify.refine = \"{}\"{}: a run of this config has no stage {}; set it to "
+        "\"repair\" or \"collapse\", or leave this command out",
+        refine_name(context.config.simplify.refine), why_off(context.config), stage_name(stage)));
   Stages stages(context);
   check_budget(context, stages.jobs());
   // Tasks that do shares work beside each other, for a run that has claimed all.

@@ -78,7 +78,8 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info, const Label
   // Without it keys are those of before there were any.
   if (!info.scale.identity()) build.text("scale").real(info.scale.slope).real(info.scale.intercept);
   if (config.surface.noise) build.text("noise").real(*config.surface.noise);
-  if (refines(config)) build.text("overhang").real(vertex_overhang(config));
+  if (const double overhang = vertex_overhang(config); overhang != 0)
+    build.text("overhang").real(overhang);
   if (labels.rules != nullptr || config.surface.label) build.integer(label_estimate_version);
   if (labels.rules != nullptr) build.hash(hash_of(*labels.rules));
   paths.build_key = build.finish();
@@ -106,11 +107,13 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info, const Label
     if (cube_level != refine_cube_level)
       paths.stitch_key = KeyHasher().hash(paths.stitch_key).integer(cube_level).finish();
     constexpr std::uint32_t version = refine_version << 16 | cube_mesh_version;
-    paths.refine_key = next(Stage::refine, version, paths.stitch_key);
+    const Hash128 asked =
+        KeyHasher().hash(paths.stitch_key).text(refine_name(refine_mode(config))).finish();
+    paths.refine_key = next(Stage::refine, version, asked);
     paths.seams_key = next(Stage::seams, version, paths.refine_key);
     if (has_target(config)) {
       constexpr std::uint32_t counts = refine_version << 16 | collapse_survey_version;
-      paths.survey_key = next(Stage::survey, counts, paths.stitch_key);
+      paths.survey_key = next(Stage::survey, counts, asked);
       paths.recount_key = next(Stage::recount, counts, paths.refine_key);
       paths.survey = work / ("survey-" + short_hex(paths.survey_key));
       paths.recount = work / ("recount-" + short_hex(paths.recount_key));

@@ -47,6 +47,8 @@ shard = 2
 [surface]
 isovalue = "otsu"
 inside = "below"
+[simplify]
+refine = "off"
 [output]
 tile_vertices = 20000
 [run]
@@ -75,9 +77,9 @@ same handed
 step "handed to Slurm: the same bytes"
 
 # Three more stages.
-on fine run --set simplify.refine=collapse || fail "the refined local run"
+on fine run --set simplify.refine=auto || fail "the refined local run"
 refined=$(tree_hash "$data/fine.mesh")
-on refined run --set simplify.refine=collapse --set run.executor=slurm || fail "the refined run"
+on refined run --set simplify.refine=auto --set run.executor=slurm || fail "the refined run"
 same refined "$refined"
 for stage in refine seams retile; do
   grep -q "$stage: job [0-9]* of" "$data/refined.run.log" || fail "no task did $stage"

@@ -55,21 +55,31 @@ cp scan.toml scan.nrrd ../reference
 [ "$(find ../reference/scan.mesh/tiles -name '*.drc' | wc -l)" -gt 3 ] || fail "fewer tiles than parts"
 
 workflow || fail "the workflow"
-[ "$(commands_run)" -eq 15 ] || fail "$(commands_run) commands were run, not 4 times 3 and 3"
+[ "$(commands_run)" -eq 24 ] || fail "$(commands_run) commands were run, not 7 times 3 and 3"
 same_as_reference "other files than voxweld run"
-echo "15 commands: the files of voxweld run"
+echo "24 commands: the files of voxweld run"
 
 workflow || fail "the workflow a second time"
 [ "$(commands_run)" -eq 0 ] || fail "a second run ran $(commands_run) commands"
 echo "a second run: nothing to do"
 
-echo '[simplify]
-tolerance = 0.2' | tee -a scan.toml >>../reference/scan.toml
-"$voxweld" --log-level warning run ../reference/scan.toml >"$folder/log" 2>&1 || fail "voxweld run"
-workflow || fail "the workflow with an edited config"
-[ "$(commands_run)" -eq 15 ] || fail "$(commands_run) commands were run after the config was edited"
-same_as_reference "other files after the config was edited"
+edited() { # edited LINE COMMANDS [OPTION...]: the config with one more line
+  echo "$1" | tee -a scan.toml >>../reference/scan.toml
+  "$voxweld" --log-level warning run ../reference/scan.toml >"$folder/log" 2>&1 || fail "voxweld run"
+  workflow "${@:3}" || fail "the workflow with $1"
+  [ "$(commands_run)" -eq "$2" ] || fail "$(commands_run) commands were run, not $2, with $1"
+  same_as_reference "other files with $1"
+}
+echo '[simplify]' | tee -a scan.toml >>../reference/scan.toml
+edited 'tolerance = 0.2' 24
 echo "an edited config: the files of voxweld run"
+edited 'ratio = 0.3' 30 target=1
+echo "a number of triangles: two stages more, the files of voxweld run"
+sed -i '/^ratio/d' scan.toml ../reference/scan.toml
+edited 'refine = "off"' 15 refine=0
+echo "without refine: three stages fewer, the files of voxweld run"
+sed -i '/^refine/d' scan.toml ../reference/scan.toml
+"$voxweld" --log-level warning run ../reference/scan.toml >"$folder/log" 2>&1 || fail "voxweld run"
 
 # The input is gone for a moment when a part of the build is done.
 rm -rf scan.mesh scan.work scan.done
@@ -80,6 +90,6 @@ if workflow; then fail "it went through without its input"; fi
 grep -q 'scan.nrrd' "$folder/log" || fail "the file that is missing is not named"
 mv away.nrrd scan.nrrd
 workflow || fail "the run after the failed one"
-[ "$(commands_run)" -eq 10 ] || fail "$(commands_run) commands were run after 5, not the other 10"
+[ "$(commands_run)" -eq 19 ] || fail "$(commands_run) commands were run after 5, not the other 19"
 same_as_reference "other files after a failed run"
 echo "a run that failed: went on, the files of voxweld run"

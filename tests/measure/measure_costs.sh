@@ -49,6 +49,8 @@ copy = true
 brick = $brick
 shard = $shard
 chunk = $((brick * shard < 32 ? brick * shard : 32))
+[simplify]
+refine = "off"
 [run]
 threads = 1
 END

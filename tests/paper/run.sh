@@ -66,7 +66,7 @@ skip() { printf '%s: left out: %s\n' "$1" "$2" | tee -a "$out/skipped"; }
 
 # settings CONFIG: the config of standard input, with what is the same for all models.
 settings() {
-  cat - >"$models/$1.toml" <(printf '%s\n' '[simplify]' 'tolerance = 0.01' 'metric = "sum"' \
+  cat - >"$models/$1.toml" <(printf '%s\n' '[simplify]' 'tolerance = 0.01' 'metric = "sum"' 'refine = "off"' \
     '[output]' 'formats = ["drc"]' '[run]' 'threads = 1')
 }
 

@@ -7,6 +7,7 @@
 
 #include "storage/artifact/asset_record.h"
 #include "storage/artifact/collapse_survey_artifact.h"
+#include "storage/artifact/cube_mesh_artifact.h"
 #include "storage/artifact/histogram_artifact.h"
 #include "storage/artifact/label_counts.h"
 #include "storage/artifact/label_shard_artifact.h"
@@ -15,6 +16,7 @@
 #include "storage/artifact/noise_artifact.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
+#include "storage/artifact/tile_plan_artifact.h"
 #include "storage/artifact/tolerance_artifact.h"
 #include "storage/artifact/top_artifact.h"
 #include "storage/artifact/unfinished_note.h"
@@ -63,6 +65,11 @@ void read_label_shard(const fs::path& path) {
   for (std::uint64_t page = 0; page < std::min<std::uint64_t>(shard.node_pages(), 16); ++page)
     shard.each_node(page, [](const LabelNode&, std::span<const std::byte>) {});
 }
+void read_tables(const LabelTop& labels) {
+  labels.batches();
+  labels.surfaces(0, std::min<std::uint64_t>(labels.surface_count(), 2000));
+  labels.tiles(0, std::min<std::uint64_t>(labels.tile_count(), 2000));
+}
 void read_top(const fs::path& path) {
   const TopArtifact top(path);
   top.counts();
@@ -72,10 +79,7 @@ void read_top(const fs::path& path) {
     top.leaves(0, ~std::uint64_t{0});
     return;
   }
-  const LabelTop labels(top);
-  labels.batches();
-  labels.surfaces(0, std::min<std::uint64_t>(labels.surface_count(), 2000));
-  labels.tiles(0, std::min<std::uint64_t>(labels.tile_count(), 2000));
+  read_tables(LabelTop(top));
 }
 void read_tile(const fs::path& path) {
   const TileArtifact tile(path);
@@ -88,6 +92,25 @@ void read_bins(const fs::path& path) {
   const MeshBins bins(path);
   for (std::uint64_t brick = 0; brick < bins.bricks().size(); ++brick)
     if (bins.bricks()[brick] == MeshSide::reached) bins.triangles(brick);
+}
+void read_cubes(const fs::path& path) {
+  const CubeMeshArtifact cubes(path);
+  for (std::size_t i = 0; i < std::min<std::size_t>(cubes.pieces().size(), 64); ++i)
+    for (const CubePart part : {CubePart::inside, CubePart::leaving}) {
+      cubes.part_hash(i, part);
+      cubes.read(i, part);
+    }
+  cubes.blocks();
+  cubes.changes();
+}
+void read_tile_plan(const fs::path& path) {
+  const TilePlanArtifact plan(path);
+  plan.sources();
+  if (!plan.of_labels()) {
+    plan.tiles();
+    return;
+  }
+  read_tables(LabelTop(plan.file()));
 }
 // Records want their array's layout: one of the sizes of the specimens' stores.
 void read_shard_of_store(const fs::path& path) {
@@ -117,6 +140,7 @@ struct ArtifactParser {
   void (*read)(const fs::path&);
 };
 const ArtifactParser parsers[] = {
+    {"cubm", cube_mesh_version, read_cubes},
     {"hist", histogram_version, [](const fs::path& path) { read_histogram_artifact(path); }},
     {"nois", noise_version, [](const fs::path& path) { read_noise_artifact(path); }},
     {"lcnt", label_counts_version, read_counts},
@@ -128,6 +152,7 @@ const ArtifactParser parsers[] = {
     {"shrd", shard_record_version, read_shard_of_store},
     {"tile", tile_version, read_tile},
     {"tops", top_version, read_top},
+    {"tpln", tile_plan_version, read_tile_plan},
     {"srvy", collapse_survey_version, [](const fs::path& path) { read_collapse_survey(path); }},
     {"tolr", tolerance_version, [](const fs::path& path) { read_tolerance_artifact(path); }}};
 

@@ -195,10 +195,11 @@ Config any_config() {
   config.simplify.metric = any_of<SimplifyConfig::Metric>(2);
   config.simplify.topology = any_of<SimplifyConfig::Topology>(2);
   config.simplify.qef = any_of<SimplifyConfig::Qef>(2);
+  config.simplify.refine = any_of<SimplifyConfig::Refine>(2);
   if (config.simplify.topology == SimplifyConfig::Topology::safe)
-    config.simplify.refine = any_of<SimplifyConfig::Refine>(3);
+    config.simplify.refine = any_of<SimplifyConfig::Refine>(4);
   config.simplify.intersections = any_of<SimplifyConfig::Intersections>(3);
-  if (config.simplify.refine == SimplifyConfig::Refine::collapse) {
+  if (refine_mode(config) == SimplifyConfig::Refine::collapse) {
     if (*rc::gen::arbitrary<bool>())
       config.simplify.triangles = *rc::gen::inRange<std::int64_t>(1, 1'000'000);
     else if (*rc::gen::arbitrary<bool>())

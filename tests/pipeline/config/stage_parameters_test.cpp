@@ -75,7 +75,7 @@ const std::map<std::string, KeyChange>& key_changes() {
       {"simplify.metric", {"\"sum\"", {build, merge}}},
       {"simplify.topology", {"\"free\"", {build, merge}}},
       {"simplify.qef", {"\"normal\"", {build, merge}}},
-      {"simplify.refine", {"\"repair\"", {build, merge, survey, refine, recount, seams}}},
+      {"simplify.refine", {"\"repair\"", {}}},  // keyed by what it comes to
       {"simplify.intersections", {"\"report\"", {survey, refine, recount, seams}}},
       {"simplify.triangles", {"1000", {refine, seams}}},
       {"simplify.ratio", {"0.5", {refine, seams}}},
@@ -110,9 +110,7 @@ std::string base_text(const std::string& key = {}) {
   if (key == "input.cell") return "input.path = \"part.stl\"\ninput.cell = 0.5\n";
   if (key == "input.resolution" || key == "input.margin" || key == "input.close")
     return "input.path = \"part.stl\"\ninput.resolution = 50\n";
-  const bool of_collapse = key == "simplify.triangles" || key == "simplify.ratio";
-  return least_config("input.format = \"raw\"\ninput.size = [8, 8, 8]\ninput.type = \"uint8\"\n" +
-                      std::string(of_collapse ? "simplify.refine = \"collapse\"\n" : ""));
+  return least_config("input.format = \"raw\"\ninput.size = [8, 8, 8]\ninput.type = \"uint8\"\n");
 }
 
 Config base() {
@@ -146,10 +144,25 @@ TEST(StageParameters, AreKeyedByEffect) {
   for (const Setting& setting : settings()) {
     if (!setting.by_effect) continue;
     names.insert(setting.name());
-    EXPECT_EQ(setting.stages, std::vector{Stage::build}) << setting.name();
+    EXPECT_TRUE(setting.read_by(Stage::build)) << setting.name();
   }
-  EXPECT_EQ(names, (std::set<std::string>{"labels.select", "labels.background", "labels.map",
-                                          "labels.min_voxels", "labels.max_voxels"}));
+  EXPECT_EQ(names,
+            (std::set<std::string>{"labels.select", "labels.background", "labels.map",
+                                   "labels.min_voxels", "labels.max_voxels", "simplify.refine"}));
+}
+
+TEST(StageParameters, OfByEffectAreInTheResult) {
+  const auto result = [](const std::vector<std::string>& overrides) {
+    return result_hash(parse(base_text(), overrides));
+  };
+  const Hash128 open = result({});
+  EXPECT_EQ(open, result({"simplify.refine=auto"}));
+  EXPECT_EQ(open, result({"simplify.refine=collapse"}));
+  EXPECT_NE(open, result({"simplify.refine=repair"}));
+  EXPECT_NE(open, result({"simplify.refine=off"}));
+  for (const char* off : {"simplify.enabled=false", "simplify.topology=free"})
+    EXPECT_EQ(result({off}), result({off, "simplify.refine=off"})) << off;
+  EXPECT_NE(result({"labels.mode=each"}), result({"labels.mode=each", "labels.select=[1]"}));
 }
 
 TEST(StageParameters, HowAValueIsWrittenDoesNotMatter) {

@@ -124,7 +124,7 @@ simplify.topology: "safe" or "free" (default: "safe")
   "save" (a string); did you mean "safe"? | true (a boolean)
 simplify.qef: "qr" or "normal" (default: "qr")
   "normals" (a string); did you mean "normal"? | 1
-simplify.refine: "off", "repair" or "collapse" (default: "off")
+simplify.refine: "auto", "off", "repair" or "collapse" (default: "auto")
   "collaps" (a string); did you mean "collapse"? | true (a boolean)
 simplify.intersections: "none", "report" or "ignore" (default: "none")
   "no" (a string) | 0

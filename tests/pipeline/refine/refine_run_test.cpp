@@ -137,6 +137,42 @@ TEST(RefinedKinds, OffIsAsIfThereWereNone) {
   for (const auto& [stage, ran] : units_run(scene.output())) EXPECT_EQ(ran, 0u) << stage;
 }
 
+TEST(RefinedKinds, LeftOpenEdgesAreCollapsedWhereTheTopologyIsKept) {
+  const Scene scene("part", 48);
+  const auto same = [&](const Settings& common, const char* mode) {
+    return difference(scene.clean_tree(common + Settings{std::string("simplify.refine=") + mode}),
+                      scene.clean_tree(common + Settings{"simplify.refine=auto"}));
+  };
+  EXPECT_EQ(same({}, "collapse"), "");
+  EXPECT_EQ(same({"simplify.enabled=false"}, "off"), "");
+  EXPECT_EQ(same({"simplify.topology=free"}, "off"), "");
+  VOXWELD_EXPECT_DONE(scene.run({"simplify.refine=auto"}));
+  EXPECT_EQ(manifest_of(scene.output()).at("refine").at("mode"), "collapse");
+  // Said or left open, it is the same work.
+  VOXWELD_EXPECT_DONE(scene.run({"simplify.refine=collapse"}));
+  for (const auto& [stage, ran] : units_run(scene.output())) EXPECT_EQ(ran, 0u) << stage;
+  // Octrees and stitched meshes are those of repair, too.
+  VOXWELD_EXPECT_DONE(scene.run({"simplify.refine=repair"}));
+  for (const auto& [stage, ran] : units_run(scene.output()))
+    EXPECT_EQ(ran > 0,
+              stage == "refine" || stage == "seams" || stage == "retile" || stage == "encode")
+        << stage;
+}
+
+TEST(RefinedKinds, WhyThereIsNoSuchStage) {
+  const Scene scene("part", 20);
+  const auto refused = [&](const Settings& settings, const std::string& why) {
+    const ProgramResult result = scene.command("refine", settings);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.err.find("simplify.refine = " + why), std::string::npos) << result.err;
+  };
+  refused({}, "\"off\": a run");
+  refused({"simplify.refine=auto", "simplify.enabled=false"},
+          "\"auto\", that is \"off\" with simplify.enabled = false");
+  refused({"simplify.refine=auto", "simplify.topology=free"},
+          "\"auto\", that is \"off\" with simplify.topology = \"free\"");
+}
+
 TEST(RefinedKinds, TheManifestSaysWhatWasDone) {
   const Scene scene("gyroid", 64);
   const ProgramResult result = scene.run(refined);

@@ -103,7 +103,10 @@ TEST(Target, ThatCannotBeReachedIsTold) {
 
 TEST(Target, WhatIsNoneIsRefused) {
   const Scene scene("part", 20);
-  expect_refused(scene.run({"simplify.triangles=100"}), "set simplify.refine = \"collapse\"");
+  for (const char* off :
+       {"simplify.refine=off", "simplify.enabled=false", "simplify.topology=free"})
+    expect_refused(scene.run({"simplify.refine=auto", off, "simplify.triangles=100"}),
+                   "set simplify.refine = \"collapse\"");
   expect_refused(scene.run({"simplify.refine=repair", "simplify.ratio=0.5"}),
                  "simplify.refine = \"collapse\"");
   expect_refused(scene.run(collapsing + Settings{"simplify.triangles=100", "simplify.ratio=0.5"}),

@@ -138,7 +138,7 @@ TEST(Verify, SaysWhereTheInputOrTheConfigHasChangedSince) {
   // Where and how fast it is run makes no other mesh.
   std::ofstream(scene.config(), std::ios::app) << "memory = \"1GiB\"\n";
   EXPECT_THAT(verified(scene), HasSubstr("good:"));
-  std::ofstream(scene.config(), std::ios::app) << "\n[simplify]\ntolerance = 0.3\n";
+  std::ofstream(scene.config(), std::ios::app) << "\n[output]\nprecision = 0.02\n";
   EXPECT_THAT(verified(scene), AllOf(HasSubstr(scene.config().string() + ": asks for another"),
                                      HasSubstr("bad: 1 ")));
   EXPECT_THAT(verified(scene, {"--no-origin"}), HasSubstr("good:"));

@@ -39,7 +39,7 @@ fs::path sharing_config(const Scene& scene) {
   fs::path path = scene.directory() / "other.toml";
   fs::copy_file(scene.config(), path);
   std::ofstream(path, std::ios::app)
-      << fmt::format("\n[work]\ndirectory = \"{}\"\n[simplify]\ntolerance = 0.3\n",
+      << fmt::format("\n[work]\ndirectory = \"{}\"\n[output]\nprecision = 0.02\n",
                      scene.work().filename().string());
   return path;
 }

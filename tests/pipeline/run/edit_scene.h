@@ -16,8 +16,10 @@ class EditScene {
   explicit EditScene(const Scene& scene) : scene_(scene), base_(text_of_file(scene.config())) {}
   EditScene(const Scene& scene, Index3 size)
       : scene_(scene),
-        base_(fmt::format("[input]\nformat = \"empty\"\nsize = [{}, {}, {}]\n[run]\nthreads = 2\n",
-                          size.x, size.y, size.z)) {}
+        base_(fmt::format(
+            "[input]\nformat = \"empty\"\nsize = [{}, {}, {}]\n[simplify]\nrefine = \"off\"\n"
+            "[run]\nthreads = 2\n",
+            size.x, size.y, size.z)) {}
 
   void set(const std::string& edits) const { std::ofstream(scene_.config()) << base_ << edits; }
 

@@ -147,6 +147,7 @@ TEST(Filter, OfAStreamIsThatOfTheSamplesInPlace) {
        {std::string(smoothing) + turned, turned + keep_largest, turned}) {
     filters.set(chain);
     std::ofstream(config) << "[input]\npath = \"stream.nrrd\"\n[surface]\nisovalue = 128\n"
+                             "[simplify]\nrefine = \"off\"\n"
                           << chain;
     VOXWELD_EXPECT_DONE(scene.run());
     VOXWELD_EXPECT_DONE(run_voxweld({"run", config.string()}));

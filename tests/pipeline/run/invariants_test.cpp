@@ -29,11 +29,16 @@ const std::string edits_of_labels = solid("add", "material = 3\n" + ball_keys) +
                                     solid("subtract", part_keys);
 
 struct Subject {
-  const char* name;
+  std::string name;
   std::function<RawVolume()> volume;
   std::string more;  // of the config; all of it where it is a mesh's
   Settings settings;
   bool is_mesh = false;
+  bool is_refined = false;
+
+  bool has_labels() const {
+    return std::ranges::any_of(settings, [](const auto& s) { return s.starts_with("labels."); });
+  }
 };
 
 RawVolume few_labels() {
@@ -45,15 +50,25 @@ std::vector<Subject> subjects() {
   const std::string mesh =
       "[input]\npath = \"input.off\"\nresolution = 40\n[run]\nthreads = 2\n" +
       solid("subtract", "shape = \"sphere\"\ncenter = [20, 12, 12]\nradius = 7\n");
-  return {
+  std::vector<Subject> all = {
       {"EachLabel", few_labels, edits_of_labels, {"labels.mode=each"}},
       {"SharedLabels", few_labels, edits_of_labels, {"labels.mode=shared"}},
       {"EditedVolume",
        noise,
        solid("subtract", ball_keys) + solid("add", part_keys) + solid("intersect", slab_keys),
        {}},
-      {"Mesh", noise, mesh, {}, true},
+      {"Mesh", noise, mesh, {"simplify.refine=off"}, true},
   };
+  // A tolerance at which there are several tiles.
+  for (std::size_t i = 0, plain = all.size(); i < plain; ++i) {
+    Subject refined = all[i];
+    refined.name = "Refined" + refined.name;
+    refined.is_refined = true;
+    refined.settings =
+        refined.settings + Settings{"simplify.refine=auto", "simplify.tolerance=0.001"};
+    all.push_back(refined);
+  }
+  return all;
 }
 
 void PrintTo(const Subject& subject, std::ostream* out) {
@@ -94,8 +109,11 @@ TEST_P(Invariants, AllSharesAreTheWhole) {
   const auto share = [&](const std::string& stage, const std::vector<std::string>& options) {
     VOXWELD_EXPECT_DONE(scene_.command_with(stage, settings() + scene_.in("shares"), options));
   };
-  for (const char* stage : {"ingest", "build", "merge", "stitch", "encode"}) {
-    if (std::string(stage) != "merge")
+  for (const std::string stage :
+       {"ingest", "build", "merge", "stitch", "refine", "seams", "retile", "encode"}) {
+    const bool of_refined = stage == "refine" || stage == "seams" || stage == "retile";
+    if (of_refined && !GetParam().is_refined) continue;
+    if (stage != "merge")
       for (const char* which : {"1/2", "0/2"}) share(stage, {"--part", which});
     share(stage, {});
   }
@@ -135,7 +153,7 @@ void damage(const fs::path& file, int how, std::mt19937& random) {
 // What follows from build goes, so that the octrees are read and not only looked at.
 void forget_behind_build(const fs::path& work) {
   for (const auto& entry : fs::directory_iterator(work))
-    for (const char* stage : {"merge-", "stitch-", "encode-"})
+    for (const char* stage : {"merge-", "stitch-", "refine-", "seams-", "retile-", "encode-"})
       if (entry.path().filename().string().starts_with(stage)) fs::remove_all(entry.path());
 }
 
@@ -144,12 +162,16 @@ TEST_P(Invariants, DamageIsMended) {
   const Tree clean = tree();
   std::mt19937 random(23);
   int turn = 0;
-  for (const char* ending : {".octree", "top.tree", ".tile", ".record", "labels.all", ".labels",
-                             ".drc", ".glb", "manifest.json", "tiles.jsonl", "labels.jsonl"}) {
+  for (const char* ending :
+       {".octree", "top.tree", ".cubes", "tile.plan", ".tile", ".record", "labels.all", ".labels",
+        ".drc", ".glb", "manifest.json", "tiles.jsonl", "labels.jsonl"}) {
     auto files = files_ending(scene_.work(), ending);
     if (files.empty()) files = files_ending(scene_.output(), ending);
     const bool of_labels = std::string(ending).find("labels") != std::string::npos;
-    ASSERT_EQ(files.empty(), of_labels && GetParam().settings.empty()) << ending;
+    const bool of_refined = std::string(ending) == ".cubes" || std::string(ending) == "tile.plan";
+    ASSERT_EQ(files.empty(),
+              (of_labels && !GetParam().has_labels()) || (of_refined && !GetParam().is_refined))
+        << ending;
     if (files.empty()) continue;
     const fs::path& file = files[random() % files.size()];
     damage(file, turn++ % 3, random);

@@ -59,7 +59,8 @@ TEST(MeshInput, IsTheMeshAddedToEmptySpace) {
   const auto frame = manifest_of(space.scene().output()).at("frame");
   const auto& first = frame.at("first");
   std::ofstream(space.scene().config()) << fmt::format(
-      "[input]\nformat = \"empty\"\nsize = {}\nspacing = 0.75\n[[edit]]\nop = \"add\"\n"
+      "[input]\nformat = \"empty\"\nsize = {}\nspacing = 0.75\n[simplify]\nrefine = "
+      "\"off\"\n[[edit]]\nop = \"add\"\n"
       "shape = \"mesh\"\npath = '{}'\ncenter = [{}, {}, {}]\n",
       frame.at("size").dump(), space.at("a.off").string(), -first.at(0).get<double>(),
       -first.at(1).get<double>(), -first.at(2).get<double>());
@@ -134,9 +135,9 @@ TEST(MeshInput, NoVertexOfAGearLiesBelowItsFlatBottom) {
   const MeshInputScene space;
   constexpr double height = 16.204008272302865, outer = 33.687143774591625;
   write_off(space.at("gear.off"), helical_gear({30, outer, height}, 12, 0.2749426381032505));
-  space.set(space.at("gear.off"), "resolution = 140", "[simplify]\ntolerance = 0.02\n");
+  space.set(space.at("gear.off"), "resolution = 140");
   const double cell = 2 * outer / 140;
-  const Bounds extent = bounds_of(space.result());
+  const Bounds extent = bounds_of(space.result({"simplify.tolerance=0.02"}));
   EXPECT_GT(extent.lo.z, -0.05 * cell);
   EXPECT_LT(extent.hi.z, height + 0.05 * cell);
 }

@@ -36,7 +36,8 @@ MeshInputScene::MeshInputScene() : scene_(RawVolume{{1, 1, 1}, SampleType::u8, {
 void MeshInputScene::set(const fs::path& mesh, const std::string& input,
                          const std::string& more) const {
   std::ofstream(scene_.config()) << fmt::format(
-      "[input]\npath = '{}'\n{}\n[run]\nthreads = 2\n{}\n", mesh.string(), input, more);
+      "[input]\npath = '{}'\n{}\n[simplify]\nrefine = \"off\"\n[run]\nthreads = 2\n{}\n",
+      mesh.string(), input, more);
 }
 
 TriangleMesh MeshInputScene::result(const Settings& settings) const {

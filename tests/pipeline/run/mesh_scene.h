@@ -18,7 +18,7 @@ std::filesystem::path shared_mesh(const std::string& name);
 // Of a mesh file, with vertices of several normals put together again, moved.
 TriangleMesh welded_mesh(const std::filesystem::path& path, Vec3 by = {});
 
-// A config whose input is a mesh: `input` are further lines of [input], `more` lines behind it.
+// A config whose input is a mesh, without refine: `input` are further lines of [input], `more` lines behind it.
 class MeshInputScene {
  public:
   MeshInputScene();

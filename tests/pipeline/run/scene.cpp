@@ -93,7 +93,7 @@ void Scene::write_config(const std::string& input, const std::string& surface) c
   std::ofstream out(config());
   out << "[input]\npath = \"" << volume_.filename().string() << "\"\n"
       << input << "\n[surface]\n"
-      << surface << "\n[run]\nthreads = 2\n";
+      << surface << "\n[simplify]\nrefine = \"off\"\n\n[run]\nthreads = 2\n";
 }
 
 fs::path Scene::work(const std::string& name) const {

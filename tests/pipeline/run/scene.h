@@ -1,4 +1,4 @@
-// A volume, its config and the directories of its runs, in a folder that goes with the test.
+// A volume, its config (without refine, unless a test asks for it) and the directories of its runs, in a folder that goes with the test.
 #pragma once
 
 #include <gtest/gtest.h>
