@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <string>
 
 #include "pipeline/ingest/filtered_input.h"
@@ -11,7 +12,14 @@ namespace voxweld {
 
 IsovalueSuggestion choose_isovalue(const Config& config, const IngestJob& job) {
   const IngestJob& seen = histogram_job(job);
-  const Histogram histogram = read_histogram(seen).value_or(Histogram{});
+  const std::optional<Histogram> counted = read_histogram(seen);
+  if (!counted)
+    throw InputError(fmt::format(
+        "surface.isovalue = \"{}\" needs the histogram that stage ingest makes of {}, and "
+        "that is missing or out of date; run `voxweld ingest CONFIG` first, or `voxweld "
+        "run CONFIG` for all",
+        isovalue_rule_name(config.surface.isovalue_rule), config.input.path.string()));
+  const Histogram& histogram = *counted;
   const ValueScale& scale = seen.info.scale;
   const IsovalueRule rule = config.surface.isovalue_rule;
   if (const auto suggestion = suggest_isovalue(histogram, scale, rule)) return *suggestion;

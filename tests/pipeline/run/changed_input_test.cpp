@@ -125,6 +125,20 @@ INSTANTIATE_TEST_SUITE_P(, ChangedInput, ::testing::Values("work.copy=false", "w
                            return std::string(named.index == 0 ? "InPlace" : "Copied");
                          });
 
+// A share of a stage does not look at the whole of the one before; the rule's isovalue it needs.
+TEST(ChangedBetweenStages, AShareOfBuildWantsItsHistogramAnew) {
+  const Scene scene(ball_of(18));
+  const Settings settings{"surface.isovalue=otsu", "work.copy=true"};
+  VOXWELD_EXPECT_DONE(scene.command("ingest", settings));
+  const Arguments share{"--part", "0/2"};
+  VOXWELD_EXPECT_DONE(scene.command_with("build", settings, share));
+  fs::last_write_time(scene.volume(), fs::file_time_type::clock::now() + std::chrono::hours(1));
+  expect_refused(scene.command_with("build", settings, share),
+                 "needs the histogram that stage ingest makes of");
+  VOXWELD_EXPECT_DONE(scene.command("ingest", settings));
+  VOXWELD_EXPECT_DONE(scene.command_with("build", settings, share));
+}
+
 std::string verified(const Scene& scene, const Settings& options = {}) {
   const ProgramResult result = run_voxweld(Settings{"verify", scene.output()} + options);
   EXPECT_EQ(result.exit_code, result.out.find("good:") == std::string::npos ? 1 : 0);
