@@ -8,6 +8,7 @@
 #   parts     into how many parts the stages but merge are cut (4)
 #   refine    whether the mesh is refined; 0 where the config has simplify.refine = "off",
 #             simplify.enabled = false or simplify.topology = "free" (1)
+#   mend      whether what intersects is mended; 0 where the config has simplify.intersections (1)
 #   target    whether the config has simplify.triangles or simplify.ratio (0)
 #   voxweld   the program (the one on PATH)
 #   done      the folder of the done-marks, one file a command (CONFIG without .toml, and .done)
@@ -40,6 +41,7 @@ def is_set(name, default):
 
 TARGET = is_set("target", 0)
 REFINE = TARGET or is_set("refine", 1)
+MEND = is_set("mend", 1)
 
 if PARTS < 1:
     raise WorkflowError("parts is {}: at least 1 is needed".format(PARTS))
@@ -66,7 +68,8 @@ if REFINE:
         {
             "refine": parts_of("stitch"),
             "seams": parts_of("refine"),
-            "retile": parts_of("seams"),
+            "mend": parts_of("seams"),
+            "retile": parts_of("mend" if MEND else "seams"),
             "encode": parts_of("retile"),
         }
     )
@@ -100,7 +103,7 @@ rule part:
     output:
         touch(mark("{stage}-{part}-of-{parts}")),
     wildcard_constraints:
-        stage="ingest|build|stitch|survey|refine|recount|seams|retile|encode",
+        stage="ingest|build|stitch|survey|refine|recount|seams|mend|retile|encode",
         part="[0-9]+",
         parts=str(PARTS),
     threads: THREADS

@@ -125,6 +125,7 @@ void add_stage_commands(CLI::App& app, Program& program) {
       "cells",
       "With simplify.triangles or ratio: counts anew in shifted cubes what the rest would leave",
       "Unless simplify.refine is off: the same in shifted cubes, where the first had their borders",
+      "Unless simplify.refine is off: mends what intersects where both had their borders",
       "Unless simplify.refine is off: plans tiles of the refined mesh and cuts it into them",
       "Stage 5: writes the compressed mesh files and the manifest"};
   for (const Stage stage : all_stages) {

@@ -56,8 +56,8 @@ std::vector<Setting> make_settings() {
 
 std::string_view stage_name(Stage stage) {
   constexpr std::array<std::string_view, all_stages.size()> names = {
-      "ingest", "build",   "merge", "stitch", "survey",
-      "refine", "recount", "seams", "retile", "encode"};
+      "ingest",  "build", "merge", "stitch", "survey", "refine",
+      "recount", "seams", "mend",  "retile", "encode"};
   return names[static_cast<std::size_t>(stage)];
 }
 
@@ -66,6 +66,7 @@ std::vector<Stage> stages_of(const Config& config) {
   if (!refines(config))
     std::erase_if(stages,
                   [](Stage stage) { return Stage::stitch < stage && stage < Stage::encode; });
+  if (!mends(config)) std::erase(stages, Stage::mend);
   if (!has_target(config))
     std::erase_if(stages,
                   [](Stage stage) { return stage == Stage::survey || stage == Stage::recount; });
@@ -79,6 +80,10 @@ std::string_view refine_name(SimplifyConfig::Refine mode) {
 
 bool refines(const Config& config) {
   return refine_mode(config) != SimplifyConfig::Refine::off;
+}
+
+bool mends(const Config& config) {
+  return refines(config) && config.simplify.intersections == SimplifyConfig::Intersections::none;
 }
 
 bool Setting::read_by(Stage stage) const {

@@ -26,19 +26,21 @@ enum class Stage : std::uint8_t {
   refine,
   recount,
   seams,
+  mend,
   retile,
   encode
 };
-inline constexpr std::array<Stage, 10> all_stages = {
-    Stage::ingest, Stage::build,   Stage::merge, Stage::stitch, Stage::survey,
-    Stage::refine, Stage::recount, Stage::seams, Stage::retile, Stage::encode};
+inline constexpr std::array<Stage, 11> all_stages = {
+    Stage::ingest,  Stage::build, Stage::merge, Stage::stitch, Stage::survey, Stage::refine,
+    Stage::recount, Stage::seams, Stage::mend,  Stage::retile, Stage::encode};
 std::string_view stage_name(Stage stage);
-// Those a run of the config has, in their order: refine, seams and retile where simplify.refine asks
-// for them, survey and recount where a number of triangles is asked for.
+// Those a run of the config has, in their order: refine, seams, mend and retile where simplify.refine asks
+// for them (mend where triangles that intersect are mended), survey and recount where a number of triangles is asked for.
 std::vector<Stage> stages_of(const Config& config);
 // As in the config file.
 std::string_view refine_name(SimplifyConfig::Refine mode);
 bool refines(const Config& config);
+bool mends(const Config& config);
 
 // What is told of a key, whatever it is bound to.
 struct KeyFacts {

@@ -1,4 +1,4 @@
-// What a unit of refine, seams or retile reads: pieces of the meshes that the stage before left.
+// What a unit of refine, seams, mend or retile reads: pieces of the meshes that the stage before left.
 #pragma once
 
 #include <algorithm>

@@ -15,8 +15,8 @@ class RefineStage final : public RangeStage {
   explicit RefineStage(const RefineInputs& inputs)
       : RangeStage(inputs),
         choice_(inputs.choice),
-        // What comes out is read by the other pass, or by retile in blocks of the first one's cubes.
-        cubes_after_(job_.frame, 1 - job_.pass),
+        // What comes out is read by another pass, or by retile in blocks of the first one's cubes.
+        cubes_after_(job_.frame, job_.next),
         blocks_(tile_blocks(job_.frame)) {}
 
   bool done(std::uint64_t unit) override {
@@ -44,10 +44,8 @@ class RefineStage final : public RangeStage {
       RefineCounts one;
       RefineMesh mesh = refine_range(read.read([&] { worker.check_interrupt(); }), cubes_,
                                      range_of(unit.key), job_.parameters, one);
-      if (job_.stage == Stage::seams) {
-        add_blocks(read.label(), mesh, blocks);
-        mesh.aims.clear();  // nobody asks for them any more
-      }
+      if (job_.next == 0) add_blocks(read.label(), mesh, blocks);
+      if (job_.stage == Stage::seams) mesh.aims.clear();  // nobody asks for them any more
       add_pieces(file, read.label(), mesh, cubes_after_);
       changes[read.label()] += one.collapses;  // each took a vertex
       counts.add(one);
@@ -64,10 +62,10 @@ class RefineStage final : public RangeStage {
       if (lost > 0) records.push_back({label, lost});
     return records;
   }
-  // The units of seams are those of refine.
+  // All passes have the same units.
   Changes changes_before(std::uint64_t unit) {
     Changes changes;
-    if (job_.stage == Stage::seams)
+    if (job_.stage != Stage::refine)
       for (const LabelChange& change : meshes_.open(unit)->changes())
         changes[change.label] = change.lost_vertices;
     return changes;

@@ -1,4 +1,5 @@
-// Refine and seams: the mesh repaired and simplified, cube by cube, in two passes.
+// Refine and seams: the mesh repaired and simplified, cube by cube, in two passes. Mend: a third, over
+// what neither of them may change.
 #pragma once
 
 #include <memory>

@@ -68,7 +68,7 @@ class SortedBlocks {
     std::uint64_t lost_vertices = 0;
   };
   // The largest cubes whose triangles make at most so many vertices. A closed surface has half as
-  // many vertices as triangles; where a vertex lies does not matter then, so each unit of seams can
+  // many vertices as triangles; where a vertex lies does not matter then, so each unit of the last pass can
   // count by itself what it has.
   // label: above that of the call before.
   Surface plan(Material label) {

@@ -39,7 +39,7 @@ class RetilePlan {
 // What a plan refers to, and outlives it.
 struct RetileInputs {
   const RetileJob& job;
-  CubeMeshes& meshes;      // those seams left
+  CubeMeshes& meshes;      // those the last pass left
   const TopArtifact& top;  // whose labels they are
   LabelMode labels = LabelMode::off;
 };

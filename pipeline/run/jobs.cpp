@@ -108,25 +108,27 @@ void Jobs::plan_refine(const Config& config, const OutputFrame& output) {
   stitch_.cubes = frame;
   stitch_.parameters.aims = build_->parameters.simplify.overhang > 0;
   stitch_.parameters.normals = true;  // refine goes by them
-  // The enumerators of both come in the order of the settings' table, but for "off".
   RefineParameters parameters;
   parameters.mode = refine_mode(config) == SimplifyConfig::Refine::repair ? RefineMode::repair
                                                                           : RefineMode::collapse;
+  // Enumerators in the same order.
   parameters.intersections = static_cast<IntersectionRule>(config.simplify.intersections);
   parameters.tolerance = build_->parameters.simplify.tolerance / frame.lattice.step;
   parameters.reach =
       std::min({frame.spacing.x, frame.spacing.y, frame.spacing.z}) / frame.lattice.step;
   parameters.places = parameters.tolerance;
-  refine_ = {Stage::refine, 0, frame, parameters, {}, {}};
-  seams_ = {Stage::seams, 1, frame, parameters, {}, {}};
+  refine_ = {Stage::refine, 0, 1, frame, parameters, {}, {}};
+  seams_ = {Stage::seams, 1, mends(config) ? 2 : 0, frame, parameters, {}, {}};
+  mend_ = {Stage::mend, 2, 0, frame, parameters, {}, {}};
+  mend_.parameters.mode = RefineMode::mend;
   if (has_target(config)) {
     CollapseTarget target;
     if (config.simplify.triangles)
       target.triangles = static_cast<std::uint64_t>(*config.simplify.triangles);
     target.ratio = config.simplify.ratio.value_or(1);
     refine_.target = seams_.target = target;
-    survey_ = {Stage::survey, 0, frame, parameters, {}, {}};
-    recount_ = {Stage::recount, 1, frame, parameters, {}, {}};
+    survey_ = {Stage::survey, 0, 1, frame, parameters, {}, {}};
+    recount_ = {Stage::recount, 1, 0, frame, parameters, {}, {}};
   }
   retile_ = {frame,
              moved(frame.lattice, output.first),
@@ -146,6 +148,7 @@ void Jobs::place_stages(const StagePaths& paths) {
   place(refine_, paths.refine, paths.refine_key);
   place(recount_, paths.recount, paths.recount_key);
   place(seams_, paths.seams, paths.seams_key);
+  place(mend_, paths.mend, paths.mend_key);
   place(retile_, paths.retile, paths.retile_key);
   place(encode_, paths.encode, paths.encode_key);
   encode_.refined = paths.retile;
@@ -158,8 +161,8 @@ void Jobs::fit_cubes(const Config& config, std::uint64_t vertices) {
                                      std::max(1.0, 2 * static_cast<double>(vertices)));
   const int level = target_cube_level(part, vertices, build_->grid.size());
   stitch_.cubes->level = level;
-  for (RefineFrame* const frame :
-       {&survey_.frame, &refine_.frame, &recount_.frame, &seams_.frame, &retile_.frame})
+  for (RefineFrame* const frame : {&survey_.frame, &refine_.frame, &recount_.frame, &seams_.frame,
+                                   &mend_.frame, &retile_.frame})
     frame->level = level;
   place_stages(stage_paths(config, output_info_, labels_, level));
 }
@@ -173,6 +176,7 @@ void Jobs::set_tolerance(Stage stage, double tolerance) {
 std::vector<std::filesystem::path> Jobs::later_folders() const {
   std::vector<std::filesystem::path> folders = {build_->folder, merge_.folder, stitch_.folder};
   if (stitch_.cubes) folders.insert(folders.end(), {refine_.folder, seams_.folder, retile_.folder});
+  if (!mend_.folder.empty()) folders.push_back(mend_.folder);
   if (refine_.target) folders.insert(folders.end(), {survey_.folder, recount_.folder});
   folders.push_back(encode_.folder);
   return folders;
@@ -271,10 +275,12 @@ nlohmann::json files_json(const std::vector<InputFile>& files) {
 
 namespace {
 
-// Sums over both passes. But each of them counts what intersects, and how far points lie off, anew.
+// Sums over all passes. But each of them counts what intersects, and how far points lie off, anew.
 nlohmann::json refine_json(const Config& config, const Jobs& jobs, const RefineFigures& figures) {
   RefineCounts all = figures.refine;
   all.add(figures.seams);
+  if (figures.mend) all.add(*figures.mend);
+  const RefineCounts& last = figures.mend ? *figures.mend : figures.seams;
   const double step = jobs.refine().frame.lattice.step;
   nlohmann::json json = {{"mode", refine_name(refine_mode(config))},
                          {"tolerance", jobs.seams().parameters.tolerance * step},
@@ -283,9 +289,9 @@ nlohmann::json refine_json(const Config& config, const Jobs& jobs, const RefineF
                          {"flips", all.flips},
                          {"cubes", all.cubes},
                          {"intersecting_before", figures.refine.pairs_before},
-                         {"intersecting_left", figures.seams.pairs_left},
-                         {"worst", figures.seams.worst * step},
-                         {"p99", figures.seams.quantile(0.99) * step},
+                         {"intersecting_left", last.pairs_left},
+                         {"worst", last.worst * step},
+                         {"p99", last.quantile(0.99) * step},
                          {"unit", jobs.encode().frame.unit}};
   if (figures.target)
     json["target"] = {
@@ -350,6 +356,7 @@ Manifest make_manifest(const RunContext& context, const Jobs& jobs, const TopArt
     m.refine = std::make_unique<nlohmann::json>(refine_json(config, jobs, *refined));
     // Each collapse took a vertex.
     m.counts.vertices -= refined->refine.collapses + refined->seams.collapses;
+    if (refined->mend) m.counts.vertices -= refined->mend->collapses;
   }
   m.made_by = std::make_unique<nlohmann::json>(nlohmann::json::parse(provenance_json()));
   return m;

@@ -43,6 +43,7 @@ class Jobs {
   // Of a config that refines.
   const RefineJob& refine() const { return refine_; }
   const RefineJob& seams() const { return seams_; }
+  const RefineJob& mend() const { return mend_; }
   // Of one that asks for a number of triangles.
   const RefineJob& survey() const { return survey_; }
   const RefineJob& recount() const { return recount_; }
@@ -66,7 +67,7 @@ class Jobs {
   std::optional<BuildJob> build_;
   MergeJob merge_;
   StitchJob stitch_;
-  RefineJob refine_, seams_, survey_, recount_;
+  RefineJob refine_, seams_, mend_, survey_, recount_;
   RetileJob retile_;
   EncodeJob encode_;
 };
@@ -80,9 +81,10 @@ std::int64_t fitting_tile_vertices(const Config& config);
 // Warns, before any work, where a tile of the config's output.tile_vertices could be too large.
 void warn_of_large_tiles(const RunContext& context);
 
-// What refine did to the mesh, in both passes.
+// What refine did to the mesh, in its passes.
 struct RefineFigures {
   RefineCounts refine, seams;
+  std::optional<RefineCounts> mend = {};
   std::optional<ChosenTolerance> target = {};  // of a config that asks for a number of triangles
 };
 

@@ -95,7 +95,7 @@ void on_steady_input(RunContext& context, Stages& stages, F&& work) {
   }
 }
 
-// ingest -> build -> merge -> stitch -> (refine -> seams -> retile ->) encode; where a number of
+// ingest -> build -> merge -> stitch -> (refine -> seams -> mend -> retile ->) encode; where a number of
 // triangles is asked for, survey before refine and recount before seams
 void run_stages(RunContext& context) {
   Stages stages(context);
@@ -191,18 +191,28 @@ std::string_view why_off(const Config& config) {
                                  : ", that is \"off\" with simplify.enabled = false";
 }
 
+// Why a run of the config has no such stage.
+InputError no_such_stage(const Config& config, Stage stage) {
+  const auto error = [&](const std::string& why, const char* advice) {
+    return InputError(
+        fmt::format("{}: a run of this config has no stage {}; {}, or leave this command out", why,
+                    stage_name(stage), advice));
+  };
+  const SimplifyConfig& simplify = config.simplify;
+  if (!refines(config))
+    return error(
+        fmt::format("simplify.refine = \"{}\"{}", refine_name(simplify.refine), why_off(config)),
+        "set it to \"repair\" or \"collapse\"");
+  if (stage == Stage::mend)
+    return error(fmt::format("simplify.intersections = {}",
+                             to_toml(*find_setting("simplify", "intersections")->get(config))),
+                 "remove that key");
+  return error("neither simplify.triangles nor simplify.ratio is given", "give one of them");
+}
+
 void run_one(RunContext& context, Stage stage) {
   const std::vector<Stage> all = stages_of(context.config);
-  if (std::ranges::find(all, stage) == all.end() && refines(context.config))
-    throw InputError(
-        fmt::format("simplify.triangles and simplify.ratio: neither is given, so a run of this "
-                    "config has no stage {}; give one of them, or leave this command out",
-                    stage_name(stage)));
-  if (std::ranges::find(all, stage) == all.end())
-    throw InputError(fmt::format(
-        "simplify.refine = \"{}\"{}: a run of this config has no stage {}; set it to "
-        "\"repair\" or \"collapse\", or leave this command out",
-        refine_name(context.config.simplify.refine), why_off(context.config), stage_name(stage)));
+  if (std::ranges::find(all, stage) == all.end()) throw no_such_stage(context.config, stage);
   Stages stages(context);
   check_budget(context, stages.jobs());
   // Tasks that do shares work beside each other, for a run that has claimed all.

@@ -38,6 +38,7 @@ std::unique_ptr<StageWork> Stages::make(Stage stage) {
     case Stage::refine:
     case Stage::recount:
     case Stage::seams:
+    case Stage::mend:
       return make_refine(stage);
     case Stage::retile:
       return retile_stage(jobs_.retile(), refined(), retile_plan());
@@ -79,10 +80,13 @@ std::unique_ptr<StageWork> Stages::make_refine(Stage stage) {
       choice(Stage::refine);
       return survey_stage({jobs_.recount(), units, Stage::refine,
                            refined_meshes(jobs_.refine(), units), tile_vertices});
-    default:
+    case Stage::seams:
       return refine_stage({jobs_.seams(), units, Stage::refine,
                            refined_meshes(jobs_.refine(), units), tile_vertices,
                            choice(Stage::seams)});
+    default:
+      return refine_stage(
+          {jobs_.mend(), units, Stage::seams, refined_meshes(jobs_.seams(), units), tile_vertices});
   }
 }
 
@@ -115,6 +119,7 @@ Manifest Stages::manifest() {
   if (refines(context_.config))
     figures = {refine_counts(jobs_.refine(), refine_units()),
                refine_counts(jobs_.seams(), refine_units())};
+  if (mends(context_.config)) figures->mend = refine_counts(jobs_.mend(), refine_units());
   if (const CollapseChoice* const last = choice(Stage::seams)) figures->target = last->chosen();
   return make_manifest(context_, jobs_, top(), figures);
 }
@@ -155,7 +160,8 @@ const std::vector<RefineUnit>& Stages::refine_units() {
 }
 
 CubeMeshes& Stages::refined() {
-  if (!refined_) refined_.emplace(Stage::seams, refined_meshes(jobs_.seams(), refine_units()));
+  const RefineJob& last = mends(context_.config) ? jobs_.mend() : jobs_.seams();
+  if (!refined_) refined_.emplace(last.stage, refined_meshes(last, refine_units()));
   return *refined_;
 }
 

@@ -46,7 +46,7 @@ class Stages {
   // With a target: the tolerance of refine or seams, put into its job.
   CollapseChoice* choice(Stage stage);
   const std::vector<RefineUnit>& refine_units();
-  // What seams left, and the tiles planned of it.
+  // What the last pass left, and the tiles planned of it.
   CubeMeshes& refined();
   RetilePlan& retile_plan();
   Manifest manifest();

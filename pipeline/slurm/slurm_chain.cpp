@@ -109,7 +109,7 @@ std::vector<std::string> parts(const SlurmSetup& setup, std::size_t build_tasks)
   return lines;
 }
 
-// Units of refine and seams, and of survey and recount, read of all artifacts before them, so that one
+// Units of refine, seams and mend, and of survey and recount, read of all artifacts before them, so that one
 // lost task would fail them all: a job makes up for it first.
 void add_refine(Chain& chain, const Config& config, const std::vector<std::string>& lines) {
   std::string before = "stitch";

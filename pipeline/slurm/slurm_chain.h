@@ -13,6 +13,8 @@
 //   refine-rest   job     what is missing of it
 //   seams         array   the second, alike
 //   seams-rest    job
+//   mend          array   a third, where triangles still intersect
+//   mend-rest     job
 //   retile        array   the refined mesh cut into tiles
 //   and with simplify.triangles or simplify.ratio, each followed by a job as the others are
 //   survey        array   before refine

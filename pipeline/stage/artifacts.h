@@ -6,7 +6,7 @@
 //   <work>/stitch-<hash>/.../<tile>.tile
 //   and where the mesh is refined
 //   <work>/stitch-<hash>/.../<tile>.cubes
-//   <work>/refine-<hash>/.../<first cube of the range, or label>.cubes, seams-<hash>/ alike
+//   <work>/refine-<hash>/.../<first cube of the range, or label>.cubes, seams-<hash>/ and mend-<hash>/ alike
 //   <work>/retile-<hash>/tile.plan, .../<tile>.tile
 //   and where a number of triangles is to be left
 //   <work>/survey-<hash>/.../<as of refine>.counts, recount-<hash>/ alike
@@ -33,15 +33,15 @@ namespace voxweld {
 // Goes up whenever encode's bytes change. (The versions of the others stand beside their formats.)
 inline constexpr std::uint32_t encode_version = 2;
 // And whenever those of refine change.
-inline constexpr std::uint32_t refine_version = 3;
+inline constexpr std::uint32_t refine_version = 4;
 
 // Folders of a run's artifacts, each named for what its stage and those before it read.
 struct StagePaths {
-  std::filesystem::path ingest, build, merge, stitch, survey, refine, recount, seams, retile,
+  std::filesystem::path ingest, build, merge, stitch, survey, refine, recount, seams, mend, retile,
       encode;
   // Of the parameters, all stages before included.
   Hash128 build_key, merge_key, stitch_key, survey_key, refine_key, recount_key, seams_key,
-      retile_key, encode_key;
+      mend_key, retile_key, encode_key;
 };
 // Of stages that the config has not: nothing.
 // info: with output_geometry; for the ingest folder alone it is not looked at.

@@ -1,4 +1,4 @@
-// Meshes on disk that are sorted by cubes, as stitch, refine and seams write them.
+// Meshes on disk that are sorted by cubes, as stitch, refine, seams and mend write them.
 #pragma once
 
 #include <filesystem>

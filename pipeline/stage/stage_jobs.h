@@ -69,8 +69,9 @@ struct CollapseTarget {
 
 // One pass of refine, or what its tolerance is chosen by.
 struct RefineJob {
-  Stage stage = Stage::refine;  // or seams; survey and recount before them
+  Stage stage = Stage::refine;  // or seams or mend; survey and recount before the first two
   int pass = 0;                 // of CubeLattice
+  int next = 1;                 // the pass that takes what it leaves; 0: retile
   RefineFrame frame;
   // With a target the tolerance is known once what it is chosen by is there: of recount it is that of
   // refine, of survey there is none.

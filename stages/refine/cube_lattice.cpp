@@ -32,12 +32,13 @@ int target_cube_level(double part, std::uint64_t vertices, Index3 size) {
 
 CubeLattice::CubeLattice(const RefineFrame& frame, int pass, int level) {
   const std::int64_t side = std::int64_t{1} << level;
+  const std::int64_t shift = pass == 0 ? 0 : side >> pass;
   cubes_ = std::max<std::int64_t>(1, (std::int64_t{1} << domain_level(frame.size)) / side);
   for (int axis = 0; axis < 3; ++axis) {
     auto& borders = borders_[static_cast<std::size_t>(axis)];
     borders.push_back(0);
     for (std::int64_t cube = 1;; ++cube) {
-      const std::int64_t cell = cube * side - pass * (side / 2);
+      const std::int64_t cell = cube * side - shift;
       borders.push_back(first_of_cell(frame, axis, cell));
       if (cell > frame.size[axis]) break;
     }

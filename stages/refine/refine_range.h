@@ -13,7 +13,8 @@
 
 namespace voxweld {
 
-enum class RefineMode : std::uint8_t { repair, collapse };
+// mend: of repair only what is done about triangles that intersect, where there are any.
+enum class RefineMode : std::uint8_t { repair, collapse, mend };
 enum class IntersectionRule : std::uint8_t { none, report, ignore };
 
 struct RefineParameters {

@@ -1,5 +1,5 @@
 // A part of a surface's mesh, sorted by the cubes its triangles are at home in: what passes between
-// stitch, refine, seams and retile. With labels.mode = "each" parts of the surfaces of some labels.
+// stitch, refine, seams, mend and retile. With labels.mode = "each" parts of the surfaces of some labels.
 // Kind "cubm", a container with these sections:
 //   1                    CubeMeshSummary (one)
 //   2                    CubePieceRecord of each piece, ascending by label, code and cube

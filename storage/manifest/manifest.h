@@ -23,8 +23,8 @@
 //   input, config, stages, error, refine, made_by   free-form; input: slope and intercept where they
 //                are not 1 and 0 (real values are slope * stored + intercept); made_by: program, host, time,
 //                Slurm ids
-//                refine (unless simplify.refine is off): {mode, collapses, moves, flips, cubes (of both
-//                passes), intersecting_before (the first pass), intersecting_left (after the second),
+//                refine (unless simplify.refine is off): {mode, collapses, moves, flips, cubes (of all
+//                passes), intersecting_before (the first pass), intersecting_left (after the last),
 //                worst, p99 (distances of what the mesh was from what it is), unit}
 // tiles.jsonl, one object a line:
 //   {label (with "labels" = "each"), tile {level, at [x, y, z]}, vertices, triangles, quads,

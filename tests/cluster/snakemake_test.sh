@@ -58,9 +58,9 @@ cp -r scan.toml data ../reference
 [ "$(find ../reference/scan.mesh/tiles -name '*.drc' | wc -l)" -gt 3 ] || fail "fewer tiles than parts"
 
 workflow || fail "the workflow"
-[ "$(commands_run)" -eq 24 ] || fail "$(commands_run) commands were run, not 7 times 3 and 3"
+[ "$(commands_run)" -eq 27 ] || fail "$(commands_run) commands were run, not 8 times 3 and 3"
 same_as_reference "other files than voxweld run"
-echo "24 commands: the files of voxweld run"
+echo "27 commands: the files of voxweld run"
 
 workflow || fail "the workflow a second time"
 [ "$(commands_run)" -eq 0 ] || fail "a second run ran $(commands_run) commands"
@@ -73,13 +73,13 @@ edited() { # edited LINE COMMANDS [OPTION...]: the config with one more line
   [ "$(commands_run)" -eq "$2" ] || fail "$(commands_run) commands were run, not $2, with $1"
   same_as_reference "other files with $1"
 }
-edited 'metric = "sum"' 24
+edited 'metric = "sum"' 27
 echo "an edited config: the files of voxweld run"
-edited 'ratio = 0.3' 30 target=1
+edited 'ratio = 0.3' 33 target=1
 echo "a number of triangles: two stages more, the files of voxweld run"
 sed -i '/^ratio/d' scan.toml ../reference/scan.toml
 edited 'refine = "off"' 15 refine=0
-echo "without refine: three stages fewer, the files of voxweld run"
+echo "without refine: four stages fewer, the files of voxweld run"
 sed -i '/^refine/d' scan.toml ../reference/scan.toml
 "$voxweld" --log-level warning run ../reference/scan.toml >"$folder/log" 2>&1 || fail "voxweld run"
 
@@ -92,6 +92,6 @@ if workflow; then fail "it went through without its input"; fi
 grep -q 'scan.nrrd' "$folder/log" || fail "the file that is missing is not named"
 mv away data
 workflow || fail "the run after the failed one"
-[ "$(commands_run)" -eq 19 ] || fail "$(commands_run) commands were run after 5, not the other 19"
+[ "$(commands_run)" -eq 22 ] || fail "$(commands_run) commands were run after 5, not the other 22"
 same_as_reference "other files after a failed run"
 echo "a run that failed: went on, the files of voxweld run"

@@ -11,9 +11,10 @@ using ::testing::HasSubstr;
 TEST(CommandLine, EverySubcommandExplainsItself) {
   const ProgramResult all = run_voxweld({"--help"});
   EXPECT_EQ(all.exit_code, 0);
-  for (const char* name : {"run",     "ingest", "build",  "merge",   "stitch",   "survey", "refine",
-                           "recount", "seams",  "retile", "encode",  "edit",     "init",   "info",
-                           "verify",  "render", "export", "phantom", "settings", "clean"}) {
+  for (const char* name :
+       {"run",     "ingest", "build",  "merge",  "stitch",  "survey",   "refine",
+        "recount", "seams",  "mend",   "retile", "encode",  "edit",     "init",
+        "info",    "verify", "render", "export", "phantom", "settings", "clean"}) {
     EXPECT_THAT(all.out, HasSubstr(std::string("\n  ") + name + " "));
     const ProgramResult help = run_voxweld({name, "--help"});
     EXPECT_EQ(help.exit_code, 0) << name;

@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 const Settings many_labels = {
     "labels.mode=each", "simplify.refine=collapse",  "simplify.tolerance=0.3",  "work.brick=16",
     "work.shard=2",     "output.tile_vertices=1024", "output.formats=[\"drc\"]"};
-const std::vector<std::string> stages_of_refine = {"refine", "seams", "retile"};
+const std::vector<std::string> stages_of_refine = {"refine", "seams", "mend", "retile"};
 
 // Some labels of several tiles, and balls that are not.
 RawVolume label_mix() {
@@ -50,7 +50,7 @@ TEST(LabelRefineWork, StageByStageAndInSharesItIsTheSame) {
   const Tree clean = scene.clean_tree(many_labels);
   for (const char* stage : {"ingest", "build", "merge"})
     VOXWELD_EXPECT_DONE(scene.command(stage, many_labels));
-  for (const char* stage : {"stitch", "refine", "seams", "retile", "encode"}) {
+  for (const char* stage : {"stitch", "refine", "seams", "mend", "retile", "encode"}) {
     const ProgramResult before = scene.command_with("run", many_labels, {"--dry-run"});
     VOXWELD_EXPECT_DONE(before);
     EXPECT_NE(before.out.find("would run"), std::string::npos) << before.out;
@@ -80,7 +80,8 @@ TEST(LabelRefineWork, DamageIsFoundAndMended) {
   expect_damage_is_mended(scene, many_labels, 3,
                           {{"stitch", ".cubes", "refine"},
                            {"refine", ".cubes", "seams"},
-                           {"seams", ".cubes", "retile"},
+                           {"seams", ".cubes", "mend"},
+                           {"mend", ".cubes", "retile"},
                            {"retile", "tile.plan", "encode"},
                            {"retile", ".tile", "encode"}});
 }
@@ -98,7 +99,7 @@ TEST(LabelRefineWork, AnEditRedoesTheLabelsItTouches) {
   edits.set(ball("add", {8, 8, 8}, 5) + "material = 900\n");  // inside one ball
   VOXWELD_EXPECT_DONE(scene.run(many_labels));
   auto units = units_run(scene.output());
-  for (const std::string stage : {"stitch", "refine", "seams", "retile"}) {
+  for (const std::string stage : {"stitch", "refine", "seams", "mend", "retile"}) {
     EXPECT_GT(units[stage], 0u) << stage;
     EXPECT_LT(units[stage], all.at(stage) / 3) << stage;
   }

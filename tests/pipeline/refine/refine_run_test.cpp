@@ -154,23 +154,42 @@ TEST(RefinedKinds, LeftOpenEdgesAreCollapsedWhereTheTopologyIsKept) {
   // Octrees and stitched meshes are those of repair, too.
   VOXWELD_EXPECT_DONE(scene.run({"simplify.refine=repair"}));
   for (const auto& [stage, ran] : units_run(scene.output()))
-    EXPECT_EQ(ran > 0,
-              stage == "refine" || stage == "seams" || stage == "retile" || stage == "encode")
+    EXPECT_EQ(ran > 0, stage == "refine" || stage == "seams" || stage == "mend" ||
+                           stage == "retile" || stage == "encode")
         << stage;
 }
 
 TEST(RefinedKinds, WhyThereIsNoSuchStage) {
   const Scene scene("part", 20);
   const auto refused = [&](const Settings& settings, const std::string& why) {
-    const ProgramResult result = scene.command("refine", settings);
+    const ProgramResult result = scene.command("mend", settings);
     EXPECT_EQ(result.exit_code, 2);
-    EXPECT_NE(result.err.find("simplify.refine = " + why), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("simplify." + why), std::string::npos) << result.err;
   };
-  refused({}, "\"off\": a run");
+  refused({}, "refine = \"off\": a run");
   refused({"simplify.refine=auto", "simplify.enabled=false"},
-          "\"auto\", that is \"off\" with simplify.enabled = false");
+          "refine = \"auto\", that is \"off\" with simplify.enabled = false");
   refused({"simplify.refine=auto", "simplify.topology=free"},
-          "\"auto\", that is \"off\" with simplify.topology = \"free\"");
+          "refine = \"auto\", that is \"off\" with simplify.topology = \"free\"");
+  for (const char* rule : {"report", "ignore"})
+    refused({"simplify.refine=auto", fmt::format("simplify.intersections={}", rule)},
+            fmt::format("intersections = \"{}\": a run", rule));
+}
+
+TEST(RefinedKinds, WhatIsOnlyCountedHasNoThirdPass) {
+  const Scene scene("part", 128);
+  VerifyOptions options;
+  options.intersections = true;
+  for (const char* rule : {"report", "none"}) {
+    SCOPED_TRACE(rule);
+    VOXWELD_EXPECT_DONE(
+        scene.run({"simplify.refine=repair", fmt::format("simplify.intersections={}", rule)}));
+    const bool counted = std::string(rule) == "report";
+    EXPECT_EQ(units_run(scene.output()).contains("mend"), !counted);
+    const std::uint64_t left = manifest_of(scene.output()).at("refine").at("intersecting_left");
+    EXPECT_EQ(left > 0, counted);
+    EXPECT_EQ(verify_output(scene.output(), options).intersections->pairs, left);
+  }
 }
 
 TEST(RefinedKinds, TheManifestSaysWhatWasDone) {
@@ -193,7 +212,7 @@ TEST(RefinedKinds, TheManifestSaysWhatWasDone) {
 TEST(RefinedKinds, WhatCannotBeRefinedIsRefused) {
   const Scene scene("part", 20);
   expect_refused(scene.run(refined + Settings{"simplify.topology=free"}), "no manifold");
-  for (const char* stage : {"refine", "seams", "retile"})
+  for (const char* stage : {"refine", "seams", "mend", "retile"})
     expect_refused(scene.command(stage), std::string("has no stage ") + stage);
 }
 

@@ -6,13 +6,13 @@ namespace {
 
 const Settings settings = {"simplify.refine=collapse", "work.brick=16", "work.shard=2",
                            "output.tile_vertices=1024"};
-const std::vector<std::string> refine_stages = {"refine", "seams", "retile"};
+const std::vector<std::string> refine_stages = {"refine", "seams", "mend", "retile"};
 
 TEST(RefineWork, StageByStage) {
   const Scene scene("porous", 96);
   const Tree clean = scene.clean_tree(settings);
   for (const char* stage :
-       {"ingest", "build", "merge", "stitch", "refine", "seams", "retile", "encode"}) {
+       {"ingest", "build", "merge", "stitch", "refine", "seams", "mend", "retile", "encode"}) {
     const ProgramResult before = scene.command_with("run", settings, {"--dry-run"});
     VOXWELD_EXPECT_DONE(before);
     VOXWELD_EXPECT_DONE(scene.command(stage, settings));
@@ -42,7 +42,7 @@ void expect_shares_are_the_whole(const Scene& scene, const Settings& of) {
   const Tree clean = scene.clean_tree(of);
   for (const char* stage : {"ingest", "build", "merge"})
     VOXWELD_EXPECT_DONE(scene.command(stage, of));
-  for (const char* stage : {"stitch", "refine", "seams", "retile", "encode"})
+  for (const char* stage : {"stitch", "refine", "seams", "mend", "retile", "encode"})
     for (const char* part : {"2/3", "0/3", "1/3"})
       VOXWELD_EXPECT_DONE(scene.command_with(stage, of, {"--part", part}));
   VOXWELD_EXPECT_DONE(scene.command("encode", of));
@@ -70,7 +70,8 @@ TEST(RefineWork, DamageIsFoundAndMended) {
   expect_damage_is_mended(Scene("porous", 96), settings, 1,
                           {{"stitch", ".cubes", "refine"},
                            {"refine", ".cubes", "seams"},
-                           {"seams", ".cubes", "retile"},
+                           {"seams", ".cubes", "mend"},
+                           {"mend", ".cubes", "retile"},
                            {"retile", "tile.plan", "encode"},
                            {"retile", ".tile", "encode"}});
 }
@@ -84,7 +85,7 @@ TEST(RefineWork, AnEditReachesFewUnits) {
   edits.set(ball("add", {16, 16, 16}, 9));  // inside one cube of either pass
   VOXWELD_EXPECT_DONE(scene.run(settings));
   auto units = units_run(scene.output());
-  for (const std::string stage : {"stitch", "refine", "seams", "retile"}) {
+  for (const std::string stage : {"stitch", "refine", "seams", "mend", "retile"}) {
     EXPECT_GT(units[stage], 0u) << stage;
     EXPECT_LT(units[stage], all.at(stage) / 3) << stage;
   }

@@ -111,7 +111,8 @@ TEST(RefinedGoldens, OfEveryStage) {
   VOXWELD_EXPECT_DONE(scene.run({"simplify.refine=collapse", "work.brick=16", "work.shard=2",
                                  "output.tile_vertices=1024", "simplify.tolerance=0.2"}));
   constexpr std::uint32_t version = refine_version << 16 | cube_mesh_version;
-  expect_recorded({"stitch, refine and seams", 196610, "e86f34b7a9868ee5932506ccc95f6650"}, version,
+  expect_recorded({"stitch, refine, seams and mend", 262146, "3663bb56ba31c963e8a466d7962090ec"},
+                  version,
                   hash_of(files_ending(scene.work(), ".cubes"), cube_mesh_kind, cube_mesh_version));
   expect_recorded({"retile", 5, "4e04ab32f7def4fd571f7f6e9a529e55"}, tile_version,
                   hash_of(files_ending(scene.work(), ".tile"), tile_kind, tile_version));
@@ -147,15 +148,15 @@ void expect_refined_labels(const char* mode, const Golden& cubes, const Golden& 
 }
 
 TEST(RefinedGoldens, OfEachLabel) {
-  expect_refined_labels("each",
-                        {"stitch, refine and seams", 196610, "24d2d0bf5ad774619cb9c6f9b8b5f39b"},
-                        {"retile", 5, "cb6031810b28194a28b2cffc63e5aa5b"});
+  expect_refined_labels(
+      "each", {"stitch, refine, seams and mend", 262146, "bb3702820e329c2214e425cd959e3af2"},
+      {"retile", 5, "cb6031810b28194a28b2cffc63e5aa5b"});
 }
 
 TEST(RefinedGoldens, OfSharedLabels) {
-  expect_refined_labels("shared",
-                        {"stitch, refine and seams", 196610, "afa8c23850b1e9731eb42964f59fdce0"},
-                        {"retile", 5, "57496308a28758f3589cbf3609d85daf"});
+  expect_refined_labels(
+      "shared", {"stitch, refine, seams and mend", 262146, "5fa1b6014c02bb19e9524b64a9c52cce"},
+      {"retile", 5, "57496308a28758f3589cbf3609d85daf"});
 }
 
 // The versions in the key of a build of labels: of the artifacts, of those of each label, and of

@@ -110,8 +110,9 @@ TEST_P(Invariants, AllSharesAreTheWhole) {
     VOXWELD_EXPECT_DONE(scene_.command_with(stage, settings() + scene_.in("shares"), options));
   };
   for (const std::string stage :
-       {"ingest", "build", "merge", "stitch", "refine", "seams", "retile", "encode"}) {
-    const bool of_refined = stage == "refine" || stage == "seams" || stage == "retile";
+       {"ingest", "build", "merge", "stitch", "refine", "seams", "mend", "retile", "encode"}) {
+    const bool of_refined =
+        stage == "refine" || stage == "seams" || stage == "mend" || stage == "retile";
     if (of_refined && !GetParam().is_refined) continue;
     if (stage != "merge")
       for (const char* which : {"1/2", "0/2"}) share(stage, {"--part", which});
@@ -153,7 +154,8 @@ void damage(const fs::path& file, int how, std::mt19937& random) {
 // What follows from build goes, so that the octrees are read and not only looked at.
 void forget_behind_build(const fs::path& work) {
   for (const auto& entry : fs::directory_iterator(work))
-    for (const char* stage : {"merge-", "stitch-", "refine-", "seams-", "retile-", "encode-"})
+    for (const char* stage :
+         {"merge-", "stitch-", "refine-", "seams-", "mend-", "retile-", "encode-"})
       if (entry.path().filename().string().starts_with(stage)) fs::remove_all(entry.path());
 }
 

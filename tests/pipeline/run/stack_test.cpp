@@ -54,7 +54,7 @@ TEST_F(Stack, OnlyIngestLoadsTheImageLibrary) {
   ASSERT_EQ(ingest.exit_code, 0) << ingest.err;
   EXPECT_TRUE(loads_images(ingest));
   for (const char* stage :
-       {"build", "merge", "stitch", "refine", "seams", "retile", "encode", "run"}) {
+       {"build", "merge", "stitch", "refine", "seams", "mend", "retile", "encode", "run"}) {
     const ProgramResult result = traced(stage);
     ASSERT_EQ(result.exit_code, 0) << stage;
     EXPECT_FALSE(loads_images(result)) << stage;

@@ -133,7 +133,8 @@ void check(const LabelCase& c, LabelTotals& totals) {
   std::size_t left = pairs;
   for (int pass = 0; pass < refine_passes; ++pass) {
     RefineCounts counts;
-    mesh = refine_range(mesh, CubeLattice(made.frame, pass), {}, refine, counts);
+    mesh = refine_range(mesh, CubeLattice(made.frame, pass), {}, testing::of_pass(pass, refine),
+                        counts);
     EXPECT_EQ(counts.pairs_before, left);
     left = pairs_in(mesh);
     EXPECT_EQ(counts.pairs_left, left);
@@ -234,7 +235,8 @@ TEST(LabelRefine, EachSheetStaysNearWhereItWas) {
     mesh.aims.clear();  // to which they would go from places that are none of the surface
     for (int pass = 0; pass < refine_passes; ++pass) {
       RefineCounts counts;
-      mesh = refine_range(mesh, CubeLattice(made.frame, pass), {}, refine, counts);
+      mesh = refine_range(mesh, CubeLattice(made.frame, pass), {}, testing::of_pass(pass, refine),
+                          counts);
     }
     std::map<MaterialPair, std::vector<LatticeTriangle>> sheets;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)

@@ -56,7 +56,7 @@ void check(const Case& c, Totals& totals) {
   std::size_t left = pairs;
   for (int pass = 0; pass < refine_passes; ++pass) {
     RefineCounts counts;
-    mesh = refine_range(mesh, CubeLattice(frame, pass), {}, refine, counts);
+    mesh = refine_range(mesh, CubeLattice(frame, pass), {}, testing::of_pass(pass, refine), counts);
     EXPECT_EQ(counts.pairs_before, left);
     left = pairs_of(mesh);
     EXPECT_EQ(counts.pairs_left, left);
@@ -82,6 +82,49 @@ void check(const Case& c, Totals& totals) {
 TEST(RefineVolume, WhatIsLeftIsCounted) {
   Totals totals;
   check({{24, true, 55}, 0.5, RefineMode::repair}, totals);
+}
+
+// What lies at a border of each of the first two passes is fixed in both. Small cubes have much of that.
+TEST(RefineVolume, AThirdPassMendsWhatTwoMayNotChange) {
+  testing::VolumeMesh made = testing::mesh_of_volume({34, true, 7}, 0.2);
+  made.frame.level = 4;
+  const RefineParameters refine = testing::refining(made.frame, 0.2, RefineMode::collapse);
+  std::vector<RefineCounts> counts(refine_passes);
+  RefineMesh mesh = made.mesh;
+  for (int pass = 0; pass < refine_passes; ++pass)
+    mesh = refine_range(mesh, CubeLattice(made.frame, pass), {}, testing::of_pass(pass, refine),
+                        counts[static_cast<std::size_t>(pass)]);
+  EXPECT_GT(counts[1].pairs_left, 20u);
+  EXPECT_EQ(counts[2].pairs_before, counts[1].pairs_left);
+  EXPECT_LT(counts[2].pairs_left * 3, counts[1].pairs_left);
+  EXPECT_EQ(pairs_of(mesh), counts[2].pairs_left);
+  EXPECT_GT(counts[2].moves + counts[2].flips + counts[2].collapses, 0u);
+}
+
+// Nothing is done where nothing intersects, and what was collapsed stays.
+TEST(RefineVolume, AThirdPassLeavesWhatIsSoundAsItIs) {
+  const testing::VolumeMesh made = testing::mesh_of_volume({40, false, 3}, 0.1);
+  RefineMesh mesh = made.mesh;
+  const RefineParameters refine = testing::refining(made.frame, 0.1, RefineMode::collapse);
+  for (int pass = 0; pass < 2; ++pass) {
+    RefineCounts counts;
+    mesh = refine_range(mesh, CubeLattice(made.frame, pass), {}, refine, counts);
+    if (pass == 1) {
+      ASSERT_EQ(counts.pairs_left, 0u);
+    }
+  }
+  RefineCounts counts;
+  const RefineMesh after =
+      refine_range(mesh, CubeLattice(made.frame, 2), {}, testing::of_pass(2, refine), counts);
+  EXPECT_EQ(counts.collapses + counts.moves + counts.flips, 0u);
+  EXPECT_EQ(after.triangles.size(), mesh.triangles.size());
+  const auto ids = [](const RefineMesh& m) {
+    std::vector<std::array<VertexId, 3>> all;
+    for (std::size_t t = 0; t < m.triangles.size(); ++t) all.push_back(m.ids_of(t));
+    std::sort(all.begin(), all.end());
+    return all;
+  };
+  EXPECT_EQ(ids(after), ids(mesh));
 }
 
 TEST(RefineVolume, RandomVolumesStaySoundAndLoseTheirIntersections) {

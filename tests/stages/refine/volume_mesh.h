@@ -71,4 +71,10 @@ inline RefineParameters refining(const RefineFrame& frame, double tolerance, Ref
   return refine;
 }
 
+// As the passes of a run have them.
+inline RefineParameters of_pass(int pass, RefineParameters refine) {
+  if (pass == 2) refine.mode = RefineMode::mend;
+  return refine;
+}
+
 }  // namespace voxweld::testing
