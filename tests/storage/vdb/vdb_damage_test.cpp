@@ -1,5 +1,5 @@
 // Damaged .vdb files: an error or sound samples, never a crash, a hang or memory without end.
-#include <chrono>
+#include <ctime>
 
 #include "tests/storage/vdb/vdb_files.h"
 
@@ -49,10 +49,10 @@ TEST_F(VdbDamage, ChangedBytesAnywhere) {
           i % 2 == 0 ? std::min<std::size_t>(2500, whole.size()) : whole.size();
       for (std::uint64_t n = 1 + random() % 3; n > 0; --n)
         bytes[static_cast<std::size_t>(random() % range)] = static_cast<std::byte>(random());
-      const auto begin = std::chrono::steady_clock::now();
+      // Of the processor: on a busy machine a minute passes soon.
+      const std::clock_t begin = std::clock();
       said_of(bytes);  // fails the test where it is no error of ours
-      const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-      EXPECT_LT(took.count(), 60) << flags << " " << i;
+      EXPECT_LT((std::clock() - begin) / CLOCKS_PER_SEC, 60) << flags << " " << i;
     }
   }
 }
