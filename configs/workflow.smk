@@ -1,15 +1,15 @@
-# voxweld as tasks of Snakemake: every stage cut into parts, each of them one plain command. Needs
+# voxweld as tasks of Snakemake: every stage but merge cut into parts, each of them one plain command. Needs
 # Snakemake and the program, and on several machines a file system that they share.
 #
 #   snakemake -s configs/workflow.smk --cores 8 --config config=scan.toml parts=16
 #
-# --config takes
+# --config takes (in parentheses: what holds if it is not given)
 #   config    the config file of the run
 #   parts     into how many parts the stages but merge are cut (4)
-#   refine    whether the mesh is refined; 0 where the config has simplify.refine = "off",
-#             simplify.enabled = false or simplify.topology = "free" (1)
-#   mend      whether what intersects is mended; 0 where the config has simplify.intersections (1)
-#   target    whether the config has simplify.triangles or simplify.ratio (0)
+#   refine    0 where the mesh is not refined: simplify.refine is "off", or is not given and
+#             simplify.enabled is false or simplify.topology "free" (1)
+#   mend      0 where simplify.intersections is "report" or "ignore" (1)
+#   target    1 where the config has simplify.triangles or simplify.ratio: adds survey and recount (0)
 #   voxweld   the program (the one on PATH)
 #   done      the folder of the done-marks, one file a command (CONFIG without .toml, and .done)
 #   threads   of a command (4)
@@ -62,7 +62,7 @@ BEFORE = {
     "stitch": mark("merge"),
     "encode": parts_of("stitch"),
 }
-# With refine a unit reads of all that the stage before made, of retile the plan of all tiles.
+# From refine on a part needs the whole stage before it.
 if REFINE:
     BEFORE.update(
         {
