@@ -74,8 +74,8 @@ std::vector<Stage> stages_of(const Config& config) {
 }
 
 std::string_view refine_name(SimplifyConfig::Refine mode) {
-  constexpr std::array<std::string_view, 4> names = {"auto", "off", "repair", "collapse"};
-  return names[static_cast<std::size_t>(mode)];
+  const Rule& rule = find_setting("simplify", "refine")->rule;
+  return std::get<ChoiceRule>(rule).names[static_cast<std::size_t>(mode)];
 }
 
 bool refines(const Config& config) {
@@ -131,7 +131,7 @@ std::string_view table_description(std::string_view table) {
   if (table == "work") return "How the work is cut up and where it is kept.";
   if (table == "surface") return "Which surface to extract.";
   if (table == "labels") return "Label volumes: which labels to mesh, and how.";
-  if (table == "simplify") return "How far to simplify it.";
+  if (table == "simplify") return "How far to simplify the mesh.";
   if (table == "output") return "What to write.";
   if (table == "run") return "What the run may use. Never changes the result.";
   return "How the tasks of run.executor = \"slurm\" are submitted. Never changes the result.";

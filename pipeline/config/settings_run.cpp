@@ -53,8 +53,9 @@ std::vector<Setting> simplify_settings() {
           refined_from_build)),
       when_given(row(
           {"simplify", "intersections",
-           "What refine does about triangles that cut each other. \"none\": mends them, and makes "
-           "no new ones; \"report\" only counts them; \"ignore\" does not look for them.",
+           "What is done about triangles that cut each other, unless refine is \"off\". \"none\": "
+           "they are mended, and no new ones are made; \"report\": they are only counted; "
+           "\"ignore\": nothing.",
            "\"none\""},
           binding::choice_or_open(simplify, &Simplify::intersections, {"none", "report", "ignore"}),
           refined)),
@@ -63,8 +64,7 @@ std::vector<Setting> simplify_settings() {
            "How many triangles the mesh is to have in the end, of all labels together. A run finds "
            "out how far edges have to be collapsed for it, in place of tolerance; cells still go "
            "by tolerance. Not where refine is \"off\" or \"repair\". After an edit the whole mesh "
-           "may "
-           "change.",
+           "may change.",
            "none: tolerance decides"},
           binding::member(simplify, &Simplify::triangles, IntegerRule{1, no_limit}), chosen)),
       when_given(

@@ -30,6 +30,15 @@ void PieceSpans::add(std::uint64_t pieces, const CubeKey& lowest, const CubeKey&
   spans_.push_back({pieces > 0, lowest, highest, pieces > 0 ? std::max(before, highest) : before});
 }
 
+CubeMeshes::CubeMeshes(Stage maker, const std::vector<std::filesystem::path>& paths,
+                       const std::vector<std::filesystem::path>& patches)
+    : maker_(maker), patched_(true) {
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    paths_.push_back(paths[i]);
+    paths_.push_back(patches[i]);
+  }
+}
+
 const std::vector<CubeMeshes::Entry>& CubeMeshes::entries() {
   std::call_once(looked_, [&] {
     std::vector<Entry> entries(paths_.size());
@@ -40,11 +49,11 @@ const std::vector<CubeMeshes::Entry>& CubeMeshes::entries() {
                         "run CONFIG` for all",
                         paths_[i].string(), stage_name(maker_)));
       const CubeMeshArtifact artifact(paths_[i]);
-      entries[i] = {artifact.summary(), artifact.content_hash()};
+      entries[i] = {artifact.summary(), artifact.content_hash(), artifact.intersecting()};
     });
     entries_ = std::move(entries);
-    for (const auto& [summary, content] : entries_)
-      spans_.add(summary.pieces, summary.lowest, summary.highest);
+    for (const Entry& entry : entries_)
+      spans_.add(entry.summary.pieces, entry.summary.lowest, entry.summary.highest);
   });
   return entries_;
 }

@@ -53,12 +53,18 @@ class CubeMeshes {
   struct Entry {
     CubeMeshSummary summary;
     Hash128 content;
+    std::vector<IntersectionRecord> intersecting;
   };
 
   // paths: of all units of `maker`, in their order.
   CubeMeshes(Stage maker, std::vector<std::filesystem::path> paths)
       : maker_(maker), paths_(std::move(paths)) {}
+  // And of each unit a patch, with pieces that stand in place of others. It comes after its unit's
+  // artifact, so that labels ascend.
+  CubeMeshes(Stage maker, const std::vector<std::filesystem::path>& paths,
+             const std::vector<std::filesystem::path>& patches);
 
+  bool is_patch(std::size_t artifact) const { return patched_ && artifact % 2 == 1; }
   std::size_t size() const { return paths_.size(); }
   const std::filesystem::path& path(std::size_t artifact) const { return paths_[artifact]; }
   // InputError where an artifact is missing.
@@ -76,6 +82,7 @@ class CubeMeshes {
 
   Stage maker_;
   std::vector<std::filesystem::path> paths_;
+  bool patched_ = false;
   std::once_flag looked_;
   std::vector<Entry> entries_;
   PieceSpans spans_;

@@ -7,24 +7,6 @@
 #include "stages/refine/mesh_part.h"
 
 namespace voxweld {
-namespace {
-
-std::uint64_t bytes_of(const RangeReads& read) {
-  const PartCounts &all = read.all(), &own = read.own();
-  // A vertex that goes or moves leaves a sample.
-  const std::uint64_t samples = own.samples + own.vertices;
-  const std::uint64_t reading =
-      gather_bytes(all.vertices, all.triangles, all.samples, all.sided) + read.largest_part_bytes();
-  const std::uint64_t refining = mesh_bytes(all.vertices, all.triangles, all.samples, all.sided) +
-                                 refine_bytes({all.vertices, all.triangles, 0, all.sided},
-                                              {own.vertices, own.triangles, samples, own.sided});
-  const std::uint64_t writing = mesh_bytes(own.vertices, own.triangles, samples, own.sided) +
-                                piece_bytes(own.vertices, own.triangles, own.sided);
-  return std::max({reading, refining, writing});
-}
-
-}  // namespace
-
 RangeStage::RangeStage(const RefineInputs& inputs)
     : job_(inputs.job),
       units_(inputs.units),
@@ -50,8 +32,25 @@ StageMemory RangeStage::memory(std::span<const std::uint64_t> numbers) {
 
 std::uint64_t RangeStage::bytes(std::uint64_t unit) {
   std::uint64_t most = 0;
-  for (const RangeReads& read : reads(unit)) most = std::max(most, bytes_of(read));
+  for (const RangeReads& read : reads(unit)) {
+    PartCounts own = read.own();
+    own.samples += own.vertices;  // a vertex that goes or moves leaves one
+    most = std::max({most, reading_bytes(read.all(), read.largest_part_bytes()),
+                     refining_bytes(read.all(), own),
+                     mesh_bytes(own.vertices, own.triangles, own.samples, own.sided) +
+                         piece_bytes(own.vertices, own.triangles, own.sided)});
+  }
   return most;
+}
+
+std::uint64_t RangeStage::reading_bytes(const PartCounts& all, std::uint64_t largest_part) {
+  return gather_bytes(all.vertices, all.triangles, all.samples, all.sided) + largest_part;
+}
+
+std::uint64_t RangeStage::refining_bytes(const PartCounts& all, const PartCounts& own) {
+  return mesh_bytes(all.vertices, all.triangles, all.samples, all.sided) +
+         refine_bytes({all.vertices, all.triangles, 0, all.sided},
+                      {own.vertices, own.triangles, own.samples, own.sided});
 }
 
 std::vector<RangeReads> RangeStage::reads(std::uint64_t number) {
@@ -64,12 +63,17 @@ std::vector<RangeReads> RangeStage::reads(std::uint64_t number) {
   return reads;
 }
 
-KeyHasher RangeStage::key_of(std::uint64_t number, const std::vector<RangeReads>& reads) const {
-  const RefineUnit& unit = units_[number];
+KeyHasher RangeStage::begin_key(std::uint64_t unit) const {
   KeyHasher key;
   key.hash(job_.key)
-      .integer(static_cast<std::int64_t>(unit.range.cubes.begin))
-      .integer(static_cast<std::int64_t>(unit.range.cubes.end));
+      .integer(static_cast<std::int64_t>(range_of(unit).begin))
+      .integer(static_cast<std::int64_t>(range_of(unit).end));
+  return key;
+}
+
+KeyHasher RangeStage::key_of(std::uint64_t number, const std::vector<RangeReads>& reads) const {
+  const RefineUnit& unit = units_[number];
+  KeyHasher key = begin_key(number);
   for (const RangeReads& read : reads) {
     if (unit.of_labels()) key.integer(static_cast<std::int64_t>(read.label()));
     read.add_hashes(key);

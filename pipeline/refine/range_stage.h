@@ -28,8 +28,13 @@ class RangeStage : public StageWork {
   const CubeRange& range_of(std::uint64_t unit) const { return units_[unit].range.cubes; }
   // Of several labels one of each that is there.
   std::vector<RangeReads> reads(std::uint64_t unit);
-  // Feeds what is read, and whose it is.
+  // Feeds whose it is; then also what is read.
+  KeyHasher begin_key(std::uint64_t unit) const;
   KeyHasher key_of(std::uint64_t unit, const std::vector<RangeReads>& reads) const;
+
+  // What a step takes at most: putting together what it reads; and the work on it, of which `own` stays.
+  static std::uint64_t reading_bytes(const PartCounts& all, std::uint64_t largest_part);
+  static std::uint64_t refining_bytes(const PartCounts& all, const PartCounts& own);
 
   const RefineJob& job_;
   const std::vector<RefineUnit>& units_;

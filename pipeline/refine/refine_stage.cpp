@@ -39,18 +39,23 @@ class RefineStage final : public RangeStage {
     CubeMeshWriter file(path_of(unit.key), key(unit.key, all));
     RefineCounts counts;
     std::vector<BlockRecord> blocks;
+    std::vector<IntersectionRecord> intersecting;
     Changes changes = changes_before(unit.key);
     for (const RangeReads& read : all) {
       RefineCounts one;
       RefineMesh mesh = refine_range(read.read([&] { worker.check_interrupt(); }), cubes_,
                                      range_of(unit.key), job_.parameters, one);
-      if (job_.next == 0) add_blocks(read.label(), mesh, blocks);
-      if (job_.stage == Stage::seams) mesh.aims.clear();  // nobody asks for them any more
+      if (job_.stage == Stage::seams) {
+        add_blocks(read.label(), mesh, blocks);
+        add_intersecting(read.label(), mesh, intersecting);
+        mesh.aims.clear();  // nobody asks for them any more
+      }
       add_pieces(file, read.label(), mesh, cubes_after_);
       changes[read.label()] += one.collapses;  // each took a vertex
       counts.add(one);
     }
-    file.finish(as_record(counts), blocks, records_of(changes));
+    const std::vector<LabelChange> changed = records_of(changes);
+    file.finish({as_record(counts), blocks, changed, intersecting});
   }
 
  private:
@@ -62,10 +67,10 @@ class RefineStage final : public RangeStage {
       if (lost > 0) records.push_back({label, lost});
     return records;
   }
-  // All passes have the same units.
+  // Both passes have the same units.
   Changes changes_before(std::uint64_t unit) {
     Changes changes;
-    if (job_.stage != Stage::refine)
+    if (job_.stage == Stage::seams)
       for (const LabelChange& change : meshes_.open(unit)->changes())
         changes[change.label] = change.lost_vertices;
     return changes;
@@ -73,6 +78,16 @@ class RefineStage final : public RangeStage {
   void add_blocks(Material label, const RefineMesh& mesh, std::vector<BlockRecord>& blocks) const {
     for (const CubeCount& block : count_blocks(mesh, blocks_))
       blocks.push_back({label, block.code, block.polygons});
+  }
+  // With how full the cubes are that they were refined in, which does not depend on the units.
+  void add_intersecting(Material label, const RefineMesh& mesh,
+                        std::vector<IntersectionRecord>& records) const {
+    std::map<std::uint64_t, std::uint64_t> triangles;  // by the cube's Morton number
+    if (mesh.intersecting.empty()) return;
+    const auto cube_of = [&](std::size_t t) { return morton_encode(home_of(mesh, t, cubes_)); };
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) ++triangles[cube_of(t)];
+    for (const std::uint32_t t : mesh.intersecting)
+      records.push_back({label, mesh.box(t), triangles[cube_of(t)]});
   }
   Hash128 key(std::uint64_t unit, const std::vector<RangeReads>& reads) {
     KeyHasher key = key_of(unit, reads);

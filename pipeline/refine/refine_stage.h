@@ -1,5 +1,4 @@
-// Refine and seams: the mesh repaired and simplified, cube by cube, in two passes. Mend: a third, over
-// what neither of them may change.
+// Refine and seams: the mesh repaired and simplified, cube by cube, in two passes.
 #pragma once
 
 #include <memory>

@@ -20,7 +20,7 @@ constexpr std::uint64_t sorter_bytes = std::uint64_t{32} << 20;
 constexpr std::size_t meshes_ahead = 64;
 
 // A block may have triangles in several artifacts, and a label may lose vertices in several: those
-// stand at its first code.
+// stand at its first code. What mend has changed of a block may make the sum zero.
 struct BlockOrder {
   struct Head {
     CubeKey key;
@@ -79,9 +79,10 @@ class SortedBlocks {
       throw std::logic_error(
           fmt::format("retile: label {} is refined and was not merged", next_->key.label));
     for (; next_ && next_->key.label == label; advance()) {
+      surface.lost_vertices += next_->lost_vertices;
+      if (next_->triangles == 0) continue;
       const std::uint64_t half = (next_->triangles + 1) / 2;
       planner.push({next_->key.code, tile_block_level, static_cast<std::uint32_t>(half), half});
-      surface.lost_vertices += next_->lost_vertices;
     }
     planner.finish();
     return surface;

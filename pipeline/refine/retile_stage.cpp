@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "stages/refine/mesh_part.h"
 #include "stages/refine/retile.h"
@@ -122,8 +123,16 @@ class RetileStage final : public StageWork {
     const std::uint64_t last = tile.code + (std::uint64_t{1} << (3 * tile.level)) - 1;
     const CubeKey begin{refined.label, tile.code >> bits}, end{refined.label, (last >> bits) + 1};
     TilePieces found;
+    std::set<std::uint64_t> patched;  // cubes whose other pieces are not there any more
     spans_.each(begin, end, [&](std::size_t i) {
+      if (!meshes_.is_patch(i)) return;
+      each_piece_of(*open_planned(i), begin, end,
+                    [&](std::size_t, const CubePieceRecord& piece) { patched.insert(piece.cube); });
+    });
+    spans_.each(begin, end, [&](std::size_t i) {
+      const bool is_patch = meshes_.is_patch(i);
       each_piece_of(*open_planned(i), begin, end, [&](std::size_t p, const CubePieceRecord& piece) {
+        if (!is_patch && patched.contains(piece.cube)) return;
         found.pieces.push_back({i, p, true});
         found.sided = found.sided || piece.inside.sided + piece.leaving.sided > 0;
         found.largest_part =

@@ -118,8 +118,8 @@ void Jobs::plan_refine(const Config& config, const OutputFrame& output) {
       std::min({frame.spacing.x, frame.spacing.y, frame.spacing.z}) / frame.lattice.step;
   parameters.places = parameters.tolerance;
   refine_ = {Stage::refine, 0, 1, frame, parameters, {}, {}};
-  seams_ = {Stage::seams, 1, mends(config) ? 2 : 0, frame, parameters, {}, {}};
-  mend_ = {Stage::mend, 2, 0, frame, parameters, {}, {}};
+  seams_ = {Stage::seams, 1, 0, frame, parameters, {}, {}};
+  mend_ = {Stage::mend, 0, 0, frame, parameters, {}, {}};
   mend_.parameters.mode = RefineMode::mend;
   if (has_target(config)) {
     CollapseTarget target;
@@ -280,7 +280,7 @@ nlohmann::json refine_json(const Config& config, const Jobs& jobs, const RefineF
   RefineCounts all = figures.refine;
   all.add(figures.seams);
   if (figures.mend) all.add(*figures.mend);
-  const RefineCounts& last = figures.mend ? *figures.mend : figures.seams;
+  const RefineCounts last = figures.mend ? figures.seams.patched_by(*figures.mend) : figures.seams;
   const double step = jobs.refine().frame.lattice.step;
   nlohmann::json json = {{"mode", refine_name(refine_mode(config))},
                          {"tolerance", jobs.seams().parameters.tolerance * step},

@@ -8,6 +8,7 @@
 #include "pipeline/encode/encode_stage.h"
 #include "pipeline/ingest/ingest_stage.h"
 #include "pipeline/merge/merge_stage.h"
+#include "pipeline/refine/mend_stage.h"
 #include "pipeline/refine/refine_stage.h"
 #include "pipeline/refine/retile_stage.h"
 #include "pipeline/refine/survey_stage.h"
@@ -85,7 +86,7 @@ std::unique_ptr<StageWork> Stages::make_refine(Stage stage) {
                            refined_meshes(jobs_.refine(), units), tile_vertices,
                            choice(Stage::seams)});
     default:
-      return refine_stage(
+      return mend_stage(
           {jobs_.mend(), units, Stage::seams, refined_meshes(jobs_.seams(), units), tile_vertices});
   }
 }
@@ -160,9 +161,10 @@ const std::vector<RefineUnit>& Stages::refine_units() {
 }
 
 CubeMeshes& Stages::refined() {
-  const RefineJob& last = mends(context_.config) ? jobs_.mend() : jobs_.seams();
-  if (!refined_) refined_.emplace(last.stage, refined_meshes(last, refine_units()));
-  return *refined_;
+  if (refined_) return *refined_;
+  const auto meshes = refined_meshes(jobs_.seams(), refine_units());
+  if (!mends(context_.config)) return refined_.emplace(Stage::seams, meshes);
+  return refined_.emplace(Stage::mend, meshes, refined_meshes(jobs_.mend(), refine_units()));
 }
 
 RetilePlan& Stages::retile_plan() {

@@ -12,7 +12,7 @@ void add_pieces(CubeMeshWriter& file, Material label, const RefineMesh& mesh,
 }
 
 Hash128 finish_stitched(CubeMeshWriter& file) {
-  return file.finish(as_record(RefineCounts{}), {}, {});
+  return file.finish({as_record(RefineCounts{})});
 }
 
 }  // namespace voxweld

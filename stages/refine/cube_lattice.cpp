@@ -32,7 +32,7 @@ int target_cube_level(double part, std::uint64_t vertices, Index3 size) {
 
 CubeLattice::CubeLattice(const RefineFrame& frame, int pass, int level) {
   const std::int64_t side = std::int64_t{1} << level;
-  const std::int64_t shift = pass == 0 ? 0 : side >> pass;
+  const std::int64_t shift = pass == 0 ? 0 : side / 2;
   cubes_ = std::max<std::int64_t>(1, (std::int64_t{1} << domain_level(frame.size)) / side);
   for (int axis = 0; axis < 3; ++axis) {
     auto& borders = borders_[static_cast<std::size_t>(axis)];

@@ -1,11 +1,9 @@
 // The fixed lattice of cubes by which a mesh is refined.
 //
 // Cubes are of 64 cells a side (more where few triangles are asked for), whatever bricks, shards and
-// tiles are. In the first pass they begin
-// at cell 0; in the second they are shifted down by half a side, so that what was a border lies in
-// the middle, and in the third by a quarter: what lies at borders of both, an x of the one and a y of
-// the other, is in the middle of a cube then. What is changed in a pass lies in one cube, before and after; cubes are convex, so
-// what is done in one has no part in what is done in another.
+// tiles are. In the first pass they begin at cell 0; in the second they are shifted down by half a
+// side, so that what was a border lies in the middle. What is changed in a pass lies in one cube,
+// before and after; cubes are convex, so what is done in one has no part in what is done in another.
 #pragma once
 
 #include <array>
@@ -18,7 +16,7 @@
 namespace voxweld {
 
 inline constexpr int refine_cube_level = 6;  // log2 of the cells a side
-inline constexpr int refine_passes = 3;
+inline constexpr int refine_passes = 2;
 
 // How cells lie on the output lattice: cell u begins at (first + u - 1) * spacing.
 struct RefineFrame {
@@ -37,7 +35,7 @@ int target_cube_level(double part, std::uint64_t vertices, Index3 size);
 
 class CubeLattice {
  public:
-  // pass: 0, 1 or 2. level: log2 of the cells a side, where it is not the frame's.
+  // pass: 0 or 1. level: log2 of the cells a side, where it is not the frame's.
   CubeLattice(const RefineFrame& frame, int pass) : CubeLattice(frame, pass, frame.level) {}
   CubeLattice(const RefineFrame& frame, int pass, int level);
 

@@ -24,11 +24,27 @@ void RefineCounts::add(const RefineCounts& other) {
   for (std::size_t b = 0; b < distances.size(); ++b) distances[b] += other.distances[b];
 }
 
+RefineCounts RefineCounts::patched_by(const RefineCounts& mended) const {
+  RefineCounts sum = *this;
+  sum.add(mended);
+  sum.pairs_before = pairs_before;
+  sum.pairs_left = pairs_left - mended.pairs_before + mended.pairs_left;
+  return sum;
+}
+
 void RefineCounts::add_distance(double distance) {
   worst = std::max(worst, distance);
+  ++bin(distance);
+}
+
+void RefineCounts::remove_distance(double distance) {
+  --bin(distance);
+}
+
+std::uint64_t& RefineCounts::bin(double distance) {
   const double bin = distance > 0 ? std::ceil(4 * (std::log2(distance) + 8)) : 0;
   const double last = static_cast<double>(distances.size() - 1);
-  ++distances[static_cast<std::size_t>(std::clamp(bin, 0.0, last))];
+  return distances[static_cast<std::size_t>(std::clamp(bin, 0.0, last))];
 }
 
 double RefineCounts::quantile(double part) const {

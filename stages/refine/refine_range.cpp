@@ -1,53 +1,21 @@
 #include "stages/refine/refine_range.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
-#include <memory>
 #include <unordered_map>
 
-#include "stages/refine/edit_mesh.h"
+#include "stages/refine/box_refiner.h"
 #include "stages/refine/fixed_pairs.h"
-#include "stages/refine/mesh_part.h"
-#include "stages/refine/nearest_triangle.h"
 #include "stages/refine/refine_cube.h"
 
 namespace voxweld {
 namespace {
-
-// A cube that more triangles meet is done in eight parts, so that memory is bounded.
-constexpr std::size_t most_triangles = std::size_t{1} << 16;
-constexpr std::int32_t least_side = 64;  // of a part, in lattice steps
-
-using Triangles = std::vector<std::uint32_t>;
 
 struct Cube {
   std::uint64_t code = 0;    // of the range
   std::uint64_t number = 0;  // Morton code of the cube itself
   auto operator<=>(const Cube&) const = default;
 };
-
-bool lies_in(const RefineMesh& mesh, std::uint32_t t, const LatticeBox& box) {
-  return std::ranges::all_of(mesh.triangles[t],
-                             [&](std::uint32_t v) { return box.contains(mesh.positions[v]); });
-}
-
-// Not cut in the middle, where the other pass has its borders: what no part of the one pass may change
-// lies inside of one of the other.
-std::array<LatticeBox, 8> octants(const LatticeBox& box) {
-  std::array<LatticeBox, 8> parts;
-  for (std::size_t i = 0; i < 8; ++i) {
-    parts[i] = box;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const std::int32_t middle = box.lo[a] + (box.hi[a] - box.lo[a]) / 8 * 3;
-      if ((i >> a & 1) == 0)
-        parts[i].hi[a] = middle;
-      else
-        parts[i].lo[a] = middle + 1;
-    }
-  }
-  return parts;
-}
 
 class RangeRefiner {
  public:
@@ -58,7 +26,7 @@ class RangeRefiner {
         own_(own),
         parameters_(parameters),
         counts_(counts),
-        extract_(mesh) {}
+        refiner_(mesh, parameters, counts) {}
 
   RefineMesh run() {
     sort_into_cubes();
@@ -67,9 +35,7 @@ class RangeRefiner {
       ++counts_.cubes;
       refine_one(morton_decode(cube.number), triangles);
     }
-    RefineMesh result = out_.take();
-    result.checked = parameters_.intersections != IntersectionRule::ignore;
-    return result;
+    return refiner_.take();
   }
 
   CollapseSurvey survey(const CubeLattice& others, std::span<const double> tolerances) {
@@ -82,11 +48,12 @@ class RangeRefiner {
       const LatticeBox box = mesh_.box(t);
       sum.held += others.cube_of(box.lo) == others.cube_of(box.hi) ? 0 : 1;
     }
+    Extract extract(mesh_);
     for (const auto& [cube, triangles] : populated_) {
       each_part(
-          cubes_.box(morton_decode(cube.number)), triangles,
-          [&](const LatticeBox& part, const Triangles& inside) {
-            const RefineMesh mesh = extract_.of(inside);
+          mesh_, cubes_.box(morton_decode(cube.number)), triangles,
+          [&](const LatticeBox& part, const TriangleNumbers& inside) {
+            const RefineMesh mesh = extract.of(inside);
             sum.add(survey_cube(mesh, part, parameters_, tolerances));
           },
           [&](std::uint32_t) { ++sum.fixed; });
@@ -95,52 +62,23 @@ class RangeRefiner {
   }
 
  private:
-  // One triangle that comes out, before they are put in order.
-  struct Done {
-    std::uint32_t mesh : 31;  // 0: as it was, else of refined_, from 1 on
-    std::uint32_t intersects : 1;
-    std::uint32_t triangle;
-    VertexId first;  // of its corners, which mostly tells the order
-  };
-  const RefineMesh& mesh_of(const Done& done) const {
-    return done.mesh == 0 ? mesh_ : *refined_[done.mesh - 1];
-  }
-  void add_done(std::size_t mesh, std::uint32_t triangle, bool intersects) {
-    Done done{static_cast<std::uint32_t>(mesh) & 0x7fffffffu, intersects ? 1u : 0u, triangle, {}};
-    const RefineMesh& from = mesh_of(done);
-    done.first = from.ids[from.triangles[triangle][0]];
-    done_.push_back(done);
-  }
-
   void sort_into_cubes();
   void find_pairs();
-  void refine_one(Index3 cube, const Triangles& triangles);
-  template <class OnPart, class OnLeft>
-  void each_part(const LatticeBox& box, const Triangles& triangles, OnPart&& on_part,
-                 OnLeft&& on_left) const;
-  bool stays(const Triangles& triangles) const;
-  void refine_part(const LatticeBox& box, const Triangles& triangles);
-  void count_samples(const RefineMesh& mesh, std::uint32_t t);
-  bool is_intersecting(std::uint32_t t) const {
-    return std::binary_search(fixed_.begin(), fixed_.end(), t);
-  }
+  void refine_one(Index3 cube, const TriangleNumbers& triangles);
 
   const RefineMesh& mesh_;
   const CubeLattice& cubes_;
   const CubeRange& own_;
   const RefineParameters& parameters_;
   RefineCounts& counts_;
-  Extract extract_;
-  std::map<Cube, Triangles> populated_;  // with triangles at home: all that meet the cube
-  Triangles crossing_;                   // triangles with corners in several cubes
-  Triangles fixed_;                      // that intersect others that are fixed too
-  std::vector<std::unique_ptr<RefineMesh>> refined_;
-  std::vector<Done> done_;  // of the cube at hand
-  MeshGather out_;
+  BoxRefiner refiner_;
+  std::map<Cube, TriangleNumbers> populated_;  // with triangles at home: all that meet the cube
+  TriangleNumbers crossing_;                   // triangles with corners in several cubes
+  TriangleNumbers fixed_;                      // that intersect others that are fixed too
 };
 
 void RangeRefiner::sort_into_cubes() {
-  std::unordered_map<std::uint64_t, Triangles*> found;
+  std::unordered_map<std::uint64_t, TriangleNumbers*> found;
   const auto count = static_cast<std::uint32_t>(mesh_.triangles.size());
   struct Place {
     std::uint16_t x, y, z;
@@ -170,7 +108,7 @@ void RangeRefiner::sort_into_cubes() {
   std::uint64_t samples = vertices;  // that go or move
   for (const SurfaceSample& sample : mesh_.samples)
     samples += own_.contains(cubes_.code(home_of(mesh_, sample.triangle, cubes_))) ? 1 : 0;
-  out_.reserve(vertices, triangles, samples, mesh_.sides.empty() ? 0 : triangles);
+  refiner_.reserve({vertices, triangles, samples, mesh_.sides.empty() ? 0 : triangles});
   for (std::uint32_t t = 0; t < count; ++t) {
     const LatticeBox box = mesh_.box(t);
     const Index3 lo = cubes_.cube_of(box.lo), hi = cubes_.cube_of(box.hi);
@@ -181,26 +119,6 @@ void RangeRefiner::sort_into_cubes() {
   }
 }
 
-// on_part(box, triangles) for the box, or its parts where it is cut up, with all that meets each;
-// on_left(triangle) for what lies in the box but in no part.
-template <class OnPart, class OnLeft>
-void RangeRefiner::each_part(const LatticeBox& box, const Triangles& triangles, OnPart&& on_part,
-                             OnLeft&& on_left) const {
-  if (triangles.size() <= most_triangles || box.hi[0] - box.lo[0] < 2 * least_side)
-    return on_part(box, triangles);
-  const std::array<LatticeBox, 8> parts = octants(box);
-  for (const LatticeBox& part : parts) {
-    Triangles inside;
-    for (const std::uint32_t t : triangles)
-      if (mesh_.box(t).meets(part)) inside.push_back(t);
-    each_part(part, inside, on_part, on_left);
-  }
-  for (const std::uint32_t t : triangles)
-    if (lies_in(mesh_, t, box) &&
-        std::ranges::none_of(parts, [&](const auto& part) { return lies_in(mesh_, t, part); }))
-      on_left(t);
-}
-
 void RangeRefiner::find_pairs() {
   if (parameters_.intersections == IntersectionRule::ignore) return;
   std::vector<FixedTriangle> fixed;
@@ -208,7 +126,7 @@ void RangeRefiner::find_pairs() {
     fixed.push_back({t, false, own_.contains(cubes_.code(home_of(mesh_, t, cubes_)))});
   for (const auto& [cube, triangles] : populated_) {
     each_part(
-        cubes_.box(morton_decode(cube.number)), triangles, [](const auto&, const auto&) {},
+        mesh_, cubes_.box(morton_decode(cube.number)), triangles, [](const auto&, const auto&) {},
         [&](std::uint32_t t) {
           fixed.push_back({t, true, true});
         });
@@ -219,58 +137,12 @@ void RangeRefiner::find_pairs() {
   counts_.pairs_left += found.pairs;
 }
 
-// Whether it is known that nothing will be done.
-bool RangeRefiner::stays(const Triangles& triangles) const {
-  if (parameters_.mode == RefineMode::collapse) return false;
-  if (parameters_.intersections == IntersectionRule::ignore) return true;
-  return mesh_.checked &&
-         std::ranges::none_of(triangles, [&](std::uint32_t t) { return mesh_.intersects(t); });
-}
-
-// All that lies in a box that is not cut up.
-void RangeRefiner::refine_part(const LatticeBox& box, const Triangles& triangles) {
-  if (stays(triangles)) {
-    for (const std::uint32_t t : triangles)
-      if (lies_in(mesh_, t, box)) add_done(0, t, false);
-    return;
-  }
-  refined_.push_back(std::make_unique<RefineMesh>(extract_.of(triangles)));
-  RefineMesh& part = *refined_.back();
-  refine_cube(part, box, parameters_, counts_);
-  auto bad = part.intersecting.begin();
-  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
-    const bool intersects = bad != part.intersecting.end() && *bad == t;
-    if (intersects) ++bad;
-    if (lies_in(part, t, box)) add_done(refined_.size(), t, intersects);
-  }
-}
-
-void RangeRefiner::refine_one(Index3 cube, const Triangles& triangles) {
+void RangeRefiner::refine_one(Index3 cube, const TriangleNumbers& triangles) {
   const LatticeBox box = cubes_.box(cube);
-  each_part(
-      box, triangles,
-      [&](const LatticeBox& part, const Triangles& inside) { refine_part(part, inside); },
-      [&](std::uint32_t t) { add_done(0, t, is_intersecting(t)); });
+  TriangleNumbers leaving;
   for (const std::uint32_t t : triangles)
-    if (home_of(mesh_, t, cubes_) == cube && !lies_in(mesh_, t, box))
-      add_done(0, t, is_intersecting(t));
-  std::sort(done_.begin(), done_.end(), [&](const Done& a, const Done& b) {
-    if (a.first != b.first) return a.first < b.first;
-    return mesh_of(a).ids_of(a.triangle) < mesh_of(b).ids_of(b.triangle);
-  });
-  for (const Done& done : done_) {
-    out_.add_triangle(mesh_of(done), done.triangle, done.intersects != 0);
-    count_samples(mesh_of(done), done.triangle);
-  }
-  done_.clear();
-  refined_.clear();
-}
-
-void RangeRefiner::count_samples(const RefineMesh& mesh, std::uint32_t t) {
-  const LatticeTriangle shape = mesh.shape(t);
-  each_sample(mesh, t, [&](const SurfaceSample& s) {
-    counts_.add_distance(std::sqrt(squared_distance(s.point, shape)));
-  });
+    if (home_of(mesh_, t, cubes_) == cube && !lies_in(mesh_, t, box)) leaving.push_back(t);
+  refiner_.refine({box, triangles, leaving, fixed_});
 }
 
 }  // namespace
@@ -300,8 +172,8 @@ std::uint64_t refine_bytes(const MeshSize& all, const MeshSize& own) {
       mesh_bytes(own.vertices, own.triangles, own.samples, own.sided) + own.triangles * 32;
   const std::uint64_t out = gather_bytes(own.vertices, own.triangles, own.samples, own.sided);
   // EditMesh and the queue of edges of one part.
-  const std::uint64_t part = std::min<std::uint64_t>(all.triangles, most_triangles) * 320 +
-                             std::min<std::uint64_t>(all.sided, most_triangles) * 32;
+  const std::uint64_t part = std::min<std::uint64_t>(all.triangles, most_part_triangles) * 320 +
+                             std::min<std::uint64_t>(all.sided, most_part_triangles) * 32;
   return sorting + done + out + part;
 }
 

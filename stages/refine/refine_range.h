@@ -13,7 +13,7 @@
 
 namespace voxweld {
 
-// mend: of repair only what is done about triangles that intersect, where there are any.
+// mend: of repair only what is done about triangles that intersect (mend_box.h).
 enum class RefineMode : std::uint8_t { repair, collapse, mend };
 enum class IntersectionRule : std::uint8_t { none, report, ignore };
 
@@ -41,8 +41,15 @@ struct RefineCounts {
 
   void add(const RefineCounts& other);
   void add_distance(double distance);
+  // Of a sample that is counted anew.
+  void remove_distance(double distance);
+  // Of a mesh, parts of which are as mend has counted them.
+  RefineCounts patched_by(const RefineCounts& mended) const;
   // The distance that this part of all samples does not exceed, to the next bin's border.
   double quantile(double part) const;
+
+ private:
+  std::uint64_t& bin(double distance);
 };
 
 // Refines the cubes of `own`. Returns what is at home in them, with the vertices that it uses:

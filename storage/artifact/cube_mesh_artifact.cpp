@@ -12,7 +12,8 @@ enum CubeMeshSection : std::uint64_t {
   cube_pieces_section,
   cube_counted_section,
   cube_blocks_section,
-  cube_changes_section
+  cube_changes_section,
+  cube_intersecting_section
 };
 
 constexpr const char* contradicting = "its sections contradict each other";
@@ -20,6 +21,7 @@ constexpr const char* contradicting = "its sections contradict each other";
 static_assert(sizeof(CubePieceRecord) == 3 * 8 + 2 * 32 + 24);
 static_assert(sizeof(CubeMeshSummary) == 8 + 32 + 8 + 2 * 16 + 2 * 24);
 static_assert(sizeof(SurfaceSample) == 16);
+static_assert(sizeof(IntersectionRecord) == 8 + 24 + 8);
 
 std::uint64_t part_section(std::size_t piece, CubePart part) {
   return (std::uint64_t{piece} + 1) << 8 | static_cast<std::uint64_t>(part);
@@ -126,15 +128,14 @@ void CubeMeshWriter::piece(CubeKey key, Index3 cube, const RefineMesh& inside,
   pieces_.push_back(record);
 }
 
-Hash128 CubeMeshWriter::finish(std::span<const std::byte> counted,
-                               std::span<const BlockRecord> blocks,
-                               std::span<const LabelChange> changes) {
+Hash128 CubeMeshWriter::finish(const CubeMeshTables& tables) {
   summary_.pieces = pieces_.size();
   file_.section(cube_summary_section, as_record(summary_));
   file_.section(cube_pieces_section, as_section(pieces_));
-  file_.section(cube_counted_section, counted);
-  file_.section(cube_blocks_section, std::as_bytes(blocks));
-  file_.section(cube_changes_section, std::as_bytes(changes));
+  file_.section(cube_counted_section, tables.counted);
+  file_.section(cube_blocks_section, std::as_bytes(tables.blocks));
+  file_.section(cube_changes_section, std::as_bytes(tables.changes));
+  file_.section(cube_intersecting_section, std::as_bytes(tables.intersecting));
   return file_.commit();
 }
 
@@ -181,6 +182,10 @@ std::vector<BlockRecord> CubeMeshArtifact::blocks() const {
 
 std::vector<LabelChange> CubeMeshArtifact::changes() const {
   return file_.read_array<LabelChange>(cube_changes_section);
+}
+
+std::vector<IntersectionRecord> CubeMeshArtifact::intersecting() const {
+  return file_.read_array<IntersectionRecord>(cube_intersecting_section);
 }
 
 }  // namespace voxweld

@@ -1,11 +1,13 @@
 // A part of a surface's mesh, sorted by the cubes its triangles are at home in: what passes between
-// stitch, refine, seams, mend and retile. With labels.mode = "each" parts of the surfaces of some labels.
+// stitch, refine, seams, mend and retile. With labels.mode = "each" parts of the surfaces of some
+// labels. Mend's has only the pieces that are to stand in place of those that seams left.
 // Kind "cubm", a container with these sections:
 //   1                    CubeMeshSummary (one)
 //   2                    CubePieceRecord of each piece, ascending by label, code and cube
 //   3                    what its maker counted, plain data of that maker, or empty
 //   4                    BlockRecord of each block with a triangle, ascending by label and code
 //   5                    LabelChange of each label that lost vertices, ascending
+//   6                    of seams IntersectionRecord of each triangle that still intersects another
 //   (piece + 1) << 8 | 1 of the piece's triangles those inside the cube, where there are any
 //   (piece + 1) << 8 | 2 and those that leave it
 // A part stands for itself:
@@ -25,7 +27,7 @@
 namespace voxweld {
 
 inline constexpr std::array<char, 4> cube_mesh_kind = {'c', 'u', 'b', 'm'};
-inline constexpr std::uint32_t cube_mesh_version = 2;
+inline constexpr std::uint32_t cube_mesh_version = 3;
 
 struct PartCounts {
   std::uint64_t vertices = 0, triangles = 0, samples = 0;
@@ -60,7 +62,8 @@ struct CubePieceRecord {
   CubeKey key() const { return {label, code}; }
 };
 
-// The triangles of one block of cells (stages/refine/retile.h).
+// The triangles of one block of cells (stages/refine/retile.h). Of mend how many more there are than
+// seams counted, modulo 2^64.
 struct BlockRecord {
   Material label = 0;
   std::uint64_t code = 0;  // Morton code of its lowest finest cell
@@ -75,12 +78,28 @@ struct LabelChange {
   friend bool operator==(const LabelChange&, const LabelChange&) = default;
 };
 
+// A triangle that still intersects another.
+struct IntersectionRecord {
+  Material label = 0;
+  LatticeBox box;            // around it
+  std::uint64_t around = 0;  // triangles at home in the same cube of the pass
+  friend bool operator==(const IntersectionRecord&, const IntersectionRecord&) = default;
+};
+
 struct CubeMeshSummary {
   std::uint64_t pieces = 0;
   PartCounts all;               // vertices once for each part that has them
   std::uint64_t leaving = 0;    // triangles
   CubeKey lowest, highest;      // where there are pieces
   LatticeBox box, leaving_box;  // where there are such triangles
+};
+
+// What stands in an artifact beside its pieces.
+struct CubeMeshTables {
+  std::span<const std::byte> counted;  // as section 3
+  std::span<const BlockRecord> blocks = {};
+  std::span<const LabelChange> changes = {};
+  std::span<const IntersectionRecord> intersecting = {};
 };
 
 class CubeMeshWriter {
@@ -90,9 +109,7 @@ class CubeMeshWriter {
 
   // Ascending by key, then by cube.
   void piece(CubeKey key, Index3 cube, const RefineMesh& inside, const RefineMesh& leaving);
-  // counted: as section 3.
-  Hash128 finish(std::span<const std::byte> counted, std::span<const BlockRecord> blocks,
-                 std::span<const LabelChange> changes);
+  Hash128 finish(const CubeMeshTables& tables);
 
  private:
   PartCounts part(CubePart which, const RefineMesh& mesh);
@@ -119,6 +136,7 @@ class CubeMeshArtifact : public OpenArtifact {
   }
   std::vector<BlockRecord> blocks() const;
   std::vector<LabelChange> changes() const;
+  std::vector<IntersectionRecord> intersecting() const;
 
  private:
   CubeMeshSummary summary_;

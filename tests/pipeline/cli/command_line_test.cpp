@@ -67,7 +67,8 @@ TEST(CommandLine, SettingsInAllThreeForms) {
 TEST(CommandLine, SettingsOfOneKeyOrTable) {
   const std::string all = run_voxweld({"settings"}).out;
   const std::string key = run_voxweld({"settings", "simplify.tolerance"}).out;
-  EXPECT_THAT(key, ::testing::StartsWith("[simplify] How far to simplify it.\n  tolerance: "));
+  EXPECT_THAT(key,
+              ::testing::StartsWith("[simplify] How far to simplify the mesh.\n  tolerance: "));
   EXPECT_THAT(key, HasSubstr("default: 0.1; re-runs: build"));
   EXPECT_THAT(key, ::testing::Not(HasSubstr("metric")));
   const std::string table = run_voxweld({"settings", "surface"}).out;

@@ -10,7 +10,6 @@ namespace fs = std::filesystem;
 const Settings many_labels = {
     "labels.mode=each", "simplify.refine=collapse",  "simplify.tolerance=0.3",  "work.brick=16",
     "work.shard=2",     "output.tile_vertices=1024", "output.formats=[\"drc\"]"};
-const std::vector<std::string> stages_of_refine = {"refine", "seams", "mend", "retile"};
 
 // Some labels of several tiles, and balls that are not.
 RawVolume label_mix() {
@@ -72,18 +71,12 @@ TEST(LabelRefineWork, StageByStageAndInSharesItIsTheSame) {
 
 TEST(LabelRefineWork, GoesOnWhereItStopped) {
   const Scene scene(label_mix());
-  expect_goes_on(scene, many_labels, scene.clean_tree(many_labels), stages_of_refine);
+  expect_goes_on(scene, many_labels, scene.clean_tree(many_labels), refine_stages);
 }
 
 TEST(LabelRefineWork, DamageIsFoundAndMended) {
   const Scene scene(label_mix());
-  expect_damage_is_mended(scene, many_labels, 3,
-                          {{"stitch", ".cubes", "refine"},
-                           {"refine", ".cubes", "seams"},
-                           {"seams", ".cubes", "mend"},
-                           {"mend", ".cubes", "retile"},
-                           {"retile", "tile.plan", "encode"},
-                           {"retile", ".tile", "encode"}});
+  expect_damage_is_mended(scene, many_labels, 3, refine_artifacts);
 }
 
 TEST(LabelRefineWork, KilledItLosesNothing) {

@@ -11,6 +11,8 @@
 
 namespace voxweld::testing {
 
+inline const std::vector<std::string> refine_stages = {"refine", "seams", "mend", "retile"};
+
 inline std::vector<std::filesystem::path> artifacts_of(const Scene& scene, const std::string& stage,
                                                        const std::string& ending) {
   std::vector<std::filesystem::path> found = files_ending(scene.work(), ending);
@@ -38,6 +40,11 @@ inline void expect_goes_on(const Scene& scene, const Settings& settings, const T
 struct ReadArtifact {
   std::string stage, ending, reader;
 };
+
+inline const std::vector<ReadArtifact> refine_artifacts = {
+    {"stitch", ".cubes", "refine"},    {"refine", ".cubes", "seams"},
+    {"seams", ".cubes", "mend"},       {"mend", ".cubes", "retile"},
+    {"retile", "tile.plan", "encode"}, {"retile", ".tile", "encode"}};
 
 // Changes a byte of one of each, some times, and runs again.
 inline void expect_damage_is_mended(const Scene& scene, const Settings& settings, int times,

@@ -111,7 +111,7 @@ TEST(RefinedGoldens, OfEveryStage) {
   VOXWELD_EXPECT_DONE(scene.run({"simplify.refine=collapse", "work.brick=16", "work.shard=2",
                                  "output.tile_vertices=1024", "simplify.tolerance=0.2"}));
   constexpr std::uint32_t version = refine_version << 16 | cube_mesh_version;
-  expect_recorded({"stitch, refine, seams and mend", 262146, "3663bb56ba31c963e8a466d7962090ec"},
+  expect_recorded({"stitch, refine, seams and mend", 327683, "04cd0855bfdbb5517eb69176cd8c8fbf"},
                   version,
                   hash_of(files_ending(scene.work(), ".cubes"), cube_mesh_kind, cube_mesh_version));
   expect_recorded({"retile", 5, "4e04ab32f7def4fd571f7f6e9a529e55"}, tile_version,
@@ -149,13 +149,13 @@ void expect_refined_labels(const char* mode, const Golden& cubes, const Golden& 
 
 TEST(RefinedGoldens, OfEachLabel) {
   expect_refined_labels(
-      "each", {"stitch, refine, seams and mend", 262146, "bb3702820e329c2214e425cd959e3af2"},
+      "each", {"stitch, refine, seams and mend", 327683, "1d1e4353453b0d09238858404eafd8fd"},
       {"retile", 5, "cb6031810b28194a28b2cffc63e5aa5b"});
 }
 
 TEST(RefinedGoldens, OfSharedLabels) {
   expect_refined_labels(
-      "shared", {"stitch, refine, seams and mend", 262146, "5fa1b6014c02bb19e9524b64a9c52cce"},
+      "shared", {"stitch, refine, seams and mend", 327683, "b212a59f9fa6a43d3f6537b6608733b7"},
       {"retile", 5, "57496308a28758f3589cbf3609d85daf"});
 }
 

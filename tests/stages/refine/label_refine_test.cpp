@@ -131,17 +131,13 @@ void check(const LabelCase& c, LabelTotals& totals) {
   const std::size_t pairs = pairs_in(mesh);
   const RefineParameters refine = testing::refining(made.frame, c.tolerance, c.mode);
   std::size_t left = pairs;
-  for (int pass = 0; pass < refine_passes; ++pass) {
-    RefineCounts counts;
-    mesh = refine_range(mesh, CubeLattice(made.frame, pass), {}, testing::of_pass(pass, refine),
-                        counts);
-    EXPECT_EQ(counts.pairs_before, left);
+  testing::refine_all(mesh, made.frame, refine, [&](const RefineCounts& counts) {
     left = pairs_in(mesh);
     EXPECT_EQ(counts.pairs_left, left);
     if (c.mode == RefineMode::collapse && pairs == 0 && c.tolerance < 100) {
       EXPECT_LE(counts.worst, refine.tolerance * (1 + 1e-9));
     }
-  }
+  });
   ASSERT_EQ(mesh.sides.size(), mesh.triangles.size());
   const testing::Complex after = complex_of_mesh(mesh);
   EXPECT_EQ(after.mesh.vertices.size(), mesh.positions.size()) << "two vertices at one place";
@@ -233,11 +229,7 @@ TEST(LabelRefine, EachSheetStaysNearWhereItWas) {
     refine.intersections = IntersectionRule::ignore;
     RefineMesh mesh = made.mesh;
     mesh.aims.clear();  // to which they would go from places that are none of the surface
-    for (int pass = 0; pass < refine_passes; ++pass) {
-      RefineCounts counts;
-      mesh = refine_range(mesh, CubeLattice(made.frame, pass), {}, testing::of_pass(pass, refine),
-                          counts);
-    }
+    testing::refine_all(mesh, made.frame, refine, [](const RefineCounts&) {});
     std::map<MaterialPair, std::vector<LatticeTriangle>> sheets;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       sheets[mesh.sides[t]].push_back(mesh.shape(t));

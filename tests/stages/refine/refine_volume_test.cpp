@@ -6,6 +6,8 @@
 
 #include "stages/exact/intersections.h"
 #include "stages/refine/refine_range.h"
+#include "stages/refine/repair.h"
+#include "stages/refine/untie.h"
 #include "tests/stages/refine/volume_mesh.h"
 #include "tests/support/mesh_check.h"
 
@@ -54,16 +56,13 @@ void check(const Case& c, Totals& totals) {
   const std::size_t triangles = mesh.triangles.size(), pairs = pairs_of(mesh);
   const RefineParameters refine = testing::refining(frame, c.tolerance, c.mode);
   std::size_t left = pairs;
-  for (int pass = 0; pass < refine_passes; ++pass) {
-    RefineCounts counts;
-    mesh = refine_range(mesh, CubeLattice(frame, pass), {}, testing::of_pass(pass, refine), counts);
-    EXPECT_EQ(counts.pairs_before, left);
+  testing::refine_all(mesh, frame, refine, [&](const RefineCounts& counts) {
     left = pairs_of(mesh);
     EXPECT_EQ(counts.pairs_left, left);
     if (c.mode == RefineMode::repair) {
       EXPECT_GE(mesh.triangles.size(), triangles * 9 / 10);
     }
-  }
+  });
   const testing::WeldedMesh seen = welded(mesh);
   EXPECT_EQ(seen.vertices.size(), mesh.positions.size()) << "two vertices at one place";
   EXPECT_TRUE(testing::check_edges(seen.triangles).closed());
@@ -84,47 +83,67 @@ TEST(RefineVolume, WhatIsLeftIsCounted) {
   check({{24, true, 55}, 0.5, RefineMode::repair}, totals);
 }
 
-// What lies at a border of each of the first two passes is fixed in both. Small cubes have much of that.
-TEST(RefineVolume, AThirdPassMendsWhatTwoMayNotChange) {
+// What lies at borders of both passes is fixed in both. Small cubes have much of that.
+TEST(RefineVolume, MendReachesWhatThePassesMayNotChange) {
   testing::VolumeMesh made = testing::mesh_of_volume({34, true, 7}, 0.2);
   made.frame.level = 4;
   const RefineParameters refine = testing::refining(made.frame, 0.2, RefineMode::collapse);
-  std::vector<RefineCounts> counts(refine_passes);
   RefineMesh mesh = made.mesh;
-  for (int pass = 0; pass < refine_passes; ++pass)
-    mesh = refine_range(mesh, CubeLattice(made.frame, pass), {}, testing::of_pass(pass, refine),
-                        counts[static_cast<std::size_t>(pass)]);
-  EXPECT_GT(counts[1].pairs_left, 20u);
-  EXPECT_EQ(counts[2].pairs_before, counts[1].pairs_left);
-  EXPECT_LT(counts[2].pairs_left * 3, counts[1].pairs_left);
-  EXPECT_EQ(pairs_of(mesh), counts[2].pairs_left);
-  EXPECT_GT(counts[2].moves + counts[2].flips + counts[2].collapses, 0u);
+  std::vector<std::uint64_t> left;
+  testing::refine_all(mesh, made.frame, refine,
+                      [&](const RefineCounts& counts) { left.push_back(counts.pairs_left); });
+  ASSERT_EQ(left.size(), 3u);
+  EXPECT_GT(left[1], 20u);
+  EXPECT_LT(left[2] * 3, left[1]);
+  EXPECT_EQ(pairs_of(mesh), left[2]);
 }
 
 // Nothing is done where nothing intersects, and what was collapsed stays.
-TEST(RefineVolume, AThirdPassLeavesWhatIsSoundAsItIs) {
+TEST(RefineVolume, MendLeavesWhatIsSoundAsItIs) {
   const testing::VolumeMesh made = testing::mesh_of_volume({40, false, 3}, 0.1);
+  const RefineParameters refine = testing::refining(made.frame, 0.1, RefineMode::mend);
   RefineMesh mesh = made.mesh;
-  const RefineParameters refine = testing::refining(made.frame, 0.1, RefineMode::collapse);
-  for (int pass = 0; pass < 2; ++pass) {
-    RefineCounts counts;
-    mesh = refine_range(mesh, CubeLattice(made.frame, pass), {}, refine, counts);
-    if (pass == 1) {
-      ASSERT_EQ(counts.pairs_left, 0u);
-    }
-  }
   RefineCounts counts;
-  const RefineMesh after =
-      refine_range(mesh, CubeLattice(made.frame, 2), {}, testing::of_pass(2, refine), counts);
-  EXPECT_EQ(counts.collapses + counts.moves + counts.flips, 0u);
-  EXPECT_EQ(after.triangles.size(), mesh.triangles.size());
+  for (int pass = 0; pass < refine_passes; ++pass)
+    mesh = refine_range(mesh, CubeLattice(made.frame, pass), {},
+                        testing::refining(made.frame, 0.1, RefineMode::collapse), counts);
+  ASSERT_TRUE(mesh.intersecting.empty());
+  EXPECT_TRUE(mend_boxes({}, made.frame).empty());
+  RefineCounts none;
+  const LatticeBox all = LatticeBox::around(mesh.positions);
+  const RefineMesh after = mend_box(mesh, all, refine, none);
+  EXPECT_EQ(none.collapses + none.moves + none.flips + none.pairs_before + none.pairs_left, 0u);
+  for (const std::uint64_t more : none.distances) EXPECT_EQ(more, 0u);
   const auto ids = [](const RefineMesh& m) {
-    std::vector<std::array<VertexId, 3>> all;
-    for (std::size_t t = 0; t < m.triangles.size(); ++t) all.push_back(m.ids_of(t));
-    std::sort(all.begin(), all.end());
-    return all;
+    std::vector<std::array<VertexId, 3>> list;
+    for (std::size_t t = 0; t < m.triangles.size(); ++t) list.push_back(m.ids_of(t));
+    std::sort(list.begin(), list.end());
+    return list;
   };
   EXPECT_EQ(ids(after), ids(mesh));
+}
+
+// Every single change around them leaves as many pairs or more.
+TEST(RefineVolume, UntiesWhatNoSingleChangeMends) {
+  const testing::VolumeMesh made = testing::mesh_of_volume({12, true, 13}, 0.02);
+  const RefineParameters refine = testing::refining(made.frame, 0.02, RefineMode::mend);
+  EditMesh edit(made.mesh, LatticeBox::around(made.mesh.positions));
+  edit.set_intersecting(edit.find_intersecting());
+  RefineCounts counts;
+  repair_intersections(edit, refine, counts);
+  EXPECT_GT(edit.count_pairs(), 0u);
+  RefineCounts untied;
+  untie_intersections(edit, refine, untied);
+  EXPECT_EQ(edit.count_pairs(), 0u);
+  EXPECT_GT(untied.moves + untied.flips + untied.collapses, 1u);
+  const RefineMesh mesh = std::move(edit).take();
+  EXPECT_EQ(pairs_of(mesh), 0u);
+  EXPECT_TRUE(mesh.intersecting.empty());
+  const testing::WeldedMesh seen = welded(mesh);
+  EXPECT_TRUE(testing::check_edges(seen.triangles).closed());
+  EXPECT_TRUE(testing::nonmanifold_vertices(seen.triangles).empty());
+  EXPECT_EQ(testing::euler_characteristic(seen.triangles),
+            testing::euler_characteristic(made.mesh.triangles));
 }
 
 TEST(RefineVolume, RandomVolumesStaySoundAndLoseTheirIntersections) {

@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 
-#include "stages/refine/refine_range.h"
+#include "stages/refine/box_refiner.h"
+#include "stages/refine/mend_box.h"
+#include "stages/refine/mend_boxes.h"
 #include "stages/refine/retile.h"
 #include "stages/stitch/lattice_plan.h"
 #include "tests/support/contour_in_memory.h"
@@ -71,10 +74,45 @@ inline RefineParameters refining(const RefineFrame& frame, double tolerance, Ref
   return refine;
 }
 
-// As the passes of a run have them.
-inline RefineParameters of_pass(int pass, RefineParameters refine) {
-  if (pass == 2) refine.mode = RefineMode::mend;
-  return refine;
+// What mend makes of a mesh that both passes have left.
+inline RefineMesh mended(const RefineMesh& mesh, const RefineFrame& frame, RefineParameters refine,
+                         RefineCounts& counts) {
+  refine.mode = RefineMode::mend;
+  const CubeLattice cubes(frame, refine_passes - 1);
+  std::map<std::uint64_t, std::uint64_t> around;
+  const auto cube_of = [&](std::size_t t) { return morton_encode(home_of(mesh, t, cubes)); };
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) ++around[cube_of(t)];
+  std::vector<IntersectionPlace> places;
+  for (const std::uint32_t t : mesh.intersecting)
+    places.push_back({mesh.box(t), around[cube_of(t)]});
+  const std::vector<LatticeBox> boxes = mend_boxes(places, frame);
+  MeshGather whole;
+  for (const LatticeBox& box : boxes) {
+    MeshGather near;
+    near.add(mesh, [&](std::size_t t) { return mesh.box(t).meets(box); });
+    whole.add(mend_box(near.take(), box, refine, counts));
+  }
+  whole.add(mesh, [&](std::size_t t) {
+    return std::ranges::none_of(boxes,
+                                [&](const LatticeBox& box) { return lies_in(mesh, t, box); });
+  });
+  return whole.take();
+}
+
+// All that a run does, one after the other; after(counts) of the mesh as it is then.
+template <class F>
+void refine_all(RefineMesh& mesh, const RefineFrame& frame, const RefineParameters& refine,
+                F&& after) {
+  RefineCounts last;
+  for (int pass = 0; pass < refine_passes; ++pass) {
+    last = {};
+    mesh = refine_range(mesh, CubeLattice(frame, pass), {}, refine, last);
+    after(last);
+  }
+  if (refine.intersections != IntersectionRule::none) return;
+  RefineCounts counts;
+  mesh = mended(mesh, frame, refine, counts);
+  after(last.patched_by(counts));
 }
 
 }  // namespace voxweld::testing

@@ -47,7 +47,8 @@ class CubeMeshFile : public ::testing::Test {
     const Counted counted{11, 12};
     const std::vector<BlockRecord> blocks = {{0, 64, 1}, {7, 0, 3}};
     const std::vector<LabelChange> changes = {{7, 5}};
-    return out.finish(as_record(counted), blocks, changes);
+    const std::vector<IntersectionRecord> places = {{7, {{1, 2, 3}, {4, 5, 6}}, 2}};
+    return out.finish({as_record(counted), blocks, changes, places});
   }
   void expect_damaged() const {
     EXPECT_THROW(
@@ -56,6 +57,7 @@ class CubeMeshFile : public ::testing::Test {
           file.counted<Counted>();
           file.blocks();
           file.changes();
+          file.intersecting();
           for (std::size_t i = 0; i < file.pieces().size(); ++i) {
             file.read(i, CubePart::inside);
             file.read(i, CubePart::leaving);
@@ -88,6 +90,7 @@ TEST_F(CubeMeshFile, ReadsBack) {
   EXPECT_EQ(file.counted<Counted>().b, 12u);
   EXPECT_EQ(file.blocks()[1], (BlockRecord{7, 0, 3}));
   EXPECT_EQ(file.changes(), std::vector<LabelChange>({{7, 5}}));
+  EXPECT_EQ(file.intersecting(), std::vector<IntersectionRecord>({{7, {{1, 2, 3}, {4, 5, 6}}, 2}}));
 
   const auto& piece = file.pieces()[2];
   EXPECT_EQ(piece.key(), (CubeKey{7, 1}));
@@ -115,7 +118,7 @@ TEST_F(CubeMeshFile, PartsHaveTheirHashes) {
 }
 
 TEST_F(CubeMeshFile, MayBeEmpty) {
-  CubeMeshWriter(path(), {5, 6}).finish({}, {}, {});
+  CubeMeshWriter(path(), {5, 6}).finish({});
   const CubeMeshArtifact file(path());
   EXPECT_EQ(file.summary().pieces, 0u);
   EXPECT_TRUE(file.pieces().empty());
@@ -143,7 +146,7 @@ TEST_F(CubeMeshFile, PiecesMustAscend) {
   out.piece({5, 3}, {1, 1, 0}, triangle({1, 2, 3}, false, 0), {});
   out.piece({4, 9}, {1, 0, 1}, triangle({4, 5, 6}, false, 0), {});
   const Counted counted;
-  out.finish(as_record(counted), {}, {});
+  out.finish({as_record(counted)});
   expect_damaged();
 }
 
@@ -153,7 +156,7 @@ TEST_F(CubeMeshFile, NumbersThatNameNothingAreRefused) {
     CubeMeshWriter out(path(), {});
     out.piece({}, {}, mesh, {});
     const Counted counted;
-    out.finish(as_record(counted), {}, {});
+    out.finish({as_record(counted)});
     expect_damaged();
   };
   RefineMesh mesh = triangle({1, 2, 3}, true, 1);

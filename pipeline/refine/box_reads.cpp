@@ -1,0 +1,78 @@
+#include "pipeline/refine/box_reads.h"
+
+#include <algorithm>
+
+#include "stages/refine/mesh_part.h"
+
+namespace voxweld {
+
+void MendPlan::make() {
+  std::map<Material, std::vector<IntersectionPlace>> places;
+  for (const CubeMeshes::Entry& entry : meshes_.entries())
+    for (const IntersectionRecord& record : entry.intersecting)
+      places[record.label].push_back({record.box, record.around});
+  for (const auto& [label, of_label] : places) {
+    for (const LatticeBox& box : mend_boxes(of_label, frame_)) {
+      const auto number = static_cast<std::uint32_t>(boxes_.size());
+      const Index3 lo = cubes_.cube_of(box.lo), hi = cubes_.cube_of(box.hi);
+      boxes_.push_back({label, box, {label, cubes_.code(lo)}});
+      each_index({lo, hi + splat(1)}, [&](Index3 cube) {
+        reached_.emplace_back(CubeKey{label, cubes_.code(cube)}, number);
+      });
+    }
+  }
+  std::ranges::sort(reached_);
+}
+
+std::vector<MendBox> MendPlan::boxes(const CubeKey& begin, const CubeKey& end) {
+  std::call_once(made_, [&] { make(); });
+  std::vector<std::uint32_t> numbers;
+  auto at = std::ranges::lower_bound(reached_, begin, {}, [](const auto& r) { return r.first; });
+  for (; at != reached_.end() && at->first < end; ++at) numbers.push_back(at->second);
+  std::ranges::sort(numbers);
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  std::vector<MendBox> boxes;
+  boxes.reserve(numbers.size());
+  for (const std::uint32_t number : numbers) boxes.push_back(boxes_[number]);
+  return boxes;
+}
+
+BoxReads::BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const MendBox& box)
+    : meshes_(meshes), box_(box) {
+  const CubeKey begin{box.label, 0}, end{box.label, CubeRange{}.end};
+  const Box3 near{cubes.cube_of(box.box.lo), cubes.cube_of(box.box.hi) + splat(1)};
+  const auto& entries = meshes.entries();
+  const auto add = [&](const Read& read, const PartCounts& counts) {
+    parts_.push_back(read);
+    all_ += counts;
+    largest_part_ = std::max(largest_part_, part_bytes(counts));
+  };
+  meshes.spans().each(begin, end, [&](std::size_t i) {
+    if (!entries[i].summary.box.meets(box.box)) return;
+    each_piece_of(*meshes.open(i), begin, end, [&](std::size_t p, const CubePieceRecord& piece) {
+      if (piece.inside.triangles > 0 && near.contains(morton_decode(piece.cube)))
+        add({i, p, CubePart::inside}, piece.inside);
+      if (piece.leaving.triangles > 0 && piece.leaving_box.meets(box.box))
+        add({i, p, CubePart::leaving}, piece.leaving);
+    });
+  });
+}
+
+void BoxReads::add_hashes(KeyHasher& key) const {
+  for (std::size_t a = 0; a < 3; ++a) key.integer(box_.box.lo[a]).integer(box_.box.hi[a]);
+  for (const Read& read : parts_)
+    key.hash(meshes_.open(read.artifact)->part_hash(read.piece, read.part));
+}
+
+RefineMesh BoxReads::read(const std::function<void()>& between) const {
+  MeshGather mesh;
+  mesh.reserve(all_.vertices, all_.triangles, all_.samples, all_.sided);
+  for (const Read& read : parts_) {
+    between();
+    const RefineMesh part = meshes_.open(read.artifact)->read(read.piece, read.part);
+    mesh.add(part, [&](std::size_t t) { return part.box(t).meets(box_.box); });
+  }
+  return mesh.take();
+}
+
+}  // namespace voxweld

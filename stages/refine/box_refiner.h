@@ -1,0 +1,85 @@
+// Refines boxes of a mesh one after the other, and puts together what comes of them.
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "stages/refine/mesh_part.h"
+#include "stages/refine/nearest_triangle.h"
+#include "stages/refine/refine_range.h"
+
+namespace voxweld {
+
+using TriangleNumbers = std::vector<std::uint32_t>;
+
+// A box that more triangles meet is done in eight parts, so that memory is bounded.
+inline constexpr std::size_t most_part_triangles = std::size_t{1} << 16;
+
+// Whether all corners do.
+bool lies_in(const RefineMesh& mesh, std::size_t triangle, const LatticeBox& box);
+
+// f(part, triangles) for the box, or for its parts where it is cut up because more triangles meet it
+// than memory should hold; with those of `meeting` that meet each. left(triangle) for what lies in the
+// box, but in no part.
+void each_part(const RefineMesh& mesh, const LatticeBox& box, const TriangleNumbers& meeting,
+               const std::function<void(const LatticeBox&, const TriangleNumbers&)>& f,
+               const std::function<void(std::uint32_t)>& left);
+
+class BoxRefiner {
+ public:
+  // All three outlive it.
+  BoxRefiner(const RefineMesh& mesh, const RefineParameters& parameters, RefineCounts& counts)
+      : mesh_(mesh), parameters_(parameters), counts_(counts), extract_(mesh) {}
+
+  // For what comes out.
+  void reserve(const MeshSize& size) {
+    out_.reserve(size.vertices, size.triangles, size.samples, size.sided);
+  }
+
+  struct Work {
+    const LatticeBox& box;
+    const TriangleNumbers& meeting;  // all triangles that meet it
+    const TriangleNumbers& others;   // that come out too, as they are
+    const TriangleNumbers& bad;  // ascending: of those that are fixed here the ones that intersect
+  };
+  // Triangles come out by their ids.
+  void refine(const Work& work);
+  RefineMesh take();
+
+ private:
+  // One triangle that comes out, before they are put in order.
+  struct Done {
+    std::uint32_t mesh : 31;  // 0: as it was, else of refined_, from 1 on
+    std::uint32_t intersects : 1;
+    std::uint32_t triangle;
+    VertexId first;  // of its corners, which mostly tells the order
+  };
+  const RefineMesh& mesh_of(const Done& done) const {
+    return done.mesh == 0 ? mesh_ : *refined_[done.mesh - 1];
+  }
+  void add_done(std::size_t mesh, std::uint32_t triangle, bool intersects);
+  bool stays(const TriangleNumbers& triangles) const;
+  void refine_part(const LatticeBox& box, const TriangleNumbers& triangles);
+  void put_out();
+
+  const RefineMesh& mesh_;
+  const RefineParameters& parameters_;
+  RefineCounts& counts_;
+  Extract extract_;
+  std::vector<std::unique_ptr<RefineMesh>> refined_;
+  std::vector<Done> done_;  // of the box at hand
+  MeshGather out_;
+};
+
+// f(distance) for each of a triangle's samples, from it.
+template <class F>
+void each_sample_distance(const RefineMesh& mesh, std::uint32_t triangle, F&& f) {
+  const LatticeTriangle shape = mesh.shape(triangle);
+  each_sample(mesh, triangle, [&](const SurfaceSample& sample) {
+    f(std::sqrt(squared_distance(sample.point, shape)));
+  });
+}
+
+}  // namespace voxweld

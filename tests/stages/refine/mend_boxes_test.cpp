@@ -1,0 +1,114 @@
+// The boxes of mend: apart from each other, with room around each place, and whatever order the places
+// come in.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "stages/refine/mend_boxes.h"
+#include "stages/stitch/lattice_plan.h"
+
+namespace voxweld {
+namespace {
+
+RefineFrame frame_of(std::int64_t side) {
+  return {plan_lattice({splat(side), {1, 1, 1}, 0.01}), {1, 1, 1}, {}, splat(side)};
+}
+
+std::int32_t cells(const RefineFrame& frame, double count) {
+  return static_cast<std::int32_t>(count / frame.lattice.step);
+}
+
+std::vector<IntersectionPlace> random_places(const RefineFrame& frame, std::size_t count,
+                                             double length, std::uint64_t around, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_int_distribution<std::int32_t> at(0, cells(frame, 480)),
+      side(1, cells(frame, length));
+  std::vector<IntersectionPlace> places(count);
+  for (IntersectionPlace& place : places) {
+    place.around = around;
+    for (std::size_t a = 0; a < 3; ++a) {
+      place.box.lo[a] = at(random);
+      place.box.hi[a] = place.box.lo[a] + side(random);
+    }
+  }
+  return places;
+}
+
+bool holds(const LatticeBox& box, const LatticeBox& inner) {
+  return box.contains(inner.lo) && box.contains(inner.hi);
+}
+
+void expect_apart(const std::vector<LatticeBox>& boxes) {
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    for (std::size_t j = i + 1; j < boxes.size(); ++j) EXPECT_FALSE(boxes[i].meets(boxes[j]));
+}
+
+TEST(MendBoxes, NoneForNothing) {
+  EXPECT_TRUE(mend_boxes({}, frame_of(512)).empty());
+}
+
+TEST(MendBoxes, APlaceHasRoomEvenAtBordersOfCubes) {
+  const RefineFrame frame = frame_of(512);
+  const std::int32_t border = CubeLattice(frame, 0).box({1, 1, 1}).lo[0];
+  const LatticeBox place{{border - 5, border - 5, border - 5},
+                         {border + 5, border + 5, border + 5}};
+  const auto boxes = mend_boxes({{place, 1000}}, frame);
+  ASSERT_EQ(boxes.size(), 1u);
+  const std::int32_t room = cells(frame, 4);
+  for (std::size_t a = 0; a < 3; ++a) {
+    EXPECT_LE(boxes[0].lo[a], place.lo[a] - room);
+    EXPECT_GE(boxes[0].hi[a], place.hi[a] + room);
+    EXPECT_LE(boxes[0].hi[a] - boxes[0].lo[a], 3 * (room + 20));
+  }
+}
+
+// Some near each other, some alone; long ones too.
+TEST(MendBoxes, AreApartAndHoldAllPlaces) {
+  const RefineFrame frame = frame_of(512);
+  const std::int32_t room = cells(frame, 4);
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    SCOPED_TRACE(seed);
+    const bool long_ones = seed % 2 != 0;
+    auto places =
+        random_places(frame, long_ones ? 4 + seed : 60 + 60 * seed, long_ones ? 60 : 3, 10, seed);
+    const auto boxes = mend_boxes(places, frame);
+    EXPECT_GT(boxes.size(), 1u);
+    EXPECT_LE(boxes.size(), places.size());
+    expect_apart(boxes);
+    for (const IntersectionPlace& place : places) {
+      LatticeBox with_room = place.box;
+      for (std::size_t a = 0; a < 3; ++a) {
+        with_room.lo[a] -= room;
+        with_room.hi[a] += room;
+      }
+      EXPECT_EQ(std::ranges::count_if(boxes, [&](const auto& b) { return holds(b, with_room); }),
+                1);
+    }
+    std::ranges::shuffle(places, std::mt19937(seed));
+    EXPECT_EQ(mend_boxes(places, frame), boxes);
+  }
+}
+
+// Everywhere, in a mesh of so many triangles that they cannot be done at once.
+TEST(MendBoxes, WhereManyRunTogetherTheyAreCut) {
+  const RefineFrame frame = frame_of(512);
+  const auto places = random_places(frame, 20000, 2, 500000, 1);
+  const auto boxes = mend_boxes(places, frame);
+  EXPECT_GT(boxes.size(), 400u);
+  expect_apart(boxes);
+  const std::int32_t side = cells(frame, 32) + 1;
+  for (const LatticeBox& box : boxes)
+    for (std::size_t a = 0; a < 3; ++a) EXPECT_LE(box.hi[a] - box.lo[a], side);
+  // All are met, and most lie within one.
+  std::ptrdiff_t within = 0;
+  for (const IntersectionPlace& place : places) {
+    EXPECT_TRUE(std::ranges::any_of(boxes, [&](const auto& b) { return b.meets(place.box); }));
+    within += std::ranges::count_if(boxes, [&](const auto& b) { return holds(b, place.box); });
+  }
+  EXPECT_GT(within, 16000);
+  EXPECT_LT(within, 20000);
+}
+
+}  // namespace
+}  // namespace voxweld
