@@ -11,8 +11,9 @@ void MendPlan::make() {
   for (const CubeMeshes::Entry& entry : meshes_.entries())
     for (const IntersectionRecord& record : entry.intersecting)
       places[record.label].push_back({record.box, record.around});
-  for (const auto& [label, of_label] : places) {
-    for (const LatticeBox& box : mend_boxes(of_label, frame_)) {
+  for (const auto& of_label : places) {
+    const Material label = of_label.first;
+    for (const LatticeBox& box : mend_boxes(of_label.second, frame_)) {
       const auto number = static_cast<std::uint32_t>(boxes_.size());
       const Index3 lo = cubes_.cube_of(box.lo), hi = cubes_.cube_of(box.hi);
       boxes_.push_back({label, box, {label, cubes_.code(lo)}});

@@ -35,18 +35,11 @@ Mended mended_in(const Scene& scene) {
   return mended;
 }
 
-Tree merged_mesh(const Tree& tree) {
-  Tree merged;
-  for (const char* name : {"mesh.drc", "mesh.glb"})
-    if (tree.contains(name)) merged[name] = tree.at(name);
-  return merged;
-}
-
-void expect_one_mend(const Scene& scene, const Settings& settings) {
+// Its files, of small tiles.
+Tree expect_one_mend(const Scene& scene, const Settings& settings) {
   const Settings small = settings + Settings{"output.tile_vertices=1024"};
-  const Tree tree = scene.expect_one_tree(
-      small,
-      {{"work.brick=16", "work.shard=2"}, {"work.brick=32", "work.shard=1", "run.threads=3"}});
+  Tree tree = scene.expect_one_tree(small, {{"work.brick=16", "work.shard=2"},
+                                            {"work.brick=32", "work.shard=1", "run.threads=3"}});
   VOXWELD_EXPECT_DONE(scene.run(small));
   const Mended mended = mended_in(scene);
   EXPECT_GT(mended.units, 1u);
@@ -55,13 +48,18 @@ void expect_one_mend(const Scene& scene, const Settings& settings) {
   EXPECT_LT(mended.counts.pairs_left * 4, mended.counts.pairs_before);
   const VerifyReport report = expect_good(scene.output());
   EXPECT_GT(report.triangles, 1000u);
+  return tree;
+}
+
+void expect_one_merged_mesh(const Scene& scene, const Settings& settings) {
+  const Tree tree = expect_one_mend(scene, settings);
   const Tree other = scene.clean_tree(settings + Settings{"output.tile_vertices=3000"});
-  EXPECT_EQ(difference(merged_mesh(tree), merged_mesh(other)), "");
+  EXPECT_EQ(difference(merged_files(tree), merged_files(other)), "");
 }
 
 TEST(MendRun, IsTheSameHoweverItIsCut) {
   const Scene scene(noise_at_borders(9, [](int any) { return any; }));
-  expect_one_mend(scene, {"surface.isovalue=100", "simplify.refine=collapse"});
+  expect_one_merged_mesh(scene, {"surface.isovalue=100", "simplify.refine=collapse"});
 }
 
 TEST(MendRun, OfEachLabelIsTheSameHoweverItIsCut) {
@@ -71,7 +69,7 @@ TEST(MendRun, OfEachLabelIsTheSameHoweverItIsCut) {
 
 TEST(MendRun, OfSharedLabelsIsTheSameHoweverItIsCut) {
   const Scene scene(noise_at_borders(5, [](int any) { return any / 90; }));
-  expect_one_mend(scene, {"labels.mode=shared", "simplify.refine=collapse"});
+  expect_one_merged_mesh(scene, {"labels.mode=shared", "simplify.refine=collapse"});
 }
 
 }  // namespace

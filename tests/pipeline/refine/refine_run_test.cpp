@@ -1,21 +1,12 @@
 // The refined mesh, end to end: the same however the work is cut, and sound.
 #include <fmt/format.h>
 
-#include "tests/pipeline/run/scene.h"
+#include "tests/pipeline/refine/refine_work.h"
 
 namespace voxweld::testing {
 namespace {
 
 const Settings refined = {"simplify.refine=collapse", "simplify.tolerance=0.3"};
-
-// The files of the merged mesh.
-Tree merged_files(const Tree& tree) {
-  Tree merged;
-  for (const char* name : {"mesh.drc", "mesh.glb"})
-    if (tree.contains(name)) merged[name] = tree.at(name);
-  EXPECT_EQ(merged.size(), 2u);
-  return merged;
-}
 
 class Refined : public ::testing::TestWithParam<const char*> {};
 

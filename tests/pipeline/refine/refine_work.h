@@ -22,6 +22,15 @@ inline std::vector<std::filesystem::path> artifacts_of(const Scene& scene, const
   return found;
 }
 
+// The files of the merged mesh.
+inline Tree merged_files(const Tree& tree) {
+  Tree merged;
+  for (const char* name : {"mesh.drc", "mesh.glb"})
+    if (tree.contains(name)) merged[name] = tree.at(name);
+  EXPECT_EQ(merged.size(), 2u);
+  return merged;
+}
+
 // Runs again after each of the stages was forgotten. What comes out of it is the same, so nothing
 // behind it is done again. clean: the output that there is to be.
 inline void expect_goes_on(const Scene& scene, const Settings& settings, const Tree& clean,
