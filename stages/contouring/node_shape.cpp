@@ -39,7 +39,8 @@ class ArcTable {
   ArcTable() {
     for (unsigned signs = 0; signs < 256; ++signs)
       for (int joined = 0; joined < 2; ++joined)
-        fill(static_cast<CellSigns>(signs), joined != 0, arcs_[static_cast<std::size_t>(joined)][signs]);
+        fill(static_cast<CellSigns>(signs), joined != 0,
+             arcs_[static_cast<std::size_t>(joined)][signs]);
   }
   const CellArcs& of(CellSigns signs, bool joined) const { return arcs_[joined][signs]; }
 
@@ -92,6 +93,12 @@ std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
 }
 
 }  // namespace
+
+bool is_sealed(int level, const NodeShape& shape) {
+  constexpr std::size_t most_clusters = 8, most_curves = 32, most_in_a_byte = 255;
+  if (level == 4) return shape.euler.size() >= most_in_a_byte;
+  return level > 4 && (shape.euler.size() > most_clusters || shape.curves.size() > most_curves);
+}
 
 void ShapeMerger::begin(CellKey node) {
   node_ = node;
@@ -247,8 +254,8 @@ void ShapeMerger::chain_face(int face) {
     if (new_curve_[chain] == no_cluster) {
       new_curve_[chain] = static_cast<std::uint32_t>(curves_.size());
       // Of a closed one `low` is the lowest crossing at which curves were joined, `high` unset.
-      curves_.push_back({none, none, first_cluster + curve.cluster,
-                         static_cast<std::uint16_t>(face), 1});
+      curves_.push_back(
+          {none, none, first_cluster + curve.cluster, static_cast<std::uint16_t>(face), 1});
     }
     FaceCurve& joined = curves_[new_curve_[chain]];
     if (curve.closed != 0) {

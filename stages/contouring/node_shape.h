@@ -20,41 +20,10 @@
 #include <vector>
 
 #include "stages/contouring/cell_topology.h"
+#include "storage/types/face_curve.h"
 #include "storage/types/morton.h"
 
 namespace voxweld {
-
-// A finest lattice edge with a sign change: its axis and its low end, a lattice point.
-struct Crossing {
-  std::uint64_t bits = 0;
-
-  static constexpr Crossing make(int axis, Index3 low) {
-    return {static_cast<std::uint64_t>(axis) << 60 | static_cast<std::uint64_t>(low.x) << 40 |
-            static_cast<std::uint64_t>(low.y) << 20 | static_cast<std::uint64_t>(low.z)};
-  }
-  constexpr int axis() const { return static_cast<int>(bits >> 60); }
-  constexpr std::int64_t operator[](int a) const {
-    return static_cast<std::int64_t>(bits >> (40 - 20 * a) & 0xfffff);
-  }
-  friend constexpr auto operator<=>(Crossing, Crossing) = default;
-};
-
-// Where a cluster meets a face of its node: a chain of arcs. It ends at crossings on the face's
-// border, or is closed. A face has the same curves for the nodes on both its sides.
-struct FaceCurve {
-  // Its ends, the lower first. Closed: one of the crossings it passes, twice, the same one seen
-  // from both sides.
-  Crossing low, high;
-  std::uint32_t cluster = 0;  // of the node
-  std::uint16_t face = 0;     // 2 a + s, as in cell_topology.h
-  std::uint16_t closed = 0;   // 1: it is
-};
-
-// An ambiguous finest face on the node's border, with an arc of each of these curves of its face.
-struct CurvePair {
-  std::uint32_t first = 0, second = 0;
-  friend constexpr auto operator<=>(const CurvePair&, const CurvePair&) = default;
-};
 
 // The clusters of a node that meet its border, in the order of their first finest cells and sheets.
 struct NodeShape {
@@ -63,17 +32,19 @@ struct NodeShape {
   std::span<const CurvePair> pairs;     // ascending
 };
 
+// Whether a node of this level has so many clusters or curves that it is blocked, and all above it:
+// so what must be kept of a node is bounded. It goes by the level and the shape alone, and so is the
+// same however the volume is cut. (Level 4 is that of the smallest bricks.)
+bool is_sealed(int level, const NodeShape& shape);
+
 // When a cluster may become a vertex. Each rule can be left out, to show what comes of it.
 struct ClusterRules {
-  bool disc = true;           // 1: its Euler number is 1
-  bool edge_once = true;      // 2: it crosses each of the node's 12 edges once at most
-  bool face_twice = true;     // 3: of a face it crosses no or two edges,
-  bool some_edge = true;      //    and of the node some
+  bool disc = true;            // 1: its Euler number is 1
+  bool edge_once = true;       // 2: it crosses each of the node's 12 edges once at most
+  bool face_twice = true;      // 3: of a face it crosses no or two edges,
+  bool some_edge = true;       //    and of the node some
   bool one_arc_a_face = true;  // 4: no ambiguous finest face on the border has both arcs in it
 };
-
-// A child's cluster that meets no face of the node: whole and closed.
-inline constexpr std::uint32_t no_cluster = 0xffffffffu;
 
 class ShapeMerger {
  public:
@@ -92,7 +63,8 @@ class ShapeMerger {
   NodeShape shape() const { return {euler_, curves_, pairs_}; }
   // Which of its clusters may become a vertex.
   bool may_collapse(std::size_t cluster) const { return allowed_[cluster] != 0; }
-  // Its cluster that holds the children's, these counted on from child to child by octant.
+  // Its cluster that holds the children's, these counted on from child to child by octant; none
+  // where they are a whole component of the surface, that meets no face of the node.
   std::span<const std::uint32_t> cluster_of() const { return cluster_of_; }
   // Whether some of these are in none.
   bool closes() const { return closes_; }

@@ -49,7 +49,14 @@ void NodeSolver::set_child(std::size_t lane, int octant, const Qef& child) {
 }
 
 void NodeSolver::merge(int child_level) {
-  const Vec3 half = half_side(child_level);
+  merge_from(half_side(child_level));
+}
+
+void NodeSolver::merge_in_place() {
+  merge_from({});
+}
+
+void NodeSolver::merge_from(Vec3 half) {
   if (parameters_.simplify.qef == QefForm::normal)
     merge_normal(children_, half, factors_);
   else

@@ -37,6 +37,7 @@ class NodeSolver {
   void clear_children();
   void set_child(std::size_t lane, int octant, const Qef& child);
   void merge(int child_level);  // children -> factors
+  void merge_in_place();        // the same of QEFs that all have the node's own centre
 
   void load(std::size_t lane, const Qef& qef);  // a stored QEF -> factor
 
@@ -55,6 +56,7 @@ class NodeSolver {
   }
 
  private:
+  void merge_from(Vec3 half);
   Vec3 half_side(int level) const {
     return parameters_.spacing * (0.5 * static_cast<double>(std::int64_t{1} << level));
   }

@@ -9,12 +9,6 @@
 namespace voxweld {
 namespace {
 
-int octant_in(CellKey parent, CellKey key) {
-  const int shift = parent.level - 1 - key.level;
-  return static_cast<int>((key.at.x >> shift & 1) | (key.at.y >> shift & 1) << 1 |
-                          (key.at.z >> shift & 1) << 2);
-}
-
 bool holds(CellKey node, CellKey key) {
   return node.cells().contains(key.cells());
 }
@@ -83,7 +77,7 @@ void OctreeReduction::open_down_to(CellKey parent) {
   if (open_.empty()) open_.push_back({root_, false, {}});
   while (open_.back().key.level > parent.level) {
     const CellKey key = open_.back().key;
-    const CellKey child = key.child(octant_in(key, parent));
+    const CellKey child = key.child(key.octant_of(parent));
     open_.push_back({child, false, {}});
   }
 }
@@ -106,7 +100,7 @@ void OctreeReduction::add_child(const NodeSummary& node) {
     settle(node, sink_);
     return;
   }
-  parent.children[static_cast<std::size_t>(octant_in(parent.key, node.key))] = node;
+  parent.children[static_cast<std::size_t>(parent.key.octant_of(node.key))] = node;
 }
 
 // A split node splits all its ancestors: what they kept back is final, the oldest first.

@@ -47,7 +47,7 @@ struct NormalClusters {
 };
 
 // A leaf inside a brick: Morton code of its lowest cell (24 bits), level (4 bits), sheet (2 bits),
-// and the sense of its vertex's normals (1 bit).
+// the sense of its vertex's normals (1 bit), and whether it shares its node with others (1 bit).
 struct LeafCode {
   std::uint32_t bits = 0;
   static constexpr LeafCode make(std::uint32_t code, int level, int sheet) {
@@ -59,6 +59,10 @@ struct LeafCode {
   constexpr LeafCode with(NormalSense sense) const {
     return {bits | static_cast<std::uint32_t>(sense) << 30};
   }
+  constexpr LeafCode sharing(bool shares) const {
+    return {bits | static_cast<std::uint32_t>(shares) << 31};
+  }
+  constexpr bool shares() const { return bits >> 31 != 0; }
   constexpr int sheet() const { return static_cast<int>(bits >> 28 & 3); }
   constexpr NormalSense sense() const { return static_cast<NormalSense>(bits >> 30 & 1); }
 };

@@ -59,6 +59,12 @@ struct CellKey {
     return {level - 1,
             {at.x * 2 + (octant & 1), at.y * 2 + (octant >> 1 & 1), at.z * 2 + (octant >> 2)}};
   }
+  // The child that holds a smaller cell. Precondition: this cell does.
+  constexpr int octant_of(const CellKey& inner) const {
+    const int shift = level - 1 - inner.level;
+    return static_cast<int>((inner.at.x >> shift & 1) | (inner.at.y >> shift & 1) << 1 |
+                            (inner.at.z >> shift & 1) << 2);
+  }
   friend constexpr bool operator==(const CellKey&, const CellKey&) = default;
 };
 

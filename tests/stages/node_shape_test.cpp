@@ -47,14 +47,13 @@ testing::SignGrid smooth(std::int64_t side, unsigned seed) {
   std::vector<Wave> waves(12);
   for (Wave& wave : waves)
     wave = {Vec3{unit(random), unit(random), unit(random)}, 3 * unit(random), unit(random)};
-  return {splat(side), [&](Index3 p) {
-            const Vec3 v{static_cast<double>(p.x), static_cast<double>(p.y),
-                         static_cast<double>(p.z)};
-            double sum = 0;
-            for (const Wave& wave : waves)
-              sum += wave.height * std::cos(dot(wave.way, v) + wave.phase);
-            return sum > 0;
-          }};
+  return {
+      splat(side), [&](Index3 p) {
+        const Vec3 v{static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
+        double sum = 0;
+        for (const Wave& wave : waves) sum += wave.height * std::cos(dot(wave.way, v) + wave.phase);
+        return sum > 0;
+      }};
 }
 
 // A third of each: noise, sparse noise, smooth fields.
@@ -301,8 +300,7 @@ std::map<DualCorner, std::uint32_t> vertices_of(const testing::SignGrid& grid,
   std::map<DualCorner, std::uint32_t> vertex;
   std::uint32_t next = 0;
   for (const auto& [cell, patches] : dual.cells)
-    for (std::size_t p = 0; p < patches.size(); ++p)
-      vertex[{cell, static_cast<int>(p)}] = next++;
+    for (std::size_t p = 0; p < patches.size(); ++p) vertex[{cell, static_cast<int>(p)}] = next++;
   ShapeTree(grid, dual, rules).each(root_of(grid), [&](const ShapeNode& node) {
     for (std::size_t c = 0; c < node.clusters.size(); ++c) {
       if (!node.allowed[c] || !wanted(node, c)) continue;
@@ -330,8 +328,8 @@ std::vector<testing::Triangle> mesh_of(const ReferenceDual& dual,
 }
 
 // Euler number of each component of the surface, by its first sheet.
-std::map<DualCorner, std::int64_t> euler_numbers(const ReferenceDual& dual,
-                                                 const std::map<DualCorner, std::uint32_t>& vertex) {
+std::map<DualCorner, std::int64_t> euler_numbers(
+    const ReferenceDual& dual, const std::map<DualCorner, std::uint32_t>& vertex) {
   std::map<DualCorner, DualCorner> parent;
   for (const auto& [sheet, v] : vertex) parent[sheet] = sheet;
   const auto root = [&](DualCorner sheet) {
@@ -363,7 +361,8 @@ struct Outcome {
 Outcome collapse(unsigned seed, std::int64_t side, const ClusterRules& rules, double share) {
   const testing::SignGrid grid = volume(seed, side);
   const ReferenceDual dual = testing::reference_dual(grid);
-  const auto fine = vertices_of(grid, dual, rules, [](const ShapeNode&, std::size_t) { return false; });
+  const auto fine =
+      vertices_of(grid, dual, rules, [](const ShapeNode&, std::size_t) { return false; });
   std::mt19937 random(seed);
   const auto vertex = vertices_of(grid, dual, rules, [&](const ShapeNode&, std::size_t) {
     return static_cast<double>(random() % 1000) < share * 1000;
@@ -371,8 +370,8 @@ Outcome collapse(unsigned seed, std::int64_t side, const ClusterRules& rules, do
   const auto triangles = mesh_of(dual, vertex);
   const testing::MeshSummary summary = testing::summarize(triangles);
   Outcome outcome{triangles.size(),
-                  summary.boundary_edges + summary.duplicated_edges +
-                      summary.nonmanifold_vertices + summary.degenerate_triangles,
+                  summary.boundary_edges + summary.duplicated_edges + summary.nonmanifold_vertices +
+                      summary.degenerate_triangles,
                   0};
   const auto before = euler_numbers(dual, fine), after = euler_numbers(dual, vertex);
   for (const auto& [first, euler] : before) outcome.changed += after.at(first) != euler ? 1 : 0;

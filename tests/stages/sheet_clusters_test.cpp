@@ -1,0 +1,322 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <random>
+
+#include "stages/build/brick_leaves.h"
+#include "stages/build/sheet_leaves.h"
+#include "stages/merge/cluster_reduction.h"
+#include "tests/support/contour_in_memory.h"
+#include "tests/support/mesh_check.h"
+
+namespace voxweld {
+namespace {
+
+using testing::MemoryVolume;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+MemoryVolume noise(std::int64_t side, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<float> normal;
+  return MemoryVolume::made<float>(splat(side), SampleType::f32,
+                                   [&](Index3) { return normal(random) - 0.8F; });
+}
+
+// Plates, some of them thinner than two voxels and at an angle, and smooth waves.
+MemoryVolume plates(std::int64_t side, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  struct Plate {
+    Vec3 normal;
+    double at = 0, half = 0;
+  };
+  std::vector<Plate> all(5);
+  for (Plate& plate : all) {
+    const Vec3 n{unit(random), unit(random), unit(random)};
+    plate = {n * (1 / std::sqrt(dot(n, n))), unit(random) * static_cast<double>(side) / 3,
+             0.6 + 2 * std::abs(unit(random))};
+  }
+  const double middle = static_cast<double>(side) / 2, reach = middle - 2.3;
+  return MemoryVolume::made<float>(splat(side), SampleType::f32, [&](Index3 s) {
+    const Vec3 p =
+        Vec3{static_cast<double>(s.x), static_cast<double>(s.y), static_cast<double>(s.z)} -
+        Vec3{middle, middle, middle};
+    double inside = -1e9;
+    for (const Plate& plate : all)
+      inside = std::max(inside, plate.half - std::abs(dot(plate.normal, p) - plate.at));
+    return static_cast<float>(
+        std::min(inside, reach - std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)})));
+  });
+}
+
+ContourParameters with(double tolerance) {
+  ContourParameters parameters;
+  parameters.surface.isovalue = {0.0};
+  parameters.surface.gradient = Gradient::subcell;
+  parameters.simplify.tolerance = tolerance;
+  return parameters;
+}
+
+// One brick on its way.
+struct Brick {
+  BrickFrame frame;
+  SignGrid signs;
+  ActiveCells cells;
+  HermiteEdges edges;
+  BrickClusters clusters;
+  SheetLeaves leaves;
+  BrickOctree octree;
+
+  Brick(const MemoryVolume& volume, const ContourParameters& parameters, CellKey key,
+        const BrickClusters::Options& options = {})
+      : frame{key.lo(), key.level, domain_level(volume.size)}, clusters(options) {
+    const HaloBlock block{volume.type,           volume.size,   {{}, volume.size},
+                          volume.samples.data(), volume.size.x, volume.size.x * volume.size.y};
+    const int side = frame.side();
+    signs.fill(block, frame.origin, side, parameters.surface);
+    cells.count(signs, side, {{}, splat(side)});
+    cells.find(signs);
+    octree.blocks.assign(std::size_t{1} << 3 * (key.level - block_level), {});
+    if (cells.size() == 0) return;
+    edges.compute(block, frame.origin, side, signs, parameters);
+    clusters.simplify(frame, signs, cells, edges, parameters);
+    leaves.collect(frame, cells, clusters, parameters, octree);
+  }
+};
+
+CellKey whole(const MemoryVolume& volume) {
+  return {std::max(domain_level(volume.size), min_brick_level), {}};
+}
+
+// A vertex as it is in the end, wherever it was found.
+struct FinalVertex {
+  int level = 0;
+  FirstSheet first;
+  std::array<float, 3> offset{};
+  std::array<PackedNormal, max_clusters> normals{};
+  bool shares = false;
+  friend bool operator==(const FinalVertex&, const FinalVertex&) = default;
+};
+using Sheet = std::pair<std::uint64_t, int>;  // Morton code of its cell, number
+using FinalSheets = std::map<Sheet, FinalVertex>;
+
+struct FinalOctree {
+  FinalSheets sheets;
+  LeafCounts counts;
+  std::map<std::uint64_t, std::uint32_t> planned;  // vertices by block
+  std::size_t above = 0;                           // sheets whose vertex lies above the bricks
+};
+
+FinalVertex vertex_of(const ClusterLeaf& leaf, bool covered) {
+  return {static_cast<int>(leaf.level), leaf.first, leaf.vertex.offset, leaf.vertex.normals,
+          leaf.shares != 0 || covered};
+}
+
+// By bricks of this level, put together in cubes of two bricks a side, and these in the whole.
+FinalOctree by_bricks(const MemoryVolume& volume, const ContourParameters& parameters, int level) {
+  FinalOctree all;
+  const CellKey root{std::max(domain_level(volume.size), level + 2), {}};
+  ClusterReduction top(root, domain_level(volume.size), parameters);
+  struct Shard {
+    std::vector<std::unique_ptr<Brick>> bricks;  // they point into themselves
+    std::vector<CellKey> keys;
+    ReducedNode node;
+  };
+  std::vector<Shard> shards;
+  const std::int64_t cubes = std::int64_t{1} << (root.level - level - 1);
+  for (std::uint64_t code = 0; code < static_cast<std::uint64_t>(cubes * cubes * cubes); ++code) {
+    const CellKey cube{level + 1, morton_decode(code)};
+    ClusterReduction reduction(cube, domain_level(volume.size), parameters);
+    Shard shard;
+    for (int octant = 0; octant < 8; ++octant) {
+      const CellKey key = cube.child(octant);
+      if (key.lo().x > volume.size.x || key.lo().y > volume.size.y || key.lo().z > volume.size.z)
+        continue;
+      auto brick = std::make_unique<Brick>(volume, parameters, key);
+      if (brick->octree.vertices.empty()) continue;
+      reduction.push(key, brick->leaves.record());
+      const LeafCounts counts{brick->octree.counts.leaves, brick->octree.counts.worst_residual,
+                              brick->octree.counts.worst_finest};
+      add(all.counts, counts);
+      shard.bricks.push_back(std::move(brick));
+      shard.keys.push_back(key);
+    }
+    if (shard.bricks.empty()) continue;
+    shard.node = reduction.finish();
+    add(all.counts, shard.node.counts);
+    top.push(cube, shard.node.record);
+    shards.push_back(std::move(shard));
+  }
+  const ReducedNode reduced = top.finish();
+  add(all.counts, reduced.counts);
+  for (const ClusterRecord& cluster : reduced.record.clusters) add(all.counts, cluster.leaves);
+  for (std::size_t s = 0; s < shards.size(); ++s) {
+    const Shard& shard = shards[s];
+    for (std::size_t b = 0; b < shard.bricks.size(); ++b) {
+      const Brick& brick = *shard.bricks[b];
+      const LinkedNode &node = shard.node.nodes[b], &above = reduced.nodes[s];
+      const std::uint64_t origin = shard.keys[b].code();
+      for (std::size_t i = 0; i < brick.octree.blocks.size(); ++i)
+        if (brick.octree.blocks[i].vertices != 0)
+          all.planned[(origin >> (3 * block_level)) + i] = brick.octree.blocks[i].vertices;
+      for (std::size_t cell = 0; cell < brick.cells.size(); ++cell) {
+        const CellSheets& sheets = brick.cells.sheets(cell);
+        for (std::size_t k = 0; k < sheets.crossings; ++k) {
+          const int edge = sheets.edges[k];
+          const std::uint32_t number = brick.leaves.vertex(brick.cells, cell, edge);
+          const LeafVertex& v = brick.octree.vertices[number];
+          FinalVertex final{v.leaf.level(),
+                            FirstSheet::make(origin + v.leaf.code(), v.leaf.sheet()), v.offset,
+                            v.normals, v.leaf.shares() || node.covered != 0 || above.covered != 0};
+          const std::uint8_t cluster = brick.leaves.roots()[number];
+          if (cluster != SheetLeaves::no_root) {
+            const ClusterLink link = shard.node.links[node.first_link + cluster];
+            if (link.leaf != no_cluster)
+              final = vertex_of(shard.node.leaves[link.leaf], above.covered != 0);
+            if (link.root != no_cluster) {
+              const ClusterLink higher = reduced.links[above.first_link + link.root];
+              if (higher.leaf != no_cluster) final = vertex_of(reduced.leaves[higher.leaf], false);
+            }
+          }
+          if (final.level > level) ++all.above;
+          all.sheets[{origin + brick.cells.code(cell),
+                      sheets.sheet_of_edge[static_cast<std::size_t>(edge)]}] = final;
+        }
+      }
+    }
+  }
+  return all;
+}
+
+TEST(SheetClusters, AreTheSameHoweverTheVolumeIsCutIntoBricks) {
+  std::size_t above = 0;
+  for (unsigned seed = 0; seed < 4; ++seed)
+    for (const bool is_noise : {false, true})
+      for (const double tolerance : {0.05, 0.5, infinite}) {
+        const MemoryVolume volume = is_noise ? noise(37, seed) : plates(61, seed);
+        const FinalOctree small = by_bricks(volume, with(tolerance), 4),
+                          large = by_bricks(volume, with(tolerance), 6);
+        EXPECT_TRUE(small.sheets == large.sheets)
+            << "seed " << seed << (is_noise ? ", noise" : ", plates") << ", tolerance "
+            << tolerance;
+        EXPECT_EQ(small.counts.leaves, large.counts.leaves);
+        EXPECT_EQ(small.counts.worst_residual, large.counts.worst_residual);
+        EXPECT_EQ(small.counts.worst_finest, large.counts.worst_finest);
+        EXPECT_EQ(small.planned, large.planned);
+        above += small.above;
+      }
+  EXPECT_GT(above, 1000u);  // or there was nothing to test
+}
+
+// Of vertices that lie in each other's nodes, and of those alone, all say that they share.
+TEST(SheetClusters, VerticesWhoseNodesOverlapAreMarked) {
+  std::size_t overlaps = 0;
+  for (unsigned seed = 0; seed < 3; ++seed)
+    for (const double tolerance : {0.1, infinite}) {
+      const FinalOctree octree = by_bricks(plates(45, seed), with(tolerance), 4);
+      std::map<std::pair<int, FirstSheet>, bool> vertices;
+      for (const auto& [sheet, v] : octree.sheets) vertices[{v.level, v.first}] = v.shares;
+      for (const auto& [sheet, v] : octree.sheets)
+        for (int level = v.level + 1; level <= 6; ++level) {
+          const std::uint64_t node = v.first.code() >> (3 * level);
+          for (auto at = vertices.lower_bound({level, FirstSheet::make(node << (3 * level), 0)});
+               at != vertices.end() && at->first.first == level &&
+               at->first.second.code() >> (3 * level) == node;
+               ++at) {
+            EXPECT_TRUE(at->second && v.shares);
+            ++overlaps;
+          }
+        }
+    }
+  EXPECT_GT(overlaps, 100u);
+}
+
+// What signs say of a node is what the shapes of its children say.
+TEST(SheetClusters, SignsSayWhatShapesDo) {
+  for (unsigned seed = 0; seed < 3; ++seed)
+    for (const bool is_noise : {false, true})
+      for (const double tolerance : {0.05, infinite}) {
+        const MemoryVolume volume = is_noise ? noise(30, seed) : plates(61, seed);
+        const Brick plain(volume, with(tolerance), whole(volume), {.rules = {}, .signs = false}),
+            quick(volume, with(tolerance), whole(volume));
+        ASSERT_EQ(plain.octree.vertices.size(), quick.octree.vertices.size());
+        std::map<std::uint32_t, LeafVertex> a, b;
+        for (const LeafVertex& v : plain.octree.vertices) a[v.leaf.bits] = v;
+        for (const LeafVertex& v : quick.octree.vertices) b[v.leaf.bits] = v;
+        for (const auto& [leaf, v] : a) {
+          ASSERT_TRUE(b.contains(leaf));
+          EXPECT_EQ(v.offset, b[leaf].offset);
+          EXPECT_EQ(v.normals, b[leaf].normals);
+        }
+        EXPECT_EQ(plain.leaves.record().curves.size(), quick.leaves.record().curves.size());
+      }
+}
+
+// The polygons of a volume that is one brick.
+std::vector<testing::Triangle> mesh_of(const Brick& brick) {
+  std::vector<testing::Triangle> triangles;
+  each_index(splat(brick.frame.side()), [&](Index3 p) {
+    const LocalCell at{static_cast<int>(p.x), static_cast<int>(p.y), static_cast<int>(p.z)};
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!brick.edges.has(axis, at.x, at.y, at.z)) continue;
+      const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+      std::array<std::uint32_t, 4> quad;
+      for (unsigned k = 0; k < 4; ++k) {
+        const unsigned around = k ^ k >> 1;  // 0 1 3 2
+        Index3 cell = p;
+        cell[b] -= around & 1;
+        cell[c] -= around >> 1;
+        const int corner = static_cast<int>((around & 1) << b | (around >> 1) << c);
+        const std::size_t i = brick.cells.index_of(static_cast<std::uint32_t>(morton_encode(cell)));
+        quad[k] = brick.leaves.vertex(brick.cells, i, edge_at(axis, corner));
+      }
+      if (!brick.signs.inside(at.x, at.y, at.z)) std::swap(quad[1], quad[3]);
+      std::vector<std::uint32_t> corners;
+      for (std::size_t k = 0; k < 4; ++k)
+        if (quad[k] != quad[(k + 3) % 4]) corners.push_back(quad[k]);
+      std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+      for (std::size_t k = 1; k + 1 < corners.size(); ++k)
+        triangles.push_back({corners[0], corners[k], corners[k + 1]});
+    }
+  });
+  return triangles;
+}
+
+TEST(SheetClusters, MeshesKeepTheirTopologyAtAnyTolerance) {
+  for (unsigned seed = 0; seed < 6; ++seed)
+    for (const bool is_noise : {false, true}) {
+      const MemoryVolume volume = is_noise ? noise(28, seed) : plates(45, seed);
+      const Brick fine(volume, with(0), whole(volume));
+      const testing::MeshSummary before = testing::summarize(mesh_of(fine));
+      EXPECT_TRUE(before.sound());
+      std::size_t triangles = mesh_of(fine).size();
+      for (const double tolerance : {0.1, 0.5, infinite}) {
+        const Brick brick(volume, with(tolerance), whole(volume));
+        EXPECT_EQ(testing::summarize(mesh_of(brick)), before) << "seed " << seed;
+        EXPECT_LE(mesh_of(brick).size(), triangles);
+        EXPECT_LE(brick.octree.counts.worst_residual, tolerance);
+        triangles = mesh_of(brick).size();
+      }
+    }
+}
+
+// Each sheet goes to the highest of its clusters that may collapse, even where one below may not:
+// so plates thinner than a cell, whose edges block the nodes there, become few vertices.
+TEST(SheetClusters, FarFewerVerticesThanWhereOneCellBlocksAllAbove) {
+  const MemoryVolume volume = plates(61, 2);
+  const Brick brick(volume, with(0.2), whole(volume));
+  BrickNodes nodes;
+  nodes.simplify(brick.frame, brick.signs, brick.cells, brick.edges, with(0.2));
+  BrickLeaves leaves;
+  BrickOctree safe;
+  safe.blocks.assign(brick.octree.blocks.size(), {});
+  leaves.collect(brick.frame, brick.cells, nodes, with(0.2), safe);
+  EXPECT_LT(2 * brick.octree.vertices.size(), safe.vertices.size());
+}
+
+}  // namespace
+}  // namespace voxweld
