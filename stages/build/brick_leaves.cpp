@@ -6,98 +6,211 @@
 
 namespace voxweld {
 
-void BrickLeaves::collect(const BrickFrame& frame, const ActiveCells& cells,
-                          const BrickNodes& nodes, const ContourParameters& parameters,
-                          BrickOctree& out) {
+void BrickLeaves::collect(const BrickFrame& frame, const ActiveCells& cells, BrickNodes& nodes,
+                          const ContourParameters& parameters, BrickOctree& out) {
   cells_ = &cells;
   nodes_ = &nodes;
   out_ = &out;
+  finest_.clear();
+  apart_.clear();
+  roots_.clear();
+  record_ = {};
+  final_ = {};
   first_vertex_.resize(cells.size());
-  pending_.clear();
+  root_clusters_.resize(static_cast<std::size_t>(frame.level) + 1);
+  vertices_.resize(static_cast<std::size_t>(frame.level) + 1);
+  for (int l = 0; l <= frame.level; ++l)
+    vertices_[static_cast<std::size_t>(l)].assign(nodes.level(l).clusters.size(), no_cluster);
+  if (nodes.by_sheets()) {
+    begin_record(frame, nodes);
+    find_roots(frame.level);
+  }
   for (std::size_t node = 0; node < nodes.level(frame.level).codes.size(); ++node)
-    visit(frame.level, node);
-  solve_pending(frame, parameters);
+    visit(frame.level, node, false);
+  solve_finest(frame, parameters);
+  if (nodes.by_sheets()) count_blocks(frame);
   out.counts.vertices = out.vertices.size();
+  out.counts.leaves = final_.leaves;
+  out.counts.worst_residual = final_.worst_residual;
+  out.counts.worst_finest = final_.worst_finest;
 }
 
-void BrickLeaves::visit(int l, std::size_t node) {
-  const NodeLevel& level = nodes_->level(l);
-  if (l == 0) {
-    add_cell(node);
-    return;
+// All but the counts of its clusters.
+void BrickLeaves::begin_record(const BrickFrame& frame, BrickNodes& nodes) {
+  const NodeLevel& top = nodes.level(frame.level);
+  record_.blocked = top.kinds[0] == NodeKind::blocked;
+  record_.closes = top.closes[0] != 0;
+  if (record_.blocked) return;
+  const NodeShape shape = nodes.root_shape();
+  record_.curves.assign(shape.curves.begin(), shape.curves.end());
+  record_.pairs.assign(shape.pairs.begin(), shape.pairs.end());
+  const Index3 origin = frame.origin;
+  for (std::size_t i = 0; i < top.clusters.size(); ++i) {
+    const SheetCluster& cluster = top.clusters[i];
+    record_.clusters.push_back(
+        {cluster.qef,
+         cluster.normals,
+         cluster.solution.offset,
+         cluster.solution.residual,
+         FirstSheet::make(morton_encode(origin) + cluster.first.code(), cluster.first.sheet()),
+         shape.euler[i],
+         cluster.collapses ? 1u : 0u,
+         {}});
   }
-  if (level.leaf[node] != no_leaf) {
-    add_leaf(l, node);
-    return;
+}
+
+void BrickLeaves::find_roots(int top) {
+  for (int l = top; l > 0; --l) {
+    const NodeLevel& level = nodes_->level(l);
+    std::vector<std::uint32_t>& roots = root_clusters_[static_cast<std::size_t>(l)];
+    roots.resize(level.clusters.size());
+    for (std::size_t i = 0; i < roots.size(); ++i)
+      roots[i] = l == top ? static_cast<std::uint32_t>(i) : root_of(l, i);
+  }
+}
+
+// Of a cluster below the top.
+std::uint32_t BrickLeaves::root_of(int l, std::size_t cluster) const {
+  const std::uint32_t parent = nodes_->level(l).clusters[cluster].parent;
+  return parent == no_cluster ? no_cluster
+                              : root_clusters_[static_cast<std::size_t>(l) + 1][parent];
+}
+
+// The vertex of the cluster above that has taken it in.
+std::uint32_t BrickLeaves::inherited(int l, std::size_t cluster) const {
+  const std::uint32_t parent = nodes_->level(l).clusters[cluster].parent;
+  return parent == no_cluster ? no_cluster : vertices_[static_cast<std::size_t>(l) + 1][parent];
+}
+
+// covered: a vertex of a node above lies in this node's cube, or may.
+void BrickLeaves::visit(int l, std::size_t node, bool covered) {
+  if (l == 0) return add_cell(node, covered);
+  const NodeLevel& level = nodes_->level(l);
+  std::vector<std::uint32_t>& vertices = vertices_[static_cast<std::size_t>(l)];
+  const bool shares = covered || !nodes_->is_one(l, node);
+  for (std::uint32_t i = level.first_cluster[node]; i < level.first_cluster[node + 1]; ++i) {
+    vertices[i] = inherited(l, i);
+    if (!level.clusters[i].collapses) continue;
+    covered = true;
+    if (vertices[i] != no_cluster) continue;
+    vertices[i] = static_cast<std::uint32_t>(out_->vertices.size());
+    add_cluster(l, i, shares);
+  }
+  if (level.kinds[node] == NodeKind::simple) {
+    const std::uint32_t vertex = vertices[level.first_cluster[node]];
+    if (vertex != no_cluster) return take_in_cells(l, node, vertex);
   }
   for (std::uint32_t child = level.first_child[node]; child < level.first_child[node + 1]; ++child)
-    visit(l - 1, child);
+    visit(l - 1, child, covered);
 }
 
-void BrickLeaves::add_leaf(int l, std::size_t node) {
-  const NodeLevel& level = nodes_->level(l);
-  const LeafData& leaf = level.leaves[level.leaf[node]];
-  // The finest cells below: the children's ranges, level by level down.
+// All that is below a simple node, which lies together.
+void BrickLeaves::take_in_cells(int l, std::size_t node, std::uint32_t vertex) {
   std::size_t begin = node, end = node + 1;
   for (int below = l; below > 0; --below) {
     begin = nodes_->level(below).first_child[begin];
     end = nodes_->level(below).first_child[end];
   }
-  const auto vertex = static_cast<std::uint32_t>(out_->vertices.size());
   std::fill(first_vertex_.begin() + static_cast<std::ptrdiff_t>(begin),
             first_vertex_.begin() + static_cast<std::ptrdiff_t>(end), vertex);
-  const LeafCode code = LeafCode::make(level.codes[node] << (3 * l), l, 0);
-  add_vertex(code.with(leaf.clusters.sense), leaf.solution, pack_clusters(leaf.clusters));
-  out_->counts.worst_residual =
-      std::max(out_->counts.worst_residual, static_cast<double>(leaf.solution.residual));
 }
 
-void BrickLeaves::add_cell(std::size_t cell) {
-  const std::uint32_t code = cells_->code(cell), first_sheet = nodes_->first_sheet(cell);
-  const NormalSense sense = cells_->normal_sense(cell);
+void BrickLeaves::add_cell(std::size_t cell, bool covered) {
+  const std::uint32_t first_sheet = nodes_->first_sheet(cell);
   first_vertex_[cell] = static_cast<std::uint32_t>(out_->vertices.size());
-  if (first_sheet == no_leaf) {
-    const NodeLevel& level = nodes_->level(0);
-    pending_.push_back({static_cast<std::uint32_t>(cell), first_vertex_[cell]});
-    add_vertex(LeafCode::make(code, 0, 0).with(sense), {},
-               pack_clusters(level.leaves[level.leaf[cell]].clusters));
+  if (first_sheet != no_cluster) {
+    const NormalSense sense = cells_->normal_sense(cell);
+    for (int s = 0; s < cells_->sheets(cell).sheets; ++s) {
+      const SheetVertex& sheet = nodes_->sheet(first_sheet + static_cast<std::size_t>(s));
+      const LeafCode leaf = LeafCode::make(cells_->code(cell), 0, s).with(sense);
+      add_vertex(leaf, sheet.solution, sheet.normals, final_);
+    }
     return;
   }
-  for (int s = 0; s < cells_->sheets(cell).sheets; ++s) {
-    const SheetVertex& sheet = nodes_->sheet(first_sheet + static_cast<std::size_t>(s));
-    add_vertex(LeafCode::make(code, 0, s).with(sense), sheet.solution, sheet.normals);
-    note_finest(sheet.solution);
+  const NodeLevel& level = nodes_->level(0);
+  const std::uint32_t begin = level.first_cluster[cell], end = level.first_cluster[cell + 1];
+  for (std::uint32_t i = begin; i < end; ++i) {
+    vertices_[0][i] = inherited(0, i);
+    if (vertices_[0][i] != no_cluster) continue;
+    vertices_[0][i] = static_cast<std::uint32_t>(out_->vertices.size());
+    finest_.push_back({static_cast<std::uint32_t>(cell), i, vertices_[0][i]});
+    add_cluster(0, i, covered);
   }
+  first_vertex_[cell] = vertices_[0][begin];
+  if (end - begin == 1) return;
+  first_vertex_[cell] = static_cast<std::uint32_t>(apart_.size()) | apart;
+  apart_.insert(apart_.end(), vertices_[0].begin() + begin, vertices_[0].begin() + end);
+}
+
+LeafCounts& BrickLeaves::counts_of(std::uint8_t root) {
+  return root == no_root ? final_ : record_.clusters[root].leaves;
+}
+
+void BrickLeaves::add_cluster(int l, std::size_t number, bool shares) {
+  const SheetCluster& cluster = nodes_->level(l).clusters[number];
+  LeafCode leaf = LeafCode::make(cluster.first.code(), l, cluster.first.sheet());
+  std::uint8_t root = no_root;
+  if (nodes_->by_sheets()) {
+    const bool top = static_cast<std::size_t>(l) + 1 == root_clusters_.size();
+    const std::uint32_t above = top ? static_cast<std::uint32_t>(number) : root_of(l, number);
+    if (above != no_cluster) root = static_cast<std::uint8_t>(above);
+    roots_.push_back(root);
+    leaf = leaf.sharing(shares);
+  } else {
+    // The node has no other: its lowest cell names it as well.
+    leaf = LeafCode::make(cluster.first.code() >> (3 * l) << (3 * l), l, 0);
+  }
+  add_vertex(leaf.with(cluster.normals.sense), cluster.solution, pack_clusters(cluster.normals),
+             counts_of(root));
 }
 
 void BrickLeaves::add_vertex(LeafCode leaf, const NodeSolution& solution,
-                             const std::array<PackedNormal, max_clusters>& normals) {
+                             const std::array<PackedNormal, max_clusters>& normals,
+                             LeafCounts& counts) {
   out_->vertices.push_back({leaf, solution.offset, normals});
-  ++out_->blocks[leaf.code() >> (3 * block_level)].vertices;
-  if (leaf.sheet() == 0) ++out_->counts.leaves[static_cast<std::size_t>(leaf.level())];
-}
-
-void BrickLeaves::note_finest(const NodeSolution& solution) {
-  double& worst = out_->counts.worst_finest;
+  if (!nodes_->by_sheets()) ++out_->blocks[leaf.code() >> (3 * block_level)].vertices;
+  if (nodes_->by_sheets() || leaf.sheet() == 0)
+    ++counts.leaves[static_cast<std::size_t>(leaf.level())];
+  double& worst = leaf.level() > 0 ? counts.worst_residual : counts.worst_finest;
   worst = std::max(worst, static_cast<double>(solution.residual));
 }
 
-void BrickLeaves::solve_pending(const BrickFrame& frame, const ContourParameters& parameters) {
+void BrickLeaves::solve_finest(const BrickFrame& frame, const ContourParameters& parameters) {
   const NodeLevel& level = nodes_->level(0);
   NodeSolver solver(parameters);
-  for (std::size_t begin = 0; begin < pending_.size(); begin += lanes) {
-    const std::size_t count = std::min(lanes, pending_.size() - begin);
+  for (std::size_t begin = 0; begin < finest_.size(); begin += lanes) {
+    const std::size_t count = std::min(lanes, finest_.size() - begin);
     for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t cell = pending_[begin + i].cell;
-      solver.load(i, level.leaves[level.leaf[cell]].qef);
+      solver.load(i, level.clusters[finest_[begin + i].cluster].qef);
       if (solver.needs_centres())
-        solver.set_centre(i, node_centre(frame, 0, cells_->code(cell), parameters.spacing));
+        solver.set_centre(
+            i, node_centre(frame, 0, level.codes[finest_[begin + i].cell], parameters.spacing));
     }
     solver.solve(0, count);
     for (std::size_t i = 0; i < count; ++i) {
       const NodeSolution solution = solver.solution(i);
-      out_->vertices[pending_[begin + i].vertex].offset = solution.offset;
-      note_finest(solution);
+      out_->vertices[finest_[begin + i].vertex].offset = solution.offset;
+      const std::uint32_t vertex = finest_[begin + i].vertex;
+      double& worst = counts_of(roots_.empty() ? no_root : roots_[vertex]).worst_finest;
+      worst = std::max(worst, static_cast<double>(solution.residual));
+    }
+  }
+}
+
+void BrickLeaves::count_blocks(const BrickFrame& frame) {
+  taken_.clear();
+  for (int l = std::min(block_level, frame.level); l >= 0; --l) {
+    std::swap(taken_, taken_above_);
+    const NodeLevel& level = nodes_->level(l);
+    taken_.assign(level.clusters.size(), 0);
+    for (std::size_t i = 0; i < level.clusters.size(); ++i) {
+      const SheetCluster& cluster = level.clusters[i];
+      if (l < block_level && cluster.parent != no_cluster && taken_above_[cluster.parent] != 0) {
+        taken_[i] = 1;
+      } else if (cluster.collapses) {
+        taken_[i] = 1;
+        ++out_->blocks[cluster.first.code() >> (3 * block_level)].vertices;
+      }
     }
   }
 }

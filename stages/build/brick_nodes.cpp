@@ -1,123 +1,155 @@
 // Based on: Ju, Losasso, Schaefer, Warren, "Dual Contouring of Hermite Data", 2002, sections 3.1
-// and 4. Where it differs: bottom-up over linear levels, eight nodes at a time; cells with several
-// sheets (Nielson, "Dual Marching Cubes", 2004) never take part in a safe collapse.
+// and 4; Schaefer, Ju, Warren, "Manifold Dual Contouring", 2007, sections 3 and 4. Where it differs:
+// bottom-up over linear levels, eight clusters at a time; for clusters see
+// stages/contouring/node_shape.h; where signs at half a node's side show one disc, no shape is made.
 #include "stages/build/brick_nodes.h"
 
-#include "stages/build/cell_planes.h"
+#include <algorithm>
 
 namespace voxweld {
 namespace {
 
-// "free" may collapse what no sign test allows, up to the smallest brick: polygons are then decided
-// edge by edge inside one brick (brick_polygons.cpp), the same for every brick size.
-int highest_collapse(const BrickFrame& frame, const SimplifyParameters& simplify) {
-  if (!simplify.enabled) return 0;
-  const int highest = std::min(frame.level, frame.domain_level);
-  return simplify.topology == Topology::free ? std::min(highest, min_brick_level) : highest;
+CellSigns corners_of(const SignGrid& signs, LocalCell c, int side) {
+  unsigned corners = 0;
+  for (int i = 0; i < 8; ++i)
+    corners |= static_cast<unsigned>(signs.inside(c.x + side * (i & 1), c.y + side * (i >> 1 & 1),
+                                                  c.z + side * (i >> 2)))
+               << i;
+  return static_cast<CellSigns>(corners);
 }
-
-// Eight finest cells (or sheets) on their way through the solver.
-class CellBatch {
- public:
-  CellBatch(const ContourParameters& parameters, const BrickFrame& frame)
-      : spacing_(parameters.spacing), frame_(frame), solver_(parameters) {
-    solver_.clear_planes();
-  }
-  bool full() const { return count_ == lanes; }
-  std::size_t count() const { return count_; }
-
-  // Adds the planes and says which lane took them.
-  std::size_t add(std::uint32_t code, const SheetPlanes& planes) {
-    if (solver_.needs_centres()) solver_.set_centre(count_, node_centre(frame_, 0, code, spacing_));
-    solver_.set_planes(count_, planes.planes.data(), planes.count);
-    return count_++;
-  }
-  NodeSolver& reduce() {
-    solver_.reduce();
-    return solver_;
-  }
-  void clear() {
-    count_ = 0;
-    solver_.clear_planes();
-  }
-
- private:
-  Vec3 spacing_;
-  const BrickFrame& frame_;
-  NodeSolver solver_;
-  std::size_t count_ = 0;
-};
 
 }  // namespace
 
-void BrickNodes::simplify(const BrickFrame& frame, const CollapseRule& rule,
-                          const ActiveCells& cells, const HermiteEdges& edges,
-                          const ContourParameters& parameters) {
-  levels_.resize(static_cast<std::size_t>(frame.level) + 1);
-  make_cells(frame, cells, edges, parameters);
-  const int highest = highest_collapse(frame, parameters.simplify);
-  for (int l = 1; l <= frame.level; ++l) {
-    make_level(l);
-    if (l <= highest) collapse_level(l, frame, rule, parameters);
-  }
+void BrickNodes::Shapes::clear(std::size_t nodes) {
+  place.assign(nodes, no_cluster);
+  first_cluster.assign(1, 0);
+  first_curve.assign(1, 0);
+  first_pair.assign(1, 0);
+  euler.clear();
+  curves.clear();
+  pairs.clear();
 }
 
-void BrickNodes::make_cells(const BrickFrame& frame, const ActiveCells& cells,
-                            const HermiteEdges& edges, const ContourParameters& parameters) {
-  NodeLevel& level = levels_[0];
-  level.codes = cells.codes();
-  level.leaf.assign(cells.size(), no_leaf);
-  level.leaves.clear();
-  first_sheet_.assign(cells.size(), no_leaf);
-  sheets_.clear();
-  const bool simplify = parameters.simplify.enabled;
-  const bool free = parameters.simplify.topology == Topology::free;
+void BrickNodes::Shapes::add(std::size_t node, const NodeShape& shape) {
+  place[node] = static_cast<std::uint32_t>(first_cluster.size() - 1);
+  euler.insert(euler.end(), shape.euler.begin(), shape.euler.end());
+  curves.insert(curves.end(), shape.curves.begin(), shape.curves.end());
+  pairs.insert(pairs.end(), shape.pairs.begin(), shape.pairs.end());
+  first_cluster.push_back(static_cast<std::uint32_t>(euler.size()));
+  first_curve.push_back(static_cast<std::uint32_t>(curves.size()));
+  first_pair.push_back(static_cast<std::uint32_t>(pairs.size()));
+}
 
-  // Two streams of batches: cells that may collapse keep their QEF (and are solved only if they
-  // stay leaves); sheets that may not are solved at once.
-  CellBatch keep(parameters, frame), solve(parameters, frame);
-  std::array<std::uint32_t, lanes> keep_leaf{}, solve_sheet{};
-  const auto flush_keep = [&] {
-    if (keep.count() == 0) return;
-    const NodeSolver& solver = keep.reduce();
-    for (std::size_t i = 0; i < keep.count(); ++i) level.leaves[keep_leaf[i]].qef = solver.qef(i);
-    keep.clear();
+NodeShape BrickNodes::shape_of(const Shapes& shapes, std::size_t node) {
+  const std::size_t at = shapes.place[node];
+  const auto part = [at](const auto& all, const std::vector<std::uint32_t>& first) {
+    return std::span(all.data() + first[at], first[at + 1] - first[at]);
   };
-  const auto flush_solve = [&] {
-    if (solve.count() == 0) return;
-    NodeSolver& solver = solve.reduce();
-    solver.solve(0, solve.count());
-    for (std::size_t i = 0; i < solve.count(); ++i)
-      sheets_[solve_sheet[i]].solution = solver.solution(i);
-    solve.clear();
-  };
+  return {part(shapes.euler, shapes.first_cluster), part(shapes.curves, shapes.first_curve),
+          part(shapes.pairs, shapes.first_pair)};
+}
 
-  SheetPlanes planes;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const LocalCell c = cells.at(i);
-    const CellSheets& sheets = cells.sheets(i);
-    const bool may_collapse = cells.collapses(i);
-    const NormalSense sense = cells.normal_sense(i);
-    if (simplify && (may_collapse || free)) {
-      gather_planes(c, sheets, all_sheets, edges, parameters.spacing, planes);
-      level.leaf[i] = static_cast<std::uint32_t>(level.leaves.size());
-      level.leaves.emplace_back();
-      level.leaves.back().clusters = cluster_normals(planes.normal_span(), sense);
-      keep_leaf[keep.add(cells.code(i), planes)] = level.leaf[i];
-      if (keep.full()) flush_keep();
-      if (may_collapse) continue;
-    }
-    first_sheet_[i] = static_cast<std::uint32_t>(sheets_.size());
-    for (int sheet = 0; sheet < sheets.sheets; ++sheet) {
-      gather_planes(c, sheets, sheet, edges, parameters.spacing, planes);
-      const auto index = static_cast<std::uint32_t>(sheets_.size());
-      sheets_.push_back({{}, pack_clusters(cluster_normals(planes.normal_span(), sense))});
-      solve_sheet[solve.add(cells.code(i), planes)] = index;
-      if (solve.full()) flush_solve();
-    }
+// Precondition: the ends of the edge have different signs, and it is crossed once.
+Crossing BrickNodes::crossing_on(CellKey node, int edge) const {
+  const int axis = edge >> 2, corner = edge_corners(edge).low;
+  const Index3 low = node.lo() + Index3{corner & 1, corner >> 1 & 1, corner >> 2} * node.side();
+  const auto inside_at = [&](std::int64_t along) {
+    Index3 p = low - frame_.origin;
+    p[axis] += along;
+    return signs_->inside(static_cast<int>(p.x), static_cast<int>(p.y), static_cast<int>(p.z));
+  };
+  const bool first = inside_at(0);
+  std::int64_t before = 0, after = node.side();
+  while (after - before > 1) {
+    const std::int64_t middle = (before + after) / 2;
+    (inside_at(middle) == first ? before : after) = middle;
   }
-  flush_keep();
-  flush_solve();
+  Index3 at = low;
+  at[axis] += before;
+  return Crossing::make(axis, at);
+}
+
+NodeShape BrickNodes::simple_shape(int l, std::uint32_t code, SimpleShape& made) const {
+  static constexpr std::array<std::int32_t, 1> disc = {1};
+  const LocalCell c = decode_local(code << (3 * l));
+  const CellSigns signs = corners_of(*signs_, c, 1 << l);
+  const Index3 lo = frame_.origin + Index3{c.x, c.y, c.z};
+  const CellKey key{l, {lo.x >> l, lo.y >> l, lo.z >> l}};
+  std::array<Crossing, 12> crossing;
+  const auto crosses = [signs](int edge) {
+    const EdgeCorners ends = edge_corners(edge);
+    return ((signs >> ends.low ^ signs >> ends.high) & 1) != 0;
+  };
+  for (int edge = 0; edge < 12; ++edge)
+    if (crosses(edge)) crossing[static_cast<std::size_t>(edge)] = crossing_on(key, edge);
+  made.count = 0;
+  for (int face = 0; face < 6; ++face) {
+    const auto corners = face_corners(face);
+    std::array<Crossing, 2> ends;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const int edge = edge_between(corners[i], corners[(i + 1) % 4]);
+      if (crosses(edge)) ends[count++] = crossing[static_cast<std::size_t>(edge)];
+    }
+    if (count == 2)
+      made.curves[made.count++] = {std::min(ends[0], ends[1]), std::max(ends[0], ends[1]), 0,
+                                   static_cast<std::uint16_t>(face), 0};
+  }
+  return {disc, {made.curves.data(), made.count}, {}};
+}
+
+NodeShape BrickNodes::root_shape() {
+  const int top = frame_.level;
+  if (level(top).kinds[0] == NodeKind::simple) return simple_shape(top, 0, simple_[0]);
+  return shape_of(shapes_, 0);
+}
+
+const SheetCluster* BrickNodes::whole() const {
+  const NodeLevel& top = level(frame_.level);
+  const bool one = top.kinds[0] == NodeKind::simple && top.clusters[0].collapses;
+  return one ? top.clusters.data() : nullptr;
+}
+
+void BrickNodes::simplify(const BrickFrame& frame, const SignGrid& signs, const ActiveCells& cells,
+                          const HermiteEdges& edges, const ContourParameters& parameters) {
+  frame_ = frame;
+  parameters_ = parameters;
+  signs_ = &signs;
+  simplify(signs, cells, edges);
+}
+
+void BrickNodes::simplify(const BrickFrame& frame, const LabelGrid& labels,
+                          const ActiveCells& cells, const HermiteEdges& edges,
+                          const ContourParameters& parameters) {
+  frame_ = frame;
+  parameters_ = parameters;
+  signs_ = nullptr;
+  simplify(labels, cells, edges);
+}
+
+void BrickNodes::simplify(const CollapseRule& rule, const ActiveCells& cells,
+                          const HermiteEdges& edges) {
+  const SimplifyParameters& simplify = parameters_.simplify;
+  rule_ = &rule;
+  cells_ = &cells;
+  free_ = simplify.topology == Topology::free;
+  by_sheets_ = simplify.enabled && simplify.topology == Topology::manifold && signs_ != nullptr;
+  highest_ = simplify.enabled ? std::min(frame_.level, frame_.domain_level) : 0;
+  // "free" may collapse what no sign test allows, up to the smallest brick: polygons are then
+  // decided edge by edge inside one brick (brick_polygons.cpp), the same for every brick size.
+  if (free_) highest_ = std::min(highest_, min_brick_level);
+  levels_.resize(static_cast<std::size_t>(frame_.level) + 1);
+  make_cells(edges);
+  for (int l = 1; l <= frame_.level; ++l) {
+    make_level(l);
+    std::swap(shapes_, shapes_below_);
+    const std::size_t nodes = level(l).codes.size();
+    shapes_.clear(by_sheets_ ? nodes : 0);
+    for (std::size_t node = 0; node < nodes; ++node) add_clusters(l, node);
+    levels_[static_cast<std::size_t>(l)].first_cluster.push_back(
+        static_cast<std::uint32_t>(level(l).clusters.size()));
+    merge_level(l);
+  }
 }
 
 void BrickNodes::make_level(int l) {
@@ -125,7 +157,8 @@ void BrickNodes::make_level(int l) {
   NodeLevel& level = levels_[static_cast<std::size_t>(l)];
   level.codes.clear();
   level.first_child.clear();
-  level.leaves.clear();
+  level.first_cluster.clear();
+  level.clusters.clear();
   for (std::size_t i = 0; i < below.codes.size(); ++i) {
     const std::uint32_t parent = below.codes[i] >> 3;
     if (!level.codes.empty() && level.codes.back() == parent) continue;
@@ -133,62 +166,83 @@ void BrickNodes::make_level(int l) {
     level.first_child.push_back(static_cast<std::uint32_t>(i));
   }
   level.first_child.push_back(static_cast<std::uint32_t>(below.codes.size()));
-  level.leaf.assign(level.codes.size(), no_leaf);
+  level.kinds.assign(level.codes.size(), NodeKind::blocked);
+  level.closes.assign(level.codes.size(), 0);
 }
 
-bool BrickNodes::children_are_leaves(int l, std::size_t node) const {
+NodeKind BrickNodes::classify(int l, std::size_t node) {
+  const NodeLevel& at = level(l);
   const NodeLevel& below = level(l - 1);
-  const std::uint32_t end = level(l).first_child[node + 1];
-  for (std::uint32_t child = level(l).first_child[node]; child < end; ++child)
-    if (below.leaf[child] == no_leaf) return false;
-  return true;
+  if (l > highest_) return NodeKind::blocked;
+  bool simple = options_.signs;
+  for (std::uint32_t child = at.first_child[node]; child < at.first_child[node + 1]; ++child) {
+    if (below.kinds[child] == NodeKind::blocked) return NodeKind::blocked;
+    if (!by_sheets_ && !below.clusters[below.first_cluster[child]].collapses)
+      return NodeKind::blocked;
+    simple = simple && below.kinds[child] == NodeKind::simple;
+  }
+  if (free_) return NodeKind::simple;
+  const LocalCell c = decode_local(at.codes[node] << (3 * l));
+  if (simple && rule_->allows(c.x, c.y, c.z, 1 << l)) return NodeKind::simple;
+  return by_sheets_ ? NodeKind::shaped : NodeKind::blocked;
 }
 
-void BrickNodes::collapse_level(int l, const BrickFrame& frame, const CollapseRule& rule,
-                                const ContourParameters& parameters) {
-  const NodeLevel& level = levels_[static_cast<std::size_t>(l)];
-  const bool free = parameters.simplify.topology == Topology::free;
-  candidates_.clear();
-  for (std::size_t node = 0; node < level.codes.size(); ++node) {
-    if (!children_are_leaves(l, node)) continue;
-    const LocalCell c = decode_local(level.codes[node] << (3 * l));
-    if (free || rule.allows(c.x, c.y, c.z, 1 << l))
-      candidates_.push_back(static_cast<std::uint32_t>(node));
+void BrickNodes::shape_node(int l, std::size_t node) {
+  const NodeLevel& at = level(l);
+  const NodeLevel& below = level(l - 1);
+  const LocalCell c = decode_local(at.codes[node] << (3 * l));
+  const Index3 lo = frame_.origin + Index3{c.x, c.y, c.z};
+  merger_.begin({l, {lo.x >> l, lo.y >> l, lo.z >> l}});
+  for (std::uint32_t child = at.first_child[node]; child < at.first_child[node + 1]; ++child) {
+    const auto octant = static_cast<int>(below.codes[child] & 7);
+    if (l == 1)
+      merger_.add_cell(octant, cells_->signs(child), cells_->joined(child));
+    else if (below.kinds[child] == NodeKind::shaped)
+      merger_.add(octant, shape_of(shapes_below_, child));
+    else
+      merger_.add(octant, simple_shape(l - 1, below.codes[child],
+                                       simple_[static_cast<std::size_t>(octant)]));
   }
-  NodeSolver solver(parameters);
-  for (std::size_t begin = 0; begin < candidates_.size(); begin += lanes) {
-    const std::size_t end = std::min(begin + lanes, candidates_.size());
-    for (std::size_t i = begin; i < end && solver.needs_centres(); ++i)
-      solver.set_centre(i - begin,
-                        node_centre(frame, l, level.codes[candidates_[i]], parameters.spacing));
-    collapse_batch(l, candidates_, begin, end, solver);
-  }
+  merger_.merge();
 }
 
-void BrickNodes::collapse_batch(int l, const std::vector<std::uint32_t>& nodes, std::size_t begin,
-                                std::size_t end, NodeSolver& solver) {
-  NodeLevel& level = levels_[static_cast<std::size_t>(l)];
-  const NodeLevel& below = levels_[static_cast<std::size_t>(l) - 1];
-  const auto each_child = [&](std::uint32_t node, auto&& f) {
-    for (std::uint32_t child = level.first_child[node]; child < level.first_child[node + 1];
-         ++child)
-      f(static_cast<int>(below.codes[child] & 7), below.leaves[below.leaf[child]]);
-  };
-  solver.clear_children();
-  for (std::size_t i = begin; i < end; ++i)
-    each_child(nodes[i], [&](int octant, const LeafData& leaf) {
-      solver.set_child(i - begin, octant, leaf.qef);
-    });
-  solver.merge(l - 1);
-  solver.solve(l, end - begin);
-  for (std::size_t i = begin; i < end; ++i) {
-    const NodeSolution solution = solver.solution(i - begin);
-    if (!solver.within_tolerance(solution)) continue;
-    ClusterMerge clusters;
-    each_child(nodes[i], [&](int, const LeafData& leaf) { clusters.add(leaf.clusters); });
-    level.leaf[nodes[i]] = static_cast<std::uint32_t>(level.leaves.size());
-    level.leaves.push_back({solver.qef(i - begin), clusters.merged(), solution});
+// The node's clusters, without their QEFs, and which of those below they hold.
+void BrickNodes::add_clusters(int l, std::size_t node) {
+  NodeLevel& at = levels_[static_cast<std::size_t>(l)];
+  NodeLevel& below = levels_[static_cast<std::size_t>(l) - 1];
+  const auto first = static_cast<std::uint32_t>(at.clusters.size());
+  at.first_cluster.push_back(first);
+  const std::uint32_t begin = below.first_cluster[at.first_child[node]],
+                      end = below.first_cluster[at.first_child[node + 1]];
+  at.kinds[node] = classify(l, node);
+  if (at.kinds[node] == NodeKind::blocked) return;
+  if (at.kinds[node] == NodeKind::simple) {
+    for (std::uint32_t i = begin; i < end; ++i) below.clusters[i].parent = first;
+    SheetCluster& cluster = at.clusters.emplace_back();
+    cluster.first = below.clusters[begin].first;
+    cluster.collapses = true;
+    return;
   }
+  shape_node(l, node);
+  const NodeShape shape = merger_.shape();
+  if (is_sealed(l, shape)) {
+    at.kinds[node] = NodeKind::blocked;
+    return;
+  }
+  shapes_.add(node, shape);
+  bool closes = merger_.closes();
+  for (std::uint32_t child = at.first_child[node]; child < at.first_child[node + 1]; ++child)
+    closes = closes || below.closes[child] != 0;
+  at.closes[node] = closes ? 1 : 0;
+  at.clusters.resize(first + shape.euler.size());
+  for (std::uint32_t i = end; i-- > begin;) {
+    const std::uint32_t cluster = merger_.cluster_of()[i - begin];
+    if (cluster == no_cluster) continue;
+    below.clusters[i].parent = first + cluster;
+    at.clusters[first + cluster].first = below.clusters[i].first;
+  }
+  for (std::size_t i = 0; i < shape.euler.size(); ++i)
+    at.clusters[first + i].collapses = merger_.may_collapse(i);
 }
 
 }  // namespace voxweld

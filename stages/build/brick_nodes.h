@@ -1,13 +1,18 @@
 // One brick's octree while it is simplified: linear, a sorted array a level, homogeneous space left
-// out.
+// out. A node has clusters of sheets (stages/contouring/node_shape.h), each with a QEF of its own.
+//
+// topology = "manifold": every cluster of a node by itself, whatever becomes of those below: it
+// takes in its sheets wherever it may collapse, even if one below it does not. "safe" and labels: a
+// node has one cluster, where signs allow it and all its children's have collapsed, else none.
+// "free": the same without a look at signs; a cell's sheets are one cluster, whatever they are.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "stages/build/active_cells.h"
 #include "stages/build/hermite.h"
+#include "stages/contouring/node_shape.h"
 #include "stages/contouring/node_solver.h"
 #include "storage/types/brick_octree.h"
 
@@ -21,53 +26,119 @@ struct BrickFrame {
   constexpr int side() const { return 1 << level; }
 };
 
-// What a node keeps once it is one leaf.
-struct LeafData {
+// What is known of a node's clusters.
+enum class NodeKind : std::uint8_t {
+  simple,   // one, that the signs at half the node's side say is a disc as ClusterRules has it: its
+            // shape follows from signs
+  shaped,   // its shape is kept
+  blocked,  // nothing: those below stay by themselves
+};
+
+struct SheetCluster {
   Qef qef;
-  NormalClusters clusters;
-  NodeSolution solution;
+  NormalClusters normals;
+  NodeSolution
+      solution;  // of those that may collapse; finest ones are solved where they are leaves
+  std::uint32_t parent = no_cluster;  // in the level above
+  LeafCode first;                     // its first finest cell and sheet, and the node's level
+  bool collapses = false;             // it may, within the tolerance
 };
 
-inline constexpr std::uint32_t no_leaf = 0xffffffffu;
-
-struct NodeLevel {
-  std::vector<std::uint32_t> codes;        // Morton, in units of this level
-  std::vector<std::uint32_t> first_child;  // in the level below; one more entry at the end
-  std::vector<std::uint32_t> leaf;  // index into `leaves`, or no_leaf where the node is split
-  std::vector<LeafData> leaves;
-};
-
-// A sheet of a cell that cannot collapse: its vertex at once.
+// A sheet of a finest cell that takes no part in collapsing: its vertex at once.
 struct SheetVertex {
   NodeSolution solution;
   std::array<PackedNormal, max_clusters> normals;
 };
 
+struct NodeLevel {
+  std::vector<std::uint32_t> codes;          // Morton, in units of this level
+  std::vector<std::uint32_t> first_child;    // in the level below; one more entry at the end
+  std::vector<std::uint32_t> first_cluster;  // one more entry at the end
+  std::vector<NodeKind> kinds;
+  std::vector<std::uint8_t> closes;  // 1: some components of the surface lie in the node as a whole
+  std::vector<SheetCluster> clusters;
+};
+
 class BrickNodes {
  public:
-  // Level 0 from the active cells, then all levels above as far as the tests allow.
-  void simplify(const BrickFrame& frame, const CollapseRule& rule, const ActiveCells& cells,
+  struct Options {
+    ClusterRules rules;
+    bool signs = true;  // false: shapes of all nodes are put together, to check what signs say
+  };
+  BrickNodes() : BrickNodes(Options{}) {}
+  explicit BrickNodes(const Options& options) : options_(options), merger_(options.rules) {}
+
+  // Level 0 from the active cells, then all levels above as far as the tests allow. All but
+  // `parameters` live as long as this is looked at.
+  void simplify(const BrickFrame& frame, const SignGrid& signs, const ActiveCells& cells,
+                const HermiteEdges& edges, const ContourParameters& parameters);
+  // Between labels.
+  void simplify(const BrickFrame& frame, const LabelGrid& labels, const ActiveCells& cells,
                 const HermiteEdges& edges, const ContourParameters& parameters);
 
   const NodeLevel& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }
-  // Level 0 nodes that cannot collapse have their sheets' vertices from here on, one a sheet.
+  // Whether each sheet collapses by itself.
+  bool by_sheets() const { return by_sheets_; }
+  // Whether all sheets in the node are of one cluster.
+  bool is_one(int l, std::size_t node) const {
+    const NodeLevel& at = level(l);
+    return at.first_cluster[node + 1] - at.first_cluster[node] == 1 && at.closes[node] == 0;
+  }
+  // The brick's one vertex, if it has become one.
+  const SheetCluster* whole() const;
+  // Of the brick, unless its node is blocked; lives until it is asked for again.
+  NodeShape root_shape();
+
+  // A cell's sheets where each is its own vertex as soon as no node above takes the cell in, one
+  // after the other; else no_cluster.
   std::uint32_t first_sheet(std::size_t cell) const { return first_sheet_[cell]; }
   const SheetVertex& sheet(std::size_t i) const { return sheets_[i]; }
 
  private:
-  void make_cells(const BrickFrame& frame, const ActiveCells& cells, const HermiteEdges& edges,
-                  const ContourParameters& parameters);
-  void make_level(int l);
-  void collapse_level(int l, const BrickFrame& frame, const CollapseRule& rule,
-                      const ContourParameters& parameters);
-  void collapse_batch(int l, const std::vector<std::uint32_t>& nodes, std::size_t begin,
-                      std::size_t end, NodeSolver& solver);
-  bool children_are_leaves(int l, std::size_t node) const;
+  // Of the shaped nodes of one level.
+  struct Shapes {
+    std::vector<std::uint32_t> place;  // of each node in what follows
+    std::vector<std::uint32_t> first_cluster, first_curve, first_pair;  // one more entry at the end
+    std::vector<std::int32_t> euler;
+    std::vector<FaceCurve> curves;
+    std::vector<CurvePair> pairs;
+    void clear(std::size_t nodes);
+    void add(std::size_t node, const NodeShape& shape);
+  };
+  // A simple node's, made when a parent asks.
+  struct SimpleShape {
+    std::array<FaceCurve, 6> curves;
+    std::size_t count = 0;
+  };
 
+  void simplify(const CollapseRule& rule, const ActiveCells& cells, const HermiteEdges& edges);
+  void make_cells(const HermiteEdges& edges);
+  class CellBatches;
+  void make_level(int l);
+  NodeKind classify(int l, std::size_t node);
+  void shape_node(int l, std::size_t node);
+  void add_clusters(int l, std::size_t node);
+  void merge_level(int l);
+  class MergeBatch;
+
+  static NodeShape shape_of(const Shapes& shapes, std::size_t node);
+  NodeShape simple_shape(int l, std::uint32_t code, SimpleShape& made) const;
+  Crossing crossing_on(CellKey node, int edge) const;
+
+  Options options_;
+  ShapeMerger merger_;
+  const CollapseRule* rule_ = nullptr;
+  const SignGrid* signs_ = nullptr;  // none between labels
+  const ActiveCells* cells_ = nullptr;
+  BrickFrame frame_;
+  ContourParameters parameters_;
+  bool by_sheets_ = false, free_ = false;
+  int highest_ = 0;  // level that may collapse
   std::vector<NodeLevel> levels_;
   std::vector<std::uint32_t> first_sheet_;
   std::vector<SheetVertex> sheets_;
-  std::vector<std::uint32_t> candidates_;
+  Shapes shapes_, shapes_below_;  // of the level under way, and of that below
+  std::array<SimpleShape, 8> simple_;
 };
 
 }  // namespace voxweld

@@ -60,17 +60,16 @@ RootRecord make_root(const BrickFrame& frame, const Grid& grid, const BrickNodes
                      const ContourParameters& parameters, const BrickOctree& brick) {
   RootRecord root;
   set_corners(grid, frame.side(), root);
-  const NodeLevel& top = nodes.level(frame.level);
-  if (top.leaf[0] == no_leaf || parameters.simplify.topology == Topology::free) {
+  const SheetCluster* whole = nodes.whole();
+  if (whole == nullptr || parameters.simplify.topology == Topology::free) {
     root.state = NodeState::split;
     return root;
   }
-  const LeafData& leaf = top.leaves[top.leaf[0]];
   root.state = NodeState::leaf;
-  root.qef = leaf.qef;
-  root.clusters = leaf.clusters;
+  root.qef = whole->qef;
+  root.clusters = whole->normals;
   root.vertex = brick.vertices[0];
-  root.residual = leaf.solution.residual;
+  root.residual = whole->solution.residual;
   return root;
 }
 

@@ -10,7 +10,7 @@
 // Based on: Schaefer, Ju, Warren, "Manifold Dual Contouring", 2007 (clusters, their Euler number,
 // crossings on the faces' edges). Where it differs: rules 2 and 4, and of rule 3 that not all faces
 // may have none, are not there, and without each of them meshes come out that are no manifold or of
-// another topology (node_shape_test.cpp); shapes are put together from children by the ends of
+// another topology (cluster_rules_test.cpp); shapes are put together from children by the ends of
 // curves, without a look at finest cells.
 #pragma once
 

@@ -75,15 +75,14 @@ RootRecord root_of(const Grid& grid, const BrickFrame& frame, const BrickNodes& 
   for (int c = 0; c < 8; ++c)
     set_corner(grid, side * (c & 1), side * (c >> 1 & 1), side * (c >> 2),
                static_cast<std::size_t>(c), root);
-  const NodeLevel& top = nodes.level(frame.level);
+  const SheetCluster* whole = nodes.whole();
   root.state = NodeState::split;
-  if (top.leaf[0] == no_leaf || parameters.simplify.topology == Topology::free) return root;
-  const LeafData& leaf = top.leaves[top.leaf[0]];
+  if (whole == nullptr || parameters.simplify.topology == Topology::free) return root;
   root.state = NodeState::leaf;
-  root.qef = leaf.qef;
-  root.clusters = leaf.clusters;
+  root.qef = whole->qef;
+  root.clusters = whole->normals;
   root.vertex = octree.vertices[0];
-  root.residual = leaf.solution.residual;
+  root.residual = whole->solution.residual;
   return root;
 }
 
@@ -91,8 +90,8 @@ std::uint64_t bytes_of(const BrickNodes& nodes, int levels) {
   std::uint64_t bytes = 0;
   for (int l = 0; l <= levels; ++l) {
     const NodeLevel& level = nodes.level(l);
-    bytes += 4 * (level.codes.size() + level.first_child.size() + level.leaf.size()) +
-             sizeof(LeafData) * level.leaves.size();
+    bytes += 4 * (level.codes.size() + level.first_child.size() + level.first_cluster.size()) +
+             2 * level.codes.size() + sizeof(SheetCluster) * level.clusters.size();
   }
   return bytes;
 }

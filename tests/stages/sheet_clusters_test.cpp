@@ -7,7 +7,6 @@
 #include <random>
 
 #include "stages/build/brick_leaves.h"
-#include "stages/build/sheet_leaves.h"
 #include "stages/merge/cluster_reduction.h"
 #include "tests/support/contour_in_memory.h"
 #include "tests/support/mesh_check.h"
@@ -58,6 +57,7 @@ ContourParameters with(double tolerance) {
   parameters.surface.isovalue = {0.0};
   parameters.surface.gradient = Gradient::subcell;
   parameters.simplify.tolerance = tolerance;
+  parameters.simplify.topology = Topology::manifold;
   return parameters;
 }
 
@@ -67,13 +67,13 @@ struct Brick {
   SignGrid signs;
   ActiveCells cells;
   HermiteEdges edges;
-  BrickClusters clusters;
-  SheetLeaves leaves;
+  BrickNodes nodes;
+  BrickLeaves leaves;
   BrickOctree octree;
 
   Brick(const MemoryVolume& volume, const ContourParameters& parameters, CellKey key,
-        const BrickClusters::Options& options = {})
-      : frame{key.lo(), key.level, domain_level(volume.size)}, clusters(options) {
+        const BrickNodes::Options& options = {})
+      : frame{key.lo(), key.level, domain_level(volume.size)}, nodes(options) {
     const HaloBlock block{volume.type,           volume.size,   {{}, volume.size},
                           volume.samples.data(), volume.size.x, volume.size.x * volume.size.y};
     const int side = frame.side();
@@ -83,8 +83,8 @@ struct Brick {
     octree.blocks.assign(std::size_t{1} << 3 * (key.level - block_level), {});
     if (cells.size() == 0) return;
     edges.compute(block, frame.origin, side, signs, parameters);
-    clusters.simplify(frame, signs, cells, edges, parameters);
-    leaves.collect(frame, cells, clusters, parameters, octree);
+    nodes.simplify(frame, signs, cells, edges, parameters);
+    leaves.collect(frame, cells, nodes, parameters, octree);
   }
 };
 
@@ -167,13 +167,13 @@ FinalOctree by_bricks(const MemoryVolume& volume, const ContourParameters& param
         const CellSheets& sheets = brick.cells.sheets(cell);
         for (std::size_t k = 0; k < sheets.crossings; ++k) {
           const int edge = sheets.edges[k];
-          const std::uint32_t number = brick.leaves.vertex(brick.cells, cell, edge);
+          const std::uint32_t number = brick.leaves.vertex(brick.cells, cell, edge, brick.octree);
           const LeafVertex& v = brick.octree.vertices[number];
           FinalVertex final{v.leaf.level(),
                             FirstSheet::make(origin + v.leaf.code(), v.leaf.sheet()), v.offset,
                             v.normals, v.leaf.shares() || node.covered != 0 || above.covered != 0};
           const std::uint8_t cluster = brick.leaves.roots()[number];
-          if (cluster != SheetLeaves::no_root) {
+          if (cluster != BrickLeaves::no_root) {
             const ClusterLink link = shard.node.links[node.first_link + cluster];
             if (link.leaf != no_cluster)
               final = vertex_of(shard.node.leaves[link.leaf], above.covered != 0);
@@ -272,7 +272,7 @@ std::vector<testing::Triangle> mesh_of(const Brick& brick) {
         cell[c] -= around >> 1;
         const int corner = static_cast<int>((around & 1) << b | (around >> 1) << c);
         const std::size_t i = brick.cells.index_of(static_cast<std::uint32_t>(morton_encode(cell)));
-        quad[k] = brick.leaves.vertex(brick.cells, i, edge_at(axis, corner));
+        quad[k] = brick.leaves.vertex(brick.cells, i, edge_at(axis, corner), brick.octree);
       }
       if (!brick.signs.inside(at.x, at.y, at.z)) std::swap(quad[1], quad[3]);
       std::vector<std::uint32_t> corners;
@@ -309,13 +309,10 @@ TEST(SheetClusters, MeshesKeepTheirTopologyAtAnyTolerance) {
 TEST(SheetClusters, FarFewerVerticesThanWhereOneCellBlocksAllAbove) {
   const MemoryVolume volume = plates(61, 2);
   const Brick brick(volume, with(0.2), whole(volume));
-  BrickNodes nodes;
-  nodes.simplify(brick.frame, brick.signs, brick.cells, brick.edges, with(0.2));
-  BrickLeaves leaves;
-  BrickOctree safe;
-  safe.blocks.assign(brick.octree.blocks.size(), {});
-  leaves.collect(brick.frame, brick.cells, nodes, with(0.2), safe);
-  EXPECT_LT(2 * brick.octree.vertices.size(), safe.vertices.size());
+  ContourParameters safe = with(0.2);
+  safe.simplify.topology = Topology::safe;
+  const Brick blocked(volume, safe, whole(volume));
+  EXPECT_LT(2 * brick.octree.vertices.size(), blocked.octree.vertices.size());
 }
 
 }  // namespace
