@@ -1,6 +1,7 @@
 #include "stages/build/brick_leaves.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "stages/build/cell_planes.h"
 
@@ -13,8 +14,6 @@ void BrickLeaves::collect(const BrickFrame& frame, const ActiveCells& cells, Bri
   out_ = &out;
   finest_.clear();
   apart_.clear();
-  roots_.clear();
-  record_ = {};
   final_ = {};
   first_vertex_.resize(cells.size());
   root_clusters_.resize(static_cast<std::size_t>(frame.level) + 1);
@@ -29,7 +28,9 @@ void BrickLeaves::collect(const BrickFrame& frame, const ActiveCells& cells, Bri
     visit(frame.level, node, false);
   solve_finest(frame, parameters);
   if (nodes.by_sheets()) count_blocks(frame);
-  out.counts.vertices = out.vertices.size();
+  out.counts.vertices =
+      nodes.by_sheets() ? std::accumulate(final_.leaves.begin(), final_.leaves.end(), std::uint64_t{0})
+                        : out.vertices.size();
   out.counts.leaves = final_.leaves;
   out.counts.worst_residual = final_.worst_residual;
   out.counts.worst_finest = final_.worst_finest;
@@ -38,16 +39,16 @@ void BrickLeaves::collect(const BrickFrame& frame, const ActiveCells& cells, Bri
 // All but the counts of its clusters.
 void BrickLeaves::begin_record(const BrickFrame& frame, BrickNodes& nodes) {
   const NodeLevel& top = nodes.level(frame.level);
-  record_.blocked = top.kinds[0] == NodeKind::blocked;
-  record_.closes = top.closes[0] != 0;
-  if (record_.blocked) return;
+  out_->record.blocked = top.kinds[0] == NodeKind::blocked;
+  out_->record.closes = top.closes[0] != 0;
+  if (out_->record.blocked) return;
   const NodeShape shape = nodes.root_shape();
-  record_.curves.assign(shape.curves.begin(), shape.curves.end());
-  record_.pairs.assign(shape.pairs.begin(), shape.pairs.end());
+  out_->record.curves.assign(shape.curves.begin(), shape.curves.end());
+  out_->record.pairs.assign(shape.pairs.begin(), shape.pairs.end());
   const Index3 origin = frame.origin;
   for (std::size_t i = 0; i < top.clusters.size(); ++i) {
     const SheetCluster& cluster = top.clusters[i];
-    record_.clusters.push_back(
+    out_->record.clusters.push_back(
         {cluster.qef,
          cluster.normals,
          cluster.solution.offset,
@@ -143,18 +144,18 @@ void BrickLeaves::add_cell(std::size_t cell, bool covered) {
 }
 
 LeafCounts& BrickLeaves::counts_of(std::uint8_t root) {
-  return root == no_root ? final_ : record_.clusters[root].leaves;
+  return root == BrickOctree::no_root ? final_ : out_->record.clusters[root].leaves;
 }
 
 void BrickLeaves::add_cluster(int l, std::size_t number, bool shares) {
   const SheetCluster& cluster = nodes_->level(l).clusters[number];
   LeafCode leaf = LeafCode::make(cluster.first.code(), l, cluster.first.sheet());
-  std::uint8_t root = no_root;
+  std::uint8_t root = BrickOctree::no_root;
   if (nodes_->by_sheets()) {
     const bool top = static_cast<std::size_t>(l) + 1 == root_clusters_.size();
     const std::uint32_t above = top ? static_cast<std::uint32_t>(number) : root_of(l, number);
     if (above != no_cluster) root = static_cast<std::uint8_t>(above);
-    roots_.push_back(root);
+    out_->roots.push_back(root);
     leaf = leaf.sharing(shares);
   } else {
     // The node has no other: its lowest cell names it as well.
@@ -191,7 +192,7 @@ void BrickLeaves::solve_finest(const BrickFrame& frame, const ContourParameters&
       const NodeSolution solution = solver.solution(i);
       out_->vertices[finest_[begin + i].vertex].offset = solution.offset;
       const std::uint32_t vertex = finest_[begin + i].vertex;
-      double& worst = counts_of(roots_.empty() ? no_root : roots_[vertex]).worst_finest;
+      double& worst = counts_of(out_->roots.empty() ? BrickOctree::no_root : out_->roots[vertex]).worst_finest;
       worst = std::max(worst, static_cast<double>(solution.residual));
     }
   }

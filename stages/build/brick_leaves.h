@@ -10,8 +10,8 @@ namespace voxweld {
 class BrickLeaves {
  public:
   // A sheet goes to the highest of its clusters that has collapsed.
-  // Appends to `out`: its vertices (by node from the top down, in Morton order, then by first cell
-  // and sheet), their counts by block, its leaf counts and residuals. Where each sheet collapses by
+  // Appends to `out`: its vertices, their counts by block, its leaf counts and residuals, and where
+  // each sheet collapses by itself the roots of vertices and the record of the brick as a node. Where each sheet collapses by
   // itself, counts and residuals are those of what nothing above the brick can take in, and those
   // by block what they were if nothing above blocks had collapsed: the same for bricks of any size.
   // (`nodes` is only read, but for buffers.)
@@ -29,14 +29,12 @@ class BrickLeaves {
     // A cell of several sheets is its own leaf, but under topology = "free".
     return brick.vertices[first].leaf.level() > 0 ? first : first + sheet;
   }
-  // Precondition: sheets do not collapse by themselves.
+  // Those of the cell's sheets: one of all, or with the bit `apart` a place in apart_vertices()
+  // where they follow each other. Without the bit those of several sheets follow each other too,
+  // unless the cell's leaf is larger.
+  static constexpr std::uint32_t apart = 0x80000000u;
   std::uint32_t first_vertex(std::size_t cell) const { return first_vertex_[cell]; }
-
-  // Where sheets collapse by themselves: of the brick as a node, to ClusterReduction.
-  const NodeRecord& record() const { return record_; }
-  // And for each vertex the cluster of the record that it is of, or no_root.
-  static constexpr std::uint8_t no_root = 255;
-  const std::vector<std::uint8_t>& roots() const { return roots_; }
+  const std::vector<std::uint32_t>& apart_vertices() const { return apart_; }
 
  private:
   void visit(int l, std::size_t node, bool covered);
@@ -56,14 +54,9 @@ class BrickLeaves {
   const ActiveCells* cells_ = nullptr;
   const BrickNodes* nodes_ = nullptr;
   BrickOctree* out_ = nullptr;
-  // Of each active cell: its vertex, or the first of several; with this bit a place in `apart_`,
-  // where its sheets' vertices follow each other.
-  static constexpr std::uint32_t apart = 0x80000000u;
   std::vector<std::uint32_t> first_vertex_, apart_;
   std::vector<std::vector<std::uint32_t>> vertices_;  // of each level's clusters, or no_cluster
   std::vector<std::vector<std::uint32_t>> root_clusters_;  // of each level's clusters but level 0's
-  std::vector<std::uint8_t> roots_;
-  NodeRecord record_;
   LeafCounts final_;  // of vertices without a root
   struct Finest {
     std::uint32_t cell, cluster, vertex;

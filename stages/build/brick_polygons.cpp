@@ -179,15 +179,69 @@ void emit_polygons(const BrickFrame& frame, Index3 volume_size, const LabelGrid&
   PolygonEmitter(frame, volume_size, cells, leaves, parameters, out).emit_all(labels);
 }
 
+namespace {
+
+bool in_lowest_layer(std::uint32_t code) {
+  return (code & morton_axis_mask[0]) == 0 || (code & morton_axis_mask[1]) == 0 ||
+         (code & morton_axis_mask[2]) == 0;
+}
+
+// f(vertex) of each of the cell's sheets, in their order.
+template <class F>
+void each_sheet_vertex(const ActiveCells& cells, const BrickLeaves& leaves, std::size_t cell,
+                       const F& f) {
+  const std::uint32_t first = leaves.first_vertex(cell);
+  if ((first & BrickLeaves::apart) == 0) return f(first);
+  for (std::uint32_t s = 0; s < cells.sheets(cell).sheets; ++s)
+    f(leaves.apart_vertices()[(first & ~BrickLeaves::apart) + s]);
+}
+
+// Of a vertex and the one before: both of one node. Snapping one needs the other.
+bool of_one_node(const LeafVertex& a, const LeafVertex& b) {
+  const int level = a.leaf.level();
+  return level == b.leaf.level() &&
+         a.leaf.code() >> (3 * level) == b.leaf.code() >> (3 * level);
+}
+
+}  // namespace
+
+void make_sheet_ghosts(const ActiveCells& cells, const BrickLeaves& leaves,
+                       std::vector<std::uint32_t>& scratch, BrickOctree& out) {
+  std::vector<std::uint32_t>& number = scratch;  // first 1 where it is wanted, then its number
+  number.assign(out.vertices.size(), 0);
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (in_lowest_layer(cells.code(i)))
+      each_sheet_vertex(cells, leaves, i, [&](std::uint32_t v) { number[v] = 1; });
+  for (std::size_t v = out.vertices.size(); v-- > 1;)
+    if (number[v] != 0 && of_one_node(out.vertices[v], out.vertices[v - 1])) number[v - 1] = 1;
+  GhostLayer& ghost = out.ghost;
+  for (std::uint32_t v = 0; v < number.size(); ++v) {
+    if (number[v] == 0) continue;
+    number[v] = static_cast<std::uint32_t>(ghost.vertices.size());
+    ghost.vertices.push_back({v, out.vertices[v]});
+    ghost.roots.push_back(out.roots[v]);
+  }
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::uint32_t code = cells.code(i);
+    if (!in_lowest_layer(code)) continue;
+    const bool several = (leaves.first_vertex(i) & BrickLeaves::apart) != 0;
+    const std::uint32_t first = several ? static_cast<std::uint32_t>(ghost.apart.size())
+                                        : number[leaves.first_vertex(i)];
+    if (several)
+      each_sheet_vertex(cells, leaves, i,
+                        [&](std::uint32_t v) { ghost.apart.push_back(number[v]); });
+    ghost.cells.push_back({code | static_cast<std::uint32_t>(cells.signs(i)) << 24,
+                           first | static_cast<std::uint32_t>(cells.joined(i)) << 31});
+  }
+}
+
 void make_ghost_layer(const ActiveCells& cells, const BrickLeaves& leaves, bool labels,
                       std::vector<std::uint32_t>& scratch, BrickOctree& out) {
   constexpr std::uint32_t unseen = 0xffffffffu;
   scratch.assign(out.vertices.size(), unseen);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const std::uint32_t code = cells.code(i);
-    if ((code & morton_axis_mask[0]) != 0 && (code & morton_axis_mask[1]) != 0 &&
-        (code & morton_axis_mask[2]) != 0)
-      continue;
+    if (!in_lowest_layer(code)) continue;
     const std::uint32_t first = leaves.first_vertex(i);
     if (scratch[first] == unseen) {
       scratch[first] = static_cast<std::uint32_t>(out.ghost.vertices.size());

@@ -23,7 +23,12 @@ void emit_polygons(const BrickFrame& frame, Index3 volume_size, const LabelGrid&
 
 // scratch: one entry a vertex, any content. labels: whether the sheets of edges are needed, see
 // GhostLayer.
+// by_sheets of BrickNodes: the other.
 void make_ghost_layer(const ActiveCells& cells, const BrickLeaves& leaves, bool labels,
                       std::vector<std::uint32_t>& scratch, BrickOctree& out);
+
+// The same where each sheet collapses by itself.
+void make_sheet_ghosts(const ActiveCells& cells, const BrickLeaves& leaves,
+                       std::vector<std::uint32_t>& scratch, BrickOctree& out);
 
 }  // namespace voxweld

@@ -15,6 +15,10 @@ namespace {
 
 void clear(BrickOctree& brick, int level) {
   brick.vertices.clear();
+  brick.roots.clear();
+  brick.record = {};
+  brick.ghost.apart.clear();
+  brick.ghost.roots.clear();
   brick.polygons.clear();
   brick.emit_levels.clear();
   brick.blocks.assign(std::size_t{1} << 3 * (level - block_level), BlockCount{});
@@ -61,7 +65,7 @@ RootRecord make_root(const BrickFrame& frame, const Grid& grid, const BrickNodes
   RootRecord root;
   set_corners(grid, frame.side(), root);
   const SheetCluster* whole = nodes.whole();
-  if (whole == nullptr || parameters.simplify.topology == Topology::free) {
+  if (whole == nullptr || parameters.simplify.topology == Topology::free || nodes.by_sheets()) {
     root.state = NodeState::split;
     return root;
   }
@@ -134,7 +138,10 @@ void build_octree(const BrickFrame& frame, Index3 volume_size, const Grid& grid,
   s.nodes.simplify(frame, grid, s.cells, edges, parameters);
   s.leaves.collect(frame, s.cells, s.nodes, parameters, out);
   emit_polygons(frame, volume_size, grid, s.cells, s.leaves, parameters, out);
-  make_ghost_layer(s.cells, s.leaves, std::is_same_v<Grid, LabelGrid>, s.vertex_marks, out);
+  if (s.nodes.by_sheets())
+    make_sheet_ghosts(s.cells, s.leaves, s.vertex_marks, out);
+  else
+    make_ghost_layer(s.cells, s.leaves, std::is_same_v<Grid, LabelGrid>, s.vertex_marks, out);
   out.root = make_root(frame, grid, s.nodes, parameters, out);
 }
 

@@ -60,6 +60,12 @@ struct ContourParameters {
   Edits edits;  // of the volume, before anything is contoured
 };
 
+// Whether each sheet of the surface collapses by itself. Between labels none does.
+inline bool collapses_by_sheets(const ContourParameters& parameters) {
+  return parameters.simplify.enabled && parameters.simplify.topology == Topology::manifold &&
+         parameters.labels.mode != LabelMode::shared;
+}
+
 // Samples the stencils of crossings and gradients reach beyond the crossing edge's ends, the halo's
 // width: branches, and at the volume's border central differences, are one-sided over three points.
 inline constexpr int gradient_halo = 2;

@@ -1,6 +1,7 @@
 #include "stages/merge/cluster_reduction.h"
 
 #include <algorithm>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -26,14 +27,19 @@ ClusterReduction::ClusterReduction(CellKey root, int domain_level,
       sum_(parameters) {}
 
 void ClusterReduction::push(CellKey key, const NodeRecord& record) {
-  while (!open_.empty() && !open_.back().key.cells().contains(key.cells())) close_last();
-  open_down_to(key.parent());
+  if (key != root_) {
+    while (!open_.empty() && !open_.back().key.cells().contains(key.cells())) close_last();
+    open_down_to(key.parent());
+  }
   result_.nodes.push_back({key.code(), static_cast<std::uint32_t>(result_.links.size()), 0});
   const auto first = static_cast<std::uint32_t>(tree_.size());
   first_of_node_.push_back(first);
   result_.links.resize(result_.links.size() + record.clusters.size());
   tree_.resize(tree_.size() + record.clusters.size());
-  add_child(key, {record, first});
+  if (key == root_)
+    whole_ = {record, first};
+  else
+    add_child(key, {record, first});
 }
 
 void ClusterReduction::open_down_to(CellKey parent) {
@@ -230,6 +236,63 @@ void ClusterReduction::sort_leaves() {
   leaves = std::move(sorted);
   for (Cluster& cluster : tree_)
     if (cluster.leaf != no_cluster) cluster.leaf = place[cluster.leaf];
+}
+
+namespace {
+
+std::size_t end_of_links(const ReducedNode& node, std::size_t n) {
+  return n + 1 < node.nodes.size() ? node.nodes[n + 1].first_link : node.links.size();
+}
+
+// Puts leaves in their order.
+void sort_leaves(AboveBricks& above) {
+  const std::vector<ClusterLeaf> leaves = std::move(above.leaves);
+  std::vector<std::uint32_t> order(leaves.size()), place(leaves.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto key = [&](std::uint32_t i) {
+    return std::tuple(leaves[i].key().code(), leaves[i].level, leaves[i].first);
+  };
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+  above.leaves.clear();
+  for (const std::uint32_t from : order) {
+    place[from] = static_cast<std::uint32_t>(above.leaves.size());
+    above.leaves.push_back(leaves[from]);
+  }
+  for (std::uint32_t& link : above.links)
+    if (link != no_cluster) link = place[link];
+}
+
+}  // namespace
+
+AboveBricks bricks_above(std::span<const ReducedNode* const> shards, const ReducedNode& top) {
+  AboveBricks above;
+  above.leaves = top.leaves;
+  for (std::size_t s = 0; s < shards.size(); ++s) {
+    const ReducedNode& shard = *shards[s];
+    const LinkedNode& place = top.nodes[s];
+    const auto first_leaf = static_cast<std::uint32_t>(above.leaves.size());
+    for (ClusterLeaf leaf : shard.leaves) {
+      leaf.shares |= place.covered;
+      above.leaves.push_back(leaf);
+    }
+    for (std::size_t n = 0; n < shard.nodes.size(); ++n) {
+      const LinkedNode& brick = shard.nodes[n];
+      above.bricks.push_back({brick.code, static_cast<std::uint32_t>(above.links.size()),
+                              brick.covered | place.covered});
+      for (std::size_t i = brick.first_link; i < end_of_links(shard, n); ++i) {
+        const ClusterLink& link = shard.links[i];
+        std::uint32_t leaf = link.leaf == no_cluster ? no_cluster : first_leaf + link.leaf;
+        if (link.root != no_cluster) {
+          const std::uint32_t higher = top.links[place.first_link + link.root].leaf;
+          if (higher != no_cluster) leaf = higher;
+        }
+        above.links.push_back(leaf);
+      }
+    }
+  }
+  sort_leaves(above);
+  return above;
 }
 
 }  // namespace voxweld

@@ -7,35 +7,15 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "stages/contouring/cluster_sum.h"
 #include "stages/contouring/node_shape.h"
 #include "stages/contouring/node_solver.h"
-#include "storage/types/node_record.h"
+#include "storage/types/top_tree.h"
 
 namespace voxweld {
-
-// Where a pushed node's cluster went.
-struct ClusterLink {
-  std::uint32_t leaf = no_cluster;  // in ReducedNode::leaves: the highest that has taken it in
-  std::uint32_t root = no_cluster;  // in ReducedNode::record.clusters: what may yet take it in
-};
-
-// A node as it was pushed.
-struct LinkedNode {
-  std::uint64_t code = 0;        // CellKey::code
-  std::uint32_t first_link = 0;  // one for each of its clusters
-  std::uint32_t covered = 0;     // 1: the node of a leaf holds it, which need not hold its clusters
-};
-
-struct ReducedNode {
-  NodeRecord record;                // of the root
-  std::vector<ClusterLeaf> leaves;  // by the code of their node, then level, then first sheet
-  std::vector<LinkedNode> nodes;    // in Morton order
-  std::vector<ClusterLink> links;
-  LeafCounts counts;  // of what no node above can take in
-};
 
 class ClusterReduction {
  public:
@@ -43,7 +23,7 @@ class ClusterReduction {
   // the octree's root; nothing collapses above.
   ClusterReduction(CellKey root, int domain_level, const ContourParameters& parameters);
 
-  // The next node, smaller than the root, in Morton order, not overlapping those before.
+  // The next node, in Morton order, not overlapping those before. It may be the root.
   void push(CellKey key, const NodeRecord& record);
   // Once, after all.
   ReducedNode finish();
@@ -92,5 +72,9 @@ class ClusterReduction {
   Child whole_;
   ReducedNode result_;
 };
+
+// What lies above all bricks. shards: of bricks, as they were pushed to what `top` is of. Leaves of a
+// shard that nothing above has taken in stay.
+AboveBricks bricks_above(std::span<const ReducedNode* const> shards, const ReducedNode& top);
 
 }  // namespace voxweld

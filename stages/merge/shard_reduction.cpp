@@ -40,7 +40,24 @@ void CubeReduction::add(const CellKey& brick, const RootRecord& root, std::uint6
           block.vertices, block.polygons});
 }
 
+void FinalLeaves::add(const LeafCounts& counts) {
+  for (std::size_t l = 0; l < counts.leaves.size(); ++l) {
+    counts_.leaves[l] += counts.leaves[l];
+    counts_.vertices += counts.leaves[l];
+  }
+  counts_.worst_residual = std::max(counts_.worst_residual, counts.worst_residual);
+  counts_.worst_finest = std::max(counts_.worst_finest, counts.worst_finest);
+}
+
+void CubeReduction::add_record(const CellKey& brick, const NodeRecord& record) {
+  clusters()->push(brick, record);
+}
+
 ShardNode CubeReduction::finish() {
+  if (clusters() != nullptr) {
+    node_.clusters = clusters()->finish();
+    FinalLeaves::add(node_.clusters.counts);
+  }
   const NodeSummary reduced = reduction().finish();
   node_.record = reduced.record;
   node_.polygons = reduced.polygons;
@@ -56,11 +73,18 @@ TopReduction::TopReduction(const BrickGrid& grid, const ContourParameters& param
 
 void TopReduction::add(const ShardNode& node) {
   reduction().push({node.key, node.record, node.polygons});
+  if (clusters() != nullptr && !node.clusters.nodes.empty())
+    clusters()->push(node.key, node.clusters.record);
   for (const TopLeaf& leaf : node.leaves) sink_.leaf(leaf, true);
   for (const CubeCount& count : node.cubes) planner_.push(count);
 }
 
 void TopReduction::finish() {
+  if (clusters() != nullptr) {
+    reduced_ = clusters()->finish();
+    FinalLeaves::add(reduced_.counts);
+    for (const ClusterRecord& cluster : reduced_.record.clusters) FinalLeaves::add(cluster.leaves);
+  }
   OctreeReduction::settle(reduction().finish(), *this);
   planner_.finish();
 }

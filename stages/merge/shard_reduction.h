@@ -5,6 +5,7 @@
 
 #include "stages/contouring/brick_grid.h"
 #include "stages/contouring/parameters.h"
+#include "stages/merge/cluster_reduction.h"
 #include "stages/merge/octree_reduction.h"
 #include "stages/merge/tile_planner.h"
 
@@ -25,8 +26,13 @@ class FinalLeaves : protected ReductionSink {
  protected:
   FinalLeaves(const BrickGrid& grid, CellKey root, const ContourParameters& parameters)
       : brick_level_(grid.brick_level()),
-        reduction_(root, grid.domain_level(), parameters, *this) {}
+        reduction_(root, grid.domain_level(), parameters, *this) {
+    if (collapses_by_sheets(parameters)) clusters_.emplace(root, grid.domain_level(), parameters);
+  }
   OctreeReduction& reduction() { return reduction_; }
+  // Null unless each sheet collapses by itself. Then the other finds every node split.
+  ClusterReduction* clusters() { return clusters_ ? &*clusters_ : nullptr; }
+  void add(const LeafCounts& counts);
 
  private:
   void leaf(CellKey key, const RootRecord& record) final;
@@ -35,6 +41,7 @@ class FinalLeaves : protected ReductionSink {
   int brick_level_;
   BrickCounts counts_;
   OctreeReduction reduction_;
+  std::optional<ClusterReduction> clusters_;
 };
 
 // The bricks of one cube to its node.
@@ -50,6 +57,8 @@ class CubeReduction final : private FinalLeaves {
   // blocks where it is split.
   void add(const CellKey& brick, const RootRecord& root, std::uint64_t polygons,
            std::span<const FilledBlock> blocks);
+  // Besides, where each sheet collapses by itself.
+  void add_record(const CellKey& brick, const NodeRecord& record);
   ShardNode finish();
 
   using FinalLeaves::collapsed;
@@ -80,6 +89,8 @@ class TopReduction final : private FinalLeaves {
 
   void add(const ShardNode& node);  // in Morton order
   void finish();
+  // Of the shards whose record has clusters or is blocked, where each sheet collapses by itself.
+  const ReducedNode& reduced() const { return reduced_; }
 
   using FinalLeaves::collapsed;
   using FinalLeaves::counts;
@@ -90,6 +101,7 @@ class TopReduction final : private FinalLeaves {
 
   TopSink& sink_;
   TilePlanner planner_;
+  ReducedNode reduced_;
 };
 
 }  // namespace voxweld

@@ -54,16 +54,42 @@ LatticePoint relative(const SnapFrame& frame, Index3 q) {
   return point;
 }
 
-// Offsets by distance, then by coordinates: a cell's interior is at least three points a side, so
-// four sheets always find a place among these.
-std::vector<Index3> steps_by_distance() {
+// Offsets by distance, then by coordinates.
+std::vector<Index3> steps_by_distance(std::int64_t reach) {
   std::vector<Index3> steps;
-  each_index({splat(-2), splat(3)}, [&](Index3 step) { steps.push_back(step); });
+  each_index({splat(-reach), splat(reach + 1)}, [&](Index3 step) { steps.push_back(step); });
   const auto distance = [](Index3 s) { return s.x * s.x + s.y * s.y + s.z * s.z; };
   std::stable_sort(steps.begin(), steps.end(),
                    [&](Index3 a, Index3 b) { return distance(a) < distance(b); });
   return steps;
 }
+
+std::int64_t modulo_3(std::int64_t value) {
+  return (value % 3 + 3) % 3;
+}
+
+// The lattice points that vertices of one level may take where nodes overlap.
+class LevelPoints {
+ public:
+  explicit LevelPoints(int level) : any_of_two_(level == 0) {
+    int number = level;
+    each_index(splat(3), [&](Index3 triple) {
+      if (triple.x < 2 && triple.y < 2 && triple.z < 2) return;
+      if (--number == 0) triple_ = triple;
+    });
+  }
+  bool has(Index3 q) const {
+    for (int a = 0; a < 3; ++a) {
+      const std::int64_t rest = modulo_3(q[a]);
+      if (any_of_two_ ? rest == 2 : rest != triple_[a]) return false;
+    }
+    return true;
+  }
+
+ private:
+  bool any_of_two_;
+  Index3 triple_;
+};
 
 }  // namespace
 
@@ -76,7 +102,8 @@ LatticePoint point_of(const SnapFrame& frame, CellKey leaf, const std::array<flo
 }
 
 LatticePoint snap_sheets(const SnapFrame& frame, CellKey leaf, std::span<const LeafVertex> sheets) {
-  static const std::vector<Index3> steps = steps_by_distance();
+  // A cell's interior is at least three points a side, so four sheets always find a place.
+  static const std::vector<Index3> steps = steps_by_distance(2);
   const Box3 box = interior(frame, leaf);
   std::array<Index3, 4> taken{};
   std::size_t count = 0;
@@ -91,6 +118,27 @@ LatticePoint snap_sheets(const SnapFrame& frame, CellKey leaf, std::span<const L
     }
   }
   return relative(frame, taken[count - 1]);
+}
+
+LatticePoint snap_in_group(const SnapFrame& frame, CellKey node, bool shares,
+                           std::span<const std::array<float, 3>> group) {
+  const Box3 box = interior(frame, node);
+  if (!shares && group.size() == 1) return relative(frame, nearest(frame, node, box, group[0]));
+  // Of level 0 a node has four vertices at most and eight points or more; of any other two points a
+  // side or more of those that its level may take, so within so many steps there are enough.
+  static const std::vector<Index3> steps = steps_by_distance(12);
+  const LevelPoints points(node.level);
+  std::vector<Index3> taken;
+  for (const std::array<float, 3>& offset : group) {
+    const Index3 wanted = nearest(frame, node, box, offset);
+    const auto free = std::find_if(steps.begin(), steps.end(), [&](const Index3& step) {
+      const Index3 q = wanted + step;
+      return box.contains(q) && (!shares || points.has(q)) &&
+             std::find(taken.begin(), taken.end(), q) == taken.end();
+    });
+    taken.push_back(free == steps.end() ? wanted : wanted + *free);
+  }
+  return relative(frame, taken.back());
 }
 
 }  // namespace voxweld

@@ -28,4 +28,11 @@ LatticePoint point_of(const SnapFrame& frame, CellKey leaf, const std::array<flo
 // Returns the point of the last of them.
 LatticePoint snap_sheets(const SnapFrame& frame, CellKey leaf, std::span<const LeafVertex> sheets);
 
+// Of a node where each sheet is a vertex by itself. group: its vertices in their order up to the one
+// wanted, offsets from its centre. shares: vertices of other nodes may lie in this one, as it may in
+// theirs. Then each level has lattice points of its own: level 0 those whose coordinates modulo 3
+// are 0 or 1, any other level those of one of the 19 other triples. So vertices never coincide.
+LatticePoint snap_in_group(const SnapFrame& frame, CellKey node, bool shares,
+                           std::span<const std::array<float, 3>> group);
+
 }  // namespace voxweld

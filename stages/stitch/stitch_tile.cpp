@@ -42,20 +42,43 @@ std::vector<TopLeaf> leaves_above(std::span<const CellKey> bricks, const LeafLoo
   return found;
 }
 
-TileMesh stitch_tile(const PlannedTile& tile, const StitchParameters& parameters,
-                     std::span<const CellKey> bricks, std::span<const TopLeaf> above,
-                     BrickPieces& pieces) {
-  TileStitcher stitcher(tile.key(), parameters, above);
+namespace {
+
+TileMesh stitch(const PlannedTile& tile, TileStitcher& stitcher, std::span<const CellKey> bricks,
+                BrickPieces& pieces) {
   for (const CellKey& key : bricks) {
     const BrickOctree& octree = pieces.brick(key);
-    StitchBrick brick{key,          octree.vertices,      octree.polygons, octree.emit_levels,
-                      octree.pairs, octree.polygon_pairs, &octree.ghost,   {}};
+    StitchBrick brick{key,
+                      octree.vertices,
+                      octree.roots,
+                      octree.polygons,
+                      octree.emit_levels,
+                      octree.pairs,
+                      octree.polygon_pairs,
+                      &octree.ghost,
+                      {}};
     for (int d = 1; d < 8; ++d)
       brick.upper[static_cast<std::size_t>(d)] = pieces.ghost(upper_neighbour(key.at, d), d);
     cut_to_tile(tile, octree.blocks, brick);
     stitcher.add(brick);
   }
   return stitcher.finish();
+}
+
+}  // namespace
+
+TileMesh stitch_tile(const PlannedTile& tile, const StitchParameters& parameters,
+                     std::span<const CellKey> bricks, std::span<const TopLeaf> above,
+                     BrickPieces& pieces) {
+  TileStitcher stitcher(tile.key(), parameters, above);
+  return stitch(tile, stitcher, bricks, pieces);
+}
+
+TileMesh stitch_tile(const PlannedTile& tile, const StitchParameters& parameters,
+                     std::span<const CellKey> bricks, const AboveBricks& above,
+                     BrickPieces& pieces) {
+  TileStitcher stitcher(tile.key(), parameters, {}, &above);
+  return stitch(tile, stitcher, bricks, pieces);
 }
 
 }  // namespace voxweld

@@ -33,5 +33,9 @@ std::vector<TopLeaf> leaves_above(std::span<const CellKey> bricks, const LeafLoo
 TileMesh stitch_tile(const PlannedTile& tile, const StitchParameters& parameters,
                      std::span<const CellKey> bricks, std::span<const TopLeaf> above,
                      BrickPieces& pieces);
+// Where each sheet collapses by itself. above: of the bricks and their upper neighbours, or more.
+TileMesh stitch_tile(const PlannedTile& tile, const StitchParameters& parameters,
+                     std::span<const CellKey> bricks, const AboveBricks& above,
+                     BrickPieces& pieces);
 
 }  // namespace voxweld

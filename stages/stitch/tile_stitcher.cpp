@@ -42,8 +42,8 @@ CellKey leaf_key(CellKey brick, LeafCode leaf) {
 }  // namespace
 
 TileStitcher::TileStitcher(CellKey tile, const StitchParameters& parameters,
-                           std::span<const TopLeaf> top)
-    : parameters_(parameters), top_(top) {
+                           std::span<const TopLeaf> top, const AboveBricks* above)
+    : parameters_(parameters), top_(top), above_(above) {
   mesh_.tile = tile;
   mesh_.lattice = moved(parameters.frame.lattice, parameters.first);
 }
@@ -99,6 +99,13 @@ void TileStitcher::sort_pairs() {
 
 TileStitcher::Corner TileStitcher::local_corner(const StitchBrick& brick, std::uint32_t vertex) {
   const LeafVertex& v = brick.vertices[vertex];
+  if (!brick.roots.empty()) {
+    if (local_[vertex] == unset) {
+      gather_node(vertex, [&](std::size_t i) -> const LeafVertex& { return brick.vertices[i]; });
+      local_[vertex] = sheet_vertex(brick.key, brick.roots[vertex], in_own_layer_[vertex] != 0);
+    }
+    return {local_[vertex], 0};
+  }
   if (local_[vertex] != unset)
     return {local_[vertex],
             brick_above_ != nullptr ? static_cast<int>(brick_above_->level) : v.leaf.level()};
@@ -133,11 +140,72 @@ TileStitcher::Corner TileStitcher::foreign_corner(const StitchBrick& brick, Corn
   if (cell == ghost->cells.end() || cell->code() != ref.code()) fail("is not active there");
   const std::uint32_t first = cell->first();
   std::uint32_t sheet = 0;
+  if (!ghost->roots.empty()) {
+    const CellSheets& sheets =
+        cell_sheets(static_cast<CellSigns>(cell->signs()), cell->joined());
+    sheet = sheets.sheet_of_edge[static_cast<std::size_t>(ref.edge())];
+    if (sheet > 3) fail("has no crossing on that edge");
+    const std::uint32_t vertex = sheets.sheets == 1 ? first : ghost->apart[first + sheet];
+    gather_node(vertex,
+                [&](std::size_t i) -> const LeafVertex& { return ghost->vertices[i].vertex; });
+    return {sheet_vertex(neighbour, ghost->roots[vertex], true), 0};
+  }
   if (ghost->vertices[first].vertex.leaf.level() == 0) sheet = sheet_of(*ghost, *cell, ref.edge());
   if (sheet > 3) fail("has no crossing on that edge");
   group_.clear();
   for (std::uint32_t s = 0; s <= sheet; ++s) group_.push_back(ghost->vertices[first + s].vertex);
   return shared_vertex(neighbour, group_);
+}
+
+// To group_: the vertex, and those before it that are of the same node. vertex_at: as a brick or a
+// ghost layer has them.
+template <class VertexAt>
+void TileStitcher::gather_node(std::size_t vertex, const VertexAt& vertex_at) {
+  const LeafCode leaf = vertex_at(vertex).leaf;
+  const auto of_node = [&](const LeafVertex& v) {
+    return v.leaf.level() == leaf.level() &&
+           v.leaf.code() >> (3 * leaf.level()) == leaf.code() >> (3 * leaf.level());
+  };
+  std::size_t first = vertex;
+  while (first > 0 && of_node(vertex_at(first - 1))) --first;
+  group_.clear();
+  for (std::size_t i = first; i <= vertex; ++i) group_.push_back(vertex_at(i));
+}
+
+// The vertex that a brick's vertex has become, this being the last of group_. is_shared: other
+// bricks may refer to it.
+std::uint32_t TileStitcher::sheet_vertex(CellKey brick, std::uint8_t root, bool is_shared) {
+  const LeafVertex& own = group_.back();
+  const BrickAbove* around = above_ == nullptr ? nullptr : above_->find(brick.code());
+  const ClusterLeaf* above = nullptr;
+  if (around != nullptr && root != BrickOctree::no_root) {
+    const std::uint32_t link = above_->links[around->first_link + root];
+    if (link != no_cluster) above = &above_->leaves[link];
+  }
+  const VertexId id =
+      above != nullptr
+          ? VertexId::make(static_cast<int>(above->level), above->first.code(),
+                           above->first.sheet())
+          : VertexId::make(own.leaf.level(), brick.code() + own.leaf.code(), own.leaf.sheet());
+  is_shared = is_shared || above != nullptr;
+  if (is_shared)
+    if (const auto found = shared_.find(id.bits); found != shared_.end()) return found->second;
+  bool shares = own.leaf.shares() || (around != nullptr && around->covered != 0);
+  offsets_.clear();
+  if (above != nullptr) {
+    shares = above->shares != 0;
+    const ClusterLeaf* first = above;
+    while (first != above_->leaves.data() && (first - 1)->level == above->level &&
+           (first - 1)->key() == above->key())
+      --first;
+    for (; first <= above; ++first) offsets_.push_back(first->vertex.offset);
+  } else {
+    for (const LeafVertex& v : group_) offsets_.push_back(v.offset);
+  }
+  const LatticePoint point = snap_in_group(parameters_.frame, id.leaf(), shares, offsets_);
+  const std::uint32_t index = append(id, point, above != nullptr ? above->vertex : own);
+  if (is_shared) shared_.emplace(id.bits, index);
+  return index;
 }
 
 // group: the sheets of one leaf up to the one wanted.

@@ -31,6 +31,7 @@ struct StitchParameters {
 struct StitchBrick {
   CellKey key;
   std::span<const LeafVertex> vertices;
+  std::span<const std::uint8_t> roots;        // beside vertices, where each sheet is one by itself
   std::span<const PolygonRefs> polygons;      // only those whose owner cells lie in the tile
   std::span<const std::uint8_t> emit_levels;  // beside polygons, or empty
   // labels.mode = "shared": as BrickOctree has them, polygon_pairs beside polygons; else empty.
@@ -43,8 +44,10 @@ struct StitchBrick {
 class TileStitcher {
  public:
   // top: the leaves above the bricks that the tile's bricks and their upper neighbours lie in,
-  // ascending code. Copied nowhere: lives as long as the stitcher.
-  TileStitcher(CellKey tile, const StitchParameters& parameters, std::span<const TopLeaf> top);
+  // ascending code. above: the same where each sheet collapses by itself. Copied nowhere: both live
+  // as long as the stitcher.
+  TileStitcher(CellKey tile, const StitchParameters& parameters, std::span<const TopLeaf> top,
+               const AboveBricks* above = nullptr);
 
   // Bricks in Morton order. Throws std::logic_error (a bug or inconsistent artifacts) when a corner
   // cannot be resolved, naming the brick.
@@ -60,6 +63,9 @@ class TileStitcher {
   Corner local_corner(const StitchBrick& brick, std::uint32_t vertex);
   Corner foreign_corner(const StitchBrick& brick, CornerRef ref);
   Corner shared_vertex(CellKey brick, std::span<const LeafVertex> group);
+  template <class VertexAt>
+  void gather_node(std::size_t vertex, const VertexAt& vertex_at);
+  std::uint32_t sheet_vertex(CellKey brick, std::uint8_t root, bool is_shared);
   const TopLeaf* leaf_above(CellKey brick) const;
   std::uint32_t append(VertexId id, const LatticePoint& point, const LeafVertex& vertex);
   void add_polygon(std::array<std::uint32_t, 4> corners);
@@ -69,6 +75,7 @@ class TileStitcher {
 
   StitchParameters parameters_;
   std::span<const TopLeaf> top_;
+  const AboveBricks* above_;
   TileMesh mesh_;
   std::vector<NormalSense> senses_;  // of the mesh's vertices
   // Vertices that several bricks refer to, those of the ghost layers and of the leaves above: found
@@ -79,6 +86,7 @@ class TileStitcher {
   std::vector<std::uint8_t> in_own_layer_;  // of the current brick
   const TopLeaf* brick_above_ = nullptr;
   std::vector<LeafVertex> group_;
+  std::vector<std::array<float, 3>> offsets_;
 };
 
 // Bytes a stitcher holds for a tile of so many vertices and polygons, brick data not counted.

@@ -98,6 +98,8 @@ VolumeContour plan_tiles(const VolumeBricks& bricks) {
   Planner sink(contour);
   TopReduction top(grid, bricks.parameters, bricks.options.tile_vertices, sink);
   auto brick = bricks.octrees.begin();
+  const bool by_sheets = collapses_by_sheets(bricks.parameters);
+  std::vector<ReducedNode> shards;
   for (const BrickGrid::Cube& cube : grid.all_cubes()) {
     CubeReduction reduction(grid, cube.key, bricks.parameters);
     for (; brick != bricks.octrees.end(); ++brick) {
@@ -105,14 +107,21 @@ VolumeContour plan_tiles(const VolumeBricks& bricks) {
       if (!cube.key.cells().contains(key.cells())) break;
       add_brick(contour.counts, brick->second.counts, brick->second.root.state);
       reduction.add(key, brick->second.root, brick->second.blocks);
+      if (by_sheets && !brick->second.vertices.empty())
+        reduction.add_record(key, brick->second.record);
     }
-    top.add(reduction.finish());
+    ShardNode node = reduction.finish();
+    top.add(node);
+    if (!node.clusters.nodes.empty()) shards.push_back(std::move(node.clusters));
     add(contour.counts, reduction.counts());
     contour.collapsed_above += reduction.collapsed();
   }
   top.finish();
   add(contour.counts, top.counts());
   contour.collapsed_above += top.collapsed();
+  std::vector<const ReducedNode*> parts;
+  for (const ReducedNode& shard : shards) parts.push_back(&shard);
+  if (by_sheets) contour.above = bricks_above(parts, top.reduced());
   return contour;
 }
 
@@ -124,6 +133,8 @@ TileMesh stitch_tile(const VolumeBricks& bricks, const VolumeContour& plan,
   const StitchParameters parameters{
       {lattice, spacing}, options.first, options.normals, bricks.parameters.simplify.overhang > 0};
   Pieces pieces(bricks);
+  if (collapses_by_sheets(bricks.parameters))
+    return stitch_tile(tile, parameters, pieces.of_tile(tile), plan.above, pieces);
   return stitch_tile(tile, parameters, pieces.of_tile(tile), plan.top, pieces);
 }
 

@@ -56,6 +56,7 @@ struct VolumeContour {
   std::vector<TileMesh> tiles;        // in Morton order; those without triangles too
   std::vector<PlannedTile> plan;      // of the tiles, in their order
   std::vector<TopLeaf> top;           // leaves above the bricks, in Morton order
+  AboveBricks above;                  // the same where each sheet collapses by itself
   BrickCounts counts;                 // summed; leaves and vertices of the final octree
   std::uint64_t collapsed_above = 0;  // nodes above the bricks that took in their children
 };

@@ -8,8 +8,10 @@
 #include <span>
 #include <vector>
 
+#include "storage/types/leaf_vertex.h"
 #include "storage/types/material.h"
 #include "storage/types/morton.h"
+#include "storage/types/node_record.h"
 #include "storage/types/tile_mesh.h"
 
 namespace voxweld {
@@ -20,59 +22,6 @@ inline constexpr int max_brick_level = 8;
 
 // Counts are kept, and tiles cut, in blocks of this side whatever the brick size.
 inline constexpr int block_level = 4;
-
-// A quadratic error function by its triangular factor (Ju et al. 2002, equation 3), relative to its
-// node's centre in index units scaled by the spacing. Ten floats, and three for the mean of the
-// crossings. The number of planes is the squared Frobenius norm of the 3x3 part.
-//   | r00 r01 r02 b0 |
-//   |     r11 r12 b1 |
-//   |         r22 b2 |
-//   |             rho|
-// Under qef = "normal" the same ten floats hold A^T A (xx xy xz yy yz zz), A^T b, b^T b in the
-// volume's coordinates (order: xx xy xz ax yy yz ay zz az bb).
-struct Qef {
-  std::array<float, 10> r{};    // r00 r01 r02 b0 r11 r12 b1 r22 b2 rho
-  std::array<float, 3> mass{};  // mean of the crossings, relative to the node's centre
-};
-
-// outward: a normal's sense is the surface's. either: n and -n are one direction. Normals between
-// labels point out of the smaller one, so where more than two labels meet a surface that goes on
-// straight behind another has them on both its sides.
-enum class NormalSense : std::uint32_t { outward, either };
-
-// Sums of unit Hermite normals by direction; the unused ones are zero.
-struct NormalClusters {
-  std::array<std::array<float, 3>, max_clusters> sum{};
-  NormalSense sense = NormalSense::outward;
-};
-
-// A leaf inside a brick: Morton code of its lowest cell (24 bits), level (4 bits), sheet (2 bits),
-// the sense of its vertex's normals (1 bit), and whether it shares its node with others (1 bit).
-struct LeafCode {
-  std::uint32_t bits = 0;
-  static constexpr LeafCode make(std::uint32_t code, int level, int sheet) {
-    return {code | static_cast<std::uint32_t>(level) << 24 |
-            static_cast<std::uint32_t>(sheet) << 28};
-  }
-  constexpr std::uint32_t code() const { return bits & 0xffffff; }
-  constexpr int level() const { return static_cast<int>(bits >> 24 & 15); }
-  constexpr LeafCode with(NormalSense sense) const {
-    return {bits | static_cast<std::uint32_t>(sense) << 30};
-  }
-  constexpr LeafCode sharing(bool shares) const {
-    return {bits | static_cast<std::uint32_t>(shares) << 31};
-  }
-  constexpr bool shares() const { return bits >> 31 != 0; }
-  constexpr int sheet() const { return static_cast<int>(bits >> 28 & 3); }
-  constexpr NormalSense sense() const { return static_cast<NormalSense>(bits >> 30 & 1); }
-};
-
-struct LeafVertex {
-  LeafCode leaf;
-  std::array<float, 3> offset{};  // from the leaf's centre, index units scaled by the spacing
-  std::array<PackedNormal, max_clusters> normals{};  // u = v = min for the unused
-};
-inline constexpr PackedNormal no_normal{INT16_MIN, INT16_MIN};
 
 // A corner of a polygon: a vertex of this brick, or a cell of one of the seven upper neighbours
 // together with the edge of that cell the polygon stands for (which picks the sheet).
@@ -139,6 +88,10 @@ struct GhostLayer {
   // Between labels a sign byte does not tell the sheets: beside `cells`, that of edge e in the bits
   // 2 e and 2 e + 1. Else empty.
   std::vector<std::uint32_t> sheets_of_edges;
+  // topology = "manifold" only. Of a cell of several sheets first() is a place here, and from there
+  // on the vertex of each of them; of other cells it is a vertex.
+  std::vector<std::uint32_t> apart;
+  std::vector<std::uint8_t> roots;  // beside `vertices`, as BrickOctree has them
 };
 
 // What an octree node is to its parent.
@@ -180,7 +133,12 @@ inline void add(BrickCounts& sum, const BrickCounts& part) {
 }
 
 struct BrickOctree {
-  std::vector<LeafVertex> vertices;   // leaves in Morton order, sheets in theirs
+  // By node from the top down, these in Morton order, then by first cell and sheet.
+  std::vector<LeafVertex> vertices;
+  // topology = "manifold" only: of each vertex the cluster of `record` that it is of, or no_root.
+  static constexpr std::uint8_t no_root = 255;
+  std::vector<std::uint8_t> roots;
+  NodeRecord record;
   std::vector<PolygonRefs> polygons;  // by owner cell in Morton order, then axis
   // topology = "free" only, beside polygons: bit l set when the polygon stands if its smallest leaf
   // has level l.

@@ -77,19 +77,23 @@ constexpr int domain_level(Index3 size) {
   return level;
 }
 
-// The id of a vertex: its leaf and, in a finest cell with several sheets, the sheet. The same in
-// every partition. Layout: level (5 bits) | Morton code at that level (57 bits) | sheet (2 bits).
+// The id of a vertex: the level of its node, and the first finest cell and sheet that it stands for;
+// where a node has one vertex for all that is in it, its lowest cell. The same in every partition.
+// Layout: level (5 bits) | Morton code of the finest cell (57 bits) | sheet (2 bits).
 struct VertexId {
   std::uint64_t bits = 0;
 
-  static constexpr VertexId make(CellKey leaf, int sheet) {
-    return {static_cast<std::uint64_t>(leaf.level) << 59 | morton_encode(leaf.at) << 2 |
+  static constexpr VertexId make(int level, std::uint64_t code, int sheet) {
+    return {static_cast<std::uint64_t>(level) << 59 | code << 2 |
             static_cast<std::uint64_t>(sheet)};
+  }
+  static constexpr VertexId make(CellKey leaf, int sheet) {
+    return make(leaf.level, leaf.code(), sheet);
   }
   constexpr int level() const { return static_cast<int>(bits >> 59); }
   constexpr int sheet() const { return static_cast<int>(bits & 3); }
   constexpr CellKey leaf() const {
-    return {level(), morton_decode(bits >> 2 & ((std::uint64_t{1} << 57) - 1))};
+    return CellKey::of(bits >> 2 & ((std::uint64_t{1} << 57) - 1), bits >> 59);
   }
   friend constexpr auto operator<=>(VertexId, VertexId) = default;
 };

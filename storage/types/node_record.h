@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "storage/types/brick_octree.h"
 #include "storage/types/face_curve.h"
+#include "storage/types/leaf_vertex.h"
 #include "storage/types/morton.h"
 
 namespace voxweld {

@@ -1,64 +1,22 @@
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <limits>
 #include <map>
 #include <memory>
-#include <random>
 
 #include "stages/build/brick_leaves.h"
 #include "stages/merge/cluster_reduction.h"
-#include "tests/support/contour_in_memory.h"
+#include "tests/stages/cluster_volumes.h"
 #include "tests/support/mesh_check.h"
 
 namespace voxweld {
 namespace {
 
 using testing::MemoryVolume;
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
-
-MemoryVolume noise(std::int64_t side, unsigned seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<float> normal;
-  return MemoryVolume::made<float>(splat(side), SampleType::f32,
-                                   [&](Index3) { return normal(random) - 0.8F; });
-}
-
-// Plates, some of them thinner than two voxels and at an angle, and smooth waves.
-MemoryVolume plates(std::int64_t side, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> unit(-1, 1);
-  struct Plate {
-    Vec3 normal;
-    double at = 0, half = 0;
-  };
-  std::vector<Plate> all(5);
-  for (Plate& plate : all) {
-    const Vec3 n{unit(random), unit(random), unit(random)};
-    plate = {n * (1 / std::sqrt(dot(n, n))), unit(random) * static_cast<double>(side) / 3,
-             0.6 + 2 * std::abs(unit(random))};
-  }
-  const double middle = static_cast<double>(side) / 2, reach = middle - 2.3;
-  return MemoryVolume::made<float>(splat(side), SampleType::f32, [&](Index3 s) {
-    const Vec3 p =
-        Vec3{static_cast<double>(s.x), static_cast<double>(s.y), static_cast<double>(s.z)} -
-        Vec3{middle, middle, middle};
-    double inside = -1e9;
-    for (const Plate& plate : all)
-      inside = std::max(inside, plate.half - std::abs(dot(plate.normal, p) - plate.at));
-    return static_cast<float>(
-        std::min(inside, reach - std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)})));
-  });
-}
+using testing::noise_volume;
+using testing::plates;
 
 ContourParameters with(double tolerance) {
-  ContourParameters parameters;
-  parameters.surface.isovalue = {0.0};
-  parameters.surface.gradient = Gradient::subcell;
-  parameters.simplify.tolerance = tolerance;
-  parameters.simplify.topology = Topology::manifold;
-  return parameters;
+  return testing::by_sheets(tolerance);
 }
 
 // One brick on its way.
@@ -138,7 +96,7 @@ FinalOctree by_bricks(const MemoryVolume& volume, const ContourParameters& param
         continue;
       auto brick = std::make_unique<Brick>(volume, parameters, key);
       if (brick->octree.vertices.empty()) continue;
-      reduction.push(key, brick->leaves.record());
+      reduction.push(key, brick->octree.record);
       const LeafCounts counts{brick->octree.counts.leaves, brick->octree.counts.worst_residual,
                               brick->octree.counts.worst_finest};
       add(all.counts, counts);
@@ -172,8 +130,8 @@ FinalOctree by_bricks(const MemoryVolume& volume, const ContourParameters& param
           FinalVertex final{v.leaf.level(),
                             FirstSheet::make(origin + v.leaf.code(), v.leaf.sheet()), v.offset,
                             v.normals, v.leaf.shares() || node.covered != 0 || above.covered != 0};
-          const std::uint8_t cluster = brick.leaves.roots()[number];
-          if (cluster != BrickLeaves::no_root) {
+          const std::uint8_t cluster = brick.octree.roots[number];
+          if (cluster != BrickOctree::no_root) {
             const ClusterLink link = shard.node.links[node.first_link + cluster];
             if (link.leaf != no_cluster)
               final = vertex_of(shard.node.leaves[link.leaf], above.covered != 0);
@@ -196,8 +154,8 @@ TEST(SheetClusters, AreTheSameHoweverTheVolumeIsCutIntoBricks) {
   std::size_t above = 0;
   for (unsigned seed = 0; seed < 4; ++seed)
     for (const bool is_noise : {false, true})
-      for (const double tolerance : {0.05, 0.5, infinite}) {
-        const MemoryVolume volume = is_noise ? noise(37, seed) : plates(61, seed);
+      for (const double tolerance : {0.05, 0.5, testing::infinite}) {
+        const MemoryVolume volume = is_noise ? noise_volume(37, seed) : plates(61, seed);
         const FinalOctree small = by_bricks(volume, with(tolerance), 4),
                           large = by_bricks(volume, with(tolerance), 6);
         EXPECT_TRUE(small.sheets == large.sheets)
@@ -216,7 +174,7 @@ TEST(SheetClusters, AreTheSameHoweverTheVolumeIsCutIntoBricks) {
 TEST(SheetClusters, VerticesWhoseNodesOverlapAreMarked) {
   std::size_t overlaps = 0;
   for (unsigned seed = 0; seed < 3; ++seed)
-    for (const double tolerance : {0.1, infinite}) {
+    for (const double tolerance : {0.1, testing::infinite}) {
       const FinalOctree octree = by_bricks(plates(45, seed), with(tolerance), 4);
       std::map<std::pair<int, FirstSheet>, bool> vertices;
       for (const auto& [sheet, v] : octree.sheets) vertices[{v.level, v.first}] = v.shares;
@@ -239,8 +197,8 @@ TEST(SheetClusters, VerticesWhoseNodesOverlapAreMarked) {
 TEST(SheetClusters, SignsSayWhatShapesDo) {
   for (unsigned seed = 0; seed < 3; ++seed)
     for (const bool is_noise : {false, true})
-      for (const double tolerance : {0.05, infinite}) {
-        const MemoryVolume volume = is_noise ? noise(30, seed) : plates(61, seed);
+      for (const double tolerance : {0.05, testing::infinite}) {
+        const MemoryVolume volume = is_noise ? noise_volume(30, seed) : plates(61, seed);
         const Brick plain(volume, with(tolerance), whole(volume), {.rules = {}, .signs = false}),
             quick(volume, with(tolerance), whole(volume));
         ASSERT_EQ(plain.octree.vertices.size(), quick.octree.vertices.size());
@@ -252,7 +210,7 @@ TEST(SheetClusters, SignsSayWhatShapesDo) {
           EXPECT_EQ(v.offset, b[leaf].offset);
           EXPECT_EQ(v.normals, b[leaf].normals);
         }
-        EXPECT_EQ(plain.leaves.record().curves.size(), quick.leaves.record().curves.size());
+        EXPECT_EQ(plain.octree.record.curves.size(), quick.octree.record.curves.size());
       }
 }
 
@@ -289,12 +247,12 @@ std::vector<testing::Triangle> mesh_of(const Brick& brick) {
 TEST(SheetClusters, MeshesKeepTheirTopologyAtAnyTolerance) {
   for (unsigned seed = 0; seed < 6; ++seed)
     for (const bool is_noise : {false, true}) {
-      const MemoryVolume volume = is_noise ? noise(28, seed) : plates(45, seed);
+      const MemoryVolume volume = is_noise ? noise_volume(28, seed) : plates(45, seed);
       const Brick fine(volume, with(0), whole(volume));
       const testing::MeshSummary before = testing::summarize(mesh_of(fine));
       EXPECT_TRUE(before.sound());
       std::size_t triangles = mesh_of(fine).size();
-      for (const double tolerance : {0.1, 0.5, infinite}) {
+      for (const double tolerance : {0.1, 0.5, testing::infinite}) {
         const Brick brick(volume, with(tolerance), whole(volume));
         EXPECT_EQ(testing::summarize(mesh_of(brick)), before) << "seed " << seed;
         EXPECT_LE(mesh_of(brick).size(), triangles);

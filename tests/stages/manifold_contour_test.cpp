@@ -1,0 +1,108 @@
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/stages/cluster_volumes.h"
+#include "tests/support/mesh_check.h"
+
+namespace voxweld {
+namespace {
+
+using testing::by_sheets;
+using testing::MemoryVolume;
+
+VolumeContour contour(const MemoryVolume& volume, const ContourParameters& parameters, int level,
+                      std::uint64_t tile_vertices = 500000) {
+  return contour_volume(volume, parameters, {level, tile_vertices, 0.01});
+}
+
+testing::MeshSummary summary(const VolumeContour& contour) {
+  return testing::summarize(testing::weld_tiles(contour.tiles).triangles);
+}
+
+struct Case {
+  MemoryVolume volume;
+  double tolerance = 0;
+};
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  for (unsigned seed = 0; seed < 3; ++seed)
+    for (const double tolerance : {0.1, 0.6, testing::infinite}) {
+      all.push_back({testing::plates(61, seed), tolerance});
+      all.push_back({testing::noise_volume(36, seed), tolerance});
+    }
+  return all;
+}
+
+TEST(ManifoldContour, IsTheSameForBricksOfAnySizeAndTiles) {
+  for (const Case& c : cases()) {
+    const VolumeContour first = contour(c.volume, by_sheets(c.tolerance), 4, 3000);
+    const testing::LatticeWeld mesh = testing::weld_tiles(first.tiles);
+    for (const int level : {5, 6}) {
+      const VolumeContour other = contour(c.volume, by_sheets(c.tolerance), level, 3000);
+      ASSERT_EQ(other.tiles.size(), first.tiles.size());
+      for (std::size_t i = 0; i < first.tiles.size(); ++i) {
+        EXPECT_EQ(other.tiles[i].positions, first.tiles[i].positions);
+        EXPECT_EQ(other.tiles[i].ids, first.tiles[i].ids);
+        EXPECT_EQ(other.tiles[i].normals, first.tiles[i].normals);
+        EXPECT_EQ(other.tiles[i].triangles, first.tiles[i].triangles);
+      }
+      EXPECT_EQ(other.counts.leaves, first.counts.leaves);
+      EXPECT_EQ(other.counts.vertices, first.counts.vertices);
+      EXPECT_EQ(other.counts.worst_residual, first.counts.worst_residual);
+      EXPECT_EQ(other.counts.worst_finest, first.counts.worst_finest);
+    }
+    // One tile has the same triangles as many.
+    const auto whole = testing::weld_tiles(contour(c.volume, by_sheets(c.tolerance), 5).tiles);
+    EXPECT_EQ(whole.vertices.size(), mesh.vertices.size());
+    EXPECT_EQ(whole.triangles.size(), mesh.triangles.size());
+  }
+}
+
+TEST(ManifoldContour, KeepsTheTopologyOfTheUnsimplifiedMesh) {
+  for (const Case& c : cases()) {
+    ContourParameters parameters = by_sheets(c.tolerance);
+    parameters.simplify.enabled = false;
+    const testing::MeshSummary fine = summary(contour(c.volume, parameters, 5));
+    EXPECT_TRUE(fine.sound());
+    EXPECT_EQ(summary(contour(c.volume, by_sheets(c.tolerance), 5)), fine);
+  }
+}
+
+// Vertices of nodes in one another have lattice points of their own.
+TEST(ManifoldContour, NoTwoVerticesAreAtOnePlace) {
+  for (const double precision : {0.01, 0.25})
+    for (const Case& c : cases()) {
+      const VolumeContour all =
+          contour_volume(c.volume, by_sheets(c.tolerance), {5, 500000, precision});
+      std::set<VertexId> ids;
+      std::set<LatticePoint> places;
+      for (const TileMesh& tile : all.tiles) {
+        ids.insert(tile.ids.begin(), tile.ids.end());
+        places.insert(tile.positions.begin(), tile.positions.end());
+      }
+      EXPECT_EQ(places.size(), ids.size());
+      EXPECT_EQ(ids.size(), all.counts.vertices);
+    }
+}
+
+// A slab that bricks of 16 cells cut into many pieces becomes few vertices, and so does one that
+// is a cell thick.
+TEST(ManifoldContour, FlatThingsCollapseAboveBricks) {
+  for (const double half : {0.6, 6.0}) {
+    const MemoryVolume slab = MemoryVolume::made<float>(splat(60), SampleType::f32, [&](Index3 s) {
+      const auto off = [](std::int64_t v, double middle) {
+        return std::abs(static_cast<double>(v) - middle);
+      };
+      return static_cast<float>(
+          std::min({half - off(s.z, 29.8), 25.3 - off(s.x, 29.7), 25.3 - off(s.y, 29.6)}));
+    });
+    const VolumeContour all = contour(slab, by_sheets(0.5), 4);
+    EXPECT_FALSE(all.above.leaves.empty());
+    EXPECT_LT(all.counts.vertices, 400u) << half;
+    EXPECT_EQ(summary(all).euler, 2);
+  }
+}
+
+}  // namespace
+}  // namespace voxweld
