@@ -18,7 +18,7 @@ void BrickLeaves::collect(const BrickFrame& frame, const ActiveCells& cells, Bri
   first_vertex_.resize(cells.size());
   root_clusters_.resize(static_cast<std::size_t>(frame.level) + 1);
   vertices_.resize(static_cast<std::size_t>(frame.level) + 1);
-  for (int l = 0; l <= frame.level; ++l)
+  for (int l = nodes.by_sheets() ? 0 : 1; l <= frame.level; ++l)
     vertices_[static_cast<std::size_t>(l)].assign(nodes.level(l).clusters.size(), no_cluster);
   if (nodes.by_sheets()) {
     begin_record(frame, nodes);
@@ -28,9 +28,9 @@ void BrickLeaves::collect(const BrickFrame& frame, const ActiveCells& cells, Bri
     visit(frame.level, node, false);
   solve_finest(frame, parameters);
   if (nodes.by_sheets()) count_blocks(frame);
-  out.counts.vertices =
-      nodes.by_sheets() ? std::accumulate(final_.leaves.begin(), final_.leaves.end(), std::uint64_t{0})
-                        : out.vertices.size();
+  out.counts.vertices = nodes.by_sheets() ? std::accumulate(final_.leaves.begin(),
+                                                            final_.leaves.end(), std::uint64_t{0})
+                                          : out.vertices.size();
   out.counts.leaves = final_.leaves;
   out.counts.worst_residual = final_.worst_residual;
   out.counts.worst_finest = final_.worst_finest;
@@ -130,6 +130,10 @@ void BrickLeaves::add_cell(std::size_t cell, bool covered) {
   }
   const NodeLevel& level = nodes_->level(0);
   const std::uint32_t begin = level.first_cluster[cell], end = level.first_cluster[cell + 1];
+  if (!nodes_->by_sheets()) {
+    finest_.push_back({static_cast<std::uint32_t>(cell), begin, first_vertex_[cell]});
+    return add_cluster(0, begin, covered);
+  }
   for (std::uint32_t i = begin; i < end; ++i) {
     vertices_[0][i] = inherited(0, i);
     if (vertices_[0][i] != no_cluster) continue;
@@ -192,7 +196,8 @@ void BrickLeaves::solve_finest(const BrickFrame& frame, const ContourParameters&
       const NodeSolution solution = solver.solution(i);
       out_->vertices[finest_[begin + i].vertex].offset = solution.offset;
       const std::uint32_t vertex = finest_[begin + i].vertex;
-      double& worst = counts_of(out_->roots.empty() ? BrickOctree::no_root : out_->roots[vertex]).worst_finest;
+      double& worst =
+          counts_of(out_->roots.empty() ? BrickOctree::no_root : out_->roots[vertex]).worst_finest;
       worst = std::max(worst, static_cast<double>(solution.residual));
     }
   }

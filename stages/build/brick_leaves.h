@@ -57,11 +57,11 @@ class BrickLeaves {
   std::vector<std::uint32_t> first_vertex_, apart_;
   std::vector<std::vector<std::uint32_t>> vertices_;  // of each level's clusters, or no_cluster
   std::vector<std::vector<std::uint32_t>> root_clusters_;  // of each level's clusters but level 0's
-  LeafCounts final_;  // of vertices without a root
+  LeafCounts final_;                                       // of vertices without a root
   struct Finest {
     std::uint32_t cell, cluster, vertex;
   };
-  std::vector<Finest> finest_;  // whose QEF is still to be solved
+  std::vector<Finest> finest_;                     // whose QEF is still to be solved
   std::vector<std::uint8_t> taken_, taken_above_;  // of the clusters of two levels
 };
 

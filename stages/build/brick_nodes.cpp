@@ -140,18 +140,10 @@ void BrickNodes::simplify(const CollapseRule& rule, const ActiveCells& cells,
   if (free_) highest_ = std::min(highest_, min_brick_level);
   levels_.resize(static_cast<std::size_t>(frame_.level) + 1);
   make_cells(edges);
-  for (int l = 1; l <= frame_.level; ++l) {
-    make_level(l);
-    std::swap(shapes_, shapes_below_);
-    const std::size_t nodes = level(l).codes.size();
-    shapes_.clear(by_sheets_ ? nodes : 0);
-    for (std::size_t node = 0; node < nodes; ++node) add_clusters(l, node);
-    levels_[static_cast<std::size_t>(l)].first_cluster.push_back(
-        static_cast<std::uint32_t>(level(l).clusters.size()));
-    merge_level(l);
-  }
+  make_nodes();
 }
 
+// The nodes of a level and their clusters, without QEFs.
 void BrickNodes::make_level(int l) {
   const NodeLevel& below = levels_[static_cast<std::size_t>(l) - 1];
   NodeLevel& level = levels_[static_cast<std::size_t>(l)];
@@ -168,6 +160,10 @@ void BrickNodes::make_level(int l) {
   level.first_child.push_back(static_cast<std::uint32_t>(below.codes.size()));
   level.kinds.assign(level.codes.size(), NodeKind::blocked);
   level.closes.assign(level.codes.size(), 0);
+  std::swap(shapes_, shapes_below_);
+  shapes_.clear(by_sheets_ ? level.codes.size() : 0);
+  for (std::size_t node = 0; node < level.codes.size(); ++node) add_clusters(l, node);
+  level.first_cluster.push_back(static_cast<std::uint32_t>(level.clusters.size()));
 }
 
 NodeKind BrickNodes::classify(int l, std::size_t node) {

@@ -114,12 +114,12 @@ class BrickNodes {
   void simplify(const CollapseRule& rule, const ActiveCells& cells, const HermiteEdges& edges);
   void make_cells(const HermiteEdges& edges);
   class CellBatches;
+  void make_nodes();
+  class MergeBatch;
   void make_level(int l);
   NodeKind classify(int l, std::size_t node);
   void shape_node(int l, std::size_t node);
   void add_clusters(int l, std::size_t node);
-  void merge_level(int l);
-  class MergeBatch;
 
   static NodeShape shape_of(const Shapes& shapes, std::size_t node);
   NodeShape simple_shape(int l, std::uint32_t code, SimpleShape& made) const;

@@ -199,8 +199,7 @@ void each_sheet_vertex(const ActiveCells& cells, const BrickLeaves& leaves, std:
 // Of a vertex and the one before: both of one node. Snapping one needs the other.
 bool of_one_node(const LeafVertex& a, const LeafVertex& b) {
   const int level = a.leaf.level();
-  return level == b.leaf.level() &&
-         a.leaf.code() >> (3 * level) == b.leaf.code() >> (3 * level);
+  return level == b.leaf.level() && a.leaf.code() >> (3 * level) == b.leaf.code() >> (3 * level);
 }
 
 }  // namespace
@@ -225,8 +224,8 @@ void make_sheet_ghosts(const ActiveCells& cells, const BrickLeaves& leaves,
     const std::uint32_t code = cells.code(i);
     if (!in_lowest_layer(code)) continue;
     const bool several = (leaves.first_vertex(i) & BrickLeaves::apart) != 0;
-    const std::uint32_t first = several ? static_cast<std::uint32_t>(ghost.apart.size())
-                                        : number[leaves.first_vertex(i)];
+    const std::uint32_t first =
+        several ? static_cast<std::uint32_t>(ghost.apart.size()) : number[leaves.first_vertex(i)];
     if (several)
       each_sheet_vertex(cells, leaves, i,
                         [&](std::uint32_t v) { ghost.apart.push_back(number[v]); });

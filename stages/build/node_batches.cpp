@@ -1,4 +1,6 @@
 // What of BrickNodes goes through the solver, eight lanes at a time.
+#include <optional>
+
 #include "stages/build/brick_nodes.h"
 #include "stages/build/cell_planes.h"
 #include "stages/contouring/cluster_sum.h"
@@ -42,8 +44,8 @@ class BrickNodes::CellBatches {
     gather_planes(cells.at(cell), cells.sheets(cell), sheet, edges_, brick_.parameters_.spacing,
                   planes_);
     if (solver.needs_centres())
-      solver.set_centre(lane, node_centre(brick_.frame_, 0, cells.code(cell),
-                                          brick_.parameters_.spacing));
+      solver.set_centre(
+          lane, node_centre(brick_.frame_, 0, cells.code(cell), brick_.parameters_.spacing));
     solver.set_planes(lane, planes_.planes.data(), planes_.count);
     return cluster_normals(planes_.normal_span(), cells.normal_sense(cell));
   }
@@ -105,22 +107,24 @@ void BrickNodes::make_cells(const HermiteEdges& edges) {
 class BrickNodes::MergeBatch {
  public:
   // collapsing: solves them too, and says which are within the tolerance.
-  MergeBatch(BrickNodes& brick, int l, bool collapsing)
+  MergeBatch(BrickNodes& brick, bool collapsing)
       : brick_(brick),
-        l_(l),
         collapsing_(collapsing),
-        at_(brick.levels_[static_cast<std::size_t>(l)]),
-        below_(brick.levels_[static_cast<std::size_t>(l) - 1]),
         solver_(brick.parameters_),
         sum_(brick.parameters_) {
     solver_.clear_children();
   }
 
+  void begin(int l) {
+    l_ = l;
+    at_ = &brick_.levels_[static_cast<std::size_t>(l)];
+    below_ = &brick_.levels_[static_cast<std::size_t>(l) - 1];
+  }
   void add(std::size_t node, std::uint32_t cluster) {
-    if (solver_.needs_centres()) solver_.set_centre(count_, centre(l_, at_.codes[node]));
+    if (solver_.needs_centres()) solver_.set_centre(count_, centre(l_, at_->codes[node]));
     nodes_[count_] = static_cast<std::uint32_t>(node);
     clusters_[count_] = cluster;
-    if (at_.kinds[node] == NodeKind::simple)
+    if (at_->kinds[node] == NodeKind::simple)
       each_child(node, [&](int octant, const SheetCluster& part) {
         solver_.set_child(count_, octant, part.qef);
       });
@@ -133,14 +137,14 @@ class BrickNodes::MergeBatch {
     solver_.merge(l_ - 1);
     if (collapsing_) solver_.solve(l_, count_);
     for (std::size_t i = 0; i < count_; ++i) {
-      SheetCluster& cluster = at_.clusters[clusters_[i]];
+      SheetCluster& cluster = at_->clusters[clusters_[i]];
       cluster.qef = solver_.qef(i);
       if (collapsing_) {
         cluster.solution = solver_.solution(i);
         cluster.collapses = solver_.within_tolerance(cluster.solution);
       }
       // Of what has not collapsed nothing is made but by sheets.
-      if (at_.kinds[nodes_[i]] == NodeKind::simple && (cluster.collapses || brick_.by_sheets_))
+      if (at_->kinds[nodes_[i]] == NodeKind::simple && (cluster.collapses || brick_.by_sheets_))
         cluster.normals = normals_of(nodes_[i]);
     }
     count_ = 0;
@@ -154,8 +158,8 @@ class BrickNodes::MergeBatch {
   // Of a simple node: a child has one cluster.
   template <class F>
   void each_child(std::size_t node, const F& f) const {
-    for (std::uint32_t child = at_.first_child[node]; child < at_.first_child[node + 1]; ++child)
-      f(static_cast<int>(below_.codes[child] & 7), below_.clusters[below_.first_cluster[child]]);
+    for (std::uint32_t child = at_->first_child[node]; child < at_->first_child[node + 1]; ++child)
+      f(static_cast<int>(below_->codes[child] & 7), below_->clusters[below_->first_cluster[child]]);
   }
   NormalClusters normals_of(std::size_t node) const {
     ClusterMerge normals;
@@ -164,36 +168,43 @@ class BrickNodes::MergeBatch {
   }
   void add_up(std::size_t node, std::uint32_t cluster) {
     sum_.begin(solver_, count_);
-    for (std::uint32_t child = at_.first_child[node]; child < at_.first_child[node + 1]; ++child)
-      for (std::uint32_t i = below_.first_cluster[child]; i < below_.first_cluster[child + 1];
+    for (std::uint32_t child = at_->first_child[node]; child < at_->first_child[node + 1]; ++child)
+      for (std::uint32_t i = below_->first_cluster[child]; i < below_->first_cluster[child + 1];
            ++i) {
-        const SheetCluster& part = below_.clusters[i];
+        const SheetCluster& part = below_->clusters[i];
         if (part.parent == cluster)
-          sum_.add(static_cast<int>(below_.codes[child] & 7), part.qef, part.normals,
-                   solver_.needs_centres() ? centre(l_ - 1, below_.codes[child]) : Vec3{});
+          sum_.add(static_cast<int>(below_->codes[child] & 7), part.qef, part.normals,
+                   solver_.needs_centres() ? centre(l_ - 1, below_->codes[child]) : Vec3{});
       }
-    at_.clusters[cluster].normals = sum_.finish();
+    at_->clusters[cluster].normals = sum_.finish();
   }
 
   BrickNodes& brick_;
-  int l_;
   bool collapsing_;
-  NodeLevel& at_;
-  const NodeLevel& below_;
+  int l_ = 0;
+  NodeLevel* at_ = nullptr;
+  const NodeLevel* below_ = nullptr;
   NodeSolver solver_;
   ClusterSum sum_;
   std::array<std::uint32_t, lanes> nodes_{}, clusters_{};
   std::size_t count_ = 0;
 };
 
-void BrickNodes::merge_level(int l) {
-  const NodeLevel& at = level(l);
-  MergeBatch collapsing(*this, l, true), others(*this, l, false);
-  for (std::size_t node = 0; node < at.codes.size(); ++node)
-    for (std::uint32_t i = at.first_cluster[node]; i < at.first_cluster[node + 1]; ++i)
-      (at.clusters[i].collapses ? collapsing : others).add(node, i);
-  collapsing.flush();
-  others.flush();
+void BrickNodes::make_nodes() {
+  MergeBatch collapsing(*this, true);
+  std::optional<MergeBatch> others;
+  if (by_sheets_) others.emplace(*this, false);
+  for (int l = 1; l <= frame_.level; ++l) {
+    make_level(l);
+    const NodeLevel& at = level(l);
+    collapsing.begin(l);
+    if (others) others->begin(l);
+    for (std::size_t node = 0; node < at.codes.size(); ++node)
+      for (std::uint32_t i = at.first_cluster[node]; i < at.first_cluster[node + 1]; ++i)
+        (at.clusters[i].collapses ? collapsing : *others).add(node, i);
+    collapsing.flush();
+    if (others) others->flush();
+  }
 }
 
 }  // namespace voxweld

@@ -25,8 +25,7 @@ class FinalLeaves : protected ReductionSink {
 
  protected:
   FinalLeaves(const BrickGrid& grid, CellKey root, const ContourParameters& parameters)
-      : brick_level_(grid.brick_level()),
-        reduction_(root, grid.domain_level(), parameters, *this) {
+      : brick_level_(grid.brick_level()), reduction_(root, grid.domain_level(), parameters, *this) {
     if (collapses_by_sheets(parameters)) clusters_.emplace(root, grid.domain_level(), parameters);
   }
   OctreeReduction& reduction() { return reduction_; }

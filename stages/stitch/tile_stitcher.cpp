@@ -141,8 +141,7 @@ TileStitcher::Corner TileStitcher::foreign_corner(const StitchBrick& brick, Corn
   const std::uint32_t first = cell->first();
   std::uint32_t sheet = 0;
   if (!ghost->roots.empty()) {
-    const CellSheets& sheets =
-        cell_sheets(static_cast<CellSigns>(cell->signs()), cell->joined());
+    const CellSheets& sheets = cell_sheets(static_cast<CellSigns>(cell->signs()), cell->joined());
     sheet = sheets.sheet_of_edge[static_cast<std::size_t>(ref.edge())];
     if (sheet > 3) fail("has no crossing on that edge");
     const std::uint32_t vertex = sheets.sheets == 1 ? first : ghost->apart[first + sheet];

@@ -27,7 +27,7 @@
 namespace voxweld {
 
 inline constexpr std::array<char, 4> cube_mesh_kind = {'c', 'u', 'b', 'm'};
-inline constexpr std::uint32_t cube_mesh_version = 3;
+inline constexpr std::uint32_t cube_mesh_version = 4;
 
 struct PartCounts {
   std::uint64_t vertices = 0, triangles = 0, samples = 0;

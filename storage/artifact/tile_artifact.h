@@ -20,7 +20,7 @@
 namespace voxweld {
 
 inline constexpr std::array<char, 4> tile_kind = {'t', 'i', 'l', 'e'};
-inline constexpr std::uint32_t tile_version = 5;
+inline constexpr std::uint32_t tile_version = 6;
 
 // A tile's figures, without its mesh.
 struct TileHeader {

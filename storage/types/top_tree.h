@@ -24,21 +24,21 @@ struct TopLeaf {
 struct BrickAbove {
   std::uint64_t code = 0;        // of the brick's lowest finest cell
   std::uint32_t first_link = 0;  // of AboveBricks::links: one for each cluster of its record
-  std::uint32_t covered = 0;     // 1: the node of a vertex above holds the brick, even if none of its
-                                 // clusters is of that vertex
+  std::uint32_t covered = 0;  // 1: the node of a vertex above holds the brick, even if none of its
+                              // clusters is of that vertex
 };
 struct AboveBricks {
   std::vector<BrickAbove> bricks;    // ascending code
   std::vector<std::uint32_t> links;  // in `leaves`: the vertex that has taken the cluster in, or
                                      // no_cluster
-  std::vector<ClusterLeaf> leaves;   // by the code of their node, then level, then first sheet; of a
-                                     // node all up to the last that is used
+  std::vector<ClusterLeaf> leaves;  // by the code of their node, then level, then first sheet; of a
+                                    // node all up to the last that is used
 
   // Null where nothing is above: the brick stays as it is.
   const BrickAbove* find(std::uint64_t code) const {
-    const auto at = std::lower_bound(
-        bricks.begin(), bricks.end(), code,
-        [](const BrickAbove& brick, std::uint64_t c) { return brick.code < c; });
+    const auto at =
+        std::lower_bound(bricks.begin(), bricks.end(), code,
+                         [](const BrickAbove& brick, std::uint64_t c) { return brick.code < c; });
     return at == bricks.end() || at->code != code ? nullptr : &*at;
   }
 };

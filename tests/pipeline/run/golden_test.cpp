@@ -91,7 +91,7 @@ TEST_F(Goldens, Merge) {
 }
 
 TEST_F(Goldens, Stitch) {
-  expect_recorded({"stitch", 5, "b4688619a5552f1b57be0e732a0d0af9"}, tile_version,
+  expect_recorded({"stitch", 6, "de215d92f259b9b6cb97466f90337728"}, tile_version,
                   hash_of(work(".tile"), tile_kind, tile_version));
 }
 
@@ -111,10 +111,10 @@ TEST(RefinedGoldens, OfEveryStage) {
   VOXWELD_EXPECT_DONE(scene.run({"simplify.refine=collapse", "work.brick=16", "work.shard=2",
                                  "output.tile_vertices=1024", "simplify.tolerance=0.2"}));
   constexpr std::uint32_t version = refine_version << 16 | cube_mesh_version;
-  expect_recorded({"stitch, refine, seams and mend", 327683, "04cd0855bfdbb5517eb69176cd8c8fbf"},
+  expect_recorded({"stitch, refine, seams and mend", 327684, "d9d992837b87f564d8c7d1a0b31c15a4"},
                   version,
                   hash_of(files_ending(scene.work(), ".cubes"), cube_mesh_kind, cube_mesh_version));
-  expect_recorded({"retile", 5, "4e04ab32f7def4fd571f7f6e9a529e55"}, tile_version,
+  expect_recorded({"retile", 6, "cae097ea1736052b97e376f16ab26587"}, tile_version,
                   hash_of(files_ending(scene.work(), ".tile"), tile_kind, tile_version));
 }
 
@@ -149,14 +149,14 @@ void expect_refined_labels(const char* mode, const Golden& cubes, const Golden& 
 
 TEST(RefinedGoldens, OfEachLabel) {
   expect_refined_labels(
-      "each", {"stitch, refine, seams and mend", 327683, "1d1e4353453b0d09238858404eafd8fd"},
-      {"retile", 5, "cb6031810b28194a28b2cffc63e5aa5b"});
+      "each", {"stitch, refine, seams and mend", 327684, "1890120167f341b634d912ed4fdcb97e"},
+      {"retile", 6, "1f1e24dbea5f1bc9263cc39ba88a2971"});
 }
 
 TEST(RefinedGoldens, OfSharedLabels) {
   expect_refined_labels(
-      "shared", {"stitch, refine, seams and mend", 327683, "b212a59f9fa6a43d3f6537b6608733b7"},
-      {"retile", 5, "57496308a28758f3589cbf3609d85daf"});
+      "shared", {"stitch, refine, seams and mend", 327684, "e4658b2429944c3afb9d69bc9d543c9f"},
+      {"retile", 6, "21f1a6c1e86ca6b40a3913e37addc1d2"});
 }
 
 // The versions in the key of a build of labels: of the artifacts, of those of each label, and of
@@ -210,7 +210,7 @@ INSTANTIATE_TEST_SUITE_P(
                     top_version | label_top_version << 16,
                     {Golden{"build of each label", 90402, "921f58acecc0ae47e9f15596570d8a88"},
                      {"merge of each label", 65542, "8ee8292ec7f1883c6481833a832de0e9"},
-                     {"stitch of each label", 5, "bfb21ed88b048cf5310bea3e247ca9f5"},
+                     {"stitch of each label", 6, "59cdc8ffcee04a094002ca747ffecbbb"},
                      {"encode of each label", 2, "141590bccb677d852b82a4e68563a1e8"}}},
         LabelGolden{"shared",
                     shard_kind,
@@ -219,7 +219,7 @@ INSTANTIATE_TEST_SUITE_P(
                     top_version,
                     {Golden{"build of shared labels", 90002, "f211208307d08895e7ec3da9e7e4cc6e"},
                      {"merge of shared labels", 6, "6654caefd84f65eb64aef1adc192bad8"},
-                     {"stitch of shared labels", 5, "72c25daa7b77660f1e8f39a59e9770d5"},
+                     {"stitch of shared labels", 6, "05d69da8e8cc4a33c37bdd751c8c158f"},
                      {"encode of shared labels", 2, "fd0cca0c691305fa8d98734ec337ab36"}}}),
     [](const auto& each) { return each.param.mode; });
 
