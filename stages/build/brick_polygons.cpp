@@ -196,12 +196,6 @@ void each_sheet_vertex(const ActiveCells& cells, const BrickLeaves& leaves, std:
     f(leaves.apart_vertices()[(first & ~BrickLeaves::apart) + s]);
 }
 
-// Of a vertex and the one before: both of one node. Snapping one needs the other.
-bool of_one_node(const LeafVertex& a, const LeafVertex& b) {
-  const int level = a.leaf.level();
-  return level == b.leaf.level() && a.leaf.code() >> (3 * level) == b.leaf.code() >> (3 * level);
-}
-
 }  // namespace
 
 void make_sheet_ghosts(const ActiveCells& cells, const BrickLeaves& leaves,
@@ -211,8 +205,10 @@ void make_sheet_ghosts(const ActiveCells& cells, const BrickLeaves& leaves,
   for (std::size_t i = 0; i < cells.size(); ++i)
     if (in_lowest_layer(cells.code(i)))
       each_sheet_vertex(cells, leaves, i, [&](std::uint32_t v) { number[v] = 1; });
+  // Snapping one needs those before it that are of the same node.
   for (std::size_t v = out.vertices.size(); v-- > 1;)
-    if (number[v] != 0 && of_one_node(out.vertices[v], out.vertices[v - 1])) number[v - 1] = 1;
+    if (number[v] != 0 && out.vertices[v].leaf.same_node(out.vertices[v - 1].leaf))
+      number[v - 1] = 1;
   GhostLayer& ghost = out.ghost;
   for (std::uint32_t v = 0; v < number.size(); ++v) {
     if (number[v] == 0) continue;

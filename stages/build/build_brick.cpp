@@ -298,8 +298,9 @@ std::uint64_t build_labels_bytes(int level) {
   // Of a sample: its number, its label in a table of nodes, and its places in two lists; of a point
   // its label before and after an edit. A cell has its sheets, and three polygons with a pair each,
   // listed and in a table; vectors may have grown to twice their content.
-  const std::uint64_t per_sample = 4 + 64 + 2 * (8 + 8 + 4);
-  const std::uint64_t per_cell = 2 * 40 + std::uint64_t{3} * (2 * (4 + sizeof(MaterialPair)) + 56);
+  const std::uint64_t per_sample = 4 + 64 + std::uint64_t{2} * (8 + 8 + 4);
+  const std::uint64_t per_cell =
+      std::uint64_t{2} * 40 + std::uint64_t{3} * (2 * (4 + sizeof(MaterialPair)) + 56);
   return samples * per_sample + 2 * points * sizeof(std::uint32_t) + cells * per_cell +
          LabelHermite::memory_bytes();
 }

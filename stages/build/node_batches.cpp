@@ -12,7 +12,7 @@ namespace voxweld {
 class BrickNodes::CellBatches {
  public:
   CellBatches(BrickNodes& brick, const HermiteEdges& edges)
-      : brick_(brick), edges_(edges), keep_(brick.parameters_), solve_(brick.parameters_) {
+      : keep_(brick.parameters_), solve_(brick.parameters_), brick_(brick), edges_(edges) {
     keep_.clear_planes();
     solve_.clear_planes();
   }
@@ -65,12 +65,12 @@ class BrickNodes::CellBatches {
     solve_.clear_planes();
   }
 
+  NodeSolver keep_, solve_;
+  SheetPlanes planes_;
   BrickNodes& brick_;
   const HermiteEdges& edges_;
-  NodeSolver keep_, solve_;
   std::array<std::uint32_t, lanes> keep_cluster_{}, solve_sheet_{};
   std::size_t kept_ = 0, solved_ = 0;
-  SheetPlanes planes_;
 };
 
 void BrickNodes::make_cells(const HermiteEdges& edges) {
@@ -108,10 +108,10 @@ class BrickNodes::MergeBatch {
  public:
   // collapsing: solves them too, and says which are within the tolerance.
   MergeBatch(BrickNodes& brick, bool collapsing)
-      : brick_(brick),
-        collapsing_(collapsing),
-        solver_(brick.parameters_),
-        sum_(brick.parameters_) {
+      : solver_(brick.parameters_),
+        sum_(brick.parameters_),
+        brick_(brick),
+        collapsing_(collapsing) {
     solver_.clear_children();
   }
 
@@ -179,15 +179,15 @@ class BrickNodes::MergeBatch {
     at_->clusters[cluster].normals = sum_.finish();
   }
 
-  BrickNodes& brick_;
-  bool collapsing_;
-  int l_ = 0;
-  NodeLevel* at_ = nullptr;
-  const NodeLevel* below_ = nullptr;
   NodeSolver solver_;
   ClusterSum sum_;
+  BrickNodes& brick_;
+  NodeLevel* at_ = nullptr;
+  const NodeLevel* below_ = nullptr;
   std::array<std::uint32_t, lanes> nodes_{}, clusters_{};
   std::size_t count_ = 0;
+  int l_ = 0;
+  bool collapsing_;
 };
 
 void BrickNodes::make_nodes() {

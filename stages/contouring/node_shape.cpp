@@ -335,13 +335,11 @@ void ShapeMerger::number_clusters() {
       euler_[cluster_of_[i]] += child_euler_[i];
   }
   // Crossings inside: all four curves that end at one are of one cluster.
-  joints_.clear();
-  std::vector<std::uint32_t>& ends = chain_;
-  ends.assign(euler_.size(), 0);
+  ends_of_cluster_.assign(euler_.size(), 0);
   for (std::uint32_t i = 0; i < cluster_of_.size(); ++i)
-    if (cluster_of_[i] != no_cluster) ends[cluster_of_[i]] += ends_inside_[i];
+    if (cluster_of_[i] != no_cluster) ends_of_cluster_[cluster_of_[i]] += ends_inside_[i];
   for (std::size_t c = 0; c < euler_.size(); ++c)
-    euler_[c] += static_cast<std::int32_t>(ends[c] / 4);
+    euler_[c] += static_cast<std::int32_t>(ends_of_cluster_[c] / 4);
   for (FaceCurve& curve : curves_) curve.cluster = cluster_of_[curve.cluster];
 }
 

@@ -119,6 +119,7 @@ class ShapeMerger {
   std::vector<std::int32_t> euler_;
   std::vector<FaceCurve> curves_;
   std::vector<CurvePair> pairs_;
+  std::vector<std::uint32_t> ends_of_cluster_;
   std::vector<Tally> tallies_;
   std::vector<std::uint8_t> allowed_;
   bool closes_ = false;

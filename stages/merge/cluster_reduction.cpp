@@ -16,6 +16,25 @@ Vec3 centre_of(CellKey key, Vec3 spacing) {
   return centre;
 }
 
+// Keeps the leaves named by `used`, in their order; where each of them is then.
+std::vector<std::uint32_t> keep_sorted(std::vector<std::uint32_t> used,
+                                       std::vector<ClusterLeaf>& leaves) {
+  const auto key = [&](std::uint32_t i) {
+    return std::tuple(leaves[i].key().code(), leaves[i].level, leaves[i].first);
+  };
+  std::sort(used.begin(), used.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+  std::vector<std::uint32_t> place(leaves.size(), no_cluster);
+  std::vector<ClusterLeaf> sorted;
+  sorted.reserve(used.size());
+  for (const std::uint32_t i : used) {
+    place[i] = static_cast<std::uint32_t>(sorted.size());
+    sorted.push_back(leaves[i]);
+  }
+  leaves = std::move(sorted);
+  return place;
+}
+
 }  // namespace
 
 ClusterReduction::ClusterReduction(CellKey root, int domain_level,
@@ -214,26 +233,15 @@ void ClusterReduction::each_link(const F& f) {
 
 // Those that are used, in the order of ReducedNode.
 void ClusterReduction::sort_leaves() {
-  std::vector<ClusterLeaf>& leaves = result_.leaves;
-  std::vector<std::uint32_t> place(leaves.size(), no_cluster), used;
+  std::vector<bool> seen(result_.leaves.size());
+  std::vector<std::uint32_t> used;
   each_link([&](std::uint32_t at, const ClusterLink&) {
     const std::uint32_t leaf = tree_[at].leaf;
-    if (leaf == no_cluster || place[leaf] != no_cluster) return;
-    place[leaf] = 0;
+    if (leaf == no_cluster || seen[leaf]) return;
+    seen[leaf] = true;
     used.push_back(leaf);
   });
-  const auto order = [&](std::uint32_t i) {
-    return std::tuple(leaves[i].key().code(), leaves[i].level, leaves[i].first);
-  };
-  std::sort(used.begin(), used.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return order(a) < order(b); });
-  std::vector<ClusterLeaf> sorted;
-  sorted.reserve(used.size());
-  for (const std::uint32_t i : used) {
-    place[i] = static_cast<std::uint32_t>(sorted.size());
-    sorted.push_back(leaves[i]);
-  }
-  leaves = std::move(sorted);
+  const std::vector<std::uint32_t> place = keep_sorted(std::move(used), result_.leaves);
   for (Cluster& cluster : tree_)
     if (cluster.leaf != no_cluster) cluster.leaf = place[cluster.leaf];
 }
@@ -242,25 +250,6 @@ namespace {
 
 std::size_t end_of_links(const ReducedNode& node, std::size_t n) {
   return n + 1 < node.nodes.size() ? node.nodes[n + 1].first_link : node.links.size();
-}
-
-// Puts leaves in their order.
-void sort_leaves(AboveBricks& above) {
-  const std::vector<ClusterLeaf> leaves = std::move(above.leaves);
-  std::vector<std::uint32_t> order(leaves.size()), place(leaves.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto key = [&](std::uint32_t i) {
-    return std::tuple(leaves[i].key().code(), leaves[i].level, leaves[i].first);
-  };
-  std::sort(order.begin(), order.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
-  above.leaves.clear();
-  for (const std::uint32_t from : order) {
-    place[from] = static_cast<std::uint32_t>(above.leaves.size());
-    above.leaves.push_back(leaves[from]);
-  }
-  for (std::uint32_t& link : above.links)
-    if (link != no_cluster) link = place[link];
 }
 
 }  // namespace
@@ -291,7 +280,11 @@ AboveBricks bricks_above(std::span<const ReducedNode* const> shards, const Reduc
       }
     }
   }
-  sort_leaves(above);
+  std::vector<std::uint32_t> all(above.leaves.size());
+  std::iota(all.begin(), all.end(), 0u);
+  const std::vector<std::uint32_t> place = keep_sorted(std::move(all), above.leaves);
+  for (std::uint32_t& link : above.links)
+    if (link != no_cluster) link = place[link];
   return above;
 }
 

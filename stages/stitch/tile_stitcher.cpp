@@ -161,12 +161,8 @@ TileStitcher::Corner TileStitcher::foreign_corner(const StitchBrick& brick, Corn
 template <class VertexAt>
 void TileStitcher::gather_node(std::size_t vertex, const VertexAt& vertex_at) {
   const LeafCode leaf = vertex_at(vertex).leaf;
-  const auto of_node = [&](const LeafVertex& v) {
-    return v.leaf.level() == leaf.level() &&
-           v.leaf.code() >> (3 * leaf.level()) == leaf.code() >> (3 * leaf.level());
-  };
   std::size_t first = vertex;
-  while (first > 0 && of_node(vertex_at(first - 1))) --first;
+  while (first > 0 && vertex_at(first - 1).leaf.same_node(leaf)) --first;
   group_.clear();
   for (std::size_t i = first; i <= vertex; ++i) group_.push_back(vertex_at(i));
 }

@@ -120,6 +120,7 @@ VolumeContour plan_tiles(const VolumeBricks& bricks) {
   add(contour.counts, top.counts());
   contour.collapsed_above += top.collapsed();
   std::vector<const ReducedNode*> parts;
+  parts.reserve(shards.size());
   for (const ReducedNode& shard : shards) parts.push_back(&shard);
   if (by_sheets) contour.above = bricks_above(parts, top.reduced());
   return contour;

@@ -52,6 +52,10 @@ struct LeafCode {
   }
   constexpr bool shares() const { return bits >> 31 != 0; }
   constexpr int sheet() const { return static_cast<int>(bits >> 28 & 3); }
+  // Whether another of the brick is of the same node.
+  constexpr bool same_node(LeafCode other) const {
+    return level() == other.level() && code() >> (3 * level()) == other.code() >> (3 * level());
+  }
   constexpr NormalSense sense() const { return static_cast<NormalSense>(bits >> 30 & 1); }
 };
 

@@ -89,7 +89,12 @@ TEST(ManifoldContour, NoTwoVerticesAreAtOnePlace) {
 // Slabs that bricks of 16 cells cut into many pieces. One is thinner than two cells: along its rim
 // its two sides are one cluster, which crosses edges twice and stays as it is; within they are two.
 TEST(ManifoldContour, FlatThingsCollapseAboveBricks) {
-  for (const auto& [half, vertices] : {std::pair{0.6, 2000u}, {6.0, 400u}}) {
+  struct Slab {
+    double half = 0;  // of its thickness
+    std::uint64_t vertices = 0;
+  };
+  for (const Slab& wanted : {Slab{0.6, 2000}, Slab{6.0, 400}}) {
+    const double half = wanted.half;
     const MemoryVolume slab = MemoryVolume::made<float>(splat(140), SampleType::f32, [&](Index3 s) {
       const auto off = [](std::int64_t v, double middle) {
         return std::abs(static_cast<double>(v) - middle);
@@ -99,7 +104,7 @@ TEST(ManifoldContour, FlatThingsCollapseAboveBricks) {
     });
     const VolumeContour all = contour(slab, by_sheets(0.5), 4);
     EXPECT_FALSE(all.above.leaves.empty());
-    EXPECT_LT(all.counts.vertices, vertices) << half;
+    EXPECT_LT(all.counts.vertices, wanted.vertices) << half;
     ContourParameters safe = by_sheets(0.5);
     safe.simplify.topology = Topology::safe;
     EXPECT_LT(2 * all.counts.vertices, contour(slab, safe, 4).counts.vertices) << half;
