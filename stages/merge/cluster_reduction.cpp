@@ -223,10 +223,8 @@ void ClusterReduction::resolve() {
 template <class F>
 void ClusterReduction::each_link(const F& f) {
   for (std::size_t n = 0; n < result_.nodes.size(); ++n) {
-    const bool last = n + 1 == result_.nodes.size();
     const std::uint32_t first = result_.nodes[n].first_link;
-    const std::size_t end = last ? result_.links.size() : result_.nodes[n + 1].first_link;
-    for (std::uint32_t i = first; i < end; ++i)
+    for (std::uint32_t i = first; i < result_.end_of_links(n); ++i)
       f(first_of_node_[n] + (i - first), result_.links[i]);
   }
 }
@@ -248,8 +246,14 @@ void ClusterReduction::sort_leaves() {
 
 namespace {
 
-std::size_t end_of_links(const ReducedNode& node, std::size_t n) {
-  return n + 1 < node.nodes.size() ? node.nodes[n + 1].first_link : node.links.size();
+// Of each of the shard's leaves the vertex above the shard that has taken it in, or no_cluster.
+std::vector<std::uint32_t> leaves_in_top(const ReducedNode& shard, const LinkedNode& place,
+                                         const ReducedNode& top) {
+  std::vector<std::uint32_t> higher(shard.leaves.size(), no_cluster);
+  for (const ClusterLink& link : shard.links)
+    if (link.leaf != no_cluster && link.root != no_cluster)
+      higher[link.leaf] = top.links[place.first_link + link.root].leaf;
+  return higher;
 }
 
 }  // namespace
@@ -260,22 +264,23 @@ AboveBricks bricks_above(std::span<const ReducedNode* const> shards, const Reduc
   for (std::size_t s = 0; s < shards.size(); ++s) {
     const ReducedNode& shard = *shards[s];
     const LinkedNode& place = top.nodes[s];
-    const auto first_leaf = static_cast<std::uint32_t>(above.leaves.size());
-    for (ClusterLeaf leaf : shard.leaves) {
-      leaf.shares |= place.covered;
-      above.leaves.push_back(leaf);
+    // Where each leaf is then.
+    std::vector<std::uint32_t> leaves = leaves_in_top(shard, place, top);
+    for (std::size_t l = 0; l < leaves.size(); ++l) {
+      if (leaves[l] != no_cluster) continue;
+      leaves[l] = static_cast<std::uint32_t>(above.leaves.size());
+      above.leaves.push_back(shard.leaves[l]);
+      above.leaves.back().shares |= place.covered;
     }
     for (std::size_t n = 0; n < shard.nodes.size(); ++n) {
       const LinkedNode& brick = shard.nodes[n];
       above.bricks.push_back({brick.code, static_cast<std::uint32_t>(above.links.size()),
                               brick.covered | place.covered});
-      for (std::size_t i = brick.first_link; i < end_of_links(shard, n); ++i) {
+      for (std::size_t i = brick.first_link; i < shard.end_of_links(n); ++i) {
         const ClusterLink& link = shard.links[i];
-        std::uint32_t leaf = link.leaf == no_cluster ? no_cluster : first_leaf + link.leaf;
-        if (link.root != no_cluster) {
-          const std::uint32_t higher = top.links[place.first_link + link.root].leaf;
-          if (higher != no_cluster) leaf = higher;
-        }
+        std::uint32_t leaf = link.leaf == no_cluster ? no_cluster : leaves[link.leaf];
+        if (link.leaf == no_cluster && link.root != no_cluster)
+          leaf = top.links[place.first_link + link.root].leaf;
         above.links.push_back(leaf);
       }
     }

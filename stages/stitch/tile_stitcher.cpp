@@ -101,8 +101,10 @@ TileStitcher::Corner TileStitcher::local_corner(const StitchBrick& brick, std::u
   const LeafVertex& v = brick.vertices[vertex];
   if (!brick.roots.empty()) {
     if (local_[vertex] == unset) {
-      gather_node(vertex, [&](std::size_t i) -> const LeafVertex& { return brick.vertices[i]; });
-      local_[vertex] = sheet_vertex(brick.key, brick.roots[vertex], in_own_layer_[vertex] != 0);
+      local_[vertex] = sheet_vertex(
+          brick.key, brick.roots, vertex,
+          [&](std::size_t i) -> const LeafVertex& { return brick.vertices[i]; },
+          in_own_layer_[vertex] != 0);
     }
     return {local_[vertex], 0};
   }
@@ -145,9 +147,10 @@ TileStitcher::Corner TileStitcher::foreign_corner(const StitchBrick& brick, Corn
     sheet = sheets.sheet_of_edge[static_cast<std::size_t>(ref.edge())];
     if (sheet > 3) fail("has no crossing on that edge");
     const std::uint32_t vertex = sheets.sheets == 1 ? first : ghost->apart[first + sheet];
-    gather_node(vertex,
-                [&](std::size_t i) -> const LeafVertex& { return ghost->vertices[i].vertex; });
-    return {sheet_vertex(neighbour, ghost->roots[vertex], true), 0};
+    const auto vertex_at = [&](std::size_t i) -> const LeafVertex& {
+      return ghost->vertices[i].vertex;
+    };
+    return {sheet_vertex(neighbour, ghost->roots, vertex, vertex_at, true), 0};
   }
   if (ghost->vertices[first].vertex.leaf.level() == 0) sheet = sheet_of(*ghost, *cell, ref.edge());
   if (sheet > 3) fail("has no crossing on that edge");
@@ -156,27 +159,22 @@ TileStitcher::Corner TileStitcher::foreign_corner(const StitchBrick& brick, Corn
   return shared_vertex(neighbour, group_);
 }
 
-// To group_: the vertex, and those before it that are of the same node. vertex_at: as a brick or a
-// ghost layer has them.
-template <class VertexAt>
-void TileStitcher::gather_node(std::size_t vertex, const VertexAt& vertex_at) {
-  const LeafCode leaf = vertex_at(vertex).leaf;
-  std::size_t first = vertex;
-  while (first > 0 && vertex_at(first - 1).leaf.same_node(leaf)) --first;
-  group_.clear();
-  for (std::size_t i = first; i <= vertex; ++i) group_.push_back(vertex_at(i));
+// The vertex above the brick that has taken in what goes to this one of the brick's clusters.
+const ClusterLeaf* TileStitcher::sheet_above(const BrickAbove* around, std::uint8_t root) const {
+  if (around == nullptr || root == BrickOctree::no_root) return nullptr;
+  const std::uint32_t link = above_->links[around->first_link + root];
+  return link == no_cluster ? nullptr : &above_->leaves[link];
 }
 
-// The vertex that a brick's vertex has become, this being the last of group_. is_shared: other
-// bricks may refer to it.
-std::uint32_t TileStitcher::sheet_vertex(CellKey brick, std::uint8_t root, bool is_shared) {
-  const LeafVertex& own = group_.back();
+// The vertex that a brick's vertex has become. vertex_at: as a brick or a ghost layer has them, and
+// roots beside them. is_shared: other bricks may refer to it.
+template <class VertexAt>
+std::uint32_t TileStitcher::sheet_vertex(CellKey brick, std::span<const std::uint8_t> roots,
+                                         std::size_t vertex, const VertexAt& vertex_at,
+                                         bool is_shared) {
+  const LeafVertex& own = vertex_at(vertex);
   const BrickAbove* around = above_ == nullptr ? nullptr : above_->find(brick.code());
-  const ClusterLeaf* above = nullptr;
-  if (around != nullptr && root != BrickOctree::no_root) {
-    const std::uint32_t link = above_->links[around->first_link + root];
-    if (link != no_cluster) above = &above_->leaves[link];
-  }
+  const ClusterLeaf* above = sheet_above(around, roots[vertex]);
   const VertexId id =
       above != nullptr
           ? VertexId::make(static_cast<int>(above->level), above->first.code(),
@@ -186,6 +184,7 @@ std::uint32_t TileStitcher::sheet_vertex(CellKey brick, std::uint8_t root, bool 
   if (is_shared)
     if (const auto found = shared_.find(id.bits); found != shared_.end()) return found->second;
   bool shares = own.leaf.shares() || (around != nullptr && around->covered != 0);
+  // With those before it that are of the same node.
   offsets_.clear();
   if (above != nullptr) {
     shares = above->shares != 0;
@@ -195,7 +194,11 @@ std::uint32_t TileStitcher::sheet_vertex(CellKey brick, std::uint8_t root, bool 
       --first;
     for (; first <= above; ++first) offsets_.push_back(first->vertex.offset);
   } else {
-    for (const LeafVertex& v : group_) offsets_.push_back(v.offset);
+    std::size_t first = vertex;
+    while (first > 0 && vertex_at(first - 1).leaf.same_node(own.leaf)) --first;
+    // What a vertex above the brick has taken in is none: a larger brick would not have it either.
+    for (; first <= vertex; ++first)
+      if (sheet_above(around, roots[first]) == nullptr) offsets_.push_back(vertex_at(first).offset);
   }
   const LatticePoint point = snap_in_group(parameters_.frame, id.leaf(), shares, offsets_);
   const std::uint32_t index = append(id, point, above != nullptr ? above->vertex : own);

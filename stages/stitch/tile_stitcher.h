@@ -63,9 +63,10 @@ class TileStitcher {
   Corner local_corner(const StitchBrick& brick, std::uint32_t vertex);
   Corner foreign_corner(const StitchBrick& brick, CornerRef ref);
   Corner shared_vertex(CellKey brick, std::span<const LeafVertex> group);
+  const ClusterLeaf* sheet_above(const BrickAbove* around, std::uint8_t root) const;
   template <class VertexAt>
-  void gather_node(std::size_t vertex, const VertexAt& vertex_at);
-  std::uint32_t sheet_vertex(CellKey brick, std::uint8_t root, bool is_shared);
+  std::uint32_t sheet_vertex(CellKey brick, std::span<const std::uint8_t> roots, std::size_t vertex,
+                             const VertexAt& vertex_at, bool is_shared);
   const TopLeaf* leaf_above(CellKey brick) const;
   std::uint32_t append(VertexId id, const LatticePoint& point, const LeafVertex& vertex);
   void add_polygon(std::array<std::uint32_t, 4> corners);

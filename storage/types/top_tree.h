@@ -32,7 +32,7 @@ struct AboveBricks {
   std::vector<std::uint32_t> links;  // in `leaves`: the vertex that has taken the cluster in, or
                                      // no_cluster
   std::vector<ClusterLeaf> leaves;  // by the code of their node, then level, then first sheet; of a
-                                    // node all up to the last that is used
+                                    // node all
 
   // Null where nothing is above: the brick stays as it is.
   const BrickAbove* find(std::uint64_t code) const {
@@ -62,6 +62,11 @@ struct ReducedNode {
   std::vector<LinkedNode> nodes;    // in Morton order
   std::vector<ClusterLink> links;
   LeafCounts counts;  // of what no node above can take in
+
+  // Of nodes[n]'s: behind the last.
+  std::size_t end_of_links(std::size_t n) const {
+    return n + 1 < nodes.size() ? nodes[n + 1].first_link : links.size();
+  }
 };
 
 // Vertices and polygons of one cube, a 16^3 block or larger. Vertices count where their leaf's

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "tests/stages/cluster_volumes.h"
@@ -12,8 +13,8 @@ using testing::by_sheets;
 using testing::MemoryVolume;
 
 VolumeContour contour(const MemoryVolume& volume, const ContourParameters& parameters, int level,
-                      std::uint64_t tile_vertices = 500000) {
-  return contour_volume(volume, parameters, {level, tile_vertices, 0.01});
+                      std::uint64_t tile_vertices = 500000, double precision = 0.01) {
+  return contour_volume(volume, parameters, {level, tile_vertices, precision});
 }
 
 testing::MeshSummary summary(const VolumeContour& contour) {
@@ -59,6 +60,22 @@ TEST(ManifoldContour, IsTheSameForBricksOfAnySizeAndTiles) {
   }
 }
 
+// Where there are few lattice points, vertices of one node want the same ones. What a vertex above has
+// taken in wants none.
+TEST(ManifoldContour, IsTheSameForBricksOfAnySizeOnACoarseLattice) {
+  for (const Case& c : cases()) {
+    const auto mesh = [&](int level) {
+      return contour(c.volume, by_sheets(c.tolerance), level, 500000, 0.25).tiles.at(0);
+    };
+    const TileMesh first = mesh(4);
+    for (const int level : {5, 6}) {
+      const TileMesh other = mesh(level);
+      EXPECT_EQ(other.ids, first.ids);
+      EXPECT_EQ(other.positions, first.positions);
+    }
+  }
+}
+
 TEST(ManifoldContour, KeepsTheTopologyOfTheUnsimplifiedMesh) {
   for (const Case& c : cases()) {
     ContourParameters parameters = by_sheets(c.tolerance);
@@ -66,6 +83,18 @@ TEST(ManifoldContour, KeepsTheTopologyOfTheUnsimplifiedMesh) {
     const testing::MeshSummary fine = summary(contour(c.volume, parameters, 5));
     EXPECT_TRUE(fine.sound());
     EXPECT_EQ(summary(contour(c.volume, by_sheets(c.tolerance), 5)), fine);
+  }
+}
+
+// What merge knows to be above the bricks are vertices of the mesh, and nothing that a larger one has
+// taken in.
+TEST(ManifoldContour, EachVertexAboveBricksIsOfTheMesh) {
+  for (const Case& c : cases()) {
+    const AboveBricks above = contour(c.volume, by_sheets(c.tolerance), 4).above;
+    std::vector<bool> linked(above.leaves.size());
+    for (const std::uint32_t link : above.links)
+      if (link != no_cluster) linked.at(link) = true;
+    EXPECT_EQ(std::count(linked.begin(), linked.end(), false), 0) << c.tolerance;
   }
 }
 
