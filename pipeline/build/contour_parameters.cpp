@@ -35,6 +35,18 @@ Gradient gradient_of(SurfaceConfig::Gradient gradient) {
   return Gradient::subcell;
 }
 
+Topology topology_of(SimplifyConfig::Topology topology) {
+  switch (topology) {
+    case SimplifyConfig::Topology::free:
+      return Topology::free;
+    case SimplifyConfig::Topology::manifold:
+      return Topology::manifold;
+    case SimplifyConfig::Topology::safe:
+      break;
+  }
+  return Topology::safe;
+}
+
 }  // namespace
 
 ContourParameters contour_parameters(const Config& config, const VolumeInfo& info,
@@ -61,8 +73,7 @@ ContourParameters contour_parameters(const Config& config, const VolumeInfo& inf
       (s.tolerance_unit == SimplifyConfig::Unit::voxel ? smallest_spacing(geometry) : 1.0);
   p.simplify.overhang = vertex_overhang(config);
   p.simplify.metric = s.metric == SimplifyConfig::Metric::rms ? Metric::rms : Metric::sum;
-  p.simplify.topology =
-      s.topology == SimplifyConfig::Topology::safe ? Topology::safe : Topology::free;
+  p.simplify.topology = topology_of(s.topology);
   p.simplify.qef = s.qef == SimplifyConfig::Qef::qr ? QefForm::qr : QefForm::normal;
   p.edits = make_edits(config, geometry, input);
   return p;

@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <cstring>
+#include <stdexcept>
 
 #include "pipeline/stage/shard_memory.h"
+#include "storage/artifact/node_record_bytes.h"
 
 namespace voxweld {
 namespace {
 
 // What the reduction and the directory need of one label in one brick; then, where the brick is
-// split, a FilledBlock for each block that holds anything.
+// split, a FilledBlock for each block that holds anything; then the bytes of its NodeRecord.
 struct Note {
   PieceHead head;
   std::uint64_t blocks = 0;
@@ -62,7 +64,9 @@ void LabelOctrees::build_brick(const CellKey& brick, const WorkerContext& worker
                  const std::vector<FilledBlock> blocks = filled_blocks(octree.blocks);
                  const PieceHead head = out_->piece(material, octree, blocks);
                  surface = surface || has_surface(head);
-                 note(brick.at, head, blocks);
+                 record_.clear();
+                 if (head.piece.by_sheets()) put_bytes(octree.record, record_);
+                 note(brick.at, head, blocks, record_);
                });
   if (any) out_->end_brick();
   note(built, surface);
@@ -71,10 +75,12 @@ void LabelOctrees::build_brick(const CellKey& brick, const WorkerContext& worker
 
 void LabelOctrees::keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) {
   bool surface = false;
-  out_->brick(built.code, from, [&](const PieceHead& head, std::span<const FilledBlock> blocks) {
-    surface = surface || has_surface(head);
-    note(brick, head, blocks);
-  });
+  out_->brick(built.code, from,
+              [&](const PieceHead& head, std::span<const FilledBlock> blocks,
+                  std::span<const std::byte> record) {
+                surface = surface || has_surface(head);
+                note(brick, head, blocks, record);
+              });
   note(built, surface);
 }
 
@@ -88,15 +94,17 @@ void LabelOctrees::inside(Index3 brick, Material material) {
   PieceHead head;
   head.piece.key = {material, morton_encode(brick)};
   head.root = filled_brick().root;
-  note(brick, head, {});
+  note(brick, head, {}, {});
 }
 
-void LabelOctrees::note(Index3 brick, const PieceHead& head, std::span<const FilledBlock> blocks) {
+void LabelOctrees::note(Index3 brick, const PieceHead& head, std::span<const FilledBlock> blocks,
+                        std::span<const std::byte> record) {
   if (head.root.state != NodeState::split) blocks = {};
   const Note note{head, blocks.size()};
   note_.clear();
   append(note_, &note, 1);
   append(note_, blocks.data(), blocks.size());
+  append(note_, record.data(), record.size());
   notes_.push({head.piece.key.material, morton_encode(brick)}, note_);
 }
 
@@ -115,15 +123,27 @@ class LabelOctrees::NodeWriter {
       std::memcpy(blocks.data(), bytes.data() + sizeof note, note.blocks * sizeof(FilledBlock));
     if (has_surface(note.head)) add_piece(note.head.piece);
     reduction_->add(brick, note.head.root, note.head.piece.polygons, blocks);
+    if (!note.head.piece.by_sheets()) return;
+    node_.final_vertices += note.head.piece.final_vertices;
+    NodeRecord record;
+    if (!RecordBytes(bytes.last(note.head.piece.record_bytes)).take(record))
+      throw std::logic_error("build: a note of a piece has no record");
+    reduction_->add_record(brick, record);
   }
 
   // After the last, and between one cube and the next.
   void close() {
     if (!reduction_) return;
     node_.node = reduction_->finish();
+    if (collapses_by_sheets(job_.parameters)) node_.final_vertices += reduction_->counts().vertices;
     add(summary_.counts, reduction_->counts());
     summary_.collapsed_above += reduction_->collapsed();
     content_->bytes(std::as_bytes(std::span(node_.node.leaves)));
+    if (node_.node.clusters.record.has_surface()) {
+      std::vector<std::byte> links;
+      put_links(node_.node.clusters, links);
+      content_->bytes(links);
+    }
     node_.content = content_->finish();
     out_.node(node_);
     reduction_.reset();

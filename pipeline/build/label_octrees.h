@@ -27,7 +27,8 @@ class LabelOctrees : public ShardOctrees {
   class NodeWriter;
   void build_brick(const CellKey& brick, const WorkerContext& worker);
   void note(const BuiltBrick& built, bool surface);
-  void note(Index3 brick, const PieceHead& head, std::span<const FilledBlock> blocks);
+  void note(Index3 brick, const PieceHead& head, std::span<const FilledBlock> blocks,
+            std::span<const std::byte> record);
 
   const BuildJob& job_;
   LabelBricks labels_;
@@ -35,7 +36,7 @@ class LabelOctrees : public ShardOctrees {
   Index3 shard_;
   std::unique_ptr<LabelShardWriter> out_;
   RecordSorter notes_;  // of all pieces, by label and brick
-  std::vector<std::byte> note_;
+  std::vector<std::byte> note_, record_;
   ShardSummary summary_;
   ShardHistory history_;
 };

@@ -39,7 +39,7 @@ class SurfaceOctrees : public ShardOctrees {
       inside.corner_signs = 255;
     else
       inside.corners.fill(material);
-    roots_.push_back({{job_.grid.brick_level(), brick}, inside, {}});
+    roots_.push_back({{job_.grid.brick_level(), brick}, inside, {}, {}});
   }
   void keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) override;
   void finish(Hash128 input, std::vector<BuiltRun> runs) override {
@@ -55,10 +55,11 @@ class SurfaceOctrees : public ShardOctrees {
     CellKey key;
     RootRecord record;
     std::vector<BlockCount> blocks;  // none where it is inside
+    NodeRecord clusters;             // where each sheet collapses by itself
   };
   void note(const CellKey& key, const RootRecord& root, const BrickCounts& counts);
   void note_surface(const CellKey& key, const RootRecord& root,
-                    const std::vector<BlockCount>& blocks);
+                    const std::vector<BlockCount>& blocks, const NodeRecord& clusters);
   std::vector<ShardNode> reduce();
 
   const BuildJob& job_;
@@ -80,10 +81,11 @@ void SurfaceOctrees::note(const CellKey& key, const RootRecord& root, const Bric
 
 // Of a brick that is not all outside.
 void SurfaceOctrees::note_surface(const CellKey& key, const RootRecord& root,
-                                  const std::vector<BlockCount>& blocks) {
+                                  const std::vector<BlockCount>& blocks,
+                                  const NodeRecord& clusters) {
   const bool surface = root.state != NodeState::inside;
   if (surface) ++summary_.active_bricks;
-  roots_.push_back({key, root, surface ? blocks : std::vector<BlockCount>{}});
+  roots_.push_back({key, root, surface ? blocks : std::vector<BlockCount>{}, clusters});
 }
 
 void SurfaceOctrees::keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) {
@@ -92,7 +94,8 @@ void SurfaceOctrees::keep(Index3 brick, const BuiltBrick& built, const ArtifactR
   if (built.root.state == NodeState::outside) return;
   const bool surface = built.root.state != NodeState::inside;
   note_surface(key, built.root,
-               surface ? read_block_counts(from, built.code) : std::vector<BlockCount>{});
+               surface ? read_block_counts(from, built.code) : std::vector<BlockCount>{},
+               read_node_record(from, built.code));
   if (surface) out_->brick(built.code, from);
 }
 
@@ -105,7 +108,7 @@ void SurfaceOctrees::build(const HaloBlock& block, Index3 first, std::int64_t co
     build_brick(block, place_of_brick(job_.grid, key.at), parameters, scratch_, brick_);
     note(key, brick_.root, brick_.counts);
     if (brick_.root.state == NodeState::outside) continue;
-    note_surface(key, brick_.root, brick_.blocks);
+    note_surface(key, brick_.root, brick_.blocks, brick_.record);
     if (brick_.root.state != NodeState::inside) out_->brick(morton_encode(key.at), brick_);
     share_.yield();
   }
@@ -120,8 +123,10 @@ std::vector<ShardNode> SurfaceOctrees::reduce() {
   auto root = roots_.begin();
   for (const BrickGrid::Cube& cube : job_.grid.shard_cubes(shard_)) {
     CubeReduction reduction(job_.grid, cube.key, job_.parameters);
-    for (; root != roots_.end() && cube.key.cells().contains(root->key.cells()); ++root)
+    for (; root != roots_.end() && cube.key.cells().contains(root->key.cells()); ++root) {
       reduction.add(root->key, root->record, root->blocks);
+      if (root->clusters.has_surface()) reduction.add_record(root->key, root->clusters);
+    }
     nodes.push_back(reduction.finish());
     add(summary_.counts, reduction.counts());
     summary_.collapsed_above += reduction.collapsed();

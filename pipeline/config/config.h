@@ -124,7 +124,7 @@ struct LabelsConfig {
 struct SimplifyConfig {
   enum class Unit : std::uint8_t { voxel, physical };
   enum class Metric : std::uint8_t { rms, sum };
-  enum class Topology : std::uint8_t { safe, free };
+  enum class Topology : std::uint8_t { safe, free, manifold };
   enum class Qef : std::uint8_t { qr, normal };
   enum class Refine : std::uint8_t { automatic, off, repair, collapse };
   enum class Intersections : std::uint8_t { none, report, ignore };
@@ -268,9 +268,14 @@ inline bool has_target(const Config& config) {
 inline SimplifyConfig::Refine refine_mode(const Config& config) {
   using Simplify = SimplifyConfig;
   if (config.simplify.refine != Simplify::Refine::automatic) return config.simplify.refine;
-  return config.simplify.enabled && config.simplify.topology == Simplify::Topology::safe
+  return config.simplify.enabled && config.simplify.topology != Simplify::Topology::free
              ? Simplify::Refine::collapse
              : Simplify::Refine::off;
+}
+
+// Whether each sheet of the surface collapses by itself.
+inline bool collapses_by_sheets(const Config& config) {
+  return config.simplify.enabled && config.simplify.topology == SimplifyConfig::Topology::manifold;
 }
 
 // How many cells a vertex may leave its own by where the mesh is refined. Between labels none: their

@@ -117,6 +117,10 @@ class CrossChecks {
       fail({"surface.inside", "labels.mode"}, "labels have no isovalue; remove this key");
     if (config_.simplify.topology == SimplifyConfig::Topology::free)
       fail({"simplify.topology", "labels.mode"}, "labels are simplified safely only");
+    if (config_.labels.mode == LabelMode::shared &&
+        config_.simplify.topology == SimplifyConfig::Topology::manifold)
+      fail({"simplify.topology", "labels.mode"},
+           "where several labels meet, cells are simplified safely only");
     if (config_.labels.mode == LabelMode::each) each();
   }
 

@@ -8,6 +8,7 @@
 #include "pipeline/stage/batch_planner.h"
 #include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
+#include "storage/artifact/node_record_bytes.h"
 #include "storage/support/error.h"
 #include "storage/support/record_sorter.h"
 
@@ -18,16 +19,19 @@ namespace {
 class TileInputs {
  public:
   TileInputs(const BrickGrid& grid, Material material, std::span<const SurfaceNode> nodes,
-             std::span<const TopLeaf> leaves)
+             std::span<const TopLeaf> leaves, const ReducedNode& clusters)
       : cube_level_(grid.shard_level()),
         brick_(std::int64_t{1} << grid.brick_level()),
         material_(material),
         nodes_(nodes),
-        leaves_(leaves) {}
+        leaves_(leaves) {
+    if (!clusters.leaves.empty()) put_links(clusters, clusters_);
+  }
 
   void add_to(KeyHasher& key, const PlannedTile& tile) const {
     key.integer(static_cast<std::int64_t>(material_));
     key.integer(static_cast<std::int64_t>(tile.code)).integer(tile.level);
+    if (!clusters_.empty()) key.bytes(clusters_);
     for (const SurfaceNode* node : nodes_read(tile.key())) {
       key.integer(static_cast<std::int64_t>(node->code)).hash(node->content);
       if (const TopLeaf* leaf = leaf_above(node->code))
@@ -83,6 +87,7 @@ class TileInputs {
   Material material_;
   std::span<const SurfaceNode> nodes_;  // ascending
   std::span<const TopLeaf> leaves_;     // those no shard knows of, ascending
+  std::vector<std::byte> clusters_;     // where each sheet collapses by itself, all of the label
 };
 
 // One label after the other, from its nodes in Morton order.
@@ -101,6 +106,7 @@ class LabelMerger : private TopSink {
       open(node.material);
     }
     reduction_->add(node.node);
+    vertices_ += node.final_vertices;
     if (node.node.record.state == NodeState::inside) return;
     nodes_.push_back({node.node.key.code(), node.content});
     largest_piece_ = std::max(largest_piece_, node.largest_piece);
@@ -124,8 +130,8 @@ class LabelMerger : private TopSink {
     add_reduced(*reduction_, counts_);
     for (const SurfaceNode& node : nodes_) out_.node(node);
     for (const PlannedTile& tile : tiles_) out_.tile(tile);
-    out_.end_surface(material_);
-    const TileInputs inputs(grid_, material_, nodes_, leaves_);
+    end_surface();
+    const TileInputs inputs(grid_, material_, nodes_, leaves_, reduction_->reduced());
     batches_.add(material_, tiles_, largest_piece_,
                  [&](KeyHasher& key, const PlannedTile& tile) { inputs.add_to(key, tile); });
     reduction_.reset();
@@ -133,6 +139,14 @@ class LabelMerger : private TopSink {
     tiles_.clear();
     leaves_.clear();
     largest_piece_ = 0;
+  }
+
+  void end_surface() {
+    if (!collapses_by_sheets(job_.build->parameters)) return out_.end_surface(material_);
+    if (!reduction_->reduced().leaves.empty()) out_.clusters(reduction_->reduced());
+    // Its tiles are planned by more.
+    out_.end_surface(material_, vertices_ + reduction_->counts().vertices);
+    vertices_ = 0;
   }
 
   void leaf(const TopLeaf& leaf, bool known) override {
@@ -153,6 +167,7 @@ class LabelMerger : private TopSink {
   std::vector<PlannedTile> tiles_;
   std::vector<TopLeaf> leaves_;
   std::uint64_t largest_piece_ = 0;
+  std::uint64_t vertices_ = 0;  // where each sheet collapses by itself: final in the shards
 };
 
 // What is read of one shard ahead: the first of its nodes, which mostly are all.
@@ -207,6 +222,7 @@ void merge_labels(const MergeJob& job, std::uint64_t memory) {
   std::vector<std::byte> bytes;
   while (nodes.next(key, bytes)) merger.add(label_node_of(bytes));
   merger.finish();
+  count_top_leaves(*job.build, counts);
   out.finish(counts, contents);
 }
 

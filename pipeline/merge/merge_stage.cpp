@@ -93,6 +93,8 @@ void merge(const MergeJob& job) {
       });
   reduction.finish();
   add_reduced(reduction, counts);
+  count_top_leaves(*job.build, counts);
+  if (collapses_by_sheets(job.build->parameters)) out.clusters(reduction.reduced());
   out.finish(counts, shards.hashes());
 }
 
@@ -165,6 +167,13 @@ void add_summary(const ShardSummary& shard, MergeCounts& counts) {
 void add_reduced(const TopReduction& reduction, MergeCounts& counts) {
   counts.collapsed_above += reduction.collapsed();
   add_counts(reduction.counts(), counts);
+}
+
+void count_top_leaves(const BuildJob& job, MergeCounts& counts) {
+  if (!collapses_by_sheets(job.parameters)) return;
+  for (std::size_t l = static_cast<std::size_t>(job.grid.brick_level()) + 1;
+       l < counts.leaves.size(); ++l)
+    counts.top_leaves += counts.leaves[l];
 }
 
 bool merge_is_there(const MergeJob& job) {

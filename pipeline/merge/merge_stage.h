@@ -13,6 +13,9 @@ namespace voxweld {
 void add_summary(const ShardSummary& shard, MergeCounts& counts);
 void add_reduced(const TopReduction& reduction, MergeCounts& counts);
 
+// Where each sheet collapses by itself, once all else is counted.
+void count_top_leaves(const BuildJob& job, MergeCounts& counts);
+
 // Whether there is a top tree of these parameters, without a look at the octrees.
 bool merge_is_there(const MergeJob& job);
 

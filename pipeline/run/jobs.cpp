@@ -41,8 +41,8 @@ void check_label(const Config& config, const VolumeInfo& info) {
 ShardMemory shard_memory(const Config& config, const VolumeInfo& info, std::uint64_t decode) {
   const bool replaces = std::ranges::any_of(
       config.edits, [](const EditConfig& edit) { return edit.op == EditOp::replace; });
-  ShardMemory memory =
-      shard_memory(brick_grid(config, info.geometry), info.type, config.labels.mode, replaces);
+  ShardMemory memory = shard_memory(brick_grid(config, info.geometry), info.type,
+                                    {config.labels.mode, replaces, collapses_by_sheets(config)});
   memory.worker += decode;
   return memory;
 }

@@ -145,7 +145,8 @@ const TopArtifact& Stages::top() {
 }
 
 const UnitPlan& Stages::merged_plan() {
-  if (plan_ == nullptr) plan_ = unit_plan(top(), context_.config.labels.mode);
+  if (plan_ == nullptr)
+    plan_ = unit_plan(top(), context_.config.labels.mode, collapses_by_sheets(context_.config));
   return *plan_;
 }
 

@@ -154,7 +154,8 @@ void make_bins(const Config& config, StreamedMesh& mesh, const InterruptFlag* in
   const std::uint64_t budget = config.run.memory;
   const std::uint64_t building =
       program_bytes() +
-      shard_memory(mesh.binning.grid, SampleType::u8, LabelMode::off, false).whole();
+      shard_memory(mesh.binning.grid, SampleType::u8, {.by_sheets = collapses_by_sheets(config)})
+          .whole();
   const BinLimits limits{budget, work.memory - work.memory / 3,
                          budget > building ? budget - building : 0};
   bin_mesh(*mesh.spooled, mesh.binning, work, limits);

@@ -23,7 +23,11 @@ struct ShardMemory {
   std::uint64_t whole() const { return worker + brick; }
 };
 
-// replaces: an edit replaces labels.
-ShardMemory shard_memory(const BrickGrid& grid, SampleType type, LabelMode labels, bool replaces);
+struct ShardSurface {
+  LabelMode labels = LabelMode::off;
+  bool replaces = false;   // an edit replaces labels
+  bool by_sheets = false;  // each sheet collapses by itself
+};
+ShardMemory shard_memory(const BrickGrid& grid, SampleType type, const ShardSurface& surface);
 
 }  // namespace voxweld

@@ -48,8 +48,9 @@ class TilePlan : public UnitPlan {
 
 class BatchPlan : public UnitPlan {
  public:
-  BatchPlan(const ArtifactReader& file, bool refined)
-      : top_(file), refined_(refined), batches_(top_.batches()) {}
+  // as_whole: tiles were planned by other numbers of vertices than they have.
+  BatchPlan(const ArtifactReader& file, bool as_whole)
+      : top_(file), as_whole_(as_whole), batches_(top_.batches()) {}
 
   std::uint64_t size() const override { return batches_.size(); }
   std::string name(std::uint64_t unit) const override {
@@ -97,16 +98,15 @@ class BatchPlan : public UnitPlan {
 
  private:
   static bool of_several(const BatchRecord& batch) { return batch.surface_tiles > 1; }
-  // Of a label of several tiles. How many vertices of a refined mesh lie in which of them nobody
-  // knows.
+  // Of a label of several tiles.
   std::uint64_t counted_in(const BatchRecord& batch) const {
-    if (!refined_) return batch.vertices;
+    if (!as_whole_) return batch.vertices;
     const SurfaceRecord surface = top_.surfaces(batch.first_surface, 1).front();
     return batch.first_tile == surface.first_tile ? surface.vertices : 0;
   }
 
   LabelTop top_;
-  bool refined_;
+  bool as_whole_;
   std::vector<BatchRecord> batches_;
 };
 
@@ -133,8 +133,8 @@ std::vector<PlannedTile> UnitPlan::largest_tiles() const {
   return tiles;
 }
 
-std::unique_ptr<UnitPlan> unit_plan(const TopArtifact& top, LabelMode mode) {
-  if (mode == LabelMode::each) return std::make_unique<BatchPlan>(top.file(), false);
+std::unique_ptr<UnitPlan> unit_plan(const TopArtifact& top, LabelMode mode, bool by_sheets) {
+  if (mode == LabelMode::each) return std::make_unique<BatchPlan>(top.file(), by_sheets);
   return unit_plan(top.tiles());
 }
 

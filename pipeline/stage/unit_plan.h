@@ -17,8 +17,8 @@ namespace voxweld {
 
 struct PlannedMesh {
   std::string stem;  // of its files: relative to the output directory, without their endings
-  // Of the octree that lie in its tile; of a label's refined tiles the first has all. So the sum is
-  // the label's.
+  // Of the octree that lie in its tile. Where only the label's are known, as of refined tiles, or
+  // where each sheet collapses by itself, its first tile has all. So the sum is the label's.
   std::uint64_t vertices = 0;
 };
 
@@ -46,8 +46,8 @@ class UnitPlan {
   std::vector<PlannedTile> largest_tiles() const;
 };
 
-// mode: of the run that made the top tree, which the plan refers to.
-std::unique_ptr<UnitPlan> unit_plan(const TopArtifact& top, LabelMode mode);
+// mode, by_sheets: of the run that made the top tree, which the plan refers to.
+std::unique_ptr<UnitPlan> unit_plan(const TopArtifact& top, LabelMode mode, bool by_sheets = false);
 
 // Of refined labels. The plan refers to it.
 std::unique_ptr<UnitPlan> unit_plan(const TilePlanArtifact& plan);

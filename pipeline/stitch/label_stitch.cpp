@@ -84,7 +84,8 @@ class LabelStitch : public StitchWork {
       const auto surfaces = top_.surfaces(batch.first_surface, batch.surfaces);
       const auto tiles = top_.tiles(batch.first_tile, batch.tiles);
       for (std::size_t i = 0; i < tiles.size(); ++i)
-        f(surfaces[i].material, stitched(surfaces[i], tiles[i], scratch, worker));
+        f(surfaces[i].material,
+          stitched(batch.first_surface + i, surfaces[i], tiles[i], scratch, worker));
     };
     if (!cubes_) {
       LabelTilesWriter out(path, key(unit));
@@ -100,10 +101,14 @@ class LabelStitch : public StitchWork {
   }
 
  private:
-  TileMesh stitched(const SurfaceRecord& surface, const PlannedTile& tile, StitchScratch& scratch,
-                    WorkerContext& worker) {
+  // number: of the surface, among all.
+  TileMesh stitched(std::uint64_t number, const SurfaceRecord& surface, const PlannedTile& tile,
+                    StitchScratch& scratch, WorkerContext& worker) {
     LabelPieces pieces(*job_.build, files_, surface.material, scratch, worker);
     const std::vector<CellKey> bricks = bricks_of(surface, tile, pieces);
+    if (collapses_by_sheets(job_.build->parameters))
+      return stitch_tile(tile, job_.parameters, bricks,
+                         clusters_of(number, surface.material, bricks), pieces);
     return stitch_tile(tile, job_.parameters, bricks, above(surface, bricks), pieces);
   }
 
@@ -127,6 +132,15 @@ class LabelStitch : public StitchWork {
       }
     }
     return bricks;
+  }
+
+  AboveBricks clusters_of(std::uint64_t number, Material material,
+                          const std::vector<CellKey>& bricks) {
+    return clusters_above(job_.build->grid, bricks, top_.clusters(number),
+                          [&](const CellKey& cube, Index3 brick) -> std::optional<ReducedNode> {
+                            const auto file = files_.of_brick(brick);
+                            return file == nullptr ? std::nullopt : file->clusters(material, cube);
+                          });
   }
 
   std::vector<TopLeaf> above(const SurfaceRecord& surface, const std::vector<CellKey>& bricks) {

@@ -47,7 +47,7 @@ class StitchStage final : public StageWork {
       brick = std::max(brick, bricks[i]);
     }
     return {"stitch",
-            0,
+            work_->bytes(),
             largest,
             fmt::format("one tile (output.tile_vertices = {})", job_.merge->tile_vertices),
             "raise run.memory or lower output.tile_vertices",

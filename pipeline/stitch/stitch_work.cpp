@@ -34,9 +34,14 @@ class SurfacePieces : public ReadPieces {
 class TileStitch : public StitchWork {
  public:
   TileStitch(const StitchJob& job, const TopArtifact& top)
-      : StitchWork(job), top_(top), tiles_(top.tiles()), files_(*job.build, top) {}
+      : StitchWork(job),
+        top_(top),
+        tiles_(top.tiles()),
+        clusters_(top.clusters()),
+        files_(*job.build, top) {}
 
   Hash128 key(std::uint64_t unit) override { return prepare(unit).key; }
+  std::uint64_t bytes() const override { return top_.cluster_bytes(); }
   std::uint64_t brick_bytes(std::uint64_t unit) override {
     return largest_brick_bytes(tile_bricks(*job_.build, tiles_[unit].key(), files_), files_);
   }
@@ -44,7 +49,7 @@ class TileStitch : public StitchWork {
            WorkerContext& worker) override {
     const Inputs inputs = prepare(unit);
     SurfacePieces pieces(files_, scratch, worker);
-    TileMesh mesh = stitch_tile(tiles_[unit], job_.parameters, inputs.bricks, inputs.above, pieces);
+    TileMesh mesh = stitched(tiles_[unit], inputs, pieces);
     if (!job_.cubes) {
       write_tile(path, inputs.key, mesh);
       return;
@@ -57,21 +62,26 @@ class TileStitch : public StitchWork {
  private:
   struct Inputs {
     std::vector<CellKey> bricks;
-    std::vector<TopLeaf> above;
+    TileAbove above;
     Hash128 key;
   };
   Inputs prepare(std::uint64_t unit) {
     Inputs inputs;
     inputs.bricks = tile_bricks(*job_.build, tiles_[unit].key(), files_);
-    inputs.above = leaves_above(inputs.bricks, [&](std::uint64_t begin, std::uint64_t end) {
-      return top_.leaves(begin, end);
-    });
+    inputs.above = tile_above(*job_.build, inputs.bricks, top_, clusters_, files_);
     inputs.key = tile_key(job_, tiles_[unit], inputs.bricks, inputs.above, files_);
     return inputs;
+  }
+  TileMesh stitched(const PlannedTile& tile, const Inputs& inputs, BrickPieces& pieces) const {
+    const TileAbove& above = inputs.above;
+    if (collapses_by_sheets(job_.build->parameters))
+      return stitch_tile(tile, job_.parameters, inputs.bricks, above.clusters, pieces);
+    return stitch_tile(tile, job_.parameters, inputs.bricks, above.leaves, pieces);
   }
 
   const TopArtifact& top_;
   std::vector<PlannedTile> tiles_;
+  ReducedNode clusters_;  // of top_
   ShardFiles files_;
 };
 

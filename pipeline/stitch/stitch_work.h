@@ -26,6 +26,8 @@ class StitchWork {
   virtual Hash128 key(std::uint64_t unit) = 0;
   // Of an artifact that lies there.
   Hash128 key_of(const std::filesystem::path& path) const;
+  // Bytes that it holds for all units.
+  virtual std::uint64_t bytes() const { return 0; }
   // Bytes that the bricks it reads take at most, beside the mesh.
   virtual std::uint64_t brick_bytes(std::uint64_t unit) = 0;
   // Reads, stitches and writes the artifact.

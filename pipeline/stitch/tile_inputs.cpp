@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "stages/merge/cluster_reduction.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -59,11 +60,52 @@ std::vector<CellKey> tile_bricks(const BuildJob& job, CellKey tile, ShardFiles& 
   return bricks;
 }
 
+AboveBricks clusters_above(const BrickGrid& grid, const std::vector<CellKey>& bricks,
+                           const ReducedNode& top, const ClusterLookup& shards) {
+  const int level = grid.shard_level();
+  const std::vector<std::uint64_t> codes = codes_read(bricks);
+  std::vector<std::unique_ptr<const ReducedNode>> nodes;
+  std::vector<ShardClusters> found;
+  std::uint64_t last = ~std::uint64_t{0};
+  for (const std::uint64_t code : codes) {
+    // Codes ascend, so the bricks of one cube follow each other.
+    const CellKey cube{level, morton_decode(code >> (3 * level))};
+    if (cube.code() == last) continue;
+    last = cube.code();
+    std::optional<ReducedNode> node = shards(cube, morton_decode(code >> (3 * grid.brick_level())));
+    if (!node) continue;
+    nodes.push_back(std::make_unique<const ReducedNode>(std::move(*node)));
+    found.push_back({last, nodes.back().get()});
+  }
+  return bricks_above(found, top, codes);
+}
+
+TileAbove tile_above(const BuildJob& job, const std::vector<CellKey>& bricks,
+                     const TopArtifact& top, const ReducedNode& clusters, ShardFiles& files) {
+  TileAbove above;
+  if (collapses_by_sheets(job.parameters))
+    above.clusters =
+        clusters_above(job.grid, bricks, clusters,
+                       [&](const CellKey& cube, Index3 brick) -> std::optional<ReducedNode> {
+                         const auto file = files.of_brick(brick);
+                         return file == nullptr ? std::nullopt : file->clusters(cube);
+                       });
+  else
+    above.leaves = leaves_above(
+        bricks, [&](std::uint64_t begin, std::uint64_t end) { return top.leaves(begin, end); });
+  return above;
+}
+
 Hash128 tile_key(const StitchJob& job, const PlannedTile& tile, const std::vector<CellKey>& bricks,
-                 const std::vector<TopLeaf>& above, ShardFiles& files) {
+                 const TileAbove& above, ShardFiles& files) {
   KeyHasher key;
   key.hash(job.key).integer(static_cast<std::int64_t>(tile.code)).integer(tile.level);
-  key.bytes(std::as_bytes(std::span(above)));
+  key.bytes(std::as_bytes(std::span(above.leaves)));
+  if (collapses_by_sheets(job.build->parameters)) {
+    key.bytes(std::as_bytes(std::span(above.clusters.bricks)));
+    key.bytes(std::as_bytes(std::span(above.clusters.links)));
+    key.bytes(std::as_bytes(std::span(above.clusters.leaves)));
+  }
   for (const CellKey& brick : bricks) {
     key.integer(static_cast<std::int64_t>(brick.code()));
     files.of_brick(brick.at)->add_brick_hashes(morton_encode(brick.at), key);

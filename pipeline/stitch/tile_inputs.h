@@ -2,7 +2,9 @@
 // the top tree.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 
 #include "pipeline/stitch/stitch_stage.h"
 #include "stages/stitch/stitch_tile.h"
@@ -37,8 +39,21 @@ using LabelShardFiles = OpenShards<LabelShardArtifact>;
 // The bricks with a surface that a tile's cube meets, in Morton order.
 std::vector<CellKey> tile_bricks(const BuildJob& job, CellKey tile, ShardFiles& files);
 
+// What lies above them and their upper neighbours: one of the two, as the job collapses.
+struct TileAbove {
+  std::vector<TopLeaf> leaves;
+  AboveBricks clusters;  // where each sheet collapses by itself
+};
+// The latter: of the bricks' shards, each looked up by its cube and one of its bricks, and of top.
+using ClusterLookup = std::function<std::optional<ReducedNode>(const CellKey& cube, Index3 brick)>;
+AboveBricks clusters_above(const BrickGrid& grid, const std::vector<CellKey>& bricks,
+                           const ReducedNode& top, const ClusterLookup& shards);
+// clusters: those of `top`.
+TileAbove tile_above(const BuildJob& job, const std::vector<CellKey>& bricks,
+                     const TopArtifact& top, const ReducedNode& clusters, ShardFiles& files);
+
 Hash128 tile_key(const StitchJob& job, const PlannedTile& tile, const std::vector<CellKey>& bricks,
-                 const std::vector<TopLeaf>& above, ShardFiles& files);
+                 const TileAbove& above, ShardFiles& files);
 
 // The most bytes the parts of one of these bricks take, its neighbours' ghost layers included.
 std::uint64_t largest_brick_bytes(const std::vector<CellKey>& bricks, ShardFiles& files);

@@ -95,6 +95,23 @@ std::size_t ActiveCells::count(const SignGrid& signs, int side, const Box3& wher
   return count_rows();
 }
 
+std::size_t ActiveCells::most_sheets(const SignGrid& signs) const {
+  std::size_t count = 0;
+  for (auto z = window_.lo.z; z < window_.hi.z; ++z)
+    for (auto y = window_.lo.y; y < window_.hi.y; ++y) {
+      const std::uint64_t* row =
+          rows_.data() + static_cast<std::size_t>(z * side_ + y) * row_words_;
+      for (std::size_t w = 0; w < row_words_; ++w)
+        for (std::uint64_t rest = row[w]; rest != 0; rest &= rest - 1) {
+          const int x = static_cast<int>(w) * 64 + std::countr_zero(rest);
+          const CellSigns corners = signs.cell(x, static_cast<int>(y), static_cast<int>(z));
+          count += std::max<std::size_t>(cell_sheets(corners, false).sheets,
+                                         cell_sheets(corners, true).sheets);
+        }
+    }
+  return count;
+}
+
 void ActiveCells::find(const SignGrid& signs) {
   each_active([&](std::uint32_t code, LocalCell c) { add_cell(signs, code, c); });
 }

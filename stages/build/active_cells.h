@@ -34,6 +34,8 @@ class ActiveCells {
   // at.
   std::size_t count(const SignGrid& signs, int side, const Box3& where);
   void find(const SignGrid& signs);
+  // The sheets of those that count() found, at most.
+  std::size_t most_sheets(const SignGrid& signs) const;
   // Those whose corners are not all of one label. The sign bytes of cells of two labels have the
   // smaller one inside; those of more labels are of no meaning.
   std::size_t count(const LabelGrid& labels);

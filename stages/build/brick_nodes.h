@@ -112,6 +112,7 @@ class BrickNodes {
   };
 
   void simplify(const CollapseRule& rule, const ActiveCells& cells, const HermiteEdges& edges);
+  void reserve_sheets();
   void make_cells(const HermiteEdges& edges);
   class CellBatches;
   void make_nodes();

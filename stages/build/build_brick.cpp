@@ -148,9 +148,20 @@ void build_octree(const BrickFrame& frame, Index3 volume_size, const Grid& grid,
 void reserve_for(const BrickScratch& scratch, int level, std::uint64_t active_cells) {
   if (scratch.reserve) scratch.reserve(build_brick_bytes(level, active_cells));
 }
+// Of the surface found.
+void reserve_for(BrickScratch& scratch, int level, std::uint64_t active_cells,
+                 const ContourParameters& parameters) {
+  if (!collapses_by_sheets(parameters)) return reserve_for(scratch, level, active_cells);
+  const BrickScratch::Parts& s = scratch.parts();
+  if (scratch.reserve)
+    scratch.reserve(
+        build_sheets_bytes(level, active_cells, s.cells.most_sheets(s.surface.signs())));
+}
 // Before edits, whose crossings are found before it is known what they leave.
-void reserve_worst(const BrickScratch& scratch, int level) {
-  if (scratch.reserve) scratch.reserve(build_brick_bytes(level));
+void reserve_worst(const BrickScratch& scratch, int level, const ContourParameters& parameters) {
+  if (scratch.reserve)
+    scratch.reserve(collapses_by_sheets(parameters) ? build_sheets_bytes(level)
+                                                    : build_brick_bytes(level));
 }
 
 HaloBlock part_of(const HaloBlock& block, const Box3& box) {
@@ -178,7 +189,7 @@ void build_shared(const HaloBlock& block, const BrickFrame& frame,
                    *parameters.labels.rules, given);
   s.label_grid.fill(s.materials, frame.origin, frame.side());
   if (!edits.empty()) {
-    reserve_worst(scratch, frame.level);
+    reserve_worst(scratch, frame.level, parameters);
     s.label_hermite.compute(s.materials.block(), frame.origin, s.label_grid, parameters.spacing,
                             s.label_edges);
     for (const Edit* edit : edits)
@@ -206,7 +217,7 @@ void build_surface(const HaloBlock& block, const BrickFrame& frame, const BrickW
                    BrickOctree& out) {
   BrickScratch::Parts& s = scratch.parts();
   const std::size_t active = s.cells.count(s.surface.signs(), frame.side(), window.cells);
-  if (!with_edges) reserve_for(scratch, frame.level, active);
+  if (!with_edges) reserve_for(scratch, frame.level, active, parameters);
   clear(out, frame.level);
   out.counts.active_cells = active;
   if (active == 0) {
@@ -229,7 +240,7 @@ bool apply_edits(const HaloBlock& block, const BrickPlace& place, const BrickWin
   for (const Edit& edit : parameters.edits) {
     if (!edit_reaches(edit, bounds)) continue;
     if (!any) {
-      reserve_worst(scratch, place.level);
+      reserve_worst(scratch, place.level, parameters);
       surface.find_edges(block, window, parameters);
     }
     any = true;
@@ -265,10 +276,26 @@ void build_brick(const HaloBlock& block, const BrickPlace& place, const LabelPar
   BrickScratch::Parts& s = scratch.parts();
   const BrickFrame frame{place.origin, place.level, domain_level(block.size)};
   s.surface.find_signs(block, part.window(), parameters.surface);
-  if (part.is_edited()) reserve_worst(scratch, place.level);
+  if (part.is_edited()) reserve_worst(scratch, place.level, parameters);
   const bool edited = part.apply_edits(block, parameters, s.surface, s.any_label);
   build_surface(block, frame, part.window(), edited, parameters, scratch, out);
 }
+
+namespace {
+
+// The worst cases of an active cell: three edges that cross and a polygon each, and those of the
+// upper border planes. Polygons may have grown to twice their content.
+std::uint64_t surface_bytes(int level, std::uint64_t active_cells) {
+  const std::uint64_t side = std::uint64_t{1} << level;
+  const std::uint64_t points = (side + 3) * (side + 3) * (side + 3);
+  const std::uint64_t per_edge = sizeof(HermiteEdge) + 2 * sizeof(PolygonRefs);
+  const std::uint64_t border = std::min(3 * side * side * 3, 4 * active_cells);
+  const std::uint64_t filtered = (side + 11) * (side + 11) * (side + 11);
+  return points / 2 + 2 * filtered * sizeof(std::int32_t) + border * sizeof(HermiteEdge) +
+         3 * active_cells * per_edge;
+}
+
+}  // namespace
 
 std::uint64_t build_brick_bytes(int level) {
   const std::uint64_t side = std::uint64_t{1} << level;
@@ -276,19 +303,26 @@ std::uint64_t build_brick_bytes(int level) {
 }
 
 std::uint64_t build_brick_bytes(int level, std::uint64_t active_cells) {
-  const std::uint64_t side = std::uint64_t{1} << level;
-  const std::uint64_t points = (side + 3) * (side + 3) * (side + 3);
-  // Worst cases of an active cell: three edges that cross and a polygon each, and those of the
-  // upper border planes. A cell keeps either a QEF (and the level above an eighth of those, and so
-  // on) or up to four sheets, each a SheetVertex and a LeafVertex. Vectors may have grown to twice
-  // their content.
-  const std::uint64_t per_edge = sizeof(HermiteEdge) + 2 * sizeof(PolygonRefs);
+  // A cell keeps either a QEF (and the level above an eighth of those, and so on) or up to four
+  // sheets, each a SheetVertex and a LeafVertex. Vectors may have grown to twice their content.
   const std::uint64_t per_cell =
       16 + std::uint64_t{2} * 4 * (sizeof(SheetVertex) + sizeof(LeafVertex));
-  const std::uint64_t border = std::min(3 * side * side * 3, 4 * active_cells);
-  const std::uint64_t filtered = (side + 11) * (side + 11) * (side + 11);
-  return points / 2 + 2 * filtered * sizeof(std::int32_t) + border * sizeof(HermiteEdge) +
-         3 * active_cells * per_edge + active_cells * per_cell;
+  return surface_bytes(level, active_cells) + active_cells * per_cell;
+}
+
+std::uint64_t build_sheets_bytes(int level) {
+  const std::uint64_t side = std::uint64_t{1} << level;
+  return build_sheets_bytes(level, side * side * side, 4 * side * side * side);
+}
+
+std::uint64_t build_sheets_bytes(int level, std::uint64_t active_cells, std::uint64_t sheets) {
+  // Of a cell its lists, and where nodes have shapes up to six curves on its outer faces, half as
+  // many in the level above; of a sheet its cluster, up to 0.8 above it, what tells where each of
+  // these went, and a vertex. Vectors may have grown to twice their content, but those of the
+  // finest clusters.
+  const std::uint64_t per_cell = 48 + std::uint64_t{2} * 9 * sizeof(FaceCurve);
+  const std::uint64_t per_sheet = 3 * sizeof(SheetCluster) + 3 * sizeof(LeafVertex) + 64;
+  return surface_bytes(level, active_cells) + active_cells * per_cell + sheets * per_sheet;
 }
 
 std::uint64_t build_labels_bytes(int level) {

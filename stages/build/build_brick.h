@@ -79,6 +79,9 @@ void build_brick(const HaloBlock& block, const BrickPlace& place, const LabelPar
 std::uint64_t build_brick_bytes(int level);
 // The same for a brick with so many active cells.
 std::uint64_t build_brick_bytes(int level, std::uint64_t active_cells);
+// Both where each sheet collapses by itself; sheets: of all active cells.
+std::uint64_t build_sheets_bytes(int level);
+std::uint64_t build_sheets_bytes(int level, std::uint64_t active_cells, std::uint64_t sheets);
 // And what it holds beyond that between labels (labels.mode = "shared"), each sample being another.
 std::uint64_t build_labels_bytes(int level);
 // And for one label of several where an edit replaces labels by it (label_part.h).

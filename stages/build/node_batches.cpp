@@ -73,6 +73,14 @@ class BrickNodes::CellBatches {
   std::size_t kept_ = 0, solved_ = 0;
 };
 
+// Where each sheet is a cluster they take most of the memory: no more than they need.
+void BrickNodes::reserve_sheets() {
+  if (!by_sheets_) return;
+  std::size_t sheets = 0;
+  for (std::size_t i = 0; i < cells_->size(); ++i) sheets += cells_->sheets(i).sheets;
+  levels_[0].clusters.reserve(sheets);
+}
+
 void BrickNodes::make_cells(const HermiteEdges& edges) {
   const ActiveCells& cells = *cells_;
   NodeLevel& level = levels_[0];
@@ -81,6 +89,7 @@ void BrickNodes::make_cells(const HermiteEdges& edges) {
   level.closes.assign(cells.size(), 0);
   level.first_cluster.resize(cells.size() + 1);
   level.clusters.clear();
+  reserve_sheets();
   first_sheet_.assign(cells.size(), no_cluster);
   sheets_.clear();
   CellBatches batches(*this, edges);

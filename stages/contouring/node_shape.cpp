@@ -95,8 +95,8 @@ std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
 }  // namespace
 
 bool is_sealed(int level, const NodeShape& shape) {
-  constexpr std::size_t most_clusters = 8, most_curves = 32, most_in_a_byte = 255;
-  if (level == 4) return shape.euler.size() >= most_in_a_byte;
+  constexpr std::size_t most_clusters = 8, most_curves = 32, most_of_smallest_brick = 64;
+  if (level == 4) return shape.euler.size() > most_of_smallest_brick;
   return level > 4 && (shape.euler.size() > most_clusters || shape.curves.size() > most_curves);
 }
 

@@ -16,7 +16,7 @@ enum class Inside : std::uint8_t { above, below };  // samples equal to the isov
 enum class Border : std::uint8_t { closed, open };
 enum class Gradient : std::uint8_t { eno, central, subcell };
 enum class Metric : std::uint8_t { rms, sum };
-// manifold: every sheet by itself. Stages after build do not take it yet.
+// manifold: every sheet by itself; with labels.mode = "shared" as safe.
 enum class Topology : std::uint8_t { safe, free, manifold };
 enum class QefForm : std::uint8_t { qr, normal };
 

@@ -1,6 +1,7 @@
 #include "stages/merge/cluster_reduction.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -139,6 +140,7 @@ ClusterReduction::Child ClusterReduction::merge(const OpenNode& node) {
       add_leaf(node, record, i, tree_[merged.first_cluster + i]);
   }
   if (result_.leaves.size() > first_own) {
+    ++collapsed_;
     for (std::size_t i = node.first_leaf; i < first_own; ++i) result_.leaves[i].shares = 1;
     for (std::size_t i = node.first_node; i < result_.nodes.size(); ++i)
       result_.nodes[i].covered = 1;
@@ -246,51 +248,96 @@ void ClusterReduction::sort_leaves() {
 
 namespace {
 
-// Of each of the shard's leaves the vertex above the shard that has taken it in, or no_cluster.
-std::vector<std::uint32_t> leaves_in_top(const ReducedNode& shard, const LinkedNode& place,
-                                         const ReducedNode& top) {
-  std::vector<std::uint32_t> higher(shard.leaves.size(), no_cluster);
-  for (const ClusterLink& link : shard.links)
-    if (link.leaf != no_cluster && link.root != no_cluster)
-      higher[link.leaf] = top.links[place.first_link + link.root].leaf;
-  return higher;
-}
+// Puts together what lies above some bricks, shard by shard.
+class BricksAbove {
+ public:
+  BricksAbove(const ReducedNode& top, std::span<const std::uint64_t> wanted)
+      : top_(top), wanted_(wanted) {}
+
+  void add(const ShardClusters& shard) {
+    begin(shard);
+    const ReducedNode& node = *shard.node;
+    for (std::size_t n = 0; n < node.nodes.size(); ++n) {
+      const LinkedNode& brick = node.nodes[n];
+      if (!std::ranges::binary_search(wanted_, brick.code)) continue;
+      above_.bricks.push_back({brick.code, static_cast<std::uint32_t>(above_.links.size()),
+                               brick.covered | (place_ != nullptr ? place_->covered : 0)});
+      for (std::size_t i = brick.first_link; i < node.end_of_links(n); ++i)
+        above_.links.push_back(leaf_of(node, node.links[i]));
+    }
+  }
+
+  AboveBricks finish() {
+    std::vector<std::uint32_t> all(above_.leaves.size());
+    std::iota(all.begin(), all.end(), 0u);
+    const std::vector<std::uint32_t> place = keep_sorted(std::move(all), above_.leaves);
+    for (std::uint32_t& link : above_.links)
+      if (link != no_cluster) link = place[link];
+    return std::move(above_);
+  }
+
+ private:
+  void begin(const ShardClusters& shard) {
+    const auto at = std::ranges::lower_bound(top_.nodes, shard.code, {}, &LinkedNode::code);
+    place_ = at == top_.nodes.end() || at->code != shard.code ? nullptr : &*at;
+    own_place_.assign(shard.node->leaves.size(), no_cluster);
+    taken_in_.assign(shard.node->leaves.size(), 0);
+    for (const ClusterLink& link : shard.node->links)
+      if (link.leaf != no_cluster && leaf_in_top(link) != no_cluster) taken_in_[link.leaf] = 1;
+  }
+
+  std::uint32_t leaf_in_top(const ClusterLink& link) const {
+    if (place_ == nullptr || link.root == no_cluster) return no_cluster;
+    return top_.links[place_->first_link + link.root].leaf;
+  }
+
+  std::uint32_t leaf_of(const ReducedNode& shard, const ClusterLink& link) {
+    if (const std::uint32_t leaf = leaf_in_top(link); leaf != no_cluster)
+      return keep(top_.leaves, leaf, [&](std::uint32_t i) -> std::uint32_t& {
+        return top_place_.try_emplace(i, no_cluster).first->second;
+      });
+    if (link.leaf == no_cluster) return no_cluster;
+    return keep(shard.leaves, link.leaf, [&](std::uint32_t i) -> std::uint32_t& {
+      return own_place_[i];
+    });
+  }
+
+  // A leaf, and those before it that are of the same node: snapping it needs them. But what a leaf
+  // above has taken in is none. Its place in above_.
+  template <class PlaceOf>
+  std::uint32_t keep(const std::vector<ClusterLeaf>& leaves, std::uint32_t leaf,
+                     const PlaceOf& place_of) {
+    const bool own = &leaves != &top_.leaves;
+    for (std::uint32_t i = leaf;; --i) {
+      std::uint32_t& place = place_of(i);
+      if (place == no_cluster && !(own && taken_in_[i] != 0)) {
+        place = static_cast<std::uint32_t>(above_.leaves.size());
+        above_.leaves.push_back(leaves[i]);
+        if (own && place_ != nullptr) above_.leaves.back().shares |= place_->covered;
+      }
+      if (i == 0 || leaves[i - 1].level != leaves[leaf].level ||
+          leaves[i - 1].key() != leaves[leaf].key())
+        return place_of(leaf);
+    }
+  }
+
+  const ReducedNode& top_;
+  std::span<const std::uint64_t> wanted_;
+  AboveBricks above_;
+  std::map<std::uint32_t, std::uint32_t> top_place_;  // of those of top_ that are kept
+  // Of the shard under way.
+  const LinkedNode* place_ = nullptr;     // in top_, if anything is above
+  std::vector<std::uint32_t> own_place_;  // of its leaves
+  std::vector<std::uint8_t> taken_in_;    // 1: a leaf of top_ has taken it in
+};
 
 }  // namespace
 
-AboveBricks bricks_above(std::span<const ReducedNode* const> shards, const ReducedNode& top) {
-  AboveBricks above;
-  above.leaves = top.leaves;
-  for (std::size_t s = 0; s < shards.size(); ++s) {
-    const ReducedNode& shard = *shards[s];
-    const LinkedNode& place = top.nodes[s];
-    // Where each leaf is then.
-    std::vector<std::uint32_t> leaves = leaves_in_top(shard, place, top);
-    for (std::size_t l = 0; l < leaves.size(); ++l) {
-      if (leaves[l] != no_cluster) continue;
-      leaves[l] = static_cast<std::uint32_t>(above.leaves.size());
-      above.leaves.push_back(shard.leaves[l]);
-      above.leaves.back().shares |= place.covered;
-    }
-    for (std::size_t n = 0; n < shard.nodes.size(); ++n) {
-      const LinkedNode& brick = shard.nodes[n];
-      above.bricks.push_back({brick.code, static_cast<std::uint32_t>(above.links.size()),
-                              brick.covered | place.covered});
-      for (std::size_t i = brick.first_link; i < shard.end_of_links(n); ++i) {
-        const ClusterLink& link = shard.links[i];
-        std::uint32_t leaf = link.leaf == no_cluster ? no_cluster : leaves[link.leaf];
-        if (link.leaf == no_cluster && link.root != no_cluster)
-          leaf = top.links[place.first_link + link.root].leaf;
-        above.links.push_back(leaf);
-      }
-    }
-  }
-  std::vector<std::uint32_t> all(above.leaves.size());
-  std::iota(all.begin(), all.end(), 0u);
-  const std::vector<std::uint32_t> place = keep_sorted(std::move(all), above.leaves);
-  for (std::uint32_t& link : above.links)
-    if (link != no_cluster) link = place[link];
-  return above;
+AboveBricks bricks_above(std::span<const ShardClusters> shards, const ReducedNode& top,
+                         std::span<const std::uint64_t> bricks) {
+  BricksAbove above(top, bricks);
+  for (const ShardClusters& shard : shards) above.add(shard);
+  return above.finish();
 }
 
 }  // namespace voxweld

@@ -27,6 +27,8 @@ class ClusterReduction {
   void push(CellKey key, const NodeRecord& record);
   // Once, after all.
   ReducedNode finish();
+  // Nodes here of which a cluster may become a vertex.
+  std::uint64_t collapsed() const { return collapsed_; }
 
  private:
   struct Child {
@@ -71,10 +73,18 @@ class ClusterReduction {
   std::vector<std::uint32_t> first_of_node_;  // of tree_, for each of result_.nodes
   Child whole_;
   ReducedNode result_;
+  std::uint64_t collapsed_ = 0;
 };
 
-// What lies above all bricks. shards: of bricks, as they were pushed to what `top` is of. Leaves of a
-// shard that nothing above has taken in stay.
-AboveBricks bricks_above(std::span<const ReducedNode* const> shards, const ReducedNode& top);
+// Of one shard-sized cube.
+struct ShardClusters {
+  std::uint64_t code = 0;             // of its lowest finest cell
+  const ReducedNode* node = nullptr;  // of its bricks
+};
+// What lies above these bricks, by the codes of their lowest finest cells, ascending. shards: all that
+// they lie in, in Morton order; bricks without a surface are in none of them and are left out. top: of
+// the records of these and of all other shards.
+AboveBricks bricks_above(std::span<const ShardClusters> shards, const ReducedNode& top,
+                         std::span<const std::uint64_t> bricks);
 
 }  // namespace voxweld

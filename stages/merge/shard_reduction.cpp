@@ -73,7 +73,7 @@ TopReduction::TopReduction(const BrickGrid& grid, const ContourParameters& param
 
 void TopReduction::add(const ShardNode& node) {
   reduction().push({node.key, node.record, node.polygons});
-  if (clusters() != nullptr && !node.clusters.nodes.empty())
+  if (clusters() != nullptr && node.clusters.record.has_surface())
     clusters()->push(node.key, node.clusters.record);
   for (const TopLeaf& leaf : node.leaves) sink_.leaf(leaf, true);
   for (const CubeCount& count : node.cubes) planner_.push(count);

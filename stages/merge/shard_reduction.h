@@ -21,7 +21,9 @@ class FinalLeaves : protected ReductionSink {
   // vertices, leaves and worst_residual, of the leaves the reduction found final.
   const BrickCounts& counts() const { return counts_; }
   // Nodes that took in their children.
-  std::uint64_t collapsed() const { return reduction_.collapsed(); }
+  std::uint64_t collapsed() const {
+    return clusters_ ? clusters_->collapsed() : reduction_.collapsed();
+  }
 
  protected:
   FinalLeaves(const BrickGrid& grid, CellKey root, const ContourParameters& parameters)

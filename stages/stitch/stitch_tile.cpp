@@ -21,16 +21,21 @@ void cut_to_tile(const PlannedTile& tile, std::span<const BlockCount> blocks, St
 
 }  // namespace
 
-std::vector<TopLeaf> leaves_above(std::span<const CellKey> bricks, const LeafLookup& leaves) {
-  std::vector<TopLeaf> found;
-  if (bricks.empty()) return found;
-  const std::uint64_t cells = std::uint64_t{1} << (3 * bricks[0].level);
+std::vector<std::uint64_t> codes_read(std::span<const CellKey> bricks) {
   std::vector<std::uint64_t> codes;
   for (const CellKey& brick : bricks)
     for (int d = 0; d < 8; ++d)
       codes.push_back(CellKey{brick.level, upper_neighbour(brick.at, d)}.code());
   std::sort(codes.begin(), codes.end());
   codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
+  return codes;
+}
+
+std::vector<TopLeaf> leaves_above(std::span<const CellKey> bricks, const LeafLookup& leaves) {
+  std::vector<TopLeaf> found;
+  if (bricks.empty()) return found;
+  const std::uint64_t cells = std::uint64_t{1} << (3 * bricks[0].level);
+  const std::vector<std::uint64_t> codes = codes_read(bricks);
   // Neighbouring codes are asked for together.
   for (std::size_t i = 0; i < codes.size();) {
     std::size_t j = i + 1;

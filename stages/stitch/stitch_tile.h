@@ -23,6 +23,9 @@ class BrickPieces {
   virtual const GhostLayer* ghost(Index3 brick, int direction) = 0;
 };
 
+// The codes of the lowest finest cells of the bricks and their upper neighbours, ascending.
+std::vector<std::uint64_t> codes_read(std::span<const CellKey> bricks);
+
 // Those of `leaves` that the bricks and their upper neighbours lie in, ascending. Their Morton
 // range is not one interval, so they are looked up brick by brick. leaves(begin, end): those that
 // meet the range of codes, ascending.

@@ -55,6 +55,16 @@ class Pieces : public BrickPieces {
   const VolumeBricks& bricks_;
 };
 
+AboveBricks above_all(const VolumeBricks& bricks, const std::vector<ShardNode>& shards,
+                      const ReducedNode& top) {
+  std::vector<ShardClusters> parts;
+  for (const ShardNode& shard : shards) parts.push_back({shard.key.code(), &shard.clusters});
+  std::vector<std::uint64_t> codes;
+  for (const auto& [code, octree] : bricks.octrees)
+    codes.push_back(code << (3 * bricks.options.brick_level));
+  return bricks_above(parts, top, codes);
+}
+
 }  // namespace
 
 BrickGrid VolumeBricks::grid() const {
@@ -99,7 +109,7 @@ VolumeContour plan_tiles(const VolumeBricks& bricks) {
   TopReduction top(grid, bricks.parameters, bricks.options.tile_vertices, sink);
   auto brick = bricks.octrees.begin();
   const bool by_sheets = collapses_by_sheets(bricks.parameters);
-  std::vector<ReducedNode> shards;
+  std::vector<ShardNode> shards;
   for (const BrickGrid::Cube& cube : grid.all_cubes()) {
     CubeReduction reduction(grid, cube.key, bricks.parameters);
     for (; brick != bricks.octrees.end(); ++brick) {
@@ -112,17 +122,14 @@ VolumeContour plan_tiles(const VolumeBricks& bricks) {
     }
     ShardNode node = reduction.finish();
     top.add(node);
-    if (!node.clusters.nodes.empty()) shards.push_back(std::move(node.clusters));
+    if (node.clusters.record.has_surface()) shards.push_back(std::move(node));
     add(contour.counts, reduction.counts());
     contour.collapsed_above += reduction.collapsed();
   }
   top.finish();
   add(contour.counts, top.counts());
   contour.collapsed_above += top.collapsed();
-  std::vector<const ReducedNode*> parts;
-  parts.reserve(shards.size());
-  for (const ReducedNode& shard : shards) parts.push_back(&shard);
-  if (by_sheets) contour.above = bricks_above(parts, top.reduced());
+  if (by_sheets) contour.above = above_all(bricks, shards, top.reduced());
   return contour;
 }
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <stdexcept>
+
+#include "storage/artifact/node_record_bytes.h"
 
 namespace voxweld {
 namespace {
@@ -25,11 +28,14 @@ struct LabelShardTables {
 struct LabelNodeRecord {
   std::uint64_t material = 0, code = 0, level = 0;
   std::uint64_t polygons = 0, cubes = 0, leaves = 0, largest_piece = 0;
+  std::uint64_t final_vertices = 0;
+  std::uint64_t cluster_bytes = 0;  // of the record and the links
   Hash128 content;
   RootRecord record;
 
   std::uint64_t bytes() const {
-    return sizeof(LabelNodeRecord) + cubes * sizeof(CubeCount) + leaves * sizeof(TopLeaf);
+    return sizeof(LabelNodeRecord) + cubes * sizeof(CubeCount) + leaves * sizeof(TopLeaf) +
+           cluster_bytes;
   }
 };
 // As it lies in the file.
@@ -43,8 +49,8 @@ Hash128 check_of(const PieceHead& head) {
   return hash_bytes(as_record(head));
 }
 
-static_assert(sizeof(LabelNodeRecord) == 56 + 16 + sizeof(RootRecord) &&
-              sizeof(PieceRecord) == 24 + 24 + 32);
+static_assert(sizeof(LabelNodeRecord) == 72 + 16 + sizeof(RootRecord) &&
+              sizeof(PieceRecord) == 24 + 32 + 32);
 
 template <class T>
 void take(std::span<const std::byte>& bytes, std::size_t count, std::vector<T>& out) {
@@ -69,12 +75,20 @@ std::vector<std::byte> read_part(const ArtifactReader& file, const PieceRecord& 
   return bytes;
 }
 
-// The blocks at the end of a body.
+// The blocks in a body.
 std::vector<FilledBlock> blocks_of(const PieceRecord& piece, std::span<const std::byte> body) {
   std::vector<FilledBlock> blocks;
-  body = body.last(piece.blocks * sizeof(FilledBlock));
+  body = body.subspan(std::uint64_t{piece.vertices} * sizeof(LeafVertex) +
+                      std::uint64_t{piece.polygons} * sizeof(PolygonRefs));
   take(body, piece.blocks, blocks);
   return blocks;
+}
+
+// What lies behind a node's leaves.
+bool take_clusters(std::span<const std::byte> bytes, ReducedNode& clusters) {
+  if (bytes.empty()) return true;
+  RecordBytes in(bytes);
+  return in.take(clusters.record) && in.take_links(clusters) && in.empty();
 }
 
 }  // namespace
@@ -82,12 +96,14 @@ std::vector<FilledBlock> blocks_of(const PieceRecord& piece, std::span<const std
 std::uint64_t PieceRecord::body_bytes() const {
   return std::uint64_t{vertices} * sizeof(LeafVertex) +
          std::uint64_t{polygons} * sizeof(PolygonRefs) +
-         std::uint64_t{blocks} * sizeof(FilledBlock);
+         std::uint64_t{blocks} * sizeof(FilledBlock) +
+         (by_sheets() ? std::uint64_t{vertices} + record_bytes : 0);
 }
 
 std::uint64_t PieceRecord::ghost_bytes() const {
   return std::uint64_t{ghost_cells} * sizeof(GhostCell) +
-         std::uint64_t{ghost_vertices} * sizeof(GhostVertex);
+         std::uint64_t{ghost_vertices} * sizeof(GhostVertex) +
+         std::uint64_t{apart} * sizeof(std::uint32_t) + (by_sheets() ? ghost_vertices : 0);
 }
 
 std::vector<std::byte> to_bytes(const LabelNode& n) {
@@ -99,13 +115,21 @@ std::vector<std::byte> to_bytes(const LabelNode& n) {
   record.cubes = n.node.cubes.size();
   record.leaves = n.node.leaves.size();
   record.largest_piece = n.largest_piece;
+  record.final_vertices = n.final_vertices;
   record.content = n.content;
   record.record = n.node.record;
+  std::vector<std::byte> clusters;
+  if (n.node.clusters.record.has_surface()) {
+    put_bytes(n.node.clusters.record, clusters);
+    put_links(n.node.clusters, clusters);
+  }
+  record.cluster_bytes = clusters.size();
   std::vector<std::byte> bytes(record.bytes());
   std::span<std::byte> rest = bytes;
   put(rest, as_record(record));
   put(rest, as_section(n.node.cubes));
   put(rest, as_section(n.node.leaves));
+  put(rest, clusters);
   return bytes;
 }
 
@@ -119,9 +143,12 @@ LabelNode label_node_of(std::span<const std::byte> bytes) {
   n.node.record = record.record;
   n.node.polygons = record.polygons;
   n.largest_piece = record.largest_piece;
+  n.final_vertices = record.final_vertices;
   n.content = record.content;
   take(bytes, record.cubes, n.node.cubes);
   take(bytes, record.leaves, n.node.leaves);
+  if (!take_clusters(bytes, n.node.clusters))
+    throw std::logic_error("label_node_of: these are not the bytes of a node");
   return n;
 }
 
@@ -165,6 +192,12 @@ PieceHead LabelShardWriter::piece(Material material, const BrickOctree& octree,
   record.blocks = size(blocks);
   record.ghost_cells = size(octree.ghost.cells);
   record.ghost_vertices = size(octree.ghost.vertices);
+  record.apart = size(octree.ghost.apart);
+  std::vector<std::byte> node;
+  if (!octree.roots.empty()) put_bytes(octree.record, node);
+  record.record_bytes = size(node);
+  record.final_vertices =
+      static_cast<std::uint32_t>(std::ranges::count(octree.roots, BrickOctree::no_root));
   const auto hash_of = [](auto... parts) {
     StreamHasher hash;
     (hash.update(parts), ...);
@@ -172,11 +205,15 @@ PieceHead LabelShardWriter::piece(Material material, const BrickOctree& octree,
   };
   const auto vertices = as_section(octree.vertices), polygons = as_section(octree.polygons),
              counts = std::as_bytes(blocks), cells = as_section(octree.ghost.cells),
-             ghost = as_section(octree.ghost.vertices);
-  record.body = hash_of(vertices, polygons, counts);
-  record.ghost = hash_of(cells, ghost);
+             ghost = as_section(octree.ghost.vertices), roots = as_section(octree.roots),
+             apart = as_section(octree.ghost.apart), ghost_roots = as_section(octree.ghost.roots);
+  const std::span<const std::byte> clusters = node;
+  record.body = hash_of(vertices, polygons, counts, roots, clusters);
+  record.ghost = hash_of(cells, ghost, apart, ghost_roots);
   append(head);
-  for (const auto& part : {vertices, polygons, counts, cells, ghost}) append(part);
+  for (const auto& part :
+       {vertices, polygons, counts, roots, clusters, cells, ghost, apart, ghost_roots})
+    append(part);
   return head;
 }
 
@@ -199,7 +236,7 @@ void LabelShardWriter::brick(std::uint64_t code, const ArtifactReader& from, con
     append(record.head);
     append(body);
     append(ghost);
-    f(record.head, blocks_of(piece, body));
+    f(record.head, blocks_of(piece, body), std::span(body).last(piece.record_bytes));
   }
   end_brick();
 }
@@ -277,6 +314,7 @@ void LabelShardArtifact::read_piece(const PieceRecord& piece, int brick_level,
   out.polygon_pairs.clear();
   std::vector<FilledBlock> blocks;
   take(rest, piece.blocks, blocks);
+  take(rest, piece.by_sheets() ? piece.vertices : 0, out.roots);
   out.blocks.assign(std::size_t{1} << (3 * (brick_level - block_level)), BlockCount{});
   auto block = blocks.begin();
   std::uint32_t end = 0;
@@ -299,25 +337,60 @@ void LabelShardArtifact::read_ghost_layer(const PieceRecord& piece, GhostLayer& 
   std::span<const std::byte> rest = bytes;
   take(rest, piece.ghost_cells, out.cells);
   take(rest, piece.ghost_vertices, out.vertices);
+  take(rest, piece.apart, out.apart);
+  take(rest, piece.by_sheets() ? piece.ghost_vertices : 0, out.roots);
   out.sheets_of_edges.clear();
 }
+
+namespace {
+
+// f(record, bytes) of each node of a page.
+template <class F>
+void each_record(const ArtifactReader& file, std::uint64_t page, const F& f) {
+  std::vector<std::byte> bytes;
+  file.read(page_of_nodes + page, bytes);
+  for (std::span<const std::byte> rest = bytes; !rest.empty();) {
+    LabelNodeRecord record;
+    if (rest.size() < sizeof record) file.damaged("a page of nodes ends within one");
+    std::memcpy(&record, rest.data(), sizeof record);
+    if (record.level > max_levels || record.cubes > rest.size() || record.leaves > rest.size() ||
+        record.cluster_bytes > rest.size() || record.bytes() > rest.size())
+      file.damaged("a page of nodes contradicts itself");
+    const std::span<const std::byte> own = rest.first(record.bytes());
+    ReducedNode clusters;
+    if (!take_clusters(own.last(record.cluster_bytes), clusters))
+      file.damaged("the clusters of a node contradict themselves");
+    f(record, own);
+    rest = rest.subspan(record.bytes());
+  }
+}
+
+}  // namespace
 
 void LabelShardArtifact::each_node(
     std::uint64_t page,
     const std::function<void(const LabelNode&, std::span<const std::byte>)>& f) const {
-  std::vector<std::byte> bytes;
-  file_.read(page_of_nodes + page, bytes);
-  for (std::span<const std::byte> rest = bytes; !rest.empty();) {
-    LabelNodeRecord record;
-    if (rest.size() < sizeof record) file_.damaged("a page of nodes ends within one");
-    std::memcpy(&record, rest.data(), sizeof record);
-    if (record.level > max_levels || record.cubes > rest.size() || record.leaves > rest.size() ||
-        record.bytes() > rest.size())
-      file_.damaged("a page of nodes contradicts itself");
-    const std::span<const std::byte> own = rest.first(record.bytes());
-    f(label_node_of(own), own);
-    rest = rest.subspan(record.bytes());
-  }
+  each_record(file_, page, [&](const LabelNodeRecord&, std::span<const std::byte> bytes) {
+    f(label_node_of(bytes), bytes);
+  });
+}
+
+std::optional<ReducedNode> LabelShardArtifact::clusters(Material material,
+                                                        const CellKey& node) const {
+  std::optional<ReducedNode> found;
+  // The page before the first that begins with the label, or behind it, may end with it.
+  auto page = std::lower_bound(first_nodes_.begin(), first_nodes_.end(), material);
+  if (page != first_nodes_.begin()) --page;
+  for (; page != first_nodes_.end() && *page <= material && !found; ++page)
+    each_record(file_, static_cast<std::uint64_t>(page - first_nodes_.begin()),
+                [&](const LabelNodeRecord& record, std::span<const std::byte> bytes) {
+                  if (record.material != material || record.code != node.code() ||
+                      record.level != static_cast<std::uint64_t>(node.level) ||
+                      record.cluster_bytes == 0)
+                    return;
+                  take_clusters(bytes.last(record.cluster_bytes), found.emplace());
+                });
+  return found;
 }
 
 }  // namespace voxweld

@@ -7,10 +7,14 @@
 //                       brick's index. A piece is its PieceHead, its body (LeafVertex, PolygonRefs,
 //                       and of FilledBlock those that hold anything) and its ghost layer (GhostCell,
 //                       GhostVertex); each has a checksum of its own, the head in itself, the others
-//                       in its PieceRecord, so it is read alone
+//                       in its PieceRecord, so it is read alone. Where each sheet collapses by itself
+//                       the body goes on with the roots (u8) and the NodeRecord
+//                       (node_record_bytes.h), the ghost layer with GhostLayer::apart (u32) and its
+//                       roots
 //   2 << 56 | i         page i of the directory: PieceRecord, by material, then by brick
 //   3 << 56 | i         page i of the nodes, by material, then in Morton order: of each a
-//                       LabelNodeRecord, then its CubeCount, then its TopLeaf
+//                       LabelNodeRecord, then its CubeCount, then its TopLeaf, then where each sheet
+//                       collapses by itself its NodeRecord and the links of its clusters
 //   4 << 56             LabelShardTables (one)
 //   4 << 56 | 1         PieceKey of the first piece of each page of the directory
 //   4 << 56 | 2         material of the first node of each page of nodes, u64
@@ -21,6 +25,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "storage/artifact/paged_table.h"
 #include "storage/artifact/shard_artifact.h"
@@ -30,7 +35,7 @@ namespace voxweld {
 
 inline constexpr std::array<char, 4> label_shard_kind = {'o', 'c', 't', 'l'};
 // Goes up whenever the bytes that build makes of labels change: format or mathematics.
-inline constexpr std::uint32_t label_shard_version = 4;
+inline constexpr std::uint32_t label_shard_version = 5;
 
 struct PieceKey {
   Material material = exterior;
@@ -42,9 +47,12 @@ struct PieceRecord {
   PieceKey key;
   std::uint64_t offset = 0;  // of the body in the brick's section; the ghost layer comes behind it
   std::uint32_t vertices = 0, polygons = 0, blocks = 0, ghost_cells = 0, ghost_vertices = 0;
-  std::uint32_t reserved = 0;
+  // Where each sheet collapses by itself, else 0: GhostLayer::apart, the bytes of the NodeRecord,
+  // and the vertices that nothing above the brick can take in.
+  std::uint32_t apart = 0, record_bytes = 0, final_vertices = 0;
   Hash128 body, ghost;
 
+  bool by_sheets() const { return record_bytes != 0; }
   std::uint64_t body_bytes() const;
   std::uint64_t ghost_bytes() const;
 };
@@ -59,6 +67,8 @@ struct PieceHead {
 struct LabelNode {
   Material material = exterior;
   ShardNode node;
+  // Where each sheet collapses by itself: of its mesh, those that nothing above can take in.
+  std::uint64_t final_vertices = 0;
   std::uint64_t largest_piece = 0;  // bytes that reading one of its pieces takes, at most
   Hash128 content;                  // of all its pieces and of node.leaves
 };
@@ -80,7 +90,8 @@ class LabelShardWriter {
   void end_brick();
   // In place of these three, all that another artifact of this kind has of a brick, and f of each
   // piece. DamagedArtifact when one fails its checks.
-  using EachPiece = std::function<void(const PieceHead&, std::span<const FilledBlock>)>;
+  using EachPiece = std::function<void(const PieceHead&, std::span<const FilledBlock>,
+                                       std::span<const std::byte> record)>;
   void brick(std::uint64_t code, const ArtifactReader& from, const EachPiece& f);
 
   // After the last piece, each in the order of the file.
@@ -119,6 +130,10 @@ class LabelShardArtifact : public OpenArtifact {
   // All but root and counts. brick_level: log2 of the cells a side of the shard's bricks.
   void read_piece(const PieceRecord& piece, int brick_level, BrickOctree& out) const;
   void read_ghost_layer(const PieceRecord& piece, GhostLayer& out) const;
+
+  // What has become of the clusters of one node's bricks, where each sheet collapses by itself and
+  // the label has a surface in the node.
+  std::optional<ReducedNode> clusters(Material material, const CellKey& node) const;
 
   // Pages of the nodes, and the bytes of each node of one: by material, then in Morton order.
   std::uint64_t node_pages() const { return first_nodes_.size(); }

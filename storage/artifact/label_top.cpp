@@ -7,7 +7,8 @@ constexpr std::uint64_t top_tables_section = 5, batches_section = 6;
 constexpr std::uint64_t page_of(std::uint64_t table) {
   return table << 56;
 }
-constexpr std::uint64_t tiles_table = 2, surfaces_table = 3, nodes_table = 4, leaves_table = 5;
+constexpr std::uint64_t tiles_table = 2, surfaces_table = 3, nodes_table = 4, leaves_table = 5,
+                        clusters_table = 6;
 
 struct LabelTopTables {
   std::uint64_t tiles = 0, surfaces = 0, nodes = 0, leaves = 0;
@@ -46,6 +47,10 @@ void LabelTablesWriter::tile(const PlannedTile& tile) {
 void LabelTablesWriter::node(const SurfaceNode& node) {
   nodes_.push(node);
   ++open_.nodes;
+}
+
+void LabelTablesWriter::clusters(const ReducedNode& top) {
+  write_clusters(file_, page_of(clusters_table) | surfaces_.size(), top);
 }
 
 void LabelTablesWriter::end_surface(Material material) {
@@ -105,6 +110,10 @@ std::vector<SurfaceNode> LabelTop::nodes(const SurfaceRecord& surface, int cube_
       surface.first_node, surface.nodes,
       [&](const SurfaceNode& node) { return node.code + cells <= begin; },
       [&](const SurfaceNode& node) { return node.code >= end; });
+}
+
+ReducedNode LabelTop::clusters(std::uint64_t surface) const {
+  return read_clusters(file_, page_of(clusters_table) | surface);
 }
 
 std::vector<TopLeaf> LabelTop::leaves(const SurfaceRecord& surface, std::uint64_t begin,

@@ -7,6 +7,8 @@
 //   3 << 56 | i  page i of the surfaces: SurfaceRecord, one a label, ascending
 //   4 << 56 | i  page i of the nodes: SurfaceNode, by label, then in Morton order
 //   5 << 56 | i  page i of the leaves: TopLeaf, by label, then in Morton order
+//   6 << 56 | i  of the i-th label, where each sheet collapses by itself and some do above all
+//                shards: as section 7 of top_artifact.h
 // Pages as paged_table.h has them: of a million labels only the batches are ever held together. The
 // plan of tiles of refined labels has the same tables (tile_plan_artifact.h).
 #pragma once
@@ -60,6 +62,7 @@ class LabelTablesWriter {
   void leaf(const TopLeaf& leaf);
   void tile(const PlannedTile& tile);
   void node(const SurfaceNode& node);
+  void clusters(const ReducedNode& top);  // where it has leaves
   void end_surface(Material material);
   // The same where its mesh has another number of vertices than its tiles were planned by.
   void end_surface(Material material, std::uint64_t vertices);
@@ -111,6 +114,8 @@ class LabelTop {
                                  std::uint64_t end) const;
   std::vector<TopLeaf> leaves(const SurfaceRecord& surface, std::uint64_t begin,
                               std::uint64_t end) const;
+  // Of the label with this number: as TopArtifact::clusters, empty where nothing is above.
+  ReducedNode clusters(std::uint64_t surface) const;
 
  private:
   const ArtifactReader& file_;

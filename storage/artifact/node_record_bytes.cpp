@@ -66,8 +66,7 @@ void put_bytes(const NodeRecord& record, std::vector<std::byte>& out) {
   put_list(record.pairs, out);
 }
 
-void put_bytes(const ReducedNode& node, std::vector<std::byte>& out) {
-  put_bytes(node.record, out);
+void put_links(const ReducedNode& node, std::vector<std::byte>& out) {
   put_one(ReducedHead{node.leaves.size(), node.nodes.size(), node.links.size()}, out);
   put_list(node.leaves, out);
   put_list(node.nodes, out);
@@ -117,9 +116,9 @@ bool RecordBytes::take(NodeRecord& record) {
          });
 }
 
-bool RecordBytes::take(ReducedNode& node) {
+bool RecordBytes::take_links(ReducedNode& node) {
   ReducedHead head;
-  if (!take(node.record) || !take_one(head) || !take_list(head.leaves, node.leaves) ||
+  if (!take_one(head) || !take_list(head.leaves, node.leaves) ||
       !take_list(head.nodes, node.nodes) || !take_list(head.links, node.links) ||
       !take_one(node.counts))
     return false;

@@ -13,7 +13,8 @@ namespace voxweld {
 
 // Appends.
 void put_bytes(const NodeRecord& record, std::vector<std::byte>& out);
-void put_bytes(const ReducedNode& node, std::vector<std::byte>& out);
+// All but node.record: who reads that, mostly does not need these.
+void put_links(const ReducedNode& node, std::vector<std::byte>& out);
 
 // Takes them back, one after the other. False where the bytes end too early, or say what cannot be:
 // whoever holds the file says then that it is damaged. Else every number that names a cluster, a
@@ -23,7 +24,8 @@ class RecordBytes {
   explicit RecordBytes(std::span<const std::byte> bytes) : rest_(bytes) {}
   bool empty() const { return rest_.empty(); }
   [[nodiscard]] bool take(NodeRecord& record);
-  [[nodiscard]] bool take(ReducedNode& node);
+  // Precondition: node.record is that of what was written, since links name its clusters.
+  [[nodiscard]] bool take_links(ReducedNode& node);
 
  private:
   template <class T>

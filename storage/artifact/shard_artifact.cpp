@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "storage/artifact/node_record_bytes.h"
+
 namespace voxweld {
 namespace {
 
@@ -15,12 +17,18 @@ enum Part : std::uint64_t {
   pairs,
   polygon_pairs,
   sheets_of_edges,
-  end_of_parts
+  roots,
+  ghost_apart,
+  ghost_roots,
+  node_record,
+  end_of_stitched = node_record  // stitch reads those before
 };
 // Of the shard as a whole, beside those of shard_summary.h.
 constexpr std::uint64_t nodes_section = shard_section(2);
 constexpr std::uint64_t cubes_section = shard_section(3);
 constexpr std::uint64_t leaves_section = shard_section(4);
+constexpr std::uint64_t records_section = shard_section(7);
+constexpr std::uint64_t links_section = shard_section(16);  // of the first node
 
 constexpr std::uint64_t section_name(std::uint64_t code, std::uint64_t part) {
   return code << 8 | part;
@@ -65,12 +73,20 @@ void ShardArtifactWriter::brick(std::uint64_t code, const BrickOctree& octree) {
   file_.section(section_name(code, blocks), as_section(octree.blocks));
   file_.section(section_name(code, ghost_cells), as_section(octree.ghost.cells));
   file_.section(section_name(code, ghost_vertices), as_section(octree.ghost.vertices));
+  where_any(roots, octree.roots);
+  where_any(ghost_apart, octree.ghost.apart);
+  where_any(ghost_roots, octree.ghost.roots);
+  if (octree.roots.empty()) return;
+  section_.clear();
+  put_bytes(octree.record, section_);
+  file_.section(section_name(code, node_record), section_);
 }
 
 void ShardArtifactWriter::brick(std::uint64_t code, const ArtifactReader& from) {
   // In the order of the other one, so that the same bricks are the same file.
   for (const Part part : {vertices, polygons, emit_levels, pairs, polygon_pairs, sheets_of_edges,
-                          blocks, ghost_cells, ghost_vertices}) {
+                          blocks, ghost_cells, ghost_vertices, roots, ghost_apart, ghost_roots,
+                          node_record}) {
     const std::uint64_t name = section_name(code, part);
     if (from.find(name) == nullptr) continue;
     from.read(name, section_);
@@ -93,8 +109,23 @@ Hash128 ShardArtifactWriter::finish(const ShardSummary& summary, std::span<const
   file_.section(nodes_section, as_section(node_records));
   file_.section(cubes_section, as_section(cubes));
   file_.section(leaves_section, as_section(leaves));
+  write_clusters(nodes);
   write_history(file_, history);
   return file_.commit();
+}
+
+void ShardArtifactWriter::write_clusters(std::span<const ShardNode> nodes) {
+  const auto has_surface = [](const ShardNode& node) { return node.clusters.record.has_surface(); };
+  if (std::ranges::none_of(nodes, has_surface)) return;
+  section_.clear();
+  for (const ShardNode& node : nodes) put_bytes(node.clusters.record, section_);
+  file_.section(records_section, section_);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (!has_surface(nodes[i])) continue;
+    section_.clear();
+    put_links(nodes[i].clusters, section_);
+    file_.section(links_section + i, section_);
+  }
 }
 
 ShardArtifact::ShardArtifact(const std::filesystem::path& path)
@@ -104,6 +135,7 @@ std::vector<ShardNode> ShardArtifact::nodes() const {
   const auto records = file_.read_array<ShardNodeRecord>(nodes_section);
   const auto cubes = file_.read_array<CubeCount>(cubes_section);
   const auto leaves = file_.read_array<TopLeaf>(leaves_section);
+  const std::vector<NodeRecord> clusters = node_records(records.size());
   std::vector<ShardNode> nodes;
   auto cube = cubes.begin();
   auto leaf = leaves.begin();
@@ -119,9 +151,49 @@ std::vector<ShardNode> ShardArtifact::nodes() const {
     node.leaves.assign(leaf, leaf + static_cast<std::ptrdiff_t>(r.leaves));
     cube += static_cast<std::ptrdiff_t>(r.cubes);
     leaf += static_cast<std::ptrdiff_t>(r.leaves);
+    if (!clusters.empty()) node.clusters.record = clusters[nodes.size()];
     nodes.push_back(std::move(node));
   }
   return nodes;
+}
+
+// Of each node, or none.
+std::vector<NodeRecord> ShardArtifact::node_records(std::size_t count) const {
+  if (file_.find(records_section) == nullptr) return {};
+  std::vector<std::byte> bytes;
+  file_.read(records_section, bytes);
+  RecordBytes in(bytes);
+  std::vector<NodeRecord> records(count);
+  for (NodeRecord& record : records)
+    if (!in.take(record)) file_.damaged("the records of its nodes contradict themselves");
+  return records;
+}
+
+std::optional<ReducedNode> ShardArtifact::clusters(const CellKey& node) const {
+  const auto all = file_.read_array<ShardNodeRecord>(nodes_section);
+  std::vector<NodeRecord> records = node_records(all.size());
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    if (all[i].code != node.code() || all[i].level != static_cast<std::uint64_t>(node.level))
+      continue;
+    if (!records[i].has_surface()) return std::nullopt;
+    ReducedNode found{std::move(records[i]), {}, {}, {}, {}};
+    std::vector<std::byte> bytes;
+    file_.read(links_section + i, bytes);
+    if (!RecordBytes(bytes).take_links(found))
+      file_.damaged("the links of its clusters contradict themselves");
+    return found;
+  }
+  return std::nullopt;
+}
+
+NodeRecord read_node_record(const ArtifactReader& file, std::uint64_t code) {
+  NodeRecord record;
+  const std::uint64_t name = section_name(code, node_record);
+  if (file.find(name) == nullptr) return record;
+  std::vector<std::byte> bytes;
+  file.read(name, bytes);
+  if (!RecordBytes(bytes).take(record)) file.damaged("the record of a brick contradicts itself");
+  return record;
 }
 
 std::vector<BlockCount> read_block_counts(const ArtifactReader& file, std::uint64_t code) {
@@ -133,12 +205,12 @@ bool ShardArtifact::has_brick(std::uint64_t code) const {
 }
 
 void ShardArtifact::add_brick_hashes(std::uint64_t code, KeyHasher& key) const {
-  for (std::uint64_t part = vertices; part < end_of_parts; ++part)
+  for (std::uint64_t part = vertices; part < end_of_stitched; ++part)
     if (const SectionRecord* record = file_.find(section_name(code, part))) key.hash(record->hash);
 }
 
 void ShardArtifact::add_ghost_hashes(std::uint64_t code, KeyHasher& key) const {
-  for (const Part part : {ghost_cells, ghost_vertices, sheets_of_edges})
+  for (const Part part : {ghost_cells, ghost_vertices, sheets_of_edges, ghost_apart, ghost_roots})
     if (const SectionRecord* record = file_.find(section_name(code, part))) key.hash(record->hash);
 }
 
@@ -148,6 +220,7 @@ void ShardArtifact::read_brick(std::uint64_t code, BrickOctree& out) const {
   read_where_any(code, emit_levels, out.emit_levels);
   read_where_any(code, pairs, out.pairs);
   read_where_any(code, polygon_pairs, out.polygon_pairs);
+  read_where_any(code, roots, out.roots);
   file_.read_array(section_name(code, blocks), out.blocks);
   read_ghost_layer(code, out.ghost);
   const auto beside_polygons = [&](std::size_t size) {
@@ -156,6 +229,7 @@ void ShardArtifact::read_brick(std::uint64_t code, BrickOctree& out) const {
   const auto names_a_pair = [&](std::uint32_t place) { return place < out.pairs.size(); };
   if (out.blocks.empty() || out.blocks.back().polygon_end != out.polygons.size() ||
       !beside_polygons(out.emit_levels.size()) || !beside_polygons(out.polygon_pairs.size()) ||
+      (!out.roots.empty() && out.roots.size() != out.vertices.size()) ||
       !std::all_of(out.polygon_pairs.begin(), out.polygon_pairs.end(), names_a_pair))
     file_.damaged("the parts of a brick contradict each other");
 }
@@ -172,13 +246,16 @@ void ShardArtifact::read_ghost_layer(std::uint64_t code, GhostLayer& out) const 
   file_.read_array(section_name(code, ghost_cells), out.cells);
   file_.read_array(section_name(code, ghost_vertices), out.vertices);
   read_where_any(code, sheets_of_edges, out.sheets_of_edges);
-  if (!out.sheets_of_edges.empty() && out.sheets_of_edges.size() != out.cells.size())
+  read_where_any(code, ghost_apart, out.apart);
+  read_where_any(code, ghost_roots, out.roots);
+  if ((!out.sheets_of_edges.empty() && out.sheets_of_edges.size() != out.cells.size()) ||
+      (!out.roots.empty() && out.roots.size() != out.vertices.size()))
     file_.damaged("the parts of a ghost layer contradict each other");
 }
 
 std::uint64_t ShardArtifact::brick_bytes(std::uint64_t code) const {
   std::uint64_t sum = 0;
-  for (std::uint64_t part = vertices; part < end_of_parts; ++part)
+  for (std::uint64_t part = vertices; part < end_of_stitched; ++part)
     if (const SectionRecord* record = file_.find(section_name(code, part))) sum += record->size;
   return sum;
 }

@@ -6,15 +6,21 @@
 //                              brick's index; part 1 LeafVertex, 2 PolygonRefs, 3 emit levels (u8,
 //                              only under topology = "free"), 4 BlockCount, 5 GhostCell, 6 GhostVertex;
 //                              between labels (labels.mode = "shared") also 7 MaterialPair, 8 the
-//                              polygons' pairs (u32), 9 the ghost layer cells' sheets (u32)
+//                              polygons' pairs (u32), 9 the ghost layer cells' sheets (u32); where
+//                              each sheet collapses by itself (topology = "manifold") also 10 roots
+//                              (u8), 11 GhostLayer::apart (u32), 12 its roots (u8), 13 the brick's
+//                              NodeRecord (node_record_bytes.h)
 //   all ones << 8 | part       part 2 ShardNodeRecord, 3 CubeCount, 4 TopLeaf (each node's range is
-//                              in its record); 1, 5 and 6 as shard_summary.h
+//                              in its record); 1, 5 and 6 as shard_summary.h; where each sheet
+//                              collapses by itself also 7 the NodeRecord of each node, 16 + n the
+//                              links (put_links) of the n-th
 //
 // Bricks without a surface have no section; neighbours see them as absent.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -42,12 +48,15 @@ class ShardArtifactWriter {
                  const ShardHistory& history = {});
 
  private:
+  void write_clusters(std::span<const ShardNode> nodes);
+
   ArtifactWriter file_;
   std::vector<std::byte> section_;
 };
 
 // Of one brick of an octree artifact.
 std::vector<BlockCount> read_block_counts(const ArtifactReader& file, std::uint64_t code);
+NodeRecord read_node_record(const ArtifactReader& file, std::uint64_t code);
 
 // Reads are thread-safe: a reader holds the index only.
 class ShardArtifact : public OpenArtifact {
@@ -55,7 +64,11 @@ class ShardArtifact : public OpenArtifact {
   explicit ShardArtifact(const std::filesystem::path& path);
 
   ShardSummary summary() const { return read_summary(file_); }
+  // Without the links of their clusters.
   std::vector<ShardNode> nodes() const;
+  // What has become of the clusters of one node's bricks, where each sheet collapses by itself and
+  // the node has a surface.
+  std::optional<ReducedNode> clusters(const CellKey& node) const;
 
   bool has_brick(std::uint64_t code) const;
   // Hashes of the parts stitch reads of its own bricks, or of neighbours (the ghost layer alone).
@@ -70,6 +83,7 @@ class ShardArtifact : public OpenArtifact {
  private:
   template <class T>
   void read_where_any(std::uint64_t code, std::uint64_t part, std::vector<T>& out) const;
+  std::vector<NodeRecord> node_records(std::size_t count) const;
 };
 
 }  // namespace voxweld

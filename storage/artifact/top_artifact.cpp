@@ -2,10 +2,13 @@
 
 #include <algorithm>
 
+#include "storage/artifact/node_record_bytes.h"
+
 namespace voxweld {
 namespace {
 
 constexpr std::uint64_t tiles_section = 2;
+constexpr std::uint64_t clusters_section = 7;
 constexpr std::uint64_t first_leaf_section = 0x1000000;
 constexpr std::size_t leaves_per_section = 4096;
 
@@ -32,6 +35,27 @@ void TopArtifactWriter::tile(const PlannedTile& tile) {
   tiles_.push_back(tile);
 }
 
+void write_clusters(ArtifactWriter& file, std::uint64_t section, const ReducedNode& top) {
+  ReducedNode links{{}, top.leaves, top.nodes, top.links, {}};
+  for (ClusterLink& link : links.links) link.root = no_cluster;
+  std::vector<std::byte> bytes;
+  put_links(links, bytes);
+  file.section(section, bytes);
+}
+
+ReducedNode read_clusters(const ArtifactReader& file, std::uint64_t section) {
+  ReducedNode top;
+  if (file.find(section) == nullptr) return top;
+  std::vector<std::byte> bytes;
+  file.read(section, bytes);
+  if (!RecordBytes(bytes).take_links(top)) file.damaged("the links of its clusters are wrong");
+  return top;
+}
+
+void TopArtifactWriter::clusters(const ReducedNode& top) {
+  write_clusters(file_, clusters_section, top);
+}
+
 Hash128 TopArtifactWriter::finish(const MergeCounts& counts, std::span<const Hash128> shards) {
   flush_leaves();
   file_.section(top_counts_section, as_record(counts));
@@ -56,6 +80,15 @@ std::vector<PlannedTile> TopArtifact::tiles() const {
 
 std::vector<Hash128> TopArtifact::shards() const {
   return file_.read_array<Hash128>(top_shards_section);
+}
+
+ReducedNode TopArtifact::clusters() const {
+  return read_clusters(file_, clusters_section);
+}
+
+std::uint64_t TopArtifact::cluster_bytes() const {
+  const SectionRecord* section = file_.find(clusters_section);
+  return section == nullptr ? 0 : section->size;
 }
 
 std::vector<TopLeaf> TopArtifact::leaves(std::uint64_t begin, std::uint64_t end) const {

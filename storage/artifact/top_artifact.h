@@ -4,6 +4,8 @@
 //   2              PlannedTile, in Morton order
 //   3              code of the first leaf of each leaf section, u64
 //   4              content hashes of the octree artifacts merged, in the Morton order of the shards
+//   7              where each sheet collapses by itself: the links (node_record_bytes.h) of the shards'
+//                  clusters to the leaves above all shards, which none of the shards has
 //   0x1000000 + i  TopLeaf, in Morton order, leaves_per_section in each but the last
 // With labels.mode = "each" there is one tree for each label: sections 1 and 4 are the same, the
 // others as label_top.h has them, and tiles() and leaves() are not for that.
@@ -35,11 +37,16 @@ struct MergeCounts {
   std::array<std::uint64_t, max_levels + 1> leaves{};
 };
 
+// Such links as a section of this name; none where it is not there.
+void write_clusters(ArtifactWriter& file, std::uint64_t section, const ReducedNode& top);
+ReducedNode read_clusters(const ArtifactReader& file, std::uint64_t section);
+
 class TopArtifactWriter {
  public:
   TopArtifactWriter(const std::filesystem::path& path, Hash128 key);
   void leaf(const TopLeaf& leaf);      // in Morton order
   void tile(const PlannedTile& tile);  // in Morton order
+  void clusters(const ReducedNode& top);
   Hash128 finish(const MergeCounts& counts, std::span<const Hash128> shards);
 
  private:
@@ -60,6 +67,9 @@ class TopArtifact : public OpenArtifact {
   std::vector<Hash128> shards() const;  // content hashes of what was merged
   // The leaves whose cubes meet the Morton range [begin, end), in order.
   std::vector<TopLeaf> leaves(std::uint64_t begin, std::uint64_t end) const;
+  // Where each sheet collapses by itself: all of it but the record, and no link's root.
+  ReducedNode clusters() const;
+  std::uint64_t cluster_bytes() const;  // that this takes, about
   const ArtifactReader& file() const { return file_; }
 
  private:

@@ -54,6 +54,8 @@ struct NodeRecord {
   std::vector<ClusterRecord> clusters;  // those that meet the node's border, ascending `first`
   std::vector<FaceCurve> curves;        // as NodeShape has them
   std::vector<CurvePair> pairs;
+  // Else there is no surface in the node.
+  bool has_surface() const { return blocked || closes || !clusters.empty(); }
   // Whether all sheets in the node are of one cluster.
   bool is_one() const { return !blocked && !closes && clusters.size() == 1; }
 };

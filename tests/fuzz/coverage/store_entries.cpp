@@ -56,19 +56,23 @@ void parse_chunk(const ParserEntry&, Bytes bytes) {
 void read_shard(const fs::path& path) {
   const ShardArtifact shard(path);
   shard.summary();
-  shard.nodes();
+  for (const ShardNode& node : shard.nodes()) shard.clusters(node.key);
 }
 void read_label_shard(const fs::path& path) {
   const LabelShardArtifact shard(path);
   shard.summary();
   shard.each_piece([](const PieceRecord&) {});
   for (std::uint64_t page = 0; page < std::min<std::uint64_t>(shard.node_pages(), 16); ++page)
-    shard.each_node(page, [](const LabelNode&, std::span<const std::byte>) {});
+    shard.each_node(page, [&](const LabelNode& node, std::span<const std::byte>) {
+      shard.clusters(node.material, node.node.key);
+    });
 }
 void read_tables(const LabelTop& labels) {
   labels.batches();
   labels.surfaces(0, std::min<std::uint64_t>(labels.surface_count(), 2000));
   labels.tiles(0, std::min<std::uint64_t>(labels.tile_count(), 2000));
+  for (std::uint64_t i = 0; i < std::min<std::uint64_t>(labels.surface_count(), 16); ++i)
+    labels.clusters(i);
 }
 void read_top(const fs::path& path) {
   const TopArtifact top(path);
@@ -77,6 +81,7 @@ void read_top(const fs::path& path) {
   if (!top.of_labels()) {
     top.tiles();
     top.leaves(0, ~std::uint64_t{0});
+    top.clusters();
     return;
   }
   read_tables(LabelTop(top));

@@ -193,10 +193,10 @@ Config any_config() {
   config.simplify.tolerance = any_positive();
   config.simplify.tolerance_unit = any_of<SimplifyConfig::Unit>(2);
   config.simplify.metric = any_of<SimplifyConfig::Metric>(2);
-  config.simplify.topology = any_of<SimplifyConfig::Topology>(2);
+  config.simplify.topology = any_of<SimplifyConfig::Topology>(3);
   config.simplify.qef = any_of<SimplifyConfig::Qef>(2);
   config.simplify.refine = any_of<SimplifyConfig::Refine>(2);
-  if (config.simplify.topology == SimplifyConfig::Topology::safe)
+  if (config.simplify.topology != SimplifyConfig::Topology::free)
     config.simplify.refine = any_of<SimplifyConfig::Refine>(4);
   config.simplify.intersections = any_of<SimplifyConfig::Intersections>(3);
   if (refine_mode(config) == SimplifyConfig::Refine::collapse) {

@@ -72,7 +72,8 @@ void read_all_of_label_shard(const fs::path& path) {
   const ArtifactReader file(path, label_shard_kind, label_shard_version);
   LabelShardWriter copy(path.string() + ".copy", {}, {});
   for (const BuiltBrick& built : read_history(file).bricks)
-    copy.brick(built.code, file, [](const PieceHead&, std::span<const FilledBlock>) {});
+    copy.brick(built.code, file,
+               [](const PieceHead&, std::span<const FilledBlock>, std::span<const std::byte>) {});
 }
 
 void read_all_of_tables(const LabelTop& top) {

@@ -26,9 +26,14 @@ std::vector<fs::path> octrees_of(const fs::path& work) {
 class EditBricks : public ::testing::TestWithParam<const char*> {
  protected:
   bool of_labels() const { return mode() != "off"; }
-  std::string mode() const { return GetParam(); }
+  std::string param() const { return GetParam(); }
+  bool by_sheets() const { return param().starts_with("sheets"); }
+  std::string mode() const {
+    return param() == "sheets" ? "off" : param() == "sheets_of_each" ? "each" : param();
+  }
   Settings settings() const {
     return one_shard + Settings{"labels.mode=" + mode()} +
+           (by_sheets() ? Settings{"simplify.topology=manifold"} : Settings{}) +
            (of_labels() ? Settings{"output.tile_vertices=8192"} : Settings{});
   }
 
@@ -108,7 +113,8 @@ TEST_P(EditBricks, OnlyThoseItReachesAreBuiltAgain) {
   EXPECT_THAT(scene->run(settings()).err, HasSubstr("bricks 8 were built and 56 kept"));
 }
 
-INSTANTIATE_TEST_SUITE_P(Modes, EditBricks, ::testing::Values("off", "each", "shared"),
+INSTANTIATE_TEST_SUITE_P(Modes, EditBricks,
+                         ::testing::Values("off", "sheets", "each", "sheets_of_each", "shared"),
                          [](const auto& mode) { return std::string(mode.param); });
 
 TEST(EditedShard, NothingIsKeptOfOtherSamples) {

@@ -105,6 +105,20 @@ TEST_F(Goldens, Encode) {
                   hash_of(files));
 }
 
+// The same surface, each sheet by itself.
+TEST(SheetGoldens, OfEveryStage) {
+  const Scene scene(scene_volume());
+  VOXWELD_EXPECT_DONE(scene.run({"simplify.topology=manifold", "work.brick=16", "work.shard=2",
+                                 "output.tile_vertices=1024", "simplify.tolerance=0.2"}));
+  const auto work = [&](const char* ending) { return files_ending(scene.work(), ending); };
+  expect_recorded({"build", 9, "0544c41b5ce58be503c164f915139f98"}, shard_version,
+                  hash_of(work(".octree"), shard_kind, shard_version));
+  expect_recorded({"merge", 6, "b2cf760e46a606a1f2665e5cc2974f20"}, top_version,
+                  hash_of(work(".tree"), top_kind, top_version));
+  expect_recorded({"stitch", 6, "8fdb8ce3b8a6c543ae2b748e116bae78"}, tile_version,
+                  hash_of(work(".tile"), tile_kind, tile_version));
+}
+
 // The same surface, refined.
 TEST(RefinedGoldens, OfEveryStage) {
   const Scene scene(scene_volume());
@@ -159,6 +173,21 @@ TEST(RefinedGoldens, OfSharedLabels) {
       {"retile", 6, "21f1a6c1e86ca6b40a3913e37addc1d2"});
 }
 
+// Each of these labels by itself, and of it each sheet.
+TEST(SheetGoldens, OfEachLabel) {
+  const Scene scene(label_volume());
+  std::ofstream(scene.config(), std::ios::app) << label_edits;
+  VOXWELD_EXPECT_DONE(scene.run({"labels.mode=each", "simplify.topology=manifold", "work.brick=16",
+                                 "work.shard=2", "output.tile_vertices=1024"}));
+  const auto work = [&](const char* ending) { return files_ending(scene.work(), ending); };
+  expect_recorded({"build", 5, "47d5906de3b92e5cd2eb764b6ea1d9ad"}, label_shard_version,
+                  hash_of(work(".octree"), label_shard_kind, label_shard_version));
+  expect_recorded({"merge", 6, "d62f14c1590109eaec61455baf060a0e"}, top_version,
+                  hash_of(work(".tree"), top_kind, top_version));
+  expect_recorded({"stitch", 6, "9fae1a70ec6d7f1ae20b8943a57c9087"}, tile_version,
+                  hash_of(work(".tile"), tile_kind, tile_version));
+}
+
 // The versions in the key of a build of labels: of the artifacts, of those of each label, and of
 // the estimate.
 constexpr std::uint32_t build_version(std::uint32_t of_each) {
@@ -208,8 +237,8 @@ INSTANTIATE_TEST_SUITE_P(
                     label_shard_version,
                     build_version(label_shard_version),
                     top_version | label_top_version << 16,
-                    {Golden{"build of each label", 90402, "921f58acecc0ae47e9f15596570d8a88"},
-                     {"merge of each label", 65542, "8ee8292ec7f1883c6481833a832de0e9"},
+                    {Golden{"build of each label", 90502, "3fe763d69fcf916dcd7f519bd039a071"},
+                     {"merge of each label", 65542, "da91c3f4b0842d91f7fd5e030fb5c66f"},
                      {"stitch of each label", 6, "59cdc8ffcee04a094002ca747ffecbbb"},
                      {"encode of each label", 2, "141590bccb677d852b82a4e68563a1e8"}}},
         LabelGolden{"shared",

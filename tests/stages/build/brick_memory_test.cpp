@@ -50,6 +50,11 @@ double noise(double, double, double) {
   return static_cast<double>(random() % 2001) / 1000 - 1;
 }
 
+// The most sheets there can be: lattice points are inside and outside by turns.
+double turns(double x, double y, double z) {
+  return std::fmod(x + y + z, 2) < 0.5 ? 0.5 : -0.5;
+}
+
 double flat(double x, double y, double z) {
   return std::tanh(x + 0.3 * y - 0.1 * z - 40);
 }
@@ -99,9 +104,24 @@ TEST_P(BrickMemory, IsSaidBeforeItIsTakenAndIsEnough) {
   }
 }
 
+TEST_P(BrickMemory, OfSheetsByThemselvesIsSaidAndEnough) {
+  const Samples samples = sampled(GetParam().field);
+  ContourParameters parameters;
+  parameters.surface.isovalue = 30000;
+  parameters.simplify.topology = Topology::manifold;
+  for (const double tolerance : {0.01, 10.0}) {
+    parameters.simplify.tolerance = tolerance;
+    const Figures figures = figures_of(samples.block(), parameters);
+    EXPECT_LE(figures.taken, figures.said);
+    EXPECT_GT(figures.taken * 6, figures.said);
+    EXPECT_LE(figures.said, build_sheets_bytes(level));
+    EXPECT_LT(figures.before, std::uint64_t{1} << 18);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Fields, BrickMemory,
                          ::testing::Values(Case{"gyroid", gyroid}, Case{"noise", noise},
-                                           Case{"flat", flat}),
+                                           Case{"turns", turns}, Case{"flat", flat}),
                          [](const auto& field) { return field.param.name; });
 
 TEST(BrickMemory, OfAnEmptyBrickIsAFractionOfTheWorst) {

@@ -44,24 +44,27 @@ ReducedNode reduced() {
 
 std::vector<std::byte> bytes_of(const ReducedNode& node) {
   std::vector<std::byte> bytes;
-  put_bytes(node, bytes);
+  put_bytes(node.record, bytes);
+  put_links(node, bytes);
   return bytes;
 }
 bool reads(std::span<const std::byte> bytes) {
   ReducedNode node;
   RecordBytes in(bytes);
-  return in.take(node) && in.empty();
+  return in.take(node.record) && in.take_links(node) && in.empty();
 }
 
 TEST(NodeRecordBytes, ComeBackAsTheyWere) {
   std::vector<std::byte> bytes;
   put_bytes(record(), bytes);
-  put_bytes(reduced(), bytes);
+  put_bytes(reduced().record, bytes);
+  put_links(reduced(), bytes);
   RecordBytes in(bytes);
   NodeRecord node;
   ReducedNode all;
   ASSERT_TRUE(in.take(node));
-  ASSERT_TRUE(in.take(all));
+  ASSERT_TRUE(in.take(all.record));
+  ASSERT_TRUE(in.take_links(all));
   EXPECT_TRUE(in.empty());
   EXPECT_FALSE(node.blocked);
   EXPECT_TRUE(node.closes);
