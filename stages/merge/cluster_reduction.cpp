@@ -297,9 +297,8 @@ class BricksAbove {
         return top_place_.try_emplace(i, no_cluster).first->second;
       });
     if (link.leaf == no_cluster) return no_cluster;
-    return keep(shard.leaves, link.leaf, [&](std::uint32_t i) -> std::uint32_t& {
-      return own_place_[i];
-    });
+    return keep(shard.leaves, link.leaf,
+                [&](std::uint32_t i) -> std::uint32_t& { return own_place_[i]; });
   }
 
   // A leaf, and those before it that are of the same node: snapping it needs them. But what a leaf

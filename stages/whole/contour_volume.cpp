@@ -58,8 +58,10 @@ class Pieces : public BrickPieces {
 AboveBricks above_all(const VolumeBricks& bricks, const std::vector<ShardNode>& shards,
                       const ReducedNode& top) {
   std::vector<ShardClusters> parts;
+  parts.reserve(shards.size());
   for (const ShardNode& shard : shards) parts.push_back({shard.key.code(), &shard.clusters});
   std::vector<std::uint64_t> codes;
+  codes.reserve(bricks.octrees.size());
   for (const auto& [code, octree] : bricks.octrees)
     codes.push_back(code << (3 * bricks.options.brick_level));
   return bricks_above(parts, top, codes);

@@ -84,9 +84,9 @@ void ShardArtifactWriter::brick(std::uint64_t code, const BrickOctree& octree) {
 
 void ShardArtifactWriter::brick(std::uint64_t code, const ArtifactReader& from) {
   // In the order of the other one, so that the same bricks are the same file.
-  for (const Part part : {vertices, polygons, emit_levels, pairs, polygon_pairs, sheets_of_edges,
-                          blocks, ghost_cells, ghost_vertices, roots, ghost_apart, ghost_roots,
-                          node_record}) {
+  for (const Part part :
+       {vertices, polygons, emit_levels, pairs, polygon_pairs, sheets_of_edges, blocks, ghost_cells,
+        ghost_vertices, roots, ghost_apart, ghost_roots, node_record}) {
     const std::uint64_t name = section_name(code, part);
     if (from.find(name) == nullptr) continue;
     from.read(name, section_);
