@@ -62,10 +62,10 @@ void LabelOctrees::build_brick(const CellKey& brick, const WorkerContext& worker
                  if (!any) out_->begin_brick(built.code);
                  any = true;
                  const std::vector<FilledBlock> blocks = filled_blocks(octree.blocks);
-                 const PieceHead head = out_->piece(material, octree, blocks);
-                 surface = surface || has_surface(head);
                  record_.clear();
-                 if (head.piece.by_sheets()) put_bytes(octree.record, record_);
+                 if (!octree.roots.empty()) put_bytes(octree.record, record_);
+                 const PieceHead head = out_->piece(material, octree, blocks, record_);
+                 surface = surface || has_surface(head);
                  note(brick.at, head, blocks, record_);
                });
   if (any) out_->end_brick();

@@ -45,15 +45,23 @@ void ActiveCells::free_lists() {
   several_ = {};
 }
 
-std::size_t ActiveCells::count_rows() const {
-  std::size_t count = 0;
+// f(x, y, z, bits) of each word of the window's rows: bit i is cell x + i.
+template <class F>
+void ActiveCells::each_word(const F& f) const {
   for (auto z = window_.lo.z; z < window_.hi.z; ++z)
     for (auto y = window_.lo.y; y < window_.hi.y; ++y) {
       const std::uint64_t* row =
           rows_.data() + static_cast<std::size_t>(z * side_ + y) * row_words_;
       for (std::size_t w = 0; w < row_words_; ++w)
-        count += static_cast<std::size_t>(std::popcount(row[w]));
+        f(static_cast<int>(w) * 64, static_cast<int>(y), static_cast<int>(z), row[w]);
     }
+}
+
+std::size_t ActiveCells::count_rows() const {
+  std::size_t count = 0;
+  each_word([&](int, int, int, std::uint64_t bits) {
+    count += static_cast<std::size_t>(std::popcount(bits));
+  });
   return count;
 }
 
@@ -97,18 +105,13 @@ std::size_t ActiveCells::count(const SignGrid& signs, int side, const Box3& wher
 
 std::size_t ActiveCells::most_sheets(const SignGrid& signs) const {
   std::size_t count = 0;
-  for (auto z = window_.lo.z; z < window_.hi.z; ++z)
-    for (auto y = window_.lo.y; y < window_.hi.y; ++y) {
-      const std::uint64_t* row =
-          rows_.data() + static_cast<std::size_t>(z * side_ + y) * row_words_;
-      for (std::size_t w = 0; w < row_words_; ++w)
-        for (std::uint64_t rest = row[w]; rest != 0; rest &= rest - 1) {
-          const int x = static_cast<int>(w) * 64 + std::countr_zero(rest);
-          const CellSigns corners = signs.cell(x, static_cast<int>(y), static_cast<int>(z));
-          count += std::max<std::size_t>(cell_sheets(corners, false).sheets,
-                                         cell_sheets(corners, true).sheets);
-        }
+  each_word([&](int x, int y, int z, std::uint64_t bits) {
+    for (; bits != 0; bits &= bits - 1) {
+      const CellSigns corners = signs.cell(x + std::countr_zero(bits), y, z);
+      count += std::max<std::size_t>(cell_sheets(corners, false).sheets,
+                                     cell_sheets(corners, true).sheets);
     }
+  });
   return count;
 }
 

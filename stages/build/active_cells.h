@@ -74,6 +74,8 @@ class ActiveCells {
 
  private:
   void begin(int side, const Box3& where);
+  template <class F>
+  void each_word(const F& f) const;
   std::size_t count_rows() const;
   void find_rows(const SignGrid& signs);
   void find_rows(const LabelGrid& labels);

@@ -15,6 +15,7 @@ constexpr std::uint64_t tables_section = std::uint64_t{4} << 56;
 constexpr std::uint64_t first_pieces_section = tables_section | 1;
 constexpr std::uint64_t first_nodes_section = tables_section | 2;
 
+constexpr const char* wrong_clusters = "the clusters of a node contradict themselves";
 constexpr std::uint64_t node_page_bytes = std::uint64_t{1} << 18;
 
 constexpr std::uint64_t pieces_of(std::uint64_t brick) {
@@ -91,6 +92,23 @@ bool take_clusters(std::span<const std::byte> bytes, ReducedNode& clusters) {
   return in.take(clusters.record) && in.take_links(clusters) && in.empty();
 }
 
+// False where its clusters contradict themselves. All else fits, since the sizes do.
+bool take_node(std::span<const std::byte> bytes, LabelNode& n) {
+  LabelNodeRecord record;
+  std::memcpy(&record, bytes.data(), sizeof record);
+  bytes = bytes.subspan(sizeof record);
+  n.material = record.material;
+  n.node.key = CellKey::of(record.code, record.level);
+  n.node.record = record.record;
+  n.node.polygons = record.polygons;
+  n.largest_piece = record.largest_piece;
+  n.final_vertices = record.final_vertices;
+  n.content = record.content;
+  take(bytes, record.cubes, n.node.cubes);
+  take(bytes, record.leaves, n.node.leaves);
+  return take_clusters(bytes, n.node.clusters);
+}
+
 }  // namespace
 
 std::uint64_t PieceRecord::body_bytes() const {
@@ -134,20 +152,8 @@ std::vector<std::byte> to_bytes(const LabelNode& n) {
 }
 
 LabelNode label_node_of(std::span<const std::byte> bytes) {
-  LabelNodeRecord record;
-  std::memcpy(&record, bytes.data(), sizeof record);
-  bytes = bytes.subspan(sizeof record);
   LabelNode n;
-  n.material = record.material;
-  n.node.key = CellKey::of(record.code, record.level);
-  n.node.record = record.record;
-  n.node.polygons = record.polygons;
-  n.largest_piece = record.largest_piece;
-  n.final_vertices = record.final_vertices;
-  n.content = record.content;
-  take(bytes, record.cubes, n.node.cubes);
-  take(bytes, record.leaves, n.node.leaves);
-  if (!take_clusters(bytes, n.node.clusters))
+  if (!take_node(bytes, n))
     throw std::logic_error("label_node_of: these are not the bytes of a node");
   return n;
 }
@@ -180,7 +186,8 @@ void LabelShardWriter::append(const PieceHead& head) {
 }
 
 PieceHead LabelShardWriter::piece(Material material, const BrickOctree& octree,
-                                  std::span<const FilledBlock> blocks) {
+                                  std::span<const FilledBlock> blocks,
+                                  std::span<const std::byte> clusters) {
   const auto size = [](const auto& values) { return static_cast<std::uint32_t>(values.size()); };
   PieceHead head;
   head.root = octree.root;
@@ -193,9 +200,7 @@ PieceHead LabelShardWriter::piece(Material material, const BrickOctree& octree,
   record.ghost_cells = size(octree.ghost.cells);
   record.ghost_vertices = size(octree.ghost.vertices);
   record.apart = size(octree.ghost.apart);
-  std::vector<std::byte> node;
-  if (!octree.roots.empty()) put_bytes(octree.record, node);
-  record.record_bytes = size(node);
+  record.record_bytes = size(clusters);
   record.final_vertices =
       static_cast<std::uint32_t>(std::ranges::count(octree.roots, BrickOctree::no_root));
   const auto hash_of = [](auto... parts) {
@@ -207,7 +212,6 @@ PieceHead LabelShardWriter::piece(Material material, const BrickOctree& octree,
              counts = std::as_bytes(blocks), cells = as_section(octree.ghost.cells),
              ghost = as_section(octree.ghost.vertices), roots = as_section(octree.roots),
              apart = as_section(octree.ghost.apart), ghost_roots = as_section(octree.ghost.roots);
-  const std::span<const std::byte> clusters = node;
   record.body = hash_of(vertices, polygons, counts, roots, clusters);
   record.ghost = hash_of(cells, ghost, apart, ghost_roots);
   append(head);
@@ -357,9 +361,6 @@ void each_record(const ArtifactReader& file, std::uint64_t page, const F& f) {
         record.cluster_bytes > rest.size() || record.bytes() > rest.size())
       file.damaged("a page of nodes contradicts itself");
     const std::span<const std::byte> own = rest.first(record.bytes());
-    ReducedNode clusters;
-    if (!take_clusters(own.last(record.cluster_bytes), clusters))
-      file.damaged("the clusters of a node contradict themselves");
     f(record, own);
     rest = rest.subspan(record.bytes());
   }
@@ -371,7 +372,9 @@ void LabelShardArtifact::each_node(
     std::uint64_t page,
     const std::function<void(const LabelNode&, std::span<const std::byte>)>& f) const {
   each_record(file_, page, [&](const LabelNodeRecord&, std::span<const std::byte> bytes) {
-    f(label_node_of(bytes), bytes);
+    LabelNode node;
+    if (!take_node(bytes, node)) file_.damaged(wrong_clusters);
+    f(node, bytes);
   });
 }
 
@@ -388,7 +391,8 @@ std::optional<ReducedNode> LabelShardArtifact::clusters(Material material,
                       record.level != static_cast<std::uint64_t>(node.level) ||
                       record.cluster_bytes == 0)
                     return;
-                  take_clusters(bytes.last(record.cluster_bytes), found.emplace());
+                  if (!take_clusters(bytes.last(record.cluster_bytes), found.emplace()))
+                    file_.damaged(wrong_clusters);
                 });
   return found;
 }

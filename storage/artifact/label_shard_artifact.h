@@ -84,9 +84,10 @@ class LabelShardWriter {
 
   // The pieces of one brick, in any order: between begin_brick and end_brick.
   void begin_brick(std::uint64_t code);
-  // blocks: filled_blocks(octree.blocks).
-  PieceHead piece(Material material, const BrickOctree& octree,
-                  std::span<const FilledBlock> blocks);
+  // blocks: filled_blocks(octree.blocks). record: of put_bytes(octree.record), or empty where sheets
+  // do not collapse by themselves.
+  PieceHead piece(Material material, const BrickOctree& octree, std::span<const FilledBlock> blocks,
+                  std::span<const std::byte> record = {});
   void end_brick();
   // In place of these three, all that another artifact of this kind has of a brick, and f of each
   // piece. DamagedArtifact when one fails its checks.

@@ -105,18 +105,23 @@ TEST_F(Goldens, Encode) {
                   hash_of(files));
 }
 
+// What build, merge and stitch leave of a run.
+void expect_stages(const Scene& scene, const Golden& build, std::array<char, 4> octree_kind,
+                   std::uint32_t octree_version, const Golden& merge, const Golden& stitch) {
+  const auto work = [&](const char* ending) { return files_ending(scene.work(), ending); };
+  expect_recorded(build, octree_version, hash_of(work(".octree"), octree_kind, octree_version));
+  expect_recorded(merge, top_version, hash_of(work(".tree"), top_kind, top_version));
+  expect_recorded(stitch, tile_version, hash_of(work(".tile"), tile_kind, tile_version));
+}
+
 // The same surface, each sheet by itself.
 TEST(SheetGoldens, OfEveryStage) {
   const Scene scene(scene_volume());
   VOXWELD_EXPECT_DONE(scene.run({"simplify.topology=manifold", "work.brick=16", "work.shard=2",
                                  "output.tile_vertices=1024", "simplify.tolerance=0.2"}));
-  const auto work = [&](const char* ending) { return files_ending(scene.work(), ending); };
-  expect_recorded({"build", 9, "0544c41b5ce58be503c164f915139f98"}, shard_version,
-                  hash_of(work(".octree"), shard_kind, shard_version));
-  expect_recorded({"merge", 6, "b2cf760e46a606a1f2665e5cc2974f20"}, top_version,
-                  hash_of(work(".tree"), top_kind, top_version));
-  expect_recorded({"stitch", 6, "8fdb8ce3b8a6c543ae2b748e116bae78"}, tile_version,
-                  hash_of(work(".tile"), tile_kind, tile_version));
+  expect_stages(scene, {"build", 9, "0544c41b5ce58be503c164f915139f98"}, shard_kind, shard_version,
+                {"merge", 6, "b2cf760e46a606a1f2665e5cc2974f20"},
+                {"stitch", 6, "8fdb8ce3b8a6c543ae2b748e116bae78"});
 }
 
 // The same surface, refined.
@@ -179,13 +184,9 @@ TEST(SheetGoldens, OfEachLabel) {
   std::ofstream(scene.config(), std::ios::app) << label_edits;
   VOXWELD_EXPECT_DONE(scene.run({"labels.mode=each", "simplify.topology=manifold", "work.brick=16",
                                  "work.shard=2", "output.tile_vertices=1024"}));
-  const auto work = [&](const char* ending) { return files_ending(scene.work(), ending); };
-  expect_recorded({"build", 5, "47d5906de3b92e5cd2eb764b6ea1d9ad"}, label_shard_version,
-                  hash_of(work(".octree"), label_shard_kind, label_shard_version));
-  expect_recorded({"merge", 6, "d62f14c1590109eaec61455baf060a0e"}, top_version,
-                  hash_of(work(".tree"), top_kind, top_version));
-  expect_recorded({"stitch", 6, "9fae1a70ec6d7f1ae20b8943a57c9087"}, tile_version,
-                  hash_of(work(".tile"), tile_kind, tile_version));
+  expect_stages(scene, {"build", 5, "47d5906de3b92e5cd2eb764b6ea1d9ad"}, label_shard_kind,
+                label_shard_version, {"merge", 6, "d62f14c1590109eaec61455baf060a0e"},
+                {"stitch", 6, "9fae1a70ec6d7f1ae20b8943a57c9087"});
 }
 
 // The versions in the key of a build of labels: of the artifacts, of those of each label, and of
