@@ -49,6 +49,11 @@ Topology topology_of(SimplifyConfig::Topology topology) {
 
 }  // namespace
 
+double absolute_tolerance(const Config& config, const VolumeGeometry& geometry) {
+  const bool voxels = config.simplify.tolerance_unit == SimplifyConfig::Unit::voxel;
+  return config.simplify.tolerance * (voxels ? smallest_spacing(geometry) : 1.0);
+}
+
 ContourParameters contour_parameters(const Config& config, const VolumeInfo& info,
                                      const std::optional<Solid>& input, LabelParameters labels) {
   // The enumerators of both come in the order of the settings' table.
@@ -68,9 +73,7 @@ ContourParameters contour_parameters(const Config& config, const VolumeInfo& inf
   p.labels = std::move(labels);
   const SimplifyConfig& s = config.simplify;
   p.simplify.enabled = s.enabled;
-  p.simplify.tolerance =
-      s.tolerance *
-      (s.tolerance_unit == SimplifyConfig::Unit::voxel ? smallest_spacing(geometry) : 1.0);
+  p.simplify.tolerance = absolute_tolerance(config, geometry);
   p.simplify.overhang = vertex_overhang(config);
   p.simplify.metric = s.metric == SimplifyConfig::Metric::rms ? Metric::rms : Metric::sum;
   p.simplify.topology = topology_of(s.topology);

@@ -7,6 +7,9 @@
 
 namespace voxweld {
 
+// simplify.tolerance in the units of the output.
+double absolute_tolerance(const Config& config, const VolumeGeometry& geometry);
+
 // Reads the meshes that edits name; throws what that throws.
 // The config's isovalue is of the file's real values; here it becomes one of stored samples.
 // Preconditions: the isovalue is resolved; `labels` are of the same config. input: as

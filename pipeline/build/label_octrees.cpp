@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "pipeline/stage/shard_memory.h"
+#include "storage/artifact/brick_levels_bytes.h"
 #include "storage/artifact/node_record_bytes.h"
 
 namespace voxweld {
@@ -52,25 +53,55 @@ void LabelOctrees::build(const HaloBlock& block, Index3 first, std::int64_t coun
 }
 
 void LabelOctrees::build_brick(const CellKey& brick, const WorkerContext& worker) {
-  BuiltBrick built{morton_encode(brick.at), brick_key(job_, brick.at), {}, {}};
-  bool any = false, surface = false;
+  begin_brick(brick.at);
   labels_.each({brick.lo(), brick.level}, job_.parameters,
                [&](Material material, const BrickOctree& octree) {
                  worker.check_interrupt();
-                 add_brick(built.counts, octree.counts, octree.root.state);
-                 if (octree.root.state == NodeState::outside) return;
-                 if (!any) out_->begin_brick(built.code);
-                 any = true;
-                 const std::vector<FilledBlock> blocks = filled_blocks(octree.blocks);
-                 record_.clear();
-                 if (!octree.roots.empty()) put_bytes(octree.record, record_);
-                 const PieceHead head = out_->piece(material, octree, blocks, record_);
-                 surface = surface || has_surface(head);
-                 note(brick.at, head, blocks, record_);
+                 put(material, octree);
                });
-  if (any) out_->end_brick();
-  note(built, surface);
+  end_brick();
+}
+
+void LabelOctrees::begin_brick(Index3 brick) {
+  brick_ = {morton_encode(brick), brick_key(job_, brick), {}, {}};
+  any_ = surface_ = false;
+}
+
+void LabelOctrees::put(Material material, const BrickOctree& octree) {
+  add_brick(brick_.counts, octree.counts, octree.root.state);
+  if (octree.root.state == NodeState::outside) return;
+  if (!any_) out_->begin_brick(brick_.code);
+  any_ = true;
+  const std::vector<FilledBlock> blocks = filled_blocks(octree.blocks);
+  record_.clear();
+  if (!octree.roots.empty()) put_bytes(octree.record, record_);
+  const PieceHead head = out_->piece(material, octree, blocks, record_);
+  surface_ = surface_ || has_surface(head);
+  note(morton_decode(brick_.code), head, blocks, record_);
+}
+
+void LabelOctrees::end_brick() {
+  if (any_) out_->end_brick();
+  note(brick_, surface_);
   share_.yield();
+}
+
+std::uint64_t LabelOctrees::cut(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) {
+  begin_brick(brick);
+  brick_.counts.active_cells = built.counts.active_cells;
+  brick_.counts.crossing_edges = built.counts.crossing_edges;
+  std::uint64_t bytes = 0;
+  each_piece_in(from, built.code, [&](const PieceBytes& piece) {
+    bytes += piece.bytes();
+    share_.reserve(cut_bytes(piece.bytes()));
+    take_octree(from, piece, job_.grid.brick_level(), finer_);
+    if (!has_surface(piece.head)) return put(piece.head.piece.key.material, finer_);
+    if (!names_what_it_has(finer_)) from.damaged("the parts of a piece contradict each other");
+    cutter_.cut(finer_, job_.parameters.simplify.tolerance, cut_);
+    put(piece.head.piece.key.material, cut_);
+  });
+  end_brick();
+  return bytes;
 }
 
 void LabelOctrees::keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) {

@@ -183,8 +183,8 @@ Hash128 ShardBuilder::input_hash(Index3 shard) {
   return hash.finish();
 }
 
-// Bricks whose edits are those of the earlier build are taken over; what is read is read in whole
-// runs, unless all of one is taken over.
+// Bricks whose edits are those of the earlier build are taken over, or cut; what is read is read in
+// whole runs, unless all of one is taken over.
 BuiltRun ShardBuilder::build_run(const BrickRow& run, const EarlierShard* earlier,
                                  const WorkerContext& worker) {
   std::vector<const BuiltBrick*> kept(static_cast<std::size_t>(run.count), nullptr);
@@ -192,7 +192,7 @@ BuiltRun ShardBuilder::build_run(const BrickRow& run, const EarlierShard* earlie
     return run.first + Index3{static_cast<std::int64_t>(i), 0, 0};
   };
   if (earlier != nullptr)
-    for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = earlier->brick(job_, brick(i));
+    for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = earlier->brick(brick(i));
   const bool all_kept = std::ranges::find(kept, nullptr) == kept.end();
   const BuiltRun* known = all_kept && earlier ? earlier->run(run.first, run.count) : nullptr;
   const BuiltRun built = known ? *known : BuiltRun{run.first, run.count, read(run)};
@@ -209,10 +209,22 @@ BuiltRun ShardBuilder::build_run(const BrickRow& run, const EarlierShard* earlie
     while (end < kept.size() && kept[end] == nullptr) ++end;
     if (end > i) octrees_->build(block, brick(i), static_cast<std::int64_t>(end - i), worker);
     bricks_.built += end - i;
-    for (i = end; i < kept.size() && kept[i] != nullptr; ++i, ++bricks_.kept)
-      octrees_->keep(brick(i), *kept[i], earlier->artifact());
+    for (i = end; i < kept.size() && kept[i] != nullptr; ++i)
+      take_over(brick(i), *kept[i], *earlier, worker);
   }
   return built;
+}
+
+void ShardBuilder::take_over(Index3 brick, const BuiltBrick& built, const EarlierShard& earlier,
+                             const WorkerContext& worker) {
+  if (earlier.is_finer()) {
+    worker.check_interrupt();
+    bricks_.bytes_cut += octrees_->cut(brick, built, earlier.artifact());
+    ++bricks_.cut;
+  } else {
+    octrees_->keep(brick, built, earlier.artifact());
+    ++bricks_.kept;
+  }
 }
 
 void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlier,
@@ -244,6 +256,9 @@ void ShardBuilder::build(Index3 shard, const WorkerContext& worker) {
   const MemoryShare::Use use(*share_);
   const BrickReport before = bricks_;
   const Hash128 stamp = job_.volume.stamp(shard_samples(job_, shard));
+  // Damage of what is to be cut is told: whoever runs this has it mended, and comes again.
+  if (const auto finer = EarlierShard::open_finer(job_, shard, stamp))
+    return build(shard, stamp, &*finer, worker);
   if (const auto earlier = EarlierShard::open(job_, shard, stamp)) {
     try {
       return build(shard, stamp, &*earlier, worker);

@@ -52,6 +52,8 @@ class ShardBuilder {
   Hash128 read(const BrickRow& run);
   void build(Index3 shard, Hash128 stamp, const EarlierShard* earlier, const WorkerContext& worker);
   void share_memory(const WorkerContext& worker);
+  void take_over(Index3 brick, const BuiltBrick& built, const EarlierShard& earlier,
+                 const WorkerContext& worker);
   BuiltRun build_run(const BrickRow& run, const EarlierShard* earlier, const WorkerContext& worker);
 
   const BuildJob& job_;

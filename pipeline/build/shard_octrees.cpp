@@ -4,6 +4,8 @@
 
 #include "pipeline/build/label_octrees.h"
 #include "pipeline/build/local_edits.h"
+#include "stages/build/cut_brick.h"
+#include "storage/artifact/brick_levels_bytes.h"
 
 namespace voxweld {
 
@@ -19,7 +21,8 @@ class SurfaceOctrees : public ShardOctrees {
 
   void free_buffers() override {
     scratch_.free_buffers();
-    brick_ = {};
+    brick_ = finer_ = {};
+    cutter_ = {};
   }
   void begin(Index3 shard, Hash128 input_stamp) override {
     shard_ = shard;
@@ -42,6 +45,7 @@ class SurfaceOctrees : public ShardOctrees {
     roots_.push_back({{job_.grid.brick_level(), brick}, inside, {}, {}});
   }
   void keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) override;
+  std::uint64_t cut(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) override;
   void finish(Hash128 input, std::vector<BuiltRun> runs) override {
     summary_.input = input;
     history_.runs = std::move(runs);
@@ -60,12 +64,14 @@ class SurfaceOctrees : public ShardOctrees {
   void note(const CellKey& key, const RootRecord& root, const BrickCounts& counts);
   void note_surface(const CellKey& key, const RootRecord& root,
                     const std::vector<BlockCount>& blocks, const NodeRecord& clusters);
+  void put(const CellKey& key, const BrickOctree& brick);
   std::vector<ShardNode> reduce();
 
   const BuildJob& job_;
   LocalEdits edits_;
   BrickScratch scratch_;
-  BrickOctree brick_;
+  BrickOctree brick_, finer_;
+  BrickCutter cutter_;
   MemoryShare& share_;
   Index3 shard_;
   std::unique_ptr<ShardArtifactWriter> out_;
@@ -106,12 +112,38 @@ void SurfaceOctrees::build(const HaloBlock& block, Index3 first, std::int64_t co
     const CellKey key{job_.grid.brick_level(), first + Index3{i, 0, 0}};
     const ContourParameters& parameters = edits_.around(sign_samples(job_.grid, key.at));
     build_brick(block, place_of_brick(job_.grid, key.at), parameters, scratch_, brick_);
-    note(key, brick_.root, brick_.counts);
-    if (brick_.root.state == NodeState::outside) continue;
-    note_surface(key, brick_.root, brick_.blocks, brick_.record);
-    if (brick_.root.state != NodeState::inside) out_->brick(morton_encode(key.at), brick_);
+    put(key, brick_);
     share_.yield();
   }
+}
+
+void SurfaceOctrees::put(const CellKey& key, const BrickOctree& brick) {
+  note(key, brick.root, brick.counts);
+  if (brick.root.state == NodeState::outside) return;
+  note_surface(key, brick.root, brick.blocks, brick.record);
+  if (brick.root.state != NodeState::inside) out_->brick(morton_encode(key.at), brick);
+}
+
+std::uint64_t SurfaceOctrees::cut(Index3 brick, const BuiltBrick& built,
+                                  const ArtifactReader& from) {
+  const CellKey key{job_.grid.brick_level(), brick};
+  if (built.root.state != NodeState::split) {
+    BrickOctree whole;
+    whole.root = built.root;
+    whole.counts = built.counts;
+    put(key, whole);
+    return 0;
+  }
+  const std::uint64_t bytes = brick_bytes(from, built.code);
+  share_.reserve(cut_bytes(bytes));
+  read_whole_brick(from, built.code, finer_);
+  finer_.root = built.root;
+  finer_.counts = built.counts;
+  if (!names_what_it_has(finer_)) from.damaged("the parts of a brick contradict each other");
+  cutter_.cut(finer_, job_.parameters.simplify.tolerance, brick_);
+  put(key, brick_);
+  share_.yield();
+  return bytes;
 }
 
 std::vector<ShardNode> SurfaceOctrees::reduce() {

@@ -30,6 +30,9 @@ class ShardOctrees {
   // In place of build(), takes a brick over from the artifact that an earlier build of the same
   // samples left. DamagedArtifact when that fails its checks.
   virtual void keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) = 0;
+  // The same of one of the same samples at a smaller tolerance. Where each sheet collapses by itself
+  // only. Returns the bytes read.
+  virtual std::uint64_t cut(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) = 0;
   // Writes the artifact. input: of all that was read; runs: those.
   virtual void finish(Hash128 input, std::vector<BuiltRun> runs) = 0;
 };

@@ -97,6 +97,7 @@ void add_commands(CLI::App& app, Program& program) {
   add_verify_command(app, program);
   add_render_command(app, program);
   add_export_command(app, program);
+  add_extract_command(app, program);
   add_info_command(app, program);
   add_histogram_command(app, program);
   add_edit_command(app, program);

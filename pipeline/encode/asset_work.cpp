@@ -1,10 +1,13 @@
 #include "pipeline/encode/asset_work.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "pipeline/executor/probe.h"
 #include "pipeline/executor/prompt_stop.h"
 #include "stages/encode/adjacency.h"
+#include "stages/encode/crop_mesh.h"
 #include "stages/encode/mesh_accumulator.h"
 #include "stages/encode/mesh_measure.h"
 #include "stages/encode/mesh_writers.h"
@@ -56,6 +59,10 @@ Hash128 merged_key(const EncodeJob& job, const UnitPlan& plan) {
             [&](std::size_t i) { contents[i] = content_of(job, tile_of(job, plan, i)); });
   key.text("merged").hash(job.key);
   for (const Hash128& content : contents) key.hash(content);
+  if (job.box) {
+    key.text("box");
+    for (int a = 0; a < 3; ++a) key.real(job.box->lo[a]).real(job.box->hi[a]);
+  }
   return key.finish();
 }
 
@@ -113,17 +120,27 @@ void add_boundaries(AssetRecord& record, const TileMesh& mesh) {
   }
 }
 
+[[noreturn]] void refuse_empty(const Bounds& box) {
+  throw InputError(fmt::format(
+      "no triangle of the mesh reaches into the box {},{},{} .. {},{},{}; the box is in the "
+      "coordinates of the mesh files, lo before hi (`voxweld info` of a run's output folder says "
+      "where its mesh lies)",
+      box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z));
+}
+
 TileMesh merged_mesh(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
                      const WorkerContext& worker) {
   MeshAccumulator accumulator;
   for (std::uint64_t unit = 0; unit < plan.size(); ++unit) {
     worker.check_interrupt();
-    const TileMesh tile = tile_of(job, plan, unit).read();
+    TileMesh tile = tile_of(job, plan, unit).read();
+    if (job.box) tile = cropped(tile, job.box->lo, job.box->hi);
     if (!tile.triangles.empty()) accumulator.append(tile);
   }
   TileMesh mesh = accumulator.take();
-  if (context.config.surface.border == SurfaceConfig::Border::open && mesh.pairs.empty())
-    split_fans(mesh);
+  const bool open = context.config.surface.border == SurfaceConfig::Border::open || job.box;
+  if (open && mesh.pairs.empty()) split_fans(mesh);
+  if (job.box && mesh.triangles.empty()) refuse_empty(*job.box);
   return mesh;
 }
 

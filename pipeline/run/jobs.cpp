@@ -102,6 +102,19 @@ void Jobs::open_volume(Config& config) {
                      });
 }
 
+void Jobs::cut(const Config& config, const Extraction& extraction) {
+  Config finer = config;
+  finer.simplify.tolerance = extraction.tolerance;
+  const StagePaths paths = stage_paths(finer, output_info_, labels_);
+  finer_ = *build_;
+  finer_->folder = paths.build;
+  finer_->key = paths.build_key;
+  finer_->parameters.simplify.tolerance =
+      absolute_tolerance(finer, volume().source->info().geometry);
+  build_->finer = &*finer_;
+  encode_.box = extraction.box;
+}
+
 void Jobs::plan_refine(const Config& config, const OutputFrame& output) {
   const RefineFrame frame{output.snap.lattice, output.snap.spacing, output.snap.first,
                           build_->grid.size()};

@@ -28,6 +28,10 @@ class Jobs {
   // jobs. Throws InputError where no isovalue can be chosen, no label is left, or no lattice planned.
   void open_volume(Config& config);
 
+  // After open_volume, of a config whose sheets collapse by themselves: build cuts what a run with
+  // the extraction's tolerance left, which is not larger.
+  void cut(const Config& config, const Extraction& extraction);
+
   // After open_volume: part of what ingest leaves is missing.
   void build_what_is_there() { build_->partial_input = true; }
 
@@ -64,7 +68,7 @@ class Jobs {
   LabelMap map_;
   VolumeInfo output_info_;  // of the volume, with the geometry that the output has
   LabelParameters labels_;
-  std::optional<BuildJob> build_;
+  std::optional<BuildJob> build_, finer_;
   MergeJob merge_;
   StitchJob stitch_;
   RefineJob refine_, seams_, mend_, survey_, recount_;

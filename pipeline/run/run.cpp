@@ -173,7 +173,7 @@ void run_all(RunContext& context) {
   for (bool done = false; !done;) {
     context.config = asked;
     context.reports.clear();
-    write_last_config(asked);
+    if (!context.extraction) write_last_config(asked);
     try {
       run_stages(context);
       done = true;

@@ -13,6 +13,7 @@
 #include "pipeline/executor/memory_budget.h"
 #include "pipeline/executor/progress.h"
 #include "pipeline/stage/unit_selection.h"
+#include "stages/solids/solid.h"
 #include "storage/types/nan_count.h"
 
 namespace voxweld {
@@ -28,21 +29,32 @@ struct StageReport {
 // Of the shards that build worked on, in this process.
 struct BrickReport {
   std::uint64_t built = 0;
-  std::uint64_t kept = 0;  // as they were before the edits changed
+  std::uint64_t kept = 0;       // as they were before the edits changed
+  std::uint64_t cut = 0;        // from octrees of a smaller tolerance
+  std::uint64_t bytes_cut = 0;  // read of these
   BrickReport& operator+=(const BrickReport& other) {
     built += other.built;
     kept += other.kept;
+    cut += other.cut;
+    bytes_cut += other.bytes_cut;
     return *this;
   }
 };
 
 class DirectoryLock;
 
+// What is made is a cut of what a run of the same config left at a smaller tolerance.
+struct Extraction {
+  double tolerance = 0;       // simplify.tolerance of that run
+  std::optional<Bounds> box;  // of the merged mesh only what reaches in; in its coordinates
+};
+
 struct RunContext {
   Config config;
   std::filesystem::path config_file;  // absolute; the output directory is this one's
   // result_hash of that file alone; nothing where it is no whole config without its overrides.
   std::optional<Hash128> config_result;
+  std::optional<Extraction> extraction;
   bool force = false;                   // whatever is in the output directory may be written over
   const DirectoryLock* lock = nullptr;  // of the output directory, while this process has it
   Executor* executor = nullptr;

@@ -13,6 +13,7 @@
 #include "stages/contouring/parameters.h"
 #include "stages/encode/mesh_writers.h"
 #include "stages/refine/refine_range.h"
+#include "stages/solids/solid.h"
 #include "stages/stitch/tile_stitcher.h"
 #include "storage/support/hash.h"
 #include "storage/types/material_table.h"
@@ -35,6 +36,9 @@ struct BuildJob {
   // Part of the brick store could not be made: shards that would read it are left out.
   bool partial_input = false;
   LargestBin largest_bin = {};
+  // The same but for a smaller tolerance: where its octrees are there, these are cuts of them, and no
+  // sample is read. It outlives this.
+  const BuildJob* finer = nullptr;
 };
 
 struct MergeJob {
@@ -103,7 +107,9 @@ struct EncodeJob {
   const MaterialTable* materials = nullptr;  // for the list of labels, and colours
   bool coloured = false;                     // there are files with colours, and colours for them
   std::vector<MeshWriter> formats = {};      // to write, in this order
-  std::filesystem::path refined = {};        // folder of retile's tiles; empty: they are stitch's
+  // Of the merged mesh only the triangles that reach into it, in the coordinates of the files.
+  std::optional<Bounds> box = {};
+  std::filesystem::path refined = {};  // folder of retile's tiles; empty: they are stitch's
 };
 
 }  // namespace voxweld

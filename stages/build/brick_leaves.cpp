@@ -18,6 +18,7 @@ void BrickLeaves::collect(const BrickFrame& frame, const ActiveCells& cells, Bri
   first_vertex_.resize(cells.size());
   root_clusters_.resize(static_cast<std::size_t>(frame.level) + 1);
   vertices_.resize(static_cast<std::size_t>(frame.level) + 1);
+  kept_.resize(static_cast<std::size_t>(frame.level) + 1);
   for (int l = nodes.by_sheets() ? 0 : 1; l <= frame.level; ++l)
     vertices_[static_cast<std::size_t>(l)].assign(nodes.level(l).clusters.size(), no_cluster);
   if (nodes.by_sheets()) {
@@ -65,6 +66,7 @@ void BrickLeaves::find_roots(int top) {
     const NodeLevel& level = nodes_->level(l);
     std::vector<std::uint32_t>& roots = root_clusters_[static_cast<std::size_t>(l)];
     roots.resize(level.clusters.size());
+    kept_[static_cast<std::size_t>(l)].resize(level.clusters.size());
     for (std::size_t i = 0; i < roots.size(); ++i)
       roots[i] = l == top ? static_cast<std::uint32_t>(i) : root_of(l, i);
   }
@@ -83,15 +85,41 @@ std::uint32_t BrickLeaves::inherited(int l, std::size_t cluster) const {
   return parent == no_cluster ? no_cluster : vertices_[static_cast<std::size_t>(l) + 1][parent];
 }
 
+// The next cluster above that is kept.
+std::uint32_t BrickLeaves::kept_above(int l, std::size_t cluster) const {
+  const std::uint32_t parent = nodes_->level(l).clusters[cluster].parent;
+  return parent == no_cluster ? BrickLevels::none : kept_[static_cast<std::size_t>(l) + 1][parent];
+}
+
+// Of a cluster above all vertices: itself where its error is below all above, else what is kept
+// above.
+std::uint32_t BrickLeaves::keep(int l, std::size_t number, bool is_one) {
+  const SheetCluster& cluster = nodes_->level(l).clusters[number];
+  const std::uint32_t above = kept_above(l, number);
+  std::vector<KeptCluster>& kept = out_->levels.clusters;
+  if (!may_collapse(cluster)) return above;
+  if (above != BrickLevels::none && cluster.solution.residual >= kept[above].error) return above;
+  const LeafCode leaf = LeafCode::make(cluster.first.code(), l, cluster.first.sheet());
+  kept.push_back({{leaf.sharing(!is_one).with(cluster.normals.sense), cluster.solution.offset,
+                   pack_clusters(cluster.normals)},
+                  cluster.solution.residual,
+                  above});
+  return static_cast<std::uint32_t>(kept.size() - 1);
+}
+
 // covered: a vertex of a node above lies in this node's cube, or may.
 void BrickLeaves::visit(int l, std::size_t node, bool covered) {
   if (l == 0) return add_cell(node, covered);
   const NodeLevel& level = nodes_->level(l);
   std::vector<std::uint32_t>& vertices = vertices_[static_cast<std::size_t>(l)];
-  const bool shares = covered || !nodes_->is_one(l, node);
+  const bool is_one = nodes_->is_one(l, node), shares = covered || !is_one;
   for (std::uint32_t i = level.first_cluster[node]; i < level.first_cluster[node + 1]; ++i) {
     vertices[i] = inherited(l, i);
-    if (!level.clusters[i].collapses) continue;
+    if (!level.clusters[i].collapses) {
+      if (nodes_->by_sheets() && vertices[i] == no_cluster)
+        kept_[static_cast<std::size_t>(l)][i] = keep(l, i, is_one);
+      continue;
+    }
     covered = true;
     if (vertices[i] != no_cluster) continue;
     vertices[i] = static_cast<std::uint32_t>(out_->vertices.size());
@@ -160,6 +188,8 @@ void BrickLeaves::add_cluster(int l, std::size_t number, bool shares) {
     const std::uint32_t above = top ? static_cast<std::uint32_t>(number) : root_of(l, number);
     if (above != no_cluster) root = static_cast<std::uint8_t>(above);
     out_->roots.push_back(root);
+    out_->levels.parents.push_back(top ? BrickLevels::none : kept_above(l, number));
+    out_->levels.errors.push_back(cluster.solution.residual);
     leaf = leaf.sharing(shares);
   } else {
     // The node has no other: its lowest cell names it as well.
@@ -194,8 +224,9 @@ void BrickLeaves::solve_finest(const BrickFrame& frame, const ContourParameters&
     solver.solve(0, count);
     for (std::size_t i = 0; i < count; ++i) {
       const NodeSolution solution = solver.solution(i);
-      out_->vertices[finest_[begin + i].vertex].offset = solution.offset;
       const std::uint32_t vertex = finest_[begin + i].vertex;
+      out_->vertices[vertex].offset = solution.offset;
+      if (nodes_->by_sheets()) out_->levels.errors[vertex] = solution.residual;
       double& worst =
           counts_of(out_->roots.empty() ? BrickOctree::no_root : out_->roots[vertex]).worst_finest;
       worst = std::max(worst, static_cast<double>(solution.residual));
@@ -203,22 +234,58 @@ void BrickLeaves::solve_finest(const BrickFrame& frame, const ContourParameters&
   }
 }
 
-void BrickLeaves::count_blocks(const BrickFrame& frame) {
-  taken_.clear();
-  for (int l = std::min(block_level, frame.level); l >= 0; --l) {
-    std::swap(taken_, taken_above_);
-    const NodeLevel& level = nodes_->level(l);
-    taken_.assign(level.clusters.size(), 0);
-    for (std::size_t i = 0; i < level.clusters.size(); ++i) {
-      const SheetCluster& cluster = level.clusters[i];
-      if (l < block_level && cluster.parent != no_cluster && taken_above_[cluster.parent] != 0) {
-        taken_[i] = 1;
-      } else if (cluster.collapses) {
-        taken_[i] = 1;
-        ++out_->blocks[cluster.first.code() >> (3 * block_level)].vertices;
-      }
-    }
+// The vertices that blocks had if nothing above them had collapsed, and at which errors they would
+// have fewer.
+class BrickLeaves::BlockCounter {
+ public:
+  BlockCounter(const BrickNodes& nodes, BlockScratch& scratch, BrickOctree& out)
+      : nodes_(nodes), s_(scratch), out_(out) {
+    s_.at.clear();
+    s_.candidates.clear();
   }
+
+  void count(const BrickFrame& frame) {
+    for (int l = std::min(block_level, frame.level); l >= 0; --l) {
+      std::swap(s_.at, s_.above);
+      const NodeLevel& level = nodes_.level(l);
+      s_.at.assign(level.clusters.size(), none);
+      for (std::size_t i = 0; i < level.clusters.size(); ++i)
+        s_.at[i] = look_at(level.clusters[i],
+                           l < block_level ? above(level.clusters[i]) : std::uint32_t{none});
+    }
+    for (const BlockScratch::Candidate& c : s_.candidates)
+      if (c.parts > 1)
+        out_.levels.merges.push_back(BlockMerge::make(c.error, c.block, c.parts - 1));
+  }
+
+ private:
+  static constexpr std::uint32_t none = no_cluster, taken = no_cluster - 1;
+
+  std::uint32_t above(const SheetCluster& cluster) const {
+    return cluster.parent == no_cluster ? std::uint32_t{none} : s_.above[cluster.parent];
+  }
+  // above: of the cluster that takes it in, as the result.
+  std::uint32_t look_at(const SheetCluster& cluster, std::uint32_t above) {
+    if (above == taken) return taken;
+    const std::uint32_t block = cluster.first.code() >> (3 * block_level);
+    const bool lower = above == none || cluster.solution.residual < s_.candidates[above].error;
+    if (!cluster.collapses && !(may_collapse(cluster) && lower)) return above;
+    if (above != none) ++s_.candidates[above].parts;
+    if (cluster.collapses) {
+      ++out_.blocks[block].vertices;
+      return taken;
+    }
+    s_.candidates.push_back({cluster.solution.residual, block, 0});
+    return static_cast<std::uint32_t>(s_.candidates.size() - 1);
+  }
+
+  const BrickNodes& nodes_;
+  BlockScratch& s_;
+  BrickOctree& out_;
+};
+
+void BrickLeaves::count_blocks(const BrickFrame& frame) {
+  BlockCounter(*nodes_, blocks_, *out_).count(frame);
 }
 
 }  // namespace voxweld

@@ -11,9 +11,10 @@ class BrickLeaves {
  public:
   // A sheet goes to the highest of its clusters that has collapsed.
   // Appends to `out`: its vertices, their counts by block, its leaf counts and residuals, and where
-  // each sheet collapses by itself the roots of vertices and the record of the brick as a node. Where each sheet collapses by
-  // itself, counts and residuals are those of what nothing above the brick can take in, and those
-  // by block what they were if nothing above blocks had collapsed: the same for bricks of any size.
+  // each sheet collapses by itself the roots of vertices, the record of the brick as a node, and its
+  // levels above the vertices. Then counts and residuals are those of what nothing above the brick
+  // can take in, and those by block what they were if nothing above blocks had collapsed: the same
+  // for bricks of any size.
   // (`nodes` is only read, but for buffers.)
   void collect(const BrickFrame& frame, const ActiveCells& cells, BrickNodes& nodes,
                const ContourParameters& parameters, BrickOctree& out);
@@ -42,6 +43,8 @@ class BrickLeaves {
   void take_in_cells(int l, std::size_t node, std::uint32_t vertex);
   std::uint32_t inherited(int l, std::size_t cluster) const;
   std::uint32_t root_of(int l, std::size_t cluster) const;
+  std::uint32_t kept_above(int l, std::size_t cluster) const;
+  std::uint32_t keep(int l, std::size_t cluster, bool is_one);
   void add_cluster(int l, std::size_t cluster, bool shares);
   void add_vertex(LeafCode leaf, const NodeSolution& solution,
                   const std::array<PackedNormal, max_clusters>& normals, LeafCounts& counts);
@@ -49,6 +52,7 @@ class BrickLeaves {
   void begin_record(const BrickFrame& frame, BrickNodes& nodes);
   LeafCounts& counts_of(std::uint8_t root);
   void find_roots(int top);
+  class BlockCounter;
   void count_blocks(const BrickFrame& frame);
 
   const ActiveCells* cells_ = nullptr;
@@ -57,12 +61,30 @@ class BrickLeaves {
   std::vector<std::uint32_t> first_vertex_, apart_;
   std::vector<std::vector<std::uint32_t>> vertices_;  // of each level's clusters, or no_cluster
   std::vector<std::vector<std::uint32_t>> root_clusters_;  // of each level's clusters but level 0's
-  LeafCounts final_;                                       // of vertices without a root
+  // Of each level's clusters but level 0's, where nothing above has collapsed: itself or the next
+  // above that is kept.
+  std::vector<std::vector<std::uint32_t>> kept_;
+  LeafCounts final_;  // of vertices without a root
   struct Finest {
     std::uint32_t cell, cluster, vertex;
   };
-  std::vector<Finest> finest_;                     // whose QEF is still to be solved
-  std::vector<std::uint8_t> taken_, taken_above_;  // of the clusters of two levels
+  std::vector<Finest> finest_;  // whose QEF is still to be solved
+  struct BlockScratch {
+    // Of the clusters of two levels: whether one here or above has collapsed, else the next above
+    // that could.
+    std::vector<std::uint32_t> at, above;
+    struct Candidate {
+      float error = 0;
+      std::uint32_t block = 0, parts = 0;
+    };
+    std::vector<Candidate> candidates;
+  } blocks_;
 };
+
+// Whether a cluster whose solution is known may collapse at some tolerance: what the rules keep
+// apart has none.
+inline bool may_collapse(const SheetCluster& cluster) {
+  return cluster.collapses || cluster.solution.residual > 0;
+}
 
 }  // namespace voxweld

@@ -77,7 +77,7 @@ class PolygonEmitter {
       refs[k] = corner_ref(owner, around[k], edge_at(axis, corner));
     }
     if (!low_inside) std::swap(refs[1], refs[3]);
-    if (!three_distinct(refs)) return false;
+    if (!may_be_polygon(refs)) return false;
     if (free_) {
       const std::uint8_t levels = emit_levels(at, axis);
       if (all_local(refs) && (levels >> smallest_level(refs) & 1) == 0) return false;
@@ -111,13 +111,6 @@ class PolygonEmitter {
 
   static bool all_local(const PolygonRefs& refs) {
     return std::none_of(refs.begin(), refs.end(), [](CornerRef r) { return r.is_foreign(); });
-  }
-  // False only when it is certain: two foreign corners may still turn out to be one leaf.
-  static bool three_distinct(const PolygonRefs& refs) {
-    int distinct = 0;
-    for (std::size_t k = 0; k < 4; ++k)
-      if (refs[k] != refs[(k + 1) % 4]) ++distinct;
-    return distinct >= 3;
   }
   int smallest_level(const PolygonRefs& refs) const {
     int level = max_brick_level;
@@ -167,6 +160,13 @@ std::uint32_t pack_sheets(const CellSheets& sheets) {
 
 }  // namespace
 
+bool may_be_polygon(const PolygonRefs& refs) {
+  int distinct = 0;
+  for (std::size_t k = 0; k < 4; ++k)
+    if (refs[k] != refs[(k + 1) % 4]) ++distinct;
+  return distinct >= 3;
+}
+
 void emit_polygons(const BrickFrame& frame, Index3 volume_size, const SignGrid& signs,
                    const ActiveCells& cells, const BrickLeaves& leaves,
                    const ContourParameters& parameters, BrickOctree& out) {
@@ -198,6 +198,18 @@ void each_sheet_vertex(const ActiveCells& cells, const BrickLeaves& leaves, std:
 
 }  // namespace
 
+void add_ghost_vertices(std::vector<std::uint32_t>& marks, BrickOctree& out) {
+  // Snapping one needs those before it that are of the same node.
+  for (std::size_t v = out.vertices.size(); v-- > 1;)
+    if (marks[v] != 0 && out.vertices[v].leaf.same_node(out.vertices[v - 1].leaf)) marks[v - 1] = 1;
+  for (std::uint32_t v = 0; v < marks.size(); ++v) {
+    if (marks[v] == 0) continue;
+    marks[v] = static_cast<std::uint32_t>(out.ghost.vertices.size());
+    out.ghost.vertices.push_back({v, out.vertices[v]});
+    out.ghost.roots.push_back(out.roots[v]);
+  }
+}
+
 void make_sheet_ghosts(const ActiveCells& cells, const BrickLeaves& leaves,
                        std::vector<std::uint32_t>& scratch, BrickOctree& out) {
   std::vector<std::uint32_t>& number = scratch;  // first 1 where it is wanted, then its number
@@ -205,17 +217,8 @@ void make_sheet_ghosts(const ActiveCells& cells, const BrickLeaves& leaves,
   for (std::size_t i = 0; i < cells.size(); ++i)
     if (in_lowest_layer(cells.code(i)))
       each_sheet_vertex(cells, leaves, i, [&](std::uint32_t v) { number[v] = 1; });
-  // Snapping one needs those before it that are of the same node.
-  for (std::size_t v = out.vertices.size(); v-- > 1;)
-    if (number[v] != 0 && out.vertices[v].leaf.same_node(out.vertices[v - 1].leaf))
-      number[v - 1] = 1;
+  add_ghost_vertices(number, out);
   GhostLayer& ghost = out.ghost;
-  for (std::uint32_t v = 0; v < number.size(); ++v) {
-    if (number[v] == 0) continue;
-    number[v] = static_cast<std::uint32_t>(ghost.vertices.size());
-    ghost.vertices.push_back({v, out.vertices[v]});
-    ghost.roots.push_back(out.roots[v]);
-  }
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const std::uint32_t code = cells.code(i);
     if (!in_lowest_layer(code)) continue;

@@ -21,6 +21,10 @@ void emit_polygons(const BrickFrame& frame, Index3 volume_size, const LabelGrid&
                    const ActiveCells& cells, const BrickLeaves& leaves,
                    const ContourParameters& parameters, BrickOctree& out);
 
+// False only when it is certain that the corners are no polygon: two foreign ones may still turn
+// out to be one leaf.
+bool may_be_polygon(const PolygonRefs& refs);
+
 // scratch: one entry a vertex, any content. labels: whether the sheets of edges are needed, see
 // GhostLayer.
 // by_sheets of BrickNodes: the other.
@@ -30,5 +34,9 @@ void make_ghost_layer(const ActiveCells& cells, const BrickLeaves& leaves, bool 
 // The same where each sheet collapses by itself.
 void make_sheet_ghosts(const ActiveCells& cells, const BrickLeaves& leaves,
                        std::vector<std::uint32_t>& scratch, BrickOctree& out);
+
+// Of these the vertices: marks has 1 for those that cells of the ghost layer name, and 0 for the
+// others; then of each that is in the layer its place there. Appends to out.ghost.
+void add_ghost_vertices(std::vector<std::uint32_t>& marks, BrickOctree& out);
 
 }  // namespace voxweld

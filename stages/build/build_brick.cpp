@@ -17,6 +17,7 @@ void clear(BrickOctree& brick, int level) {
   brick.vertices.clear();
   brick.roots.clear();
   brick.record = {};
+  brick.levels.clear();
   brick.ghost.apart.clear();
   brick.ghost.roots.clear();
   brick.polygons.clear();

@@ -18,10 +18,6 @@ constexpr std::uint64_t first_nodes_section = tables_section | 2;
 constexpr const char* wrong_clusters = "the clusters of a node contradict themselves";
 constexpr std::uint64_t node_page_bytes = std::uint64_t{1} << 18;
 
-constexpr std::uint64_t pieces_of(std::uint64_t brick) {
-  return brick << 8 | 1;
-}
-
 struct LabelShardTables {
   std::uint64_t pieces = 0, nodes = 0;
 };
@@ -39,19 +35,8 @@ struct LabelNodeRecord {
            cluster_bytes;
   }
 };
-// As it lies in the file.
-struct PieceHeadRecord {
-  PieceHead head;
-  Hash128 check;  // of the head
-};
-static_assert(sizeof(PieceHeadRecord) == sizeof(PieceRecord) + sizeof(RootRecord) + 16);
 
-Hash128 check_of(const PieceHead& head) {
-  return hash_bytes(as_record(head));
-}
-
-static_assert(sizeof(LabelNodeRecord) == 72 + 16 + sizeof(RootRecord) &&
-              sizeof(PieceRecord) == 24 + 32 + 32);
+static_assert(sizeof(LabelNodeRecord) == 72 + 16 + sizeof(RootRecord));
 
 template <class T>
 void take(std::span<const std::byte>& bytes, std::size_t count, std::vector<T>& out) {
@@ -63,26 +48,6 @@ void take(std::span<const std::byte>& bytes, std::size_t count, std::vector<T>& 
 void put(std::span<std::byte>& out, std::span<const std::byte> bytes) {
   if (!bytes.empty()) std::memcpy(out.data(), bytes.data(), bytes.size());
   out = out.subspan(bytes.size());
-}
-
-// A part of a piece, checked.
-std::vector<std::byte> read_part(const ArtifactReader& file, const PieceRecord& piece,
-                                 std::uint64_t offset, std::uint64_t size, const Hash128& hash) {
-  std::vector<std::byte> bytes(size);
-  file.read_part(pieces_of(piece.key.brick), offset, bytes);
-  if (hash_bytes(bytes) != hash)
-    file.damaged("the checksum of a piece of label " + std::to_string(piece.key.material) +
-                 " is wrong");
-  return bytes;
-}
-
-// The blocks in a body.
-std::vector<FilledBlock> blocks_of(const PieceRecord& piece, std::span<const std::byte> body) {
-  std::vector<FilledBlock> blocks;
-  body = body.subspan(std::uint64_t{piece.vertices} * sizeof(LeafVertex) +
-                      std::uint64_t{piece.polygons} * sizeof(PolygonRefs));
-  take(body, piece.blocks, blocks);
-  return blocks;
 }
 
 // What lies behind a node's leaves.
@@ -110,19 +75,6 @@ bool take_node(std::span<const std::byte> bytes, LabelNode& n) {
 }
 
 }  // namespace
-
-std::uint64_t PieceRecord::body_bytes() const {
-  return std::uint64_t{vertices} * sizeof(LeafVertex) +
-         std::uint64_t{polygons} * sizeof(PolygonRefs) +
-         std::uint64_t{blocks} * sizeof(FilledBlock) +
-         (by_sheets() ? std::uint64_t{vertices} + record_bytes : 0);
-}
-
-std::uint64_t PieceRecord::ghost_bytes() const {
-  return std::uint64_t{ghost_cells} * sizeof(GhostCell) +
-         std::uint64_t{ghost_vertices} * sizeof(GhostVertex) +
-         std::uint64_t{apart} * sizeof(std::uint32_t) + (by_sheets() ? ghost_vertices : 0);
-}
 
 std::vector<std::byte> to_bytes(const LabelNode& n) {
   LabelNodeRecord record;
@@ -168,7 +120,7 @@ LabelShardWriter::LabelShardWriter(const std::filesystem::path& path, Hash128 ke
 void LabelShardWriter::begin_brick(std::uint64_t code) {
   brick_ = code;
   brick_bytes_ = 0;
-  file_.begin_section(pieces_of(code));
+  file_.begin_section(pieces_section(code));
 }
 
 void LabelShardWriter::end_brick() {
@@ -180,68 +132,28 @@ void LabelShardWriter::append(std::span<const std::byte> bytes) {
   brick_bytes_ += bytes.size();
 }
 
-void LabelShardWriter::append(const PieceHead& head) {
-  const PieceHeadRecord record{head, check_of(head)};
-  append(as_record(record));
+void LabelShardWriter::append(const PieceBytes& piece) {
+  append(piece.head_bytes());
+  append(piece.body);
+  append(piece.ghost);
+  append(piece.levels);
 }
 
 PieceHead LabelShardWriter::piece(Material material, const BrickOctree& octree,
                                   std::span<const FilledBlock> blocks,
-                                  std::span<const std::byte> clusters) {
-  const auto size = [](const auto& values) { return static_cast<std::uint32_t>(values.size()); };
-  PieceHead head;
-  head.root = octree.root;
-  PieceRecord& record = head.piece;
-  record.key = {material, brick_};
-  record.offset = brick_bytes_ + sizeof(PieceHeadRecord);
-  record.vertices = size(octree.vertices);
-  record.polygons = size(octree.polygons);
-  record.blocks = size(blocks);
-  record.ghost_cells = size(octree.ghost.cells);
-  record.ghost_vertices = size(octree.ghost.vertices);
-  record.apart = size(octree.ghost.apart);
-  record.record_bytes = size(clusters);
-  record.final_vertices =
-      static_cast<std::uint32_t>(std::ranges::count(octree.roots, BrickOctree::no_root));
-  const auto hash_of = [](auto... parts) {
-    StreamHasher hash;
-    (hash.update(parts), ...);
-    return hash.finish();
-  };
-  const auto vertices = as_section(octree.vertices), polygons = as_section(octree.polygons),
-             counts = std::as_bytes(blocks), cells = as_section(octree.ghost.cells),
-             ghost = as_section(octree.ghost.vertices), roots = as_section(octree.roots),
-             apart = as_section(octree.ghost.apart), ghost_roots = as_section(octree.ghost.roots);
-  record.body = hash_of(vertices, polygons, counts, roots, clusters);
-  record.ghost = hash_of(cells, ghost, apart, ghost_roots);
-  append(head);
-  for (const auto& part :
-       {vertices, polygons, counts, roots, clusters, cells, ghost, apart, ghost_roots})
-    append(part);
-  return head;
+                                  std::span<const std::byte> record) {
+  const PieceBytes piece = piece_bytes({material, brick_}, brick_bytes_, octree, blocks, record);
+  append(piece);
+  return piece.head;
 }
 
 void LabelShardWriter::brick(std::uint64_t code, const ArtifactReader& from, const EachPiece& f) {
-  const SectionRecord* section = from.find(pieces_of(code));
-  if (section == nullptr) return;
+  if (from.find(pieces_section(code)) == nullptr) return;
   begin_brick(code);
-  while (brick_bytes_ < section->size) {
-    PieceHeadRecord record;
-    if (section->size - brick_bytes_ < sizeof record) from.damaged("a brick ends within a piece");
-    from.read_part(pieces_of(code), brick_bytes_, std::as_writable_bytes(std::span(&record, 1)));
-    const PieceRecord& piece = record.head.piece;
-    if (record.check != check_of(record.head) || piece.key.brick != code ||
-        piece.offset != brick_bytes_ + sizeof record ||
-        piece.body_bytes() + piece.ghost_bytes() > section->size - piece.offset)
-      from.damaged("the head of a piece is wrong");
-    const auto body = read_part(from, piece, piece.offset, piece.body_bytes(), piece.body);
-    const auto ghost =
-        read_part(from, piece, piece.offset + piece.body_bytes(), piece.ghost_bytes(), piece.ghost);
-    append(record.head);
-    append(body);
-    append(ghost);
-    f(record.head, blocks_of(piece, body), std::span(body).last(piece.record_bytes));
-  }
+  each_piece_in(from, code, [&](const PieceBytes& piece) {
+    append(piece);
+    f(piece.head, piece.blocks(), piece.record());
+  });
   end_brick();
 }
 
@@ -309,41 +221,12 @@ void LabelShardArtifact::each_piece(const std::function<void(const PieceRecord&)
 
 void LabelShardArtifact::read_piece(const PieceRecord& piece, int brick_level,
                                     BrickOctree& out) const {
-  const auto bytes = read_part(file_, piece, piece.offset, piece.body_bytes(), piece.body);
-  std::span<const std::byte> rest = bytes;
-  take(rest, piece.vertices, out.vertices);
-  take(rest, piece.polygons, out.polygons);
-  out.emit_levels.clear();
-  out.pairs.clear();
-  out.polygon_pairs.clear();
-  std::vector<FilledBlock> blocks;
-  take(rest, piece.blocks, blocks);
-  take(rest, piece.by_sheets() ? piece.vertices : 0, out.roots);
-  out.blocks.assign(std::size_t{1} << (3 * (brick_level - block_level)), BlockCount{});
-  auto block = blocks.begin();
-  std::uint32_t end = 0;
-  for (std::uint32_t b = 0; b < out.blocks.size(); ++b) {
-    if (block != blocks.end() && block->block == b) {
-      end += block->polygons;
-      out.blocks[b].vertices = block->vertices;
-      ++block;
-    }
-    out.blocks[b].polygon_end = end;
-  }
-  if (block != blocks.end() || end != piece.polygons)
-    file_.damaged("the parts of a piece contradict each other");
+  read_piece_body(file_, piece, brick_level, out);
   read_ghost_layer(piece, out.ghost);
 }
 
 void LabelShardArtifact::read_ghost_layer(const PieceRecord& piece, GhostLayer& out) const {
-  const auto bytes =
-      read_part(file_, piece, piece.offset + piece.body_bytes(), piece.ghost_bytes(), piece.ghost);
-  std::span<const std::byte> rest = bytes;
-  take(rest, piece.ghost_cells, out.cells);
-  take(rest, piece.ghost_vertices, out.vertices);
-  take(rest, piece.apart, out.apart);
-  take(rest, piece.by_sheets() ? piece.ghost_vertices : 0, out.roots);
-  out.sheets_of_edges.clear();
+  read_piece_ghosts(file_, piece, out);
 }
 
 namespace {

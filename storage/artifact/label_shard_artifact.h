@@ -10,7 +10,7 @@
 //                       in its PieceRecord, so it is read alone. Where each sheet collapses by itself
 //                       the body goes on with the roots (u8) and the NodeRecord
 //                       (node_record_bytes.h), the ghost layer with GhostLayer::apart (u32) and its
-//                       roots
+//                       roots, and behind it come the levels (brick_levels_bytes.h)
 //   2 << 56 | i         page i of the directory: PieceRecord, by material, then by brick
 //   3 << 56 | i         page i of the nodes, by material, then in Morton order: of each a
 //                       LabelNodeRecord, then its CubeCount, then its TopLeaf, then where each sheet
@@ -27,6 +27,7 @@
 #include <functional>
 #include <optional>
 
+#include "storage/artifact/label_pieces.h"
 #include "storage/artifact/paged_table.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/types/material.h"
@@ -35,33 +36,7 @@ namespace voxweld {
 
 inline constexpr std::array<char, 4> label_shard_kind = {'o', 'c', 't', 'l'};
 // Goes up whenever the bytes that build makes of labels change: format or mathematics.
-inline constexpr std::uint32_t label_shard_version = 5;
-
-struct PieceKey {
-  Material material = exterior;
-  std::uint64_t brick = 0;  // Morton code of its index
-  friend auto operator<=>(const PieceKey&, const PieceKey&) = default;
-};
-
-struct PieceRecord {
-  PieceKey key;
-  std::uint64_t offset = 0;  // of the body in the brick's section; the ghost layer comes behind it
-  std::uint32_t vertices = 0, polygons = 0, blocks = 0, ghost_cells = 0, ghost_vertices = 0;
-  // Where each sheet collapses by itself, else 0: GhostLayer::apart, the bytes of the NodeRecord,
-  // and the vertices that nothing above the brick can take in.
-  std::uint32_t apart = 0, record_bytes = 0, final_vertices = 0;
-  Hash128 body, ghost;
-
-  bool by_sheets() const { return record_bytes != 0; }
-  std::uint64_t body_bytes() const;
-  std::uint64_t ghost_bytes() const;
-};
-
-// A label that fills a brick has nothing but a head there; the directory leaves it out.
-struct PieceHead {
-  PieceRecord piece;
-  RootRecord root;
-};
+inline constexpr std::uint32_t label_shard_version = 6;
 
 // One shard-sized cube of one label's octree. Cubes that are outside have none.
 struct LabelNode {
@@ -102,7 +77,7 @@ class LabelShardWriter {
   Hash128 finish(const ShardSummary& summary, const ShardHistory& history = {});
 
  private:
-  void append(const PieceHead& head);
+  void append(const PieceBytes& piece);
   void append(std::span<const std::byte> bytes);
   void flush_nodes();
 

@@ -1,7 +1,10 @@
 #include "storage/artifact/shard_artifact.h"
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 
+#include "storage/artifact/brick_levels_bytes.h"
 #include "storage/artifact/node_record_bytes.h"
 
 namespace voxweld {
@@ -21,6 +24,7 @@ enum Part : std::uint64_t {
   ghost_apart,
   ghost_roots,
   node_record,
+  levels,
   end_of_stitched = node_record  // stitch reads those before
 };
 // Of the shard as a whole, beside those of shard_summary.h.
@@ -80,13 +84,19 @@ void ShardArtifactWriter::brick(std::uint64_t code, const BrickOctree& octree) {
   section_.clear();
   put_bytes(octree.record, section_);
   file_.section(section_name(code, node_record), section_);
+  const std::array<std::uint32_t, 2> sizes = {
+      static_cast<std::uint32_t>(octree.levels.clusters.size()),
+      static_cast<std::uint32_t>(octree.levels.merges.size())};
+  section_.assign(as_record(sizes).begin(), as_record(sizes).end());
+  put_levels(octree.levels, section_);
+  file_.section(section_name(code, levels), section_);
 }
 
 void ShardArtifactWriter::brick(std::uint64_t code, const ArtifactReader& from) {
   // In the order of the other one, so that the same bricks are the same file.
   for (const Part part :
        {vertices, polygons, emit_levels, pairs, polygon_pairs, sheets_of_edges, blocks, ghost_cells,
-        ghost_vertices, roots, ghost_apart, ghost_roots, node_record}) {
+        ghost_vertices, roots, ghost_apart, ghost_roots, node_record, levels}) {
     const std::uint64_t name = section_name(code, part);
     if (from.find(name) == nullptr) continue;
     from.read(name, section_);
@@ -214,15 +224,43 @@ void ShardArtifact::add_ghost_hashes(std::uint64_t code, KeyHasher& key) const {
     if (const SectionRecord* record = file_.find(section_name(code, part))) key.hash(record->hash);
 }
 
-void ShardArtifact::read_brick(std::uint64_t code, BrickOctree& out) const {
-  file_.read_array(section_name(code, vertices), out.vertices);
-  file_.read_array(section_name(code, polygons), out.polygons);
-  read_where_any(code, emit_levels, out.emit_levels);
-  read_where_any(code, pairs, out.pairs);
-  read_where_any(code, polygon_pairs, out.polygon_pairs);
-  read_where_any(code, roots, out.roots);
-  file_.read_array(section_name(code, blocks), out.blocks);
-  read_ghost_layer(code, out.ghost);
+namespace {
+
+template <class T>
+void read_where_any(const ArtifactReader& file, std::uint64_t code, Part part,
+                    std::vector<T>& out) {
+  out.clear();
+  if (file.find(section_name(code, part)) != nullptr)
+    file.read_array(section_name(code, part), out);
+}
+
+void read_ghosts(const ArtifactReader& file, std::uint64_t code, GhostLayer& out) {
+  file.read_array(section_name(code, ghost_cells), out.cells);
+  file.read_array(section_name(code, ghost_vertices), out.vertices);
+  read_where_any(file, code, sheets_of_edges, out.sheets_of_edges);
+  read_where_any(file, code, ghost_apart, out.apart);
+  read_where_any(file, code, ghost_roots, out.roots);
+  if ((!out.sheets_of_edges.empty() && out.sheets_of_edges.size() != out.cells.size()) ||
+      (!out.roots.empty() && out.roots.size() != out.vertices.size()))
+    file.damaged("the parts of a ghost layer contradict each other");
+}
+
+std::uint64_t bytes_of_parts(const ArtifactReader& file, std::uint64_t code, std::uint64_t end) {
+  std::uint64_t sum = 0;
+  for (std::uint64_t part = vertices; part < end; ++part)
+    if (const SectionRecord* record = file.find(section_name(code, part))) sum += record->size;
+  return sum;
+}
+
+void read_stitched(const ArtifactReader& file, std::uint64_t code, BrickOctree& out) {
+  file.read_array(section_name(code, vertices), out.vertices);
+  file.read_array(section_name(code, polygons), out.polygons);
+  read_where_any(file, code, emit_levels, out.emit_levels);
+  read_where_any(file, code, pairs, out.pairs);
+  read_where_any(file, code, polygon_pairs, out.polygon_pairs);
+  read_where_any(file, code, roots, out.roots);
+  file.read_array(section_name(code, blocks), out.blocks);
+  read_ghosts(file, code, out.ghost);
   const auto beside_polygons = [&](std::size_t size) {
     return size == 0 || size == out.polygons.size();
   };
@@ -231,33 +269,44 @@ void ShardArtifact::read_brick(std::uint64_t code, BrickOctree& out) const {
       !beside_polygons(out.emit_levels.size()) || !beside_polygons(out.polygon_pairs.size()) ||
       (!out.roots.empty() && out.roots.size() != out.vertices.size()) ||
       !std::all_of(out.polygon_pairs.begin(), out.polygon_pairs.end(), names_a_pair))
-    file_.damaged("the parts of a brick contradict each other");
+    file.damaged("the parts of a brick contradict each other");
 }
 
-template <class T>
-void ShardArtifact::read_where_any(std::uint64_t code, std::uint64_t part,
-                                   std::vector<T>& out) const {
-  out.clear();
-  if (file_.find(section_name(code, part)) != nullptr)
-    file_.read_array(section_name(code, part), out);
+}  // namespace
+
+void ShardArtifact::read_brick(std::uint64_t code, BrickOctree& out) const {
+  read_stitched(file_, code, out);
 }
 
 void ShardArtifact::read_ghost_layer(std::uint64_t code, GhostLayer& out) const {
-  file_.read_array(section_name(code, ghost_cells), out.cells);
-  file_.read_array(section_name(code, ghost_vertices), out.vertices);
-  read_where_any(code, sheets_of_edges, out.sheets_of_edges);
-  read_where_any(code, ghost_apart, out.apart);
-  read_where_any(code, ghost_roots, out.roots);
-  if ((!out.sheets_of_edges.empty() && out.sheets_of_edges.size() != out.cells.size()) ||
-      (!out.roots.empty() && out.roots.size() != out.vertices.size()))
-    file_.damaged("the parts of a ghost layer contradict each other");
+  read_ghosts(file_, code, out);
+}
+
+std::uint64_t brick_bytes(const ArtifactReader& file, std::uint64_t code) {
+  return bytes_of_parts(file, code, levels + 1);
+}
+
+void read_whole_brick(const ArtifactReader& file, std::uint64_t code, BrickOctree& out) {
+  read_stitched(file, code, out);
+  out.record = read_node_record(file, code);
+  out.levels.clear();
+  if (file.find(section_name(code, levels)) == nullptr) return;
+  std::vector<std::byte> bytes;
+  file.read(section_name(code, levels), bytes);
+  LevelsSize size{static_cast<std::uint32_t>(out.vertices.size()), 0, 0};
+  std::array<std::uint32_t, 2> sizes{};
+  if (bytes.size() >= sizeof sizes) {
+    std::memcpy(sizes.data(), bytes.data(), sizeof sizes);
+    size.clusters = sizes[0];
+    size.merges = sizes[1];
+  }
+  if (bytes.size() != sizeof sizes + size.bytes())
+    file.damaged("the levels of a brick contradict themselves");
+  out.levels = levels_of(std::span(bytes).subspan(sizeof sizes), size);
 }
 
 std::uint64_t ShardArtifact::brick_bytes(std::uint64_t code) const {
-  std::uint64_t sum = 0;
-  for (std::uint64_t part = vertices; part < end_of_stitched; ++part)
-    if (const SectionRecord* record = file_.find(section_name(code, part))) sum += record->size;
-  return sum;
+  return bytes_of_parts(file_, code, end_of_stitched);
 }
 
 }  // namespace voxweld

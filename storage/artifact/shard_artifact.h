@@ -9,7 +9,9 @@
 //                              polygons' pairs (u32), 9 the ghost layer cells' sheets (u32); where
 //                              each sheet collapses by itself (topology = "manifold") also 10 roots
 //                              (u8), 11 GhostLayer::apart (u32), 12 its roots (u8), 13 the brick's
-//                              NodeRecord (node_record_bytes.h)
+//                              NodeRecord (node_record_bytes.h), 14 the numbers of its
+//                              BrickLevels::clusters and merges (u32), then the levels
+//                              (brick_levels_bytes.h)
 //   all ones << 8 | part       part 2 ShardNodeRecord, 3 CubeCount, 4 TopLeaf (each node's range is
 //                              in its record); 1, 5 and 6 as shard_summary.h; where each sheet
 //                              collapses by itself also 7 the NodeRecord of each node, 16 + n the
@@ -33,7 +35,7 @@ namespace voxweld {
 
 inline constexpr std::array<char, 4> shard_kind = {'o', 'c', 't', 'r'};
 // Goes up whenever build's bytes change: format or mathematics.
-inline constexpr std::uint32_t shard_version = 9;
+inline constexpr std::uint32_t shard_version = 10;
 
 class ShardArtifactWriter {
  public:
@@ -57,6 +59,10 @@ class ShardArtifactWriter {
 // Of one brick of an octree artifact.
 std::vector<BlockCount> read_block_counts(const ArtifactReader& file, std::uint64_t code);
 NodeRecord read_node_record(const ArtifactReader& file, std::uint64_t code);
+// All of a brick but root and counts, with record and levels where each sheet collapses by itself.
+// What follows takes so many bytes.
+std::uint64_t brick_bytes(const ArtifactReader& file, std::uint64_t code);
+void read_whole_brick(const ArtifactReader& file, std::uint64_t code, BrickOctree& out);
 
 // Reads are thread-safe: a reader holds the index only.
 class ShardArtifact : public OpenArtifact {
@@ -81,8 +87,6 @@ class ShardArtifact : public OpenArtifact {
   std::uint64_t brick_bytes(std::uint64_t code) const;
 
  private:
-  template <class T>
-  void read_where_any(std::uint64_t code, std::uint64_t part, std::vector<T>& out) const;
   std::vector<NodeRecord> node_records(std::size_t count) const;
 };
 

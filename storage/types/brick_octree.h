@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "storage/types/brick_levels.h"
 #include "storage/types/leaf_vertex.h"
 #include "storage/types/material.h"
 #include "storage/types/morton.h"
@@ -77,6 +78,9 @@ struct GhostCell {
   constexpr int signs() const { return static_cast<int>(code_signs >> 24); }
   constexpr std::uint32_t first() const { return first_joined & 0x7fffffff; }
   constexpr bool joined() const { return first_joined >> 31 != 0; }
+  constexpr GhostCell with_first(std::uint32_t first) const {
+    return {code_signs, first | (first_joined & 0x80000000u)};
+  }
 };
 struct GhostVertex {
   std::uint32_t brick_vertex = 0;  // its index in BrickOctree::vertices
@@ -139,6 +143,7 @@ struct BrickOctree {
   static constexpr std::uint8_t no_root = 255;
   std::vector<std::uint8_t> roots;
   NodeRecord record;
+  BrickLevels levels;
   std::vector<PolygonRefs> polygons;  // by owner cell in Morton order, then axis
   // topology = "free" only, beside polygons: bit l set when the polygon stands if its smallest leaf
   // has level l.

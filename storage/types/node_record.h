@@ -46,6 +46,9 @@ struct ClusterRecord {
   std::int32_t euler = 1;
   std::uint32_t collapses = 0;  // 1: within the tolerance it may
   LeafCounts leaves;            // of its own, unless it becomes part of one above
+
+  // Whether it may at some tolerance: what the rules keep apart has no residual.
+  bool may_collapse() const { return collapses != 0 || residual > 0; }
 };
 
 struct NodeRecord {
