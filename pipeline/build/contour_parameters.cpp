@@ -35,16 +35,9 @@ Gradient gradient_of(SurfaceConfig::Gradient gradient) {
   return Gradient::subcell;
 }
 
-Topology topology_of(SimplifyConfig::Topology topology) {
-  switch (topology) {
-    case SimplifyConfig::Topology::free:
-      return Topology::free;
-    case SimplifyConfig::Topology::manifold:
-      return Topology::manifold;
-    case SimplifyConfig::Topology::safe:
-      break;
-  }
-  return Topology::safe;
+Topology topology_of(const Config& config) {
+  if (config.simplify.topology == SimplifyConfig::Topology::free) return Topology::free;
+  return collapses_by_sheets(config) ? Topology::manifold : Topology::safe;
 }
 
 }  // namespace
@@ -76,7 +69,7 @@ ContourParameters contour_parameters(const Config& config, const VolumeInfo& inf
   p.simplify.tolerance = absolute_tolerance(config, geometry);
   p.simplify.overhang = vertex_overhang(config);
   p.simplify.metric = s.metric == SimplifyConfig::Metric::rms ? Metric::rms : Metric::sum;
-  p.simplify.topology = topology_of(s.topology);
+  p.simplify.topology = topology_of(config);
   p.simplify.qef = s.qef == SimplifyConfig::Qef::qr ? QefForm::qr : QefForm::normal;
   p.edits = make_edits(config, geometry, input);
   return p;

@@ -76,7 +76,7 @@ void aim_at_file(const ExtractArguments& arguments, RunContext& context) {
   name.text("extract").text(format).real(arguments.tolerance);
   for (const double b : arguments.box) name.real(b);
   OutputConfig& output = context.config.output;
-  output.directory = context.config.work.directory / ("extract-" + short_hex(name.finish()));
+  output.directory = extract_folder(context.config.work.directory, name.finish());
   output.formats = {format};
   output.merged = OutputConfig::Merged::always;
   output.tiles = false;

@@ -124,7 +124,7 @@ struct LabelsConfig {
 struct SimplifyConfig {
   enum class Unit : std::uint8_t { voxel, physical };
   enum class Metric : std::uint8_t { rms, sum };
-  enum class Topology : std::uint8_t { safe, free, manifold };
+  enum class Topology : std::uint8_t { manifold, safe, free };
   enum class Qef : std::uint8_t { qr, normal };
   enum class Refine : std::uint8_t { automatic, off, repair, collapse };
   enum class Intersections : std::uint8_t { none, report, ignore };
@@ -133,7 +133,7 @@ struct SimplifyConfig {
   double tolerance = 0.1;  // in tolerance_unit; a voxel is the smallest spacing
   Unit tolerance_unit = Unit::voxel;
   Metric metric = Metric::rms;
-  Topology topology = Topology::safe;
+  Topology topology = Topology::manifold;
   Qef qef = Qef::qr;
   Refine refine = Refine::automatic;
   Intersections intersections = Intersections::none;
@@ -273,9 +273,12 @@ inline SimplifyConfig::Refine refine_mode(const Config& config) {
              : Simplify::Refine::off;
 }
 
-// Whether each sheet of the surface collapses by itself.
+// Whether each sheet of the surface collapses by itself. Where several labels meet there are no
+// sheets to tell apart.
 inline bool collapses_by_sheets(const Config& config) {
-  return config.simplify.enabled && config.simplify.topology == SimplifyConfig::Topology::manifold;
+  return config.simplify.enabled &&
+         config.simplify.topology == SimplifyConfig::Topology::manifold &&
+         config.labels.mode != LabelMode::shared;
 }
 
 // How many cells a vertex may leave its own by where the mesh is refined. Between labels none: their

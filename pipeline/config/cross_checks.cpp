@@ -116,11 +116,8 @@ class CrossChecks {
     if (surface.inside == SurfaceConfig::Inside::below)
       fail({"surface.inside", "labels.mode"}, "labels have no isovalue; remove this key");
     if (config_.simplify.topology == SimplifyConfig::Topology::free)
-      fail({"simplify.topology", "labels.mode"}, "labels are simplified safely only");
-    if (config_.labels.mode == LabelMode::shared &&
-        config_.simplify.topology == SimplifyConfig::Topology::manifold)
       fail({"simplify.topology", "labels.mode"},
-           "where several labels meet, cells are simplified safely only");
+           "labels keep their topology; set it to \"manifold\" or \"safe\", or remove this key");
     if (config_.labels.mode == LabelMode::each) each();
   }
 

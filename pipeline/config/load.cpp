@@ -177,6 +177,16 @@ void set_default_directories(const fs::path& path, Config& config) {
   if (config.output.directory.empty()) config.output.directory = base.string() + ".mesh";
 }
 
+// A brick's octree takes memory with its cells: up to 800 MiB of 64 cells a side where each sheet
+// collapses by itself, an eighth of that for each halving. Chunks divide shards, so those given say
+// how small bricks may be.
+std::int64_t fitting_brick(const WorkConfig& work, std::uint64_t memory, bool chunk_given) {
+  constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20;
+  std::int64_t brick = memory >= 1024 * mebibyte ? 64 : memory >= 256 * mebibyte ? 32 : 16;
+  while (chunk_given && brick < 64 && brick * work.shard < work.chunk) brick *= 2;
+  return brick;
+}
+
 // Outside a mask is no label.
 void set_default_outside(Config& config) {
   if (config.labels.mode == LabelMode::off && !config.surface.label) return;
@@ -197,7 +207,10 @@ Config parse_config(const std::string& text, const fs::path& path,
   if (config.input.format == "auto" && is_mesh_name(config.input.path))
     config.input.format = "mesh";
   set_default_directories(path, config);
-  if (!places.contains("work.chunk"))  // chunks divide shards
+  const bool chunk_given = places.contains("work.chunk");
+  if (!places.contains("work.brick"))
+    config.work.brick = fitting_brick(config.work, config.run.memory, chunk_given);
+  if (!chunk_given)  // chunks divide shards
     config.work.chunk = std::min(config.work.chunk, config.work.brick * config.work.shard);
   check_across(config, places, path.string());
   set_default_outside(config);

@@ -37,10 +37,11 @@ std::vector<Setting> simplify_settings() {
            "so each is within tolerance."},
           binding::choice(simplify, &Simplify::metric, {"rms", "sum"}), collapse),
       row({"simplify", "topology",
-           "\"safe\" keeps the surface's topology; so does \"manifold\", which collapses each of "
-           "the sheets in a cell by itself, and so more; \"free\" lets it change and promises no "
-           "manifold."},
-          binding::choice(simplify, &Simplify::topology, {"safe", "free", "manifold"}), collapse),
+           "\"manifold\" and \"safe\" keep the surface's topology. \"manifold\" collapses each of "
+           "the sheets in a cell by itself; \"safe\" all of them or none, and so less. With "
+           "labels.mode = \"shared\" the two are the same. \"free\" lets the topology change and "
+           "promises no manifold."},
+          binding::choice(simplify, &Simplify::topology, {"manifold", "safe", "free"}), collapse),
       row({"simplify", "qef",
            "Solves the QEFs. \"qr\": stable in floats; \"normal\": normal equations, to compare."},
           binding::choice(simplify, &Simplify::qef, {"qr", "normal"}), collapse),

@@ -101,7 +101,9 @@ std::vector<Setting> work_settings() {
            "Samples a side of the brick store's chunks. At most brick * shard. Never changes the "
            "result."},
           binding::member(work, &Work::chunk, PowerOfTwoRule{8, 256}), ingest),
-      row({"work", "brick", "Cells a side of a brick: one octree. Never changes the result."},
+      row({"work", "brick",
+           "Cells a side of a brick: one octree. Unless it is given, 32 where run.memory is below "
+           "1GiB, 16 below 256MiB. Never changes the result."},
           binding::member(work, &Work::brick, PowerOfTwoRule{16, 256}), ingest_and_build),
       row({"work", "shard",
            "Bricks a side of a shard, one store file and build task. Never changes the result."},

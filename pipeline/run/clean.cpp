@@ -91,7 +91,8 @@ std::vector<Place> places_of(std::span<const std::unique_ptr<RunContext>> config
   return places;
 }
 
-// Everything of ours in the directory: folders of stages, and with `all` the rest.
+// Everything of ours in the directory: folders of stages, what extractions that were killed have left,
+// and with `all` the rest.
 std::vector<fs::path> ours_in(const fs::path& directory, bool all) {
   std::vector<fs::path> paths;
   std::error_code missing;
@@ -100,7 +101,8 @@ std::vector<fs::path> ours_in(const fs::path& directory, bool all) {
     const bool folder = entry.is_directory();
     const std::string name = entry.path().filename().string();
     const bool rest = folder ? name == slurm_folder_name : name == last_config_name;
-    if ((folder && stage_of_folder(entry.path())) || (all && rest)) paths.push_back(entry.path());
+    const bool ours = stage_of_folder(entry.path()) || is_extract_folder(entry.path());
+    if ((folder && ours) || (all && rest)) paths.push_back(entry.path());
   }
   std::ranges::sort(paths);
   return paths;

@@ -8,6 +8,7 @@
 #include "pipeline/run/run.h"
 #include "pipeline/run/stages.h"
 #include "pipeline/stage/file_layout.h"
+#include "storage/support/directory_lock.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -66,8 +67,14 @@ void extract_all(RunContext& context) {
   const fs::path work = context.config.work.directory;
   const std::set<fs::path> before = stage_folders(work);
   run_all(context);
+  std::set<fs::path> made;
   for (const fs::path& folder : stage_folders(work))
-    if (!before.contains(folder)) fs::remove_all(folder);
+    if (!before.contains(folder)) made.insert(folder);
+  // A run of the larger tolerance may have begun to use them.
+  if (std::ranges::any_of(made,
+                          [](const fs::path& folder) { return lock_holder(folder).has_value(); }))
+    return;
+  for (const fs::path& folder : made) fs::remove_all(folder);
 }
 
 }  // namespace voxweld

@@ -319,10 +319,11 @@ std::uint64_t build_sheets_bytes(int level) {
 std::uint64_t build_sheets_bytes(int level, std::uint64_t active_cells, std::uint64_t sheets) {
   // Of a cell its lists, and where nodes have shapes up to six curves on its outer faces, half as
   // many in the level above; of a sheet its cluster, up to 0.8 above it, what tells where each of
-  // these went, and a vertex. Vectors may have grown to twice their content, but those of the
-  // finest clusters.
+  // these went, and a vertex, with levels above it. Vectors may have grown to twice their content,
+  // but those of the finest clusters.
   const std::uint64_t per_cell = 48 + std::uint64_t{2} * 9 * sizeof(FaceCurve);
-  const std::uint64_t per_sheet = 3 * sizeof(SheetCluster) + 3 * sizeof(LeafVertex) + 64;
+  const std::uint64_t levels = 2 * 8 + 2 * (sizeof(KeptCluster) + sizeof(BlockMerge) + 12);
+  const std::uint64_t per_sheet = 3 * sizeof(SheetCluster) + 3 * sizeof(LeafVertex) + 64 + levels;
   return surface_bytes(level, active_cells) + active_cells * per_cell + sheets * per_sheet;
 }
 

@@ -189,6 +189,22 @@ TEST(Config, SlurmMayChoose) {
   EXPECT_EQ(config.slurm.shards_per_task, 0);
 }
 
+TEST(Config, MakesBricksThatFitTheMemory) {
+  const auto brick = [](const std::string& keys) { return parse(least_config(keys)).work.brick; };
+  EXPECT_EQ(brick(""), 64);
+  EXPECT_EQ(brick("run.memory = \"1GiB\"\n"), 64);
+  EXPECT_EQ(brick("run.memory = \"1023MiB\"\n"), 32);
+  EXPECT_EQ(brick("run.memory = \"256MiB\"\n"), 32);
+  EXPECT_EQ(brick("run.memory = \"255MiB\"\n"), 16);
+  EXPECT_EQ(brick("run.memory = \"64MiB\"\nwork.brick = 128\n"), 128);
+  // Chunks that are given divide shards.
+  EXPECT_EQ(brick("run.memory = \"64MiB\"\nwork.chunk = 128\n"), 32);
+  EXPECT_EQ(brick("run.memory = \"64MiB\"\nwork.chunk = 64\nwork.shard = 1\n"), 64);
+  const Config little = parse(least_config("run.memory = \"64MiB\"\nwork.shard = 1\n"));
+  EXPECT_EQ(little.work.brick, 16);
+  EXPECT_EQ(little.work.chunk, 16);
+}
+
 // Whatever the bytes, the answer is a config or one InputError.
 TEST(Config, SurvivesDamagedText) {
   const std::string whole = least_config("work.chunk = 64\noutput.formats = [\"glb\"]\n");

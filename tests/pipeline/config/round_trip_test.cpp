@@ -211,7 +211,8 @@ Config any_config() {
   if (config.labels.mode != LabelMode::off) {
     config.surface.label.reset();
     config.surface.inside = SurfaceConfig::Inside::above;
-    config.simplify.topology = SimplifyConfig::Topology::safe;
+    if (config.simplify.topology == SimplifyConfig::Topology::free)
+      config.simplify.topology = SimplifyConfig::Topology::safe;
     config.surface.isovalue = any_nonzero();
   }
   if (config.surface.isovalue) config.surface.isovalue_rule = IsovalueRule::otsu;

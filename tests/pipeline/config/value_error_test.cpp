@@ -120,7 +120,7 @@ simplify.tolerance_unit: "voxel" or "physical" (default: "voxel")
   "voxels" (a string); did you mean "voxel"? | 1
 simplify.metric: "rms" or "sum" (default: "rms")
   "max" (a string) | 1
-simplify.topology: "safe", "free" or "manifold" (default: "safe")
+simplify.topology: "manifold", "safe" or "free" (default: "manifold")
   "save" (a string); did you mean "safe"? | true (a boolean)
 simplify.qef: "qr" or "normal" (default: "qr")
   "normals" (a string); did you mean "normal"? | 1

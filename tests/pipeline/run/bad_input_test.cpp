@@ -149,7 +149,7 @@ TEST(BadInput, TooLittleMemory) {
   const Scene scene("part", 64);
   const std::vector<Settings> variants = {
       {"run.memory=64MiB", "work.brick=256"},
-      {"run.memory=64MiB"},
+      {"run.memory=64MiB", "work.brick=64"},
       {"run.memory=64MiB", "work.copy=true", "work.chunk=256", "work.brick=256"},
       {"run.memory=100MiB", "work.brick=128", "output.tile_vertices=1000000"}};
   for (const Settings& settings : variants) {

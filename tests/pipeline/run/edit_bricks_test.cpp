@@ -27,13 +27,13 @@ class EditBricks : public ::testing::TestWithParam<const char*> {
  protected:
   bool of_labels() const { return mode() != "off"; }
   std::string param() const { return GetParam(); }
-  bool by_sheets() const { return param().starts_with("sheets"); }
+  bool is_safe() const { return param().starts_with("safe"); }
   std::string mode() const {
-    return param() == "sheets" ? "off" : param() == "sheets_of_each" ? "each" : param();
+    return param() == "safe" ? "off" : param() == "safe_each" ? "each" : param();
   }
   Settings settings() const {
     return one_shard + Settings{"labels.mode=" + mode()} +
-           (by_sheets() ? Settings{"simplify.topology=manifold"} : Settings{}) +
+           (is_safe() ? Settings{"simplify.topology=safe"} : Settings{}) +
            (of_labels() ? Settings{"output.tile_vertices=8192"} : Settings{});
   }
 
@@ -114,7 +114,7 @@ TEST_P(EditBricks, OnlyThoseItReachesAreBuiltAgain) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, EditBricks,
-                         ::testing::Values("off", "sheets", "each", "sheets_of_each", "shared"),
+                         ::testing::Values("off", "safe", "each", "safe_each", "shared"),
                          [](const auto& mode) { return std::string(mode.param); });
 
 TEST(EditedShard, NothingIsKeptOfOtherSamples) {

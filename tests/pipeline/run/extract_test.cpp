@@ -1,5 +1,9 @@
 // voxweld extract: coarser meshes from what a run has left.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <fstream>
+#include <set>
 
 #include "pipeline/output/load.h"
 #include "tests/pipeline/run/edit_scene.h"
@@ -11,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const Settings base = {"simplify.topology=manifold", "simplify.tolerance=0.05"};
-const Settings small_bricks = {"work.brick=16", "work.shard=2", "output.tile_vertices=1024"};
+const Settings fine = {"simplify.tolerance=0.05"};
+const Settings many_shards = {"work.brick=16", "work.shard=2", "output.tile_vertices=1024"};
 
 // Plates at an angle, thin ones too, and a ball.
 RawVolume plates(Index3 size) {
@@ -62,98 +66,112 @@ void expect_cuts(const Scene& scene, const Settings& settings,
 
 TEST(Extract, IsARunAtAnyLargerTolerance) {
   const Scene scene(plates({61, 58, 50}));
-  expect_cuts(scene, base + small_bricks, {0.05, 0.07, 0.1, 0.2, 0.35, 0.8, 2, 1000});
+  expect_cuts(scene, fine + many_shards, {0.05, 0.07, 0.1, 0.2, 0.35, 0.8, 2, 1000});
 }
 
 TEST(Extract, IsRefinedAsARunIs) {
   const Scene scene(plates({61, 58, 50}));
-  expect_cuts(scene, base + small_bricks + Settings{"simplify.refine=collapse"}, {0.1, 0.6});
-  expect_cuts(scene, base + Settings{"simplify.refine=collapse", "simplify.triangles=400"}, {0.2});
+  expect_cuts(scene, fine + many_shards + Settings{"simplify.refine=collapse"}, {0.1, 0.6});
+  expect_cuts(scene, fine + Settings{"simplify.refine=collapse", "simplify.triangles=400"}, {0.2});
 }
 
 TEST(Extract, DoesSoForEachLabelAndForOne) {
   const Scene scene(cell_labels({50, 40, 36}, 5, 0.01, 3));
-  expect_cuts(scene, base + small_bricks + Settings{"labels.mode=each"}, {0.2, 0.9});
-  expect_cuts(scene, base + small_bricks + Settings{"labels.mode=each", "simplify.refine=collapse"},
+  expect_cuts(scene, fine + many_shards + Settings{"labels.mode=each"}, {0.2, 0.9});
+  expect_cuts(scene, fine + many_shards + Settings{"labels.mode=each", "simplify.refine=collapse"},
               {0.5});
-  expect_cuts(scene, base + Settings{"surface.label=2", "surface.isovalue=2"}, {0.5});
+  expect_cuts(scene, fine + Settings{"surface.label=2", "surface.isovalue=2"}, {0.5});
 }
 
 TEST(Extract, TakesEditsAsTheyAre) {
   const Scene scene(plates({61, 58, 50}));
   const EditScene edits(scene);
-  edits.set(ball("subtract", {30, 30, 25}, 11));
-  expect_cuts(scene, base + small_bricks, {0.3});
+  edits.set(testing::ball("subtract", {30, 30, 25}, 11));
+  expect_cuts(scene, fine + many_shards, {0.3});
   // One more edit: the octrees are out of date.
-  edits.set(ball("subtract", {30, 30, 25}, 11) + ball("add", {10, 10, 10}, 7));
+  edits.set(testing::ball("subtract", {30, 30, 25}, 11) + testing::ball("add", {10, 10, 10}, 7));
   const fs::path cut = scene.directory() / "cut.mesh";
   fs::remove_all(cut);
-  expect_refused(extract(scene, base + small_bricks, 0.3, cut), "missing or out of date");
+  expect_refused(extract(scene, fine + many_shards, 0.3, cut), "missing or out of date");
 }
 
+// The copy of the samples is no more what it was, which nobody sees who does not read it.
 TEST(Extract, ReadsNoSamples) {
   const Scene scene(plates({61, 58, 50}));
-  VOXWELD_EXPECT_DONE(scene.run(base + Settings{"work.copy=true"}));
-  for (const auto& file : files_ending(scene.work() / "..", ""))
-    if (file.string().find("volume.zarr/c") != std::string::npos) fs::remove(file);
-  const ProgramResult result =
-      extract(scene, base + Settings{"work.copy=true"}, 0.4, scene.directory() / "cut.drc");
+  const Settings copied = fine + many_shards + Settings{"work.copy=true", "work.chunk=16"};
+  const fs::path whole = scene.directory() / "whole.drc", cut = scene.directory() / "cut.drc";
+  VOXWELD_EXPECT_DONE(scene.run(copied));
+  VOXWELD_EXPECT_DONE(extract(scene, copied, 0.4, whole));
+  std::size_t spoiled = 0;
+  for (const auto& file : files_ending(scene.work(), "")) {
+    if (file.string().find("volume.zarr/c") == std::string::npos) continue;
+    std::fstream(file, std::ios::in | std::ios::out | std::ios::binary)
+        .write("no sample of this volume", 24);
+    ++spoiled;
+  }
+  EXPECT_GT(spoiled, 4u);
+  const ProgramResult result = extract(scene, copied, 0.4, cut);
   VOXWELD_EXPECT_DONE(result);
-  EXPECT_NE(result.out.find("cut, "), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("bricks cut, "), std::string::npos) << result.out;
+  EXPECT_EQ(text_of_file(cut), text_of_file(whole));
 }
 
 TEST(Extract, WritesOneFile) {
   const Scene scene(plates({61, 58, 50}));
-  VOXWELD_EXPECT_DONE(scene.run(base));
-  VOXWELD_EXPECT_DONE(scene.run_in("alone", with(base, 0.3)));
+  VOXWELD_EXPECT_DONE(scene.run(fine));
+  VOXWELD_EXPECT_DONE(scene.run_in("alone", with(fine, 0.3)));
   const auto before = files_of(scene.work());
   for (const char* name : {"cut.drc", "cut.glb"}) {
-    VOXWELD_EXPECT_DONE(extract(scene, base, 0.3, scene.directory() / name));
+    VOXWELD_EXPECT_DONE(extract(scene, fine, 0.3, scene.directory() / name));
     EXPECT_EQ(text_of_file(scene.directory() / name),
               text_of_file(scene.output("alone") / ("mesh" + fs::path(name).extension().string())));
   }
-  VOXWELD_EXPECT_DONE(extract(scene, base, 0.3, scene.directory() / "cut.ply"));
+  VOXWELD_EXPECT_DONE(extract(scene, fine, 0.3, scene.directory() / "cut.ply"));
   VOXWELD_EXPECT_DONE(run_voxweld({"export", (scene.output("alone") / "mesh.drc").string(), "-o",
                                    (scene.directory() / "other.ply").string()}));
   EXPECT_EQ(text_of_file(scene.directory() / "cut.ply"),
             text_of_file(scene.directory() / "other.ply"));
   EXPECT_EQ(files_of(scene.work()), before);
-  expect_refused(extract(scene, base, 0.3, scene.directory() / "cut.ply"), "exists already");
-  VOXWELD_EXPECT_DONE(extract(scene, base, 0.5, scene.directory() / "cut.ply", {"--force"}));
+  expect_refused(extract(scene, fine, 0.3, scene.directory() / "cut.ply"), "exists already");
+  VOXWELD_EXPECT_DONE(extract(scene, fine, 0.5, scene.directory() / "cut.ply", {"--force"}));
+}
+
+using Place = std::array<float, 3>;
+
+// Of the triangles that reach into the box, each from its least corner on.
+std::multiset<std::array<Place, 3>> corners_of(const DecodedMesh& mesh, const Place& lo,
+                                               const Place& hi) {
+  std::multiset<std::array<Place, 3>> found;
+  for (const auto& t : mesh.triangles) {
+    std::array<Place, 3> c{mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
+    bool reaches = true;
+    for (std::size_t a = 0; a < 3; ++a)
+      reaches = reaches && std::max({c[0][a], c[1][a], c[2][a]}) >= lo[a] &&
+                std::min({c[0][a], c[1][a], c[2][a]}) <= hi[a];
+    std::rotate(c.begin(), std::min_element(c.begin(), c.end()), c.end());
+    if (reaches) found.insert(c);
+  }
+  return found;
 }
 
 TEST(Extract, LeavesOutWhatDoesNotReachIntoABox) {
   const Scene scene(plates({61, 58, 50}));
-  VOXWELD_EXPECT_DONE(scene.run(base + small_bricks));
+  VOXWELD_EXPECT_DONE(scene.run(fine + many_shards));
   const fs::path whole = scene.directory() / "whole.drc", part = scene.directory() / "part.drc";
-  VOXWELD_EXPECT_DONE(extract(scene, base + small_bricks, 0.2, whole));
+  VOXWELD_EXPECT_DONE(extract(scene, fine + many_shards, 0.2, whole));
   VOXWELD_EXPECT_DONE(
-      extract(scene, base + small_bricks, 0.2, part, {"--box", "10,12,9,31.5,33,27"}));
-  const std::array<float, 3> lo{10, 12, 9}, hi{31.5F, 33, 27};
-  using Corners = std::array<std::array<float, 3>, 3>;
-  const auto corners = [](const DecodedMesh& mesh, bool all, auto lo, auto hi) {
-    std::multiset<Corners> found;
-    for (const auto& t : mesh.triangles) {
-      Corners c{mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
-      bool in = true;
-      for (std::size_t a = 0; a < 3; ++a)
-        in = in && std::max({c[0][a], c[1][a], c[2][a]}) >= lo[a] &&
-             std::min({c[0][a], c[1][a], c[2][a]}) <= hi[a];
-      std::rotate(c.begin(), std::min_element(c.begin(), c.end()), c.end());
-      if (all || in) found.insert(c);
-    }
-    return found;
-  };
-  const auto expected = corners(load_mesh(whole), false, lo, hi);
+      extract(scene, fine + many_shards, 0.2, part, {"--box", "10,12,9,31.5,33,27"}));
+  const Place lo{10, 12, 9}, hi{31.5F, 33, 27}, far_lo{-99, -99, -99}, far_hi{999, 999, 999};
+  const auto expected = corners_of(load_mesh(whole), lo, hi);
   EXPECT_GT(expected.size(), 100u);
   EXPECT_LT(expected.size() * 2, load_mesh(whole).triangles.size());
-  EXPECT_EQ(corners(load_mesh(part), true, lo, hi), expected);
+  EXPECT_EQ(corners_of(load_mesh(part), far_lo, far_hi), expected);
   const fs::path other = scene.directory() / "other.drc";
-  expect_refused(extract(scene, base + small_bricks, 0.2, other, {"--box", "900,0,0,910,9,9"}),
+  expect_refused(extract(scene, fine + many_shards, 0.2, other, {"--box", "900,0,0,910,9,9"}),
                  "no triangle of the mesh reaches into the box");
-  expect_refused(extract(scene, base + small_bricks, 0.2, other, {"--box", "5,0,0,4,9,9"}),
+  expect_refused(extract(scene, fine + many_shards, 0.2, other, {"--box", "5,0,0,4,9,9"}),
                  "x0 <= x1");
-  expect_refused(extract(scene, base + small_bricks, 0.2, scene.directory() / "box.mesh",
+  expect_refused(extract(scene, fine + many_shards, 0.2, scene.directory() / "box.mesh",
                          {"--box", "0,0,0,4,9,9"}),
                  "give -o the name of a file");
 }
@@ -161,12 +179,12 @@ TEST(Extract, LeavesOutWhatDoesNotReachIntoABox) {
 TEST(Extract, RefusesWhatItCannotCut) {
   const Scene scene(plates({40, 40, 40}));
   const fs::path cut = scene.directory() / "cut.drc";
-  expect_refused(extract(scene, base, 0.2, cut), "run `voxweld run CONFIG` first");
-  VOXWELD_EXPECT_DONE(scene.run(base));
-  expect_refused(extract(scene, base, 0.01, cut), "give 0.05 or more");
-  expect_refused(extract(scene, base, 0.2, scene.directory() / "cut.txt"),
+  expect_refused(extract(scene, fine, 0.2, cut), "run `voxweld run CONFIG` first");
+  VOXWELD_EXPECT_DONE(scene.run(fine));
+  expect_refused(extract(scene, fine, 0.01, cut), "give 0.05 or more");
+  expect_refused(extract(scene, fine, 0.2, scene.directory() / "cut.txt"),
                  "expected a mesh file, .drc, .glb, .ply");
-  expect_refused(extract(scene, base + Settings{"simplify.topology=safe"}, 0.2, cut),
+  expect_refused(extract(scene, fine + Settings{"simplify.topology=safe"}, 0.2, cut),
                  "voxweld run CONFIG --set simplify.tolerance=0.2");
   EXPECT_FALSE(fs::exists(cut));
 }
@@ -174,15 +192,15 @@ TEST(Extract, RefusesWhatItCannotCut) {
 // What is damaged is made anew from samples, and the mesh is the same.
 TEST(Extract, MendsDamagedOctrees) {
   const Scene scene(plates({61, 58, 50}));
-  VOXWELD_EXPECT_DONE(scene.run(base + small_bricks));
+  VOXWELD_EXPECT_DONE(scene.run(fine + many_shards));
   const fs::path whole = scene.directory() / "whole.drc", cut = scene.directory() / "cut.drc";
-  VOXWELD_EXPECT_DONE(extract(scene, base + small_bricks, 0.2, whole));
+  VOXWELD_EXPECT_DONE(extract(scene, fine + many_shards, 0.2, whole));
   const fs::path octree = files_ending(scene.work(), ".octree").front();
   std::fstream file(octree, std::ios::in | std::ios::out | std::ios::binary);
   file.seekp(400);
   file.put('\x55').put('\x55').put('\x55');
   file.close();
-  const ProgramResult result = extract(scene, base + small_bricks, 0.2, cut);
+  const ProgramResult result = extract(scene, fine + many_shards, 0.2, cut);
   VOXWELD_EXPECT_DONE(result);
   expect_says(result, "made again");
   EXPECT_EQ(text_of_file(cut), text_of_file(whole));

@@ -69,8 +69,8 @@ class Goldens : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     scene_ = std::make_unique<Scene>(scene_volume());
-    VOXWELD_EXPECT_DONE(scene_->run(
-        {"work.brick=16", "work.shard=2", "output.tile_vertices=1024", "simplify.tolerance=0.05"}));
+    VOXWELD_EXPECT_DONE(scene_->run({"simplify.topology=safe", "work.brick=16", "work.shard=2",
+                                     "output.tile_vertices=1024", "simplify.tolerance=0.05"}));
   }
   static void TearDownTestSuite() { scene_.reset(); }
   static std::vector<std::filesystem::path> work(const std::string& ending) {
@@ -81,12 +81,12 @@ class Goldens : public ::testing::Test {
 std::unique_ptr<Scene> Goldens::scene_;
 
 TEST_F(Goldens, Build) {
-  expect_recorded({"build", 9, "610eac1309d9ea73aaacf40e3e01c92c"}, shard_version,
+  expect_recorded({"build", 10, "2493cd624c590de16a406b7aea7efc12"}, shard_version,
                   hash_of(work(".octree"), shard_kind, shard_version));
 }
 
 TEST_F(Goldens, Merge) {
-  expect_recorded({"merge", 6, "b43e99ca53566033bdf291323fc898b1"}, top_version,
+  expect_recorded({"merge", 6, "ec1a8dfca600e55d47263b999aef60dc"}, top_version,
                   hash_of(work(".tree"), top_kind, top_version));
 }
 
@@ -117,24 +117,36 @@ void expect_stages(const Scene& scene, const Golden& build, std::array<char, 4> 
 // The same surface, each sheet by itself.
 TEST(SheetGoldens, OfEveryStage) {
   const Scene scene(scene_volume());
-  VOXWELD_EXPECT_DONE(scene.run({"simplify.topology=manifold", "work.brick=16", "work.shard=2",
-                                 "output.tile_vertices=1024", "simplify.tolerance=0.2"}));
-  expect_stages(scene, {"build", 9, "0544c41b5ce58be503c164f915139f98"}, shard_kind, shard_version,
-                {"merge", 6, "b2cf760e46a606a1f2665e5cc2974f20"},
+  VOXWELD_EXPECT_DONE(scene.run(
+      {"work.brick=16", "work.shard=2", "output.tile_vertices=1024", "simplify.tolerance=0.2"}));
+  expect_stages(scene, {"build", 10, "38557668a8235cad34d61baa4cbc924a"}, shard_kind, shard_version,
+                {"merge", 6, "a74c389acae6de17b99212ace85c9741"},
                 {"stitch", 6, "8fdb8ce3b8a6c543ae2b748e116bae78"});
 }
 
 // The same surface, refined.
-TEST(RefinedGoldens, OfEveryStage) {
+void expect_refined(const char* topology, const Golden& cubes, const Golden& tiles) {
   const Scene scene(scene_volume());
-  VOXWELD_EXPECT_DONE(scene.run({"simplify.refine=collapse", "work.brick=16", "work.shard=2",
+  VOXWELD_EXPECT_DONE(scene.run({std::string("simplify.topology=") + topology,
+                                 "simplify.refine=collapse", "work.brick=16", "work.shard=2",
                                  "output.tile_vertices=1024", "simplify.tolerance=0.2"}));
   constexpr std::uint32_t version = refine_version << 16 | cube_mesh_version;
-  expect_recorded({"stitch, refine, seams and mend", 327684, "d9d992837b87f564d8c7d1a0b31c15a4"},
-                  version,
+  expect_recorded(cubes, version,
                   hash_of(files_ending(scene.work(), ".cubes"), cube_mesh_kind, cube_mesh_version));
-  expect_recorded({"retile", 6, "cae097ea1736052b97e376f16ab26587"}, tile_version,
+  expect_recorded(tiles, tile_version,
                   hash_of(files_ending(scene.work(), ".tile"), tile_kind, tile_version));
+}
+
+TEST(RefinedGoldens, OfEveryStage) {
+  expect_refined("manifold",
+                 {"stitch, refine, seams and mend", 327684, "ea87c5fe84d167208422a3a1631d0fb4"},
+                 {"retile", 6, "8f236dac32b1f2ad431bcc30981b1eac"});
+}
+
+TEST(RefinedGoldens, OfSafeCollapse) {
+  expect_refined("safe",
+                 {"stitch, refine, seams and mend", 327684, "d9d992837b87f564d8c7d1a0b31c15a4"},
+                 {"retile", 6, "cae097ea1736052b97e376f16ab26587"});
 }
 
 // Two labels that share a ball, one below it, specks; an edit gives one more, another replaces.
@@ -154,11 +166,11 @@ const char* const label_edits =
     "center = [14.5, 25.5, 18.25]\nradius = 7.75\n";
 
 // The same labels, refined.
-void expect_refined_labels(const char* mode, const Golden& cubes, const Golden& tiles) {
+void expect_refined_labels(const Settings& mode, const Golden& cubes, const Golden& tiles) {
   const Scene scene(label_volume());
   std::ofstream(scene.config(), std::ios::app) << label_edits;
-  VOXWELD_EXPECT_DONE(scene.run({std::string("labels.mode=") + mode, "simplify.refine=collapse",
-                                 "work.brick=16", "work.shard=2", "output.tile_vertices=1024"}));
+  VOXWELD_EXPECT_DONE(scene.run(mode + Settings{"simplify.refine=collapse", "work.brick=16",
+                                                "work.shard=2", "output.tile_vertices=1024"}));
   constexpr std::uint32_t version = refine_version << 16 | cube_mesh_version;
   expect_recorded(cubes, version,
                   hash_of(files_ending(scene.work(), ".cubes"), cube_mesh_kind, cube_mesh_version));
@@ -168,13 +180,19 @@ void expect_refined_labels(const char* mode, const Golden& cubes, const Golden& 
 
 TEST(RefinedGoldens, OfEachLabel) {
   expect_refined_labels(
-      "each", {"stitch, refine, seams and mend", 327684, "1890120167f341b634d912ed4fdcb97e"},
+      {"labels.mode=each"},
+      {"stitch, refine, seams and mend", 327684, "f67ccde0678142a9fa1525655cc420a5"},
+      {"retile", 6, "127574d4ebeffea65a1ee507b0cb42b3"});
+  expect_refined_labels(
+      {"labels.mode=each", "simplify.topology=safe"},
+      {"stitch, refine, seams and mend", 327684, "1890120167f341b634d912ed4fdcb97e"},
       {"retile", 6, "1f1e24dbea5f1bc9263cc39ba88a2971"});
 }
 
 TEST(RefinedGoldens, OfSharedLabels) {
   expect_refined_labels(
-      "shared", {"stitch, refine, seams and mend", 327684, "e4658b2429944c3afb9d69bc9d543c9f"},
+      {"labels.mode=shared"},
+      {"stitch, refine, seams and mend", 327684, "e4658b2429944c3afb9d69bc9d543c9f"},
       {"retile", 6, "21f1a6c1e86ca6b40a3913e37addc1d2"});
 }
 
@@ -182,10 +200,10 @@ TEST(RefinedGoldens, OfSharedLabels) {
 TEST(SheetGoldens, OfEachLabel) {
   const Scene scene(label_volume());
   std::ofstream(scene.config(), std::ios::app) << label_edits;
-  VOXWELD_EXPECT_DONE(scene.run({"labels.mode=each", "simplify.topology=manifold", "work.brick=16",
-                                 "work.shard=2", "output.tile_vertices=1024"}));
-  expect_stages(scene, {"build", 5, "47d5906de3b92e5cd2eb764b6ea1d9ad"}, label_shard_kind,
-                label_shard_version, {"merge", 6, "d62f14c1590109eaec61455baf060a0e"},
+  VOXWELD_EXPECT_DONE(scene.run(
+      {"labels.mode=each", "work.brick=16", "work.shard=2", "output.tile_vertices=1024"}));
+  expect_stages(scene, {"build", 6, "3cf6904850bcd0c35378b09742483ab2"}, label_shard_kind,
+                label_shard_version, {"merge", 6, "766247c71ae2b94203b2ae5a948ba111"},
                 {"stitch", 6, "9fae1a70ec6d7f1ae20b8943a57c9087"});
 }
 
@@ -213,9 +231,9 @@ TEST_P(LabelGoldens, OfEveryStage) {
   const LabelGolden& golden = GetParam();
   const Scene scene(label_volume());
   std::ofstream(scene.config(), std::ios::app) << label_edits;
-  VOXWELD_EXPECT_DONE(
-      scene.run({std::string("labels.mode=") + golden.mode, "work.brick=16", "work.shard=2",
-                 "output.tile_vertices=1024", "simplify.tolerance=0.05"}));
+  VOXWELD_EXPECT_DONE(scene.run({std::string("labels.mode=") + golden.mode,
+                                 "simplify.topology=safe", "work.brick=16", "work.shard=2",
+                                 "output.tile_vertices=1024", "simplify.tolerance=0.05"}));
   const auto work = [&](const char* ending) { return files_ending(scene.work(), ending); };
   expect_recorded(golden.stages[0], golden.build_version,
                   hash_of(work(".octree"), golden.octree_kind, golden.octree_version));
@@ -238,8 +256,8 @@ INSTANTIATE_TEST_SUITE_P(
                     label_shard_version,
                     build_version(label_shard_version),
                     top_version | label_top_version << 16,
-                    {Golden{"build of each label", 90502, "3fe763d69fcf916dcd7f519bd039a071"},
-                     {"merge of each label", 65542, "da91c3f4b0842d91f7fd5e030fb5c66f"},
+                    {Golden{"build of each label", 100602, "1f2843c690b272128c6e7c213579a9a9"},
+                     {"merge of each label", 65542, "bdb774864476ebd3e89d3f2dba034fdd"},
                      {"stitch of each label", 6, "59cdc8ffcee04a094002ca747ffecbbb"},
                      {"encode of each label", 2, "141590bccb677d852b82a4e68563a1e8"}}},
         LabelGolden{"shared",
@@ -247,8 +265,8 @@ INSTANTIATE_TEST_SUITE_P(
                     shard_version,
                     build_version(0),
                     top_version,
-                    {Golden{"build of shared labels", 90002, "f211208307d08895e7ec3da9e7e4cc6e"},
-                     {"merge of shared labels", 6, "6654caefd84f65eb64aef1adc192bad8"},
+                    {Golden{"build of shared labels", 100002, "7d2fefe9914ce716cb68ea960dc2aea7"},
+                     {"merge of shared labels", 6, "d3e456ecdd9c98907f824328160f716a"},
                      {"stitch of shared labels", 6, "05d69da8e8cc4a33c37bdd751c8c158f"},
                      {"encode of shared labels", 2, "fd0cca0c691305fa8d98734ec337ab36"}}}),
     [](const auto& each) { return each.param.mode; });

@@ -59,15 +59,15 @@ std::vector<Subject> subjects() {
        {}},
       {"Mesh", noise, mesh, {"simplify.refine=off"}, true},
   };
-  // Each sheet by itself.
-  Subject sheets = all[2];
-  sheets.name = "SheetsOfEditedVolume";
-  sheets.settings = {"simplify.topology=manifold", "simplify.tolerance=0.4"};
-  all.push_back(sheets);
-  sheets = all[0];
-  sheets.name = "SheetsOfEachLabel";
-  sheets.settings = sheets.settings + Settings{"simplify.topology=manifold"};
-  all.push_back(sheets);
+  // Where a node's sheets collapse all or not.
+  Subject safe = all[2];
+  safe.name = "SafeEditedVolume";
+  safe.settings = {"simplify.topology=safe", "simplify.tolerance=0.4"};
+  all.push_back(safe);
+  safe = all[0];
+  safe.name = "SafeEachLabel";
+  safe.settings = safe.settings + Settings{"simplify.topology=safe"};
+  all.push_back(safe);
   // A tolerance at which there are several tiles.
   for (std::size_t i = 0, plain = all.size(); i < plain; ++i) {
     Subject refined = all[i];

@@ -196,7 +196,7 @@ TEST(SharedLabelsRun, WhatCannotBeIsRefused) {
   const RawVolume volume = foam(SampleType::u8, {20, 20, 20});
   refused(volume, shared + Settings{"surface.label=3", "surface.isovalue=3"},
           "labels.mode chooses labels too");
-  refused(volume, shared + Settings{"simplify.topology=free"}, "labels are simplified safely");
+  refused(volume, shared + Settings{"simplify.topology=free"}, "labels keep their topology");
   RawVolume real{{8, 8, 8}, SampleType::f32, std::vector<std::byte>(8 * 8 * 8 * 4), 0};
   refused(real, shared, "labels are integers");
   RawVolume none{{8, 8, 8}, SampleType::u8, std::vector<std::byte>(8 * 8 * 8), 0};

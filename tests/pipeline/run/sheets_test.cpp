@@ -21,7 +21,7 @@ RawVolume slabs() {
   });
 }
 
-const Settings by_sheets = {"simplify.topology=manifold", "simplify.tolerance=0.3"};
+const Settings by_sheets = {"simplify.tolerance=0.3"};  // the default
 const Settings small_bricks = {"work.brick=16", "work.shard=2", "output.tile_vertices=1024"};
 
 ContourParameters parameters(Topology topology) {
@@ -69,7 +69,7 @@ TEST(Sheets, LeaveFewerTrianglesThanSafeCollapse) {
     expect_good(scene.output());
     return manifest_of(scene.output())["counts"]["triangles"].get<std::uint64_t>();
   };
-  const std::uint64_t safe = triangles({"simplify.tolerance=0.3"});
+  const std::uint64_t safe = triangles({"simplify.tolerance=0.3", "simplify.topology=safe"});
   EXPECT_LT(triangles(by_sheets) * 4, safe * 3);
 }
 
@@ -85,6 +85,20 @@ TEST(Sheets, CollapseAboveBricks) {
                          Settings{"work.brick=256", "run.memory=64GiB"}});
   VOXWELD_EXPECT_DONE(scene.run(common + Settings{"work.brick=16", "work.shard=1"}));
   EXPECT_GT(manifest_of(scene.output())["counts"]["collapsed_above_bricks"], 0);
+}
+
+// Unless they are told how large to be.
+TEST(Sheets, BricksFitTheMemory) {
+  const Scene surface(slabs()), labels(cell_labels({40, 36, 33}, 5, 0.003, 21));
+  for (const char* memory : {"run.memory=1GiB", "run.memory=256MiB", "run.memory=128MiB"}) {
+    VOXWELD_EXPECT_DONE(surface.run_in(memory, by_sheets + Settings{memory}));
+    EXPECT_EQ(text_of_file(surface.output(memory) / "mesh.drc"),
+              text_of_file(surface.output("run.memory=1GiB") / "mesh.drc"));
+    for (const char* mode : {"labels.mode=each", "labels.mode=shared"})
+      VOXWELD_EXPECT_DONE(labels.run_in(memory, {mode, memory}));
+  }
+  expect_refused(surface.run(by_sheets + Settings{"run.memory=256MiB", "work.brick=64"}),
+                 "raise run.memory or lower work.brick");
 }
 
 TEST(Sheets, OfOneLabel) {
@@ -115,10 +129,12 @@ TEST(Sheets, OfEachLabelAreThoseOfARunOfItAlone) {
 }
 
 // Where several labels meet there are no sheets to tell apart.
-TEST(Sheets, OfSharedLabelsAreRefused) {
+TEST(Sheets, OfSharedLabelsCollapseSafely) {
   const Scene scene(cell_labels({20, 20, 20}, 5, 0.003, 21));
-  expect_refused(scene.run({"simplify.topology=manifold", "labels.mode=shared"}),
-                 "cells are simplified safely only");
+  const Settings common = {"labels.mode=shared"};
+  EXPECT_EQ(difference(scene.clean_tree(common + Settings{"simplify.topology=safe"}),
+                       scene.clean_tree(common + Settings{"simplify.topology=manifold"})),
+            "");
 }
 
 }  // namespace
