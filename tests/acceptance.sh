@@ -176,7 +176,7 @@ everything() {
     work.brick=16 work.shard=4 run.threads=1
   expect_reference "$1" "$2, brick 32, shard 1, copy" \
     work.brick=32 work.shard=1 work.chunk=16 work.copy=true
-  expect_reference "$1" "$2, brick 128, shard 2" work.brick=128 work.shard=2
+  expect_reference "$1" "$2, brick 128, shard 2" work.brick=128 work.shard=2 run.memory=64GiB
   expect_reference_after_kills "$1" "$2, kills" work.brick=32
 }
 

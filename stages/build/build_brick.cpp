@@ -1,10 +1,9 @@
 #include "stages/build/build_brick.h"
 
 #include <algorithm>
-#include <type_traits>
 
-#include "stages/build/brick_polygons.h"
 #include "stages/build/brick_surface.h"
+#include "stages/build/cell_octree.h"
 #include "stages/build/label_edits.h"
 #include "stages/build/label_hermite.h"
 #include "stages/build/label_part.h"
@@ -32,19 +31,6 @@ void clear(BrickOctree& brick, int level) {
   brick.counts = BrickCounts{};
 }
 
-// The corners of the brick's root, in the form of the record.
-void set_corners(const SignGrid& signs, int side, RootRecord& root) {
-  for (int corner = 0; corner < 8; ++corner)
-    root.corner_signs |= static_cast<std::uint32_t>(signs.inside(
-                             side * (corner & 1), side * (corner >> 1 & 1), side * (corner >> 2)))
-                         << corner;
-}
-void set_corners(const LabelGrid& labels, int side, RootRecord& root) {
-  for (int corner = 0; corner < 8; ++corner)
-    root.corners[static_cast<std::size_t>(corner)] = labels.materials()[labels.at(
-        side * (corner & 1), side * (corner >> 1 & 1), side * (corner >> 2))];
-}
-
 // Of a brick without a surface.
 RootRecord whole_brick(const SignGrid& signs) {
   RootRecord root;
@@ -59,25 +45,6 @@ RootRecord whole_brick(const LabelGrid& labels) {
   return root;
 }
 
-// What merge needs to go on: see NodeState.
-template <class Grid>
-RootRecord make_root(const BrickFrame& frame, const Grid& grid, const BrickNodes& nodes,
-                     const ContourParameters& parameters, const BrickOctree& brick) {
-  RootRecord root;
-  set_corners(grid, frame.side(), root);
-  const SheetCluster* whole = nodes.whole();
-  if (whole == nullptr || parameters.simplify.topology == Topology::free || nodes.by_sheets()) {
-    root.state = NodeState::split;
-    return root;
-  }
-  root.state = NodeState::leaf;
-  root.qef = whole->qef;
-  root.clusters = whole->normals;
-  root.vertex = brick.vertices[0];
-  root.residual = whole->solution.residual;
-  return root;
-}
-
 }  // namespace
 
 struct BrickScratch::Parts {
@@ -89,9 +56,7 @@ struct BrickScratch::Parts {
   LabelGrid label_grid;
   LabelHermite label_hermite;
   LabelEdits label_edits;
-  BrickNodes nodes;
-  BrickLeaves leaves;
-  std::vector<std::uint32_t> vertex_marks;
+  CellOctreeScratch octree;
 };
 
 BrickScratch::BrickScratch() : parts_(std::make_unique<Parts>()) {}
@@ -103,9 +68,7 @@ void BrickScratch::free_buffers() {
   s.any_label.free_edges();
   s.cells.free_lists();
   s.label_edges = {};
-  s.nodes = {};
-  s.leaves = {};
-  s.vertex_marks = {};
+  s.octree = {};
 }
 
 Box3 halo_samples(const BrickPlace& place, const ContourParameters& parameters) {
@@ -130,21 +93,6 @@ Bounds brick_bounds(const BrickPlace& place, Vec3 spacing) {
 }
 
 namespace {
-
-// From the brick's active cells on.
-template <class Grid>
-void build_octree(const BrickFrame& frame, Index3 volume_size, const Grid& grid,
-                  const HermiteEdges& edges, const ContourParameters& parameters,
-                  BrickScratch::Parts& s, BrickOctree& out) {
-  s.nodes.simplify(frame, grid, s.cells, edges, parameters);
-  s.leaves.collect(frame, s.cells, s.nodes, parameters, out);
-  emit_polygons(frame, volume_size, grid, s.cells, s.leaves, parameters, out);
-  if (s.nodes.by_sheets())
-    make_sheet_ghosts(s.cells, s.leaves, s.vertex_marks, out);
-  else
-    make_ghost_layer(s.cells, s.leaves, std::is_same_v<Grid, LabelGrid>, s.vertex_marks, out);
-  out.root = make_root(frame, grid, s.nodes, parameters, out);
-}
 
 void reserve_for(const BrickScratch& scratch, int level, std::uint64_t active_cells) {
   if (scratch.reserve) scratch.reserve(build_brick_bytes(level, active_cells));
@@ -209,7 +157,7 @@ void build_shared(const HaloBlock& block, const BrickFrame& frame,
   if (edits.empty())
     s.label_hermite.compute(s.materials.block(), frame.origin, s.label_grid, parameters.spacing,
                             s.label_edges);
-  build_octree(frame, block.size, s.label_grid, s.label_edges, parameters, s, out);
+  build_octree(frame, block.size, s.label_grid, s.cells, s.label_edges, parameters, s.octree, out);
 }
 
 // Of the surface found; with_edges: its crossings are.
@@ -227,7 +175,8 @@ void build_surface(const HaloBlock& block, const BrickFrame& frame, const BrickW
   }
   s.cells.find(s.surface.signs());
   if (!with_edges) s.surface.find_edges(block, window, parameters);
-  build_octree(frame, block.size, s.surface.signs(), s.surface.edges(), parameters, s, out);
+  build_octree(frame, block.size, s.surface.signs(), s.cells, s.surface.edges(), parameters,
+               s.octree, out);
 }
 
 // The edits that reach the brick; true when there are any.

@@ -6,6 +6,9 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <set>
+#include <tuple>
+
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "tests/paper/drawing.h"
@@ -92,6 +95,17 @@ class CutModel {
       if (found == b.end() || !same(*found, leaf)) changed.push_back(cells(leaf.key()));
     }
   }
+  // The same where each sheet collapses by itself.
+  static void add_difference(const std::vector<ClusterLeaf>& a, const std::vector<ClusterLeaf>& b,
+                             std::vector<Box3>& changed) {
+    const auto parts = [](const ClusterLeaf& leaf) {
+      return std::tuple(leaf.level, leaf.first, leaf.shares, leaf.vertex.offset);
+    };
+    std::set<decltype(parts(a[0]))> known;
+    for (const ClusterLeaf& leaf : b) known.insert(parts(leaf));
+    for (const ClusterLeaf& leaf : a)
+      if (!known.contains(parts(leaf))) changed.push_back(cells(leaf.key()));
+  }
 
   // Whether the tile's polygons, which reach one cell into what lies above it, meet the changes.
   static bool touched(const PlannedTile& tile, const std::vector<Box3>& changed) {
@@ -107,6 +121,8 @@ class CutModel {
     if (changed != nullptr) {
       add_difference(top_, contour.top, *changed);
       add_difference(contour.top, top_, *changed);
+      add_difference(above_, contour.above.leaves, *changed);
+      add_difference(contour.above.leaves, above_, *changed);
     }
     std::map<std::uint64_t, Tile> before;
     std::swap(before, tiles_);
@@ -123,6 +139,7 @@ class CutModel {
       ++stitched;
     }
     top_ = std::move(contour.top);
+    above_ = std::move(contour.above.leaves);
     return stitched;
   }
 
@@ -131,6 +148,7 @@ class CutModel {
   Simplifier simplifier_;
   VolumeBricks bricks_;
   std::vector<TopLeaf> top_;
+  std::vector<ClusterLeaf> above_;
   std::map<std::uint64_t, Tile> tiles_;
 };
 

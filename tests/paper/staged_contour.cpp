@@ -59,33 +59,6 @@ RootRecord root_of_homogeneous(const LabelGrid& labels) {
   return root;
 }
 
-void set_corner(const SignGrid& signs, int x, int y, int z, std::size_t corner, RootRecord& root) {
-  root.corner_signs |= static_cast<std::uint32_t>(signs.inside(x, y, z)) << corner;
-}
-void set_corner(const LabelGrid& labels, int x, int y, int z, std::size_t corner,
-                RootRecord& root) {
-  root.corners[corner] = labels.materials()[labels.at(x, y, z)];
-}
-
-template <class Grid>
-RootRecord root_of(const Grid& grid, const BrickFrame& frame, const BrickNodes& nodes,
-                   const ContourParameters& parameters, const BrickOctree& octree) {
-  RootRecord root;
-  const int side = frame.side();
-  for (int c = 0; c < 8; ++c)
-    set_corner(grid, side * (c & 1), side * (c >> 1 & 1), side * (c >> 2),
-               static_cast<std::size_t>(c), root);
-  const SheetCluster* whole = nodes.whole();
-  root.state = NodeState::split;
-  if (whole == nullptr || parameters.simplify.topology == Topology::free) return root;
-  root.state = NodeState::leaf;
-  root.qef = whole->qef;
-  root.clusters = whole->normals;
-  root.vertex = octree.vertices[0];
-  root.residual = whole->solution.residual;
-  return root;
-}
-
 std::uint64_t bytes_of(const BrickNodes& nodes, int levels) {
   std::uint64_t bytes = 0;
   for (int l = 0; l <= levels; ++l) {
@@ -200,16 +173,11 @@ void Simplifier::simplify(const HermiteBrick& brick, BrickOctree& out) {
     simplify(brick, brick.signs, out);
 }
 
-// As stages/build/build_brick.cpp, from the active cells on.
 template <class Grid>
 void Simplifier::simplify(const HermiteBrick& brick, const Grid& grid, BrickOctree& out) {
-  const ContourParameters& parameters = model_.parameters;
-  nodes_.simplify(brick.frame, grid, brick.cells, brick.edges, parameters);
-  leaves_.collect(brick.frame, brick.cells, nodes_, parameters, out);
-  emit_polygons(brick.frame, model_.volume.size, grid, brick.cells, leaves_, parameters, out);
-  make_ghost_layer(brick.cells, leaves_, std::is_same_v<Grid, LabelGrid>, marks_, out);
-  out.root = root_of(grid, brick.frame, nodes_, parameters, out);
-  node_bytes_ += bytes_of(nodes_, brick.frame.level);
+  build_octree(brick.frame, model_.volume.size, grid, brick.cells, brick.edges, model_.parameters,
+               scratch_, out);
+  node_bytes_ += bytes_of(scratch_.nodes, brick.frame.level);
 }
 
 VolumeBricks build_bricks(const ModelVolume& model) {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "stages/build/brick_leaves.h"
+#include "stages/build/cell_octree.h"
 #include "tests/paper/model_volume.h"
 
 namespace voxweld::paper {
@@ -39,9 +39,7 @@ class Simplifier {
   void simplify(const HermiteBrick& brick, const Grid& grid, BrickOctree& out);
 
   const ModelVolume& model_;
-  BrickNodes nodes_;
-  BrickLeaves leaves_;
-  std::vector<std::uint32_t> marks_;
+  CellOctreeScratch scratch_;
   std::uint64_t node_bytes_ = 0;
 };
 

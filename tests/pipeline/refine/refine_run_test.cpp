@@ -12,10 +12,11 @@ class Refined : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(Refined, IsTheSameWhateverThePartition) {
   const Scene scene(GetParam(), 96);
-  const Tree tree = scene.expect_one_tree(refined + Settings{"output.tile_vertices=2000"},
-                                          {{"work.brick=16", "work.shard=2", "run.threads=1"},
-                                           {"work.brick=32", "work.shard=1", "run.threads=3"},
-                                           {"work.brick=128", "work.shard=1", "work.copy=true"}});
+  const Tree tree = scene.expect_one_tree(
+      refined + Settings{"output.tile_vertices=2000"},
+      {{"work.brick=16", "work.shard=2", "run.threads=1"},
+       {"work.brick=32", "work.shard=1", "run.threads=3"},
+       {"work.brick=128", "work.shard=1", "work.copy=true", "run.memory=64GiB"}});
   EXPECT_GE(tree.size(), 6u);  // several tiles
 }
 
@@ -60,9 +61,10 @@ TEST(RefinedComplex, IsTheSameWhateverThePartition) {
   const Scene scene(leaning_labels({90, 80, 76}));
   const Settings settings = refined + Settings{"labels.mode=shared", "output.tile_vertices=1024"};
   const Tree tree = scene.expect_one_tree(
-      settings, {{"work.brick=16", "work.shard=2", "run.threads=1"},
-                 {"work.brick=32", "work.shard=1", "run.threads=3"},
-                 {"work.brick=128", "work.shard=1", "work.copy=true", "work.chunk=16"}});
+      settings,
+      {{"work.brick=16", "work.shard=2", "run.threads=1"},
+       {"work.brick=32", "work.shard=1", "run.threads=3"},
+       {"work.brick=128", "work.shard=1", "work.copy=true", "work.chunk=16", "run.memory=64GiB"}});
   EXPECT_GE(tree.size(), 5u);
   const Tree merged = merged_files(tree);
   EXPECT_EQ(

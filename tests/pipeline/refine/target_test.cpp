@@ -63,7 +63,7 @@ TEST(Target, IsTheSameWhateverThePartition) {
   const std::vector<Settings> variants = {
       {"work.brick=16", "work.shard=2", "run.threads=1"},
       {"work.brick=32", "work.shard=1", "run.threads=3"},
-      {"work.brick=128", "work.shard=1", "work.copy=true", "work.chunk=16"}};
+      {"work.brick=128", "work.shard=1", "work.copy=true", "work.chunk=16", "run.memory=64GiB"}};
   for (const char* ratio : {"0.4", "0.1"})
     scene.expect_one_tree(
         collapsing + Settings{"output.tile_vertices=3000", std::string("simplify.ratio=") + ratio},

@@ -27,10 +27,15 @@ void read_all_of_shard(const fs::path& path) {
   artifact.summary();
   artifact.nodes();
   read_history(ArtifactReader(path, shard_kind, shard_version));
+  const ArtifactReader file(path, shard_kind, shard_version);
   BrickOctree brick;
   // The tests' volumes have a few bricks a side.
-  for (std::uint64_t code = 0; code < 4096; ++code)
-    if (artifact.has_brick(code)) artifact.read_brick(code, brick);
+  for (std::uint64_t code = 0; code < 4096; ++code) {
+    if (!artifact.has_brick(code)) continue;
+    artifact.read_brick(code, brick);
+    read_whole_brick(file, code, brick);
+  }
+  for (const ShardNode& node : artifact.nodes()) artifact.clusters(node.key);
 }
 
 void read_all_of_top(const fs::path& path) {
@@ -39,6 +44,7 @@ void read_all_of_top(const fs::path& path) {
   artifact.tiles();
   artifact.shards();
   artifact.leaves(0, ~std::uint64_t{0} >> 1);
+  artifact.clusters();
 }
 
 void read_all_of_tile(const fs::path& path) {

@@ -48,7 +48,7 @@ std::vector<Settings> label_partitions() {
           {"work.brick=16", "work.shard=4", "run.threads=1"},
           {"work.brick=32", "work.shard=2", "work.copy=true", "work.chunk=8"},
           {"work.brick=64", "work.shard=1", "work.copy=true", "run.threads=1"},
-          {"work.brick=128"}};
+          {"work.brick=128", "run.memory=64GiB"}};
 }
 
 TEST(EachLabel, EveryPartitionGivesTheSameBytes) {

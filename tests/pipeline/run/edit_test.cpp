@@ -78,11 +78,12 @@ TEST(Edit, EveryPartitionGivesTheSameBytes) {
   const Scene scene("part", 64);
   const EditScene edits(scene);
   edits.set(mixed);
-  scene.expect_one_tree({"output.tile_vertices=1024"},
-                        {Settings{"work.brick=16", "work.shard=1", "work.chunk=16"},
-                         Settings{"work.brick=16", "work.shard=4"},
-                         Settings{"work.brick=32", "work.shard=2", "work.copy=true"},
-                         Settings{"work.brick=128", "work.shard=1", "run.threads=1"}});
+  scene.expect_one_tree(
+      {"output.tile_vertices=1024"},
+      {Settings{"work.brick=16", "work.shard=1", "work.chunk=16"},
+       Settings{"work.brick=16", "work.shard=4"},
+       Settings{"work.brick=32", "work.shard=2", "work.copy=true"},
+       Settings{"work.brick=128", "work.shard=1", "run.threads=1", "run.memory=64GiB"}});
 }
 
 TEST(Edit, ComesChangesAndGoesAsIfItHadBeenThereFromTheStart) {

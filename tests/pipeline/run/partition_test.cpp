@@ -17,7 +17,8 @@ std::vector<Settings> partitions() {
                      fmt::format("work.shard={}", 1 << column),
                      fmt::format("work.chunk={}", 8 << ((row + column) % 3)),
                      fmt::format("work.copy={}", (row + column) % 2 == 0),
-                     fmt::format("run.threads={}", 1 + (row / 2 + column) % 2)});
+                     fmt::format("run.threads={}", 1 + (row / 2 + column) % 2),
+                     "run.memory=64GiB"});  // of bricks of 128 the worst there is
   return all;
 }
 
