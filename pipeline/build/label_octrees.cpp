@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include "pipeline/stage/shard_memory.h"
-#include "storage/artifact/brick_levels_bytes.h"
 #include "storage/artifact/node_record_bytes.h"
 
 namespace voxweld {
@@ -96,7 +95,7 @@ std::uint64_t LabelOctrees::cut(Index3 brick, const BuiltBrick& built, const Art
     share_.reserve(cut_bytes(piece.bytes()));
     take_octree(from, piece, job_.grid.brick_level(), finer_);
     if (!has_surface(piece.head)) return put(piece.head.piece.key.material, finer_);
-    if (!names_what_it_has(finer_)) from.damaged("the parts of a piece contradict each other");
+    if (!can_be_cut(finer_)) from.damaged("the parts of a piece contradict each other");
     cutter_.cut(finer_, job_.parameters.simplify.tolerance, cut_);
     put(piece.head.piece.key.material, cut_);
   });

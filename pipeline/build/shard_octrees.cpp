@@ -5,7 +5,6 @@
 #include "pipeline/build/label_octrees.h"
 #include "pipeline/build/local_edits.h"
 #include "stages/build/cut_brick.h"
-#include "storage/artifact/brick_levels_bytes.h"
 
 namespace voxweld {
 
@@ -139,7 +138,7 @@ std::uint64_t SurfaceOctrees::cut(Index3 brick, const BuiltBrick& built,
   read_whole_brick(from, built.code, finer_);
   finer_.root = built.root;
   finer_.counts = built.counts;
-  if (!names_what_it_has(finer_)) from.damaged("the parts of a brick contradict each other");
+  if (!can_be_cut(finer_)) from.damaged("the parts of a brick contradict each other");
   cutter_.cut(finer_, job_.parameters.simplify.tolerance, brick_);
   put(key, brick_);
   share_.yield();

@@ -13,11 +13,15 @@ namespace voxweld {
 // brick takes so many bytes.
 std::uint64_t cut_bytes(std::uint64_t brick_bytes);
 
+// Whether every number in the octree names something of it. For what comes from files: a checksum
+// only says that it is what was written.
+bool can_be_cut(const BrickOctree& octree);
+
 class BrickCutter {
  public:
   // Fills `out` (cleared first) with what build_brick makes at this tolerance, to the bit.
   // finer: all that build_brick made of the brick at a smaller one or the same. tolerance: as
-  // SimplifyParameters has it. Precondition: finer.roots is there; the two are not one.
+  // SimplifyParameters has it. Preconditions: can_be_cut(finer); the two are not one.
   void cut(const BrickOctree& finer, double tolerance, BrickOctree& out);
 
  private:

@@ -24,9 +24,4 @@ void put_levels(const BrickLevels& levels, std::vector<std::byte>& out);
 // Precondition: bytes are as many as the size says.
 BrickLevels levels_of(std::span<const std::byte> bytes, const LevelsSize& size);
 
-// Whether every number in the octree names something of it, so that it can be cut
-// (stages/build/cut_brick.h). Files say so of what they read: a checksum only says that it is what
-// was written.
-bool names_what_it_has(const BrickOctree& octree);
-
 }  // namespace voxweld

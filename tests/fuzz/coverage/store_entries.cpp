@@ -5,6 +5,7 @@
 #include <cstring>
 #include <set>
 
+#include "stages/build/cut_brick.h"
 #include "storage/artifact/asset_record.h"
 #include "storage/artifact/collapse_survey_artifact.h"
 #include "storage/artifact/cube_mesh_artifact.h"
@@ -57,11 +58,25 @@ void read_shard(const fs::path& path) {
   const ShardArtifact shard(path);
   shard.summary();
   for (const ShardNode& node : shard.nodes()) shard.clusters(node.key);
+  const ArtifactReader file(path, shard_kind, shard_version);
+  BrickOctree brick, cut;
+  for (std::uint64_t code = 0; code < 64; ++code) {
+    if (!shard.has_brick(code)) continue;
+    read_whole_brick(file, code, brick);
+    if (can_be_cut(brick)) BrickCutter().cut(brick, 0.5, cut);
+  }
 }
 void read_label_shard(const fs::path& path) {
   const LabelShardArtifact shard(path);
   shard.summary();
   shard.each_piece([](const PieceRecord&) {});
+  const ArtifactReader file(path, label_shard_kind, label_shard_version);
+  BrickOctree brick, cut;
+  for (std::uint64_t code = 0; code < 64; ++code)
+    each_piece_in(file, code, [&](const PieceBytes& piece) {
+      take_octree(file, piece, min_brick_level, brick);
+      if (can_be_cut(brick)) BrickCutter().cut(brick, 0.5, cut);
+    });
   for (std::uint64_t page = 0; page < std::min<std::uint64_t>(shard.node_pages(), 16); ++page)
     shard.each_node(page, [&](const LabelNode& node, std::span<const std::byte>) {
       shard.clusters(node.material, node.node.key);
