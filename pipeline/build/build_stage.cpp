@@ -214,7 +214,8 @@ StageMemory build_memory(const BrickGrid& grid, const ShardMemory& shard) {
           0,
           shard.brick,
           fmt::format("one brick (work.brick = {})", std::int64_t{1} << grid.brick_level()),
-          "raise run.memory or lower work.brick",
+          grid.brick_level() > min_brick_level ? "raise run.memory or lower work.brick"
+                                               : "raise run.memory",
           shard.worker};
 }
 

@@ -177,12 +177,14 @@ void set_default_directories(const fs::path& path, Config& config) {
   if (config.output.directory.empty()) config.output.directory = base.string() + ".mesh";
 }
 
-// A brick's octree takes memory with its cells: up to 800 MiB of 64 cells a side where each sheet
+// A brick's octree takes memory with its cells: up to 810 MiB of 64 cells a side where each sheet
 // collapses by itself, an eighth of that for each halving. Chunks divide shards, so those given say
-// how small bricks may be.
+// how small bricks may be. And of shards of 16 bricks of 16 cells the records alone, which are
+// bounded less tightly there, take more than those of 32.
 std::int64_t fitting_brick(const WorkConfig& work, std::uint64_t memory, bool chunk_given) {
   constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20;
-  std::int64_t brick = memory >= 1024 * mebibyte ? 64 : memory >= 256 * mebibyte ? 32 : 16;
+  const std::int64_t least = work.shard < 16 ? 16 : 32;
+  std::int64_t brick = memory >= 1024 * mebibyte ? 64 : memory >= 256 * mebibyte ? 32 : least;
   while (chunk_given && brick < 64 && brick * work.shard < work.chunk) brick *= 2;
   return brick;
 }

@@ -197,6 +197,7 @@ TEST(Config, MakesBricksThatFitTheMemory) {
   EXPECT_EQ(brick("run.memory = \"256MiB\"\n"), 32);
   EXPECT_EQ(brick("run.memory = \"255MiB\"\n"), 16);
   EXPECT_EQ(brick("run.memory = \"64MiB\"\nwork.brick = 128\n"), 128);
+  EXPECT_EQ(brick("run.memory = \"64MiB\"\nwork.shard = 16\n"), 32);
   // Chunks that are given divide shards.
   EXPECT_EQ(brick("run.memory = \"64MiB\"\nwork.chunk = 128\n"), 32);
   EXPECT_EQ(brick("run.memory = \"64MiB\"\nwork.chunk = 64\nwork.shard = 1\n"), 64);
