@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # From a bare Debian 12 to a mesh and a picture of it: installs packages, builds, turns a scan of a
-# head into meshes, verifies and renders them.
+# head into meshes, verifies and renders them, and makes a coarser one.
 # Usage: pipeline/quickstart.sh [SCAN] [OUTPUT_DIR]
 #   SCAN: any volume voxweld reads. Default: an MR scan of the package mricron-data, or where that
 #   is missing a phantom. OUTPUT_DIR, default build/quickstart, is reused by the next run.
@@ -56,6 +56,10 @@ say "verify"
 
 say "render"
 "$voxweld" render "$mesh" -o "$output/mesh.png" --force --azimuth 205 --elevation 15
+
+say "a coarser mesh, from what the run has left"
+"$voxweld" extract "$output/quickstart.toml" --tolerance 0.5 -o "$output/coarse.glb" --force \
+  --set "output.directory=$mesh" --set "work.directory=$output/work"
 
 say "meshes"
 find "$mesh" -type f \( -name '*.drc' -o -name '*.glb' \) -printf '%10s bytes  %p\n' | sort -k3
