@@ -221,7 +221,7 @@ void BrickNodes::add_clusters(int l, std::size_t node) {
   }
   shape_node(l, node);
   const NodeShape shape = merger_.shape();
-  if (is_sealed(l, shape)) {
+  if (is_sealed(l, shape, parameters_.simplify.sealing)) {
     at.kinds[node] = NodeKind::blocked;
     return;
   }

@@ -94,10 +94,9 @@ std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
 
 }  // namespace
 
-bool is_sealed(int level, const NodeShape& shape) {
-  constexpr std::size_t most_clusters = 8, most_curves = 32, most_of_smallest_brick = 64;
-  if (level == 4) return shape.euler.size() > most_of_smallest_brick;
-  return level > 4 && (shape.euler.size() > most_clusters || shape.curves.size() > most_curves);
+bool is_sealed(int level, const NodeShape& shape, const SealingLimits& limits) {
+  if (level == 4) return shape.euler.size() > limits.clusters_of_smallest;
+  return level > 4 && (shape.euler.size() > limits.clusters || shape.curves.size() > limits.curves);
 }
 
 void ShapeMerger::begin(CellKey node) {

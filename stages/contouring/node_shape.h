@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "stages/contouring/cell_topology.h"
+#include "stages/contouring/parameters.h"
 #include "storage/types/face_curve.h"
 #include "storage/types/morton.h"
 
@@ -32,10 +33,8 @@ struct NodeShape {
   std::span<const CurvePair> pairs;     // ascending
 };
 
-// Whether a node of this level has so many clusters or curves that it is blocked, and all above it:
-// so what must be kept of a node is bounded. It goes by the level and the shape alone, and so is the
-// same however the volume is cut. (Level 4 is that of the smallest bricks.)
-bool is_sealed(int level, const NodeShape& shape);
+// Whether a node of this level is blocked, and all above it (SealingLimits).
+bool is_sealed(int level, const NodeShape& shape, const SealingLimits& limits);
 
 // When a cluster may become a vertex. Each rule can be left out, to show what comes of it.
 struct ClusterRules {

@@ -1,6 +1,7 @@
 // What the contouring depends on, besides the volume.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -33,6 +34,14 @@ struct SurfaceParameters {
   double noise = 0;
 };
 
+// Of topology = "manifold": a node with more clusters or curves (stages/contouring/node_shape.h) than
+// this collapses no more, nor does any above it. So what must be kept of a node is bounded. It goes by
+// the level and the shape alone, and so is the same however the volume is cut.
+struct SealingLimits {
+  std::size_t clusters = 8, curves = 32;  // from level 5 on; curves: at least 6, those of a disc
+  std::size_t clusters_of_smallest = 64;  // at level 4, that of the smallest bricks
+};
+
 struct SimplifyParameters {
   bool enabled = true;
   double tolerance = 0.1;  // in the units of the spacing
@@ -43,6 +52,7 @@ struct SimplifyParameters {
   // How far out of a finest cell its vertex is sought, in cells. Stitch puts it back inside; refine,
   // which knows what is around it, may not. (A larger leaf keeps the tolerance inside.)
   double overhang = 0;
+  SealingLimits sealing;  // fixed, but for tests
 };
 
 struct LabelParameters {

@@ -43,6 +43,7 @@ ClusterReduction::ClusterReduction(CellKey root, int domain_level,
     : root_(root),
       domain_level_(domain_level),
       spacing_(parameters.spacing),
+      sealing_(parameters.simplify.sealing),
       solver_(parameters),
       sum_(parameters) {}
 
@@ -106,7 +107,7 @@ bool ClusterReduction::find_shape(const OpenNode& node) {
     merger_.add(static_cast<int>(octant), {euler_[octant], child.curves, child.pairs});
   }
   merger_.merge();
-  return !is_sealed(node.key.level, merger_.shape());
+  return !is_sealed(node.key.level, merger_.shape(), sealing_);
 }
 
 ClusterReduction::Child ClusterReduction::merge(const OpenNode& node) {

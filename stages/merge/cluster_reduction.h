@@ -64,6 +64,7 @@ class ClusterReduction {
   CellKey root_;
   int domain_level_;
   Vec3 spacing_;
+  SealingLimits sealing_;
   NodeSolver solver_;
   ClusterSum sum_;
   ShapeMerger merger_;

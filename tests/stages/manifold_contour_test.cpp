@@ -86,6 +86,27 @@ TEST(ManifoldContour, KeepsTheTopologyOfTheUnsimplifiedMesh) {
   }
 }
 
+// Where hardly any node may go on, what it holds stays as it is, in bricks and above them.
+TEST(ManifoldContour, NodesThatAreSealedEarlyKeepWhatTheyHold) {
+  std::uint64_t more = 0;
+  for (const Case& c : cases()) {
+    if (c.tolerance < 0.5) continue;
+    ContourParameters sealed = by_sheets(c.tolerance), fine = sealed;
+    sealed.simplify.sealing = {2, 8, 2};
+    fine.simplify.enabled = false;
+    const VolumeContour first = contour(c.volume, sealed, 4);
+    EXPECT_EQ(summary(first), summary(contour(c.volume, fine, 5)));
+    const VolumeContour usual = contour(c.volume, by_sheets(c.tolerance), 5);
+    EXPECT_GE(first.counts.vertices, usual.counts.vertices);
+    more += first.counts.vertices - usual.counts.vertices;
+    const VolumeContour other = contour(c.volume, sealed, 6);
+    EXPECT_EQ(other.tiles.at(0).positions, first.tiles.at(0).positions);
+    EXPECT_EQ(other.tiles.at(0).triangles, first.tiles.at(0).triangles);
+    EXPECT_EQ(other.counts.leaves, first.counts.leaves);
+  }
+  EXPECT_GT(more, 1000u);
+}
+
 // What merge knows to be above the bricks are vertices of the mesh, and nothing that a larger one has
 // taken in.
 TEST(ManifoldContour, EachVertexAboveBricksIsOfTheMesh) {
