@@ -271,7 +271,7 @@ std::uint64_t build_sheets_bytes(int level, std::uint64_t active_cells, std::uin
   // these went, and a vertex, with levels above it. Vectors may have grown to twice their content,
   // but those of the finest clusters.
   const std::uint64_t per_cell = 48 + std::uint64_t{2} * 9 * sizeof(FaceCurve);
-  const std::uint64_t levels = 2 * 8 + 2 * (sizeof(KeptCluster) + sizeof(BlockMerge) + 12);
+  const std::uint64_t levels = 16 + 2 * (sizeof(KeptCluster) + sizeof(BlockMerge) + 12);
   const std::uint64_t per_sheet = 3 * sizeof(SheetCluster) + 3 * sizeof(LeafVertex) + 64 + levels;
   return surface_bytes(level, active_cells) + active_cells * per_cell + sheets * per_sheet;
 }

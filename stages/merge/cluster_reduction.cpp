@@ -43,9 +43,9 @@ ClusterReduction::ClusterReduction(CellKey root, int domain_level,
     : root_(root),
       domain_level_(domain_level),
       spacing_(parameters.spacing),
-      sealing_(parameters.simplify.sealing),
       solver_(parameters),
-      sum_(parameters) {}
+      sum_(parameters),
+      sealing_(parameters.simplify.sealing) {}
 
 void ClusterReduction::push(CellKey key, const NodeRecord& record) {
   if (key != root_) {

@@ -64,7 +64,6 @@ class ClusterReduction {
   CellKey root_;
   int domain_level_;
   Vec3 spacing_;
-  SealingLimits sealing_;
   NodeSolver solver_;
   ClusterSum sum_;
   ShapeMerger merger_;
@@ -75,6 +74,7 @@ class ClusterReduction {
   Child whole_;
   ReducedNode result_;
   std::uint64_t collapsed_ = 0;
+  SealingLimits sealing_;
 };
 
 // Of one shard-sized cube.

@@ -12,7 +12,6 @@
 namespace voxweld {
 namespace {
 
-using testing::error_of;
 using ::testing::HasSubstr;
 using testing::least_config;
 using testing::parse;
