@@ -107,9 +107,13 @@ void BoxRefiner::put_out() {
     if (a.first != b.first) return a.first < b.first;
     return mesh_of(a).ids_of(a.triangle) < mesh_of(b).ids_of(b.triangle);
   });
+  std::vector<MeshGather::Part> parts;
+  parts.reserve(refined_.size());
+  for (const auto& mesh : refined_) parts.emplace_back(*mesh);
   for (const Done& done : done_) {
-    const RefineMesh& mesh = mesh_of(done);
-    out_.add_triangle(mesh, done.triangle, done.intersects != 0);
+    MeshGather::Part& part = done.mesh == 0 ? as_it_was_ : parts[done.mesh - 1];
+    const RefineMesh& mesh = part.mesh();
+    out_.add_triangle(part, done.triangle, done.intersects != 0);
     each_sample_distance(mesh, done.triangle, [&](double d) { counts_.add_distance(d); });
   }
   done_.clear();

@@ -31,7 +31,7 @@ class BoxRefiner {
  public:
   // All three outlive it.
   BoxRefiner(const RefineMesh& mesh, const RefineParameters& parameters, RefineCounts& counts)
-      : mesh_(mesh), parameters_(parameters), counts_(counts), extract_(mesh) {}
+      : mesh_(mesh), parameters_(parameters), counts_(counts), extract_(mesh), as_it_was_(mesh) {}
 
   // For what comes out.
   void reserve(const MeshSize& size) {
@@ -70,6 +70,7 @@ class BoxRefiner {
   Extract extract_;
   std::vector<std::unique_ptr<RefineMesh>> refined_;
   std::vector<Done> done_;  // of the box at hand
+  MeshGather::Part as_it_was_;
   MeshGather out_;
 };
 

@@ -4,28 +4,60 @@
 #include <numeric>
 
 namespace voxweld {
+namespace {
+
+// Of each vertex its place by id.
+std::vector<std::uint32_t> places_by_id(const std::vector<VertexId>& ids) {
+  std::vector<std::pair<VertexId, std::uint32_t>> order;
+  order.reserve(ids.size());
+  for (const VertexId id : ids) order.emplace_back(id, static_cast<std::uint32_t>(order.size()));
+  std::sort(order.begin(), order.end());
+  std::vector<std::uint32_t> places(ids.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) places[order[i].second] = i;
+  return places;
+}
+
+template <class T>
+std::vector<T> moved(const std::vector<T>& from, const std::vector<std::uint32_t>& places) {
+  std::vector<T> to(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) to[places[i]] = from[i];
+  return to;
+}
+
+// Triangles by their corners, each with its number in the mesh. Few have the same first one, so they
+// are put there at once.
+using NumberedCorners = std::pair<Corners, std::uint32_t>;
+std::vector<NumberedCorners> by_corners(const RefineMesh& mesh,
+                                        const std::vector<std::uint32_t>& places) {
+  std::vector<std::uint32_t> ends(places.size() + 1);
+  for (const auto& c : mesh.triangles) ++ends[places[c[0]] + 1];
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  std::vector<NumberedCorners> sorted(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& c = mesh.triangles[t];
+    const Corners corners{places[c[0]], places[c[1]], places[c[2]]};
+    sorted[ends[corners[0]]++] = {corners, t};
+  }
+  for (std::size_t begin = 0, end = 0; begin < sorted.size(); begin = end) {
+    while (end < sorted.size() && sorted[end].first[0] == sorted[begin].first[0]) ++end;
+    std::sort(sorted.begin() + static_cast<std::ptrdiff_t>(begin),
+              sorted.begin() + static_cast<std::ptrdiff_t>(end));
+  }
+  return sorted;
+}
+
+}  // namespace
+
 EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box)
     : box_(box), grid_(box, mesh.triangles.size()) {
   const auto n = static_cast<std::uint32_t>(mesh.positions.size());
-  std::vector<std::uint32_t> order(n), number(n);
-  std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return mesh.ids[a] < mesh.ids[b]; });
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const std::uint32_t v = order[i];
-    number[v] = i;
-    positions_.push_back(mesh.positions[v]);
-    ids_.push_back(mesh.ids[v]);
-    if (!mesh.aims.empty()) aims_.push_back(mesh.aims[v]);
-    if (!mesh.normals.empty()) normals_.push_back(mesh.normals[v]);
-  }
   const auto m = static_cast<std::uint32_t>(mesh.triangles.size());
-  std::vector<std::pair<Corners, std::uint32_t>> sorted(m);
-  for (std::uint32_t t = 0; t < m; ++t) {
-    for (std::size_t k = 0; k < 3; ++k) sorted[t].first[k] = number[mesh.triangles[t][k]];
-    sorted[t].second = t;
-  }
-  std::sort(sorted.begin(), sorted.end());
+  const std::vector<std::uint32_t> places = places_by_id(mesh.ids);
+  positions_ = moved(mesh.positions, places);
+  ids_ = moved(mesh.ids, places);
+  if (!mesh.aims.empty()) aims_ = moved(mesh.aims, places);
+  if (!mesh.normals.empty()) normals_ = moved(mesh.normals, places);
+  const std::vector<NumberedCorners> sorted = by_corners(mesh, places);
   heads_.assign(n, none);
   versions_.assign(n, 0);
   uses_.assign(n, 0);
@@ -59,7 +91,8 @@ EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box)
   }
   freedom_.resize(n, Freedom::fixed);
   kinds_.resize(n, StarKind::point);
-  for (std::uint32_t v = 0; v < n; ++v) find_freedom(v);
+  std::vector<LinkEdge> link;
+  for (std::uint32_t v = 0; v < n; ++v) find_freedom(v, link);
 }
 
 void EditMesh::set_shape(std::uint32_t t, const LatticeTriangle& shape, const Index3& plane) {
@@ -83,9 +116,9 @@ void EditMesh::unlink(std::uint32_t t) {
   }
 }
 
-void EditMesh::find_freedom(std::uint32_t v) {
+void EditMesh::find_freedom(std::uint32_t v, std::vector<LinkEdge>& link) {
   if (!box_.contains(positions_[v])) return;
-  std::vector<LinkEdge> link;
+  link.clear();
   bool all_inside = true;
   each_around(v, [&](std::uint32_t t) {
     const Corners& c = triangles_[t];

@@ -168,7 +168,7 @@ class EditMesh {
   void mark_old(const Change& change);
   void link(std::uint32_t t);
   void unlink(std::uint32_t t);
-  void find_freedom(std::uint32_t v);
+  void find_freedom(std::uint32_t v, std::vector<LinkEdge>& link);  // link: room for it
   bool hit(std::uint32_t t, const Corners& corners, const LatticeTriangle& own,
            const Index3& normal) const;
   bool apart(std::uint32_t t, const LatticeTriangle& shape, const Index3& normal) const;

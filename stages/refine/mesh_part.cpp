@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "stages/refine/refine_range.h"
+#include "stages/refine/vertex_cubes.h"
 
 namespace voxweld {
 namespace {
@@ -58,28 +58,43 @@ std::uint32_t Extract::number(std::uint32_t v, RefineMesh& part, std::vector<std
 void MeshGather::add(const RefineMesh& part, const std::function<bool(std::size_t)>& takes) {
   if (part.triangles.empty()) return;
   mesh_.checked = part.checked && (mesh_.checked || mesh_.triangles.empty());
+  Part from(part);
   for (std::uint32_t t = 0; t < part.triangles.size(); ++t)
-    if (takes(t)) add_triangle(part, t, part.intersects(t));
+    if (takes(t)) add_triangle(from, t, part.intersects(t));
 }
 
-void MeshGather::add_triangle(const RefineMesh& part, std::uint32_t triangle, bool intersects) {
+template <class Number>
+void MeshGather::add_triangle(const RefineMesh& part, std::uint32_t triangle, bool intersects,
+                              Number&& number) {
   const auto as = static_cast<std::uint32_t>(mesh_.triangles.size());
   copy_notes(part, triangle, mesh_, as);
   if (intersects) mesh_.intersecting.push_back(as);
   auto corners = part.triangles[triangle];
-  for (std::uint32_t& v : corners) v = number(part, v);
+  for (std::uint32_t& v : corners) v = number(v);
   mesh_.triangles.push_back(corners);
+}
+
+void MeshGather::add_triangle(const RefineMesh& part, std::uint32_t triangle, bool intersects) {
+  add_triangle(part, triangle, intersects, [&](std::uint32_t v) { return number(part, v); });
+}
+
+void MeshGather::add_triangle(Part& part, std::uint32_t triangle, bool intersects) {
+  add_triangle(part.mesh(), triangle, intersects, [&](std::uint32_t v) {
+    std::uint32_t& known = part.numbers_[v];
+    if (known == VertexNumbers::none) known = number(part.mesh(), v);
+    return known;
+  });
 }
 
 std::uint32_t MeshGather::number(const RefineMesh& part, std::uint32_t v) {
   const auto next = static_cast<std::uint32_t>(mesh_.positions.size());
-  const auto [at, is_new] = number_.try_emplace(part.ids[v].bits, next);
-  if (is_new) append_vertex(part, v, mesh_);
-  return at->second;
+  const std::uint32_t number = numbers_.find_or_add(part.ids[v], next);
+  if (number == next) append_vertex(part, v, mesh_);
+  return number;
 }
 
 RefineMesh MeshGather::take() {
-  number_.clear();
+  numbers_.clear();
   return std::exchange(mesh_, {});
 }
 
@@ -92,7 +107,7 @@ void MeshGather::reserve(std::uint64_t vertices, std::uint64_t triangles, std::u
   mesh_.triangles.reserve(triangles);
   mesh_.sides.reserve(sided);
   mesh_.samples.reserve(samples);
-  number_.reserve(vertices);
+  numbers_.reserve(vertices);
 }
 
 std::uint64_t mesh_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples,
@@ -103,13 +118,12 @@ std::uint64_t mesh_bytes(std::uint64_t vertices, std::uint64_t triangles, std::u
 
 std::uint64_t gather_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples,
                            std::uint64_t sided) {
-  // The table has a node and some places for each vertex.
-  return mesh_bytes(vertices, triangles, samples, sided) + vertices * 52;
+  return mesh_bytes(vertices, triangles, samples, sided) + vertices * VertexNumbers::bytes + 64;
 }
 
 std::uint64_t piece_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t sided) {
   // Lists of triangles, which have grown; numbers of vertices; one piece, at worst all there is.
-  return triangles * (12 + 2 * triangle_bytes) + vertices * (8 + 2 * vertex_bytes) +
+  return triangles * (12 + 2 * triangle_bytes) + vertices * (10 + 2 * vertex_bytes) +
          2 * sided * sides_bytes;
 }
 
@@ -119,12 +133,17 @@ void each_piece(const RefineMesh& mesh, const CubeLattice& cubes,
     std::vector<std::uint32_t> inside, leaving;
   };
   std::map<std::pair<std::uint64_t, std::uint64_t>, Chosen> pieces;  // by code and cube
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Index3 home = home_of(mesh, t, cubes);
-    Chosen& piece = pieces[{cubes.code(home), morton_encode(home)}];
-    const LatticeBox box = mesh.box(t);
-    const bool leaves = cubes.cube_of(box.lo) != home || cubes.cube_of(box.hi) != home;
-    (leaves ? piece.leaving : piece.inside).push_back(t);
+  {
+    const VertexCubes places(mesh, cubes);
+    Index3 home{-1, -1, -1};
+    Chosen* piece = nullptr;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (places.home(t) != home) {  // triangles come in the order of some lattice
+        home = places.home(t);
+        piece = &pieces[{cubes.code(home), morton_encode(home)}];
+      }
+      (places.is_inside(t) ? piece->inside : piece->leaving).push_back(t);
+    }
   }
   Extract extract(mesh);
   for (const auto& [place, chosen] : pieces)

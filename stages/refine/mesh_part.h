@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <functional>
 #include <span>
-#include <unordered_map>
 
 #include "stages/refine/cube_lattice.h"
+#include "stages/refine/vertex_numbers.h"
 #include "storage/types/refine_mesh.h"
 
 namespace voxweld {
@@ -38,6 +38,19 @@ class Extract {
 // use. It is checked where all parts are.
 class MeshGather {
  public:
+  // A mesh to take triangles from. Its vertices are looked up once each. The mesh outlives it.
+  class Part {
+   public:
+    explicit Part(const RefineMesh& mesh)
+        : mesh_(&mesh), numbers_(mesh.positions.size(), VertexNumbers::none) {}
+    const RefineMesh& mesh() const { return *mesh_; }
+
+   private:
+    friend class MeshGather;
+    const RefineMesh* mesh_;
+    std::vector<std::uint32_t> numbers_;  // in what is put together
+  };
+
   // Makes room for so many, so that gather_bytes() is enough.
   void reserve(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples,
                std::uint64_t sided = 0);
@@ -46,15 +59,21 @@ class MeshGather {
   }
   // The triangles of the part for which takes(number) holds.
   void add(const RefineMesh& part, const std::function<bool(std::size_t)>& takes);
+  // One triangle; with Part where there are many. Precondition: nothing was taken out since the first
+  // one of this Part.
   void add_triangle(const RefineMesh& part, std::uint32_t triangle, bool intersects);
+  void add_triangle(Part& part, std::uint32_t triangle, bool intersects);
   const RefineMesh& mesh() const { return mesh_; }
   RefineMesh take();
 
  private:
   std::uint32_t number(const RefineMesh& part, std::uint32_t v);
+  template <class Number>
+  void add_triangle(const RefineMesh& part, std::uint32_t triangle, bool intersects,
+                    Number&& number);
 
   RefineMesh mesh_;
-  std::unordered_map<std::uint64_t, std::uint32_t> number_;
+  VertexNumbers numbers_;
 };
 
 // Bytes of a mesh in memory. sided: how many of the triangles have sides.

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <cstring>
+#include <vector>
 
 #include "storage/types/lattice_box.h"
 
@@ -18,6 +20,19 @@ inline bool all_set(EightShorts comparison) {
   std::uint64_t halves[2];
   std::memcpy(halves, &comparison, sizeof halves);
   return (halves[0] & halves[1]) == ~std::uint64_t{0};
+}
+
+// A bit for each that is set.
+inline std::uint32_t bits_of(EightShorts comparison) {
+#ifdef __SSE2__
+  return static_cast<std::uint32_t>(
+             __builtin_ia32_pmovmskb128(__builtin_ia32_packsswb128(comparison, comparison))) &
+         0xffu;
+#else
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < 8; ++i) bits |= comparison[i] != 0 ? std::uint32_t{1} << i : 0;
+  return bits;
+#endif
 }
 
 // Rounds corners outwards to 16 bits, relative to a place near which the boxes lie.
@@ -95,6 +110,49 @@ class BoxQuery {
   EightShorts most_{};
 };
 
+// Boxes with a number each, of which eight are held against another at once.
+class BoxList {
+ public:
+  bool empty() const { return count_ == 0; }
+  void clear() { count_ = 0; }
+  void add(const PackedBox& box) {
+    if (count_ % lanes == 0) {
+      if (count_ / lanes == groups_.size()) groups_.emplace_back();
+      for (EightShorts& end : groups_[count_ / lanes].ends)
+        end = EightShorts{} + INT16_MAX;  // none
+    }
+    Group& group = groups_[count_ / lanes];
+    for (std::size_t k = 0; k < 6; ++k) group.ends[k][count_ % lanes] = box.lanes[k];
+    group.numbers[count_ % lanes] = box.number();
+    ++count_;
+  }
+  // f(number) of each that may meet the box, in the order in which they were added.
+  template <class F>
+  void each_meeting(const PackedBox& box, F&& f) const {
+    EightShorts most[6];
+    for (std::size_t a = 0; a < 3; ++a) {
+      most[a] = EightShorts{} + static_cast<std::int16_t>(-box.lanes[a + 3]);
+      most[a + 3] = EightShorts{} + static_cast<std::int16_t>(-box.lanes[a]);
+    }
+    for (std::size_t g = 0; g * lanes < count_; ++g) {
+      const Group& group = groups_[g];
+      EightShorts meets = group.ends[0] <= most[0];
+      for (std::size_t k = 1; k < 6; ++k) meets &= group.ends[k] <= most[k];
+      for (std::uint32_t bits = bits_of(meets); bits != 0; bits &= bits - 1)
+        f(group.numbers[static_cast<std::size_t>(std::countr_zero(bits))]);
+    }
+  }
+
+ private:
+  static constexpr std::size_t lanes = 8;
+  struct Group {
+    EightShorts ends[6];
+    std::array<std::uint32_t, lanes> numbers;
+  };
+  std::vector<Group> groups_;
+  std::size_t count_ = 0;
+};
+
 // Some boxes to hold others against, eight at a time.
 class BoxQueries {
  public:
@@ -131,13 +189,7 @@ class BoxQueries {
   static std::uint32_t meeting(const Group& group, const EightShorts& box) {
     EightShorts meets = group.most[0] >= box[0];
     for (std::size_t k = 1; k < 6; ++k) meets &= group.most[k] >= box[k];
-    meets &= EightShorts{1, 2, 4, 8, 16, 32, 64, 128};
-    std::uint64_t halves[2];
-    std::memcpy(halves, &meets, sizeof halves);
-    std::uint64_t bits = halves[0] | halves[1];
-    bits |= bits >> 32;
-    bits |= bits >> 16;
-    return static_cast<std::uint32_t>(bits & 0xff);
+    return bits_of(meets);
   }
 
   const BoxPacker& pack_;

@@ -7,6 +7,7 @@
 #include "stages/refine/box_refiner.h"
 #include "stages/refine/fixed_pairs.h"
 #include "stages/refine/refine_cube.h"
+#include "stages/refine/vertex_cubes.h"
 
 namespace voxweld {
 namespace {
@@ -26,6 +27,7 @@ class RangeRefiner {
         own_(own),
         parameters_(parameters),
         counts_(counts),
+        places_(mesh, cubes),
         refiner_(mesh, parameters, counts) {}
 
   RefineMesh run() {
@@ -43,7 +45,7 @@ class RangeRefiner {
     CollapseSurvey sum;
     sum.left.resize(tolerances.size());
     for (const std::uint32_t t : crossing_) {
-      if (!own_.contains(cubes_.code(home_of(mesh_, t, cubes_)))) continue;
+      if (!is_own(t)) continue;
       ++sum.fixed;
       const LatticeBox box = mesh_.box(t);
       sum.held += others.cube_of(box.lo) == others.cube_of(box.hi) ? 0 : 1;
@@ -62,6 +64,9 @@ class RangeRefiner {
   }
 
  private:
+  bool is_own(std::size_t triangle) const {
+    return own_.contains(cubes_.code(places_.home(triangle)));
+  }
   void sort_into_cubes();
   void find_pairs();
   void refine_one(Index3 cube, const TriangleNumbers& triangles);
@@ -71,6 +76,7 @@ class RangeRefiner {
   const CubeRange& own_;
   const RefineParameters& parameters_;
   RefineCounts& counts_;
+  const VertexCubes places_;
   BoxRefiner refiner_;
   std::map<Cube, TriangleNumbers> populated_;  // with triangles at home: all that meet the cube
   TriangleNumbers crossing_;                   // triangles with corners in several cubes
@@ -80,50 +86,32 @@ class RangeRefiner {
 void RangeRefiner::sort_into_cubes() {
   std::unordered_map<std::uint64_t, TriangleNumbers*> found;
   const auto count = static_cast<std::uint32_t>(mesh_.triangles.size());
-  struct Place {
-    std::uint16_t x, y, z;
-    bool operator==(const Place&) const = default;
-  };
-  std::vector<Place> place_of;  // of each vertex its cube
-  place_of.reserve(mesh_.positions.size());
-  for (const LatticePoint& p : mesh_.positions) {
-    const Index3 cube = cubes_.cube_of(p);
-    place_of.push_back({static_cast<std::uint16_t>(cube.x), static_cast<std::uint16_t>(cube.y),
-                        static_cast<std::uint16_t>(cube.z)});
-  }
   std::vector<bool> used(mesh_.positions.size());
   std::uint64_t triangles = 0;
   for (std::uint32_t t = 0; t < count; ++t) {
-    const auto& c = mesh_.triangles[t];
-    const Place place = place_of[c[0]];
-    const Index3 home{place.x, place.y, place.z};
-    if (place_of[c[1]] != place || place_of[c[2]] != place) crossing_.push_back(t);
+    if (!places_.is_inside(t)) crossing_.push_back(t);
+    const Index3 home = places_.home(t);
     const std::uint64_t code = cubes_.code(home), number = morton_encode(home);
     if (!own_.contains(code)) continue;
     found.try_emplace(number, &populated_[{code, number}]);
     ++triangles;
-    for (const std::uint32_t v : c) used[v] = true;
+    for (const std::uint32_t v : mesh_.triangles[t]) used[v] = true;
   }
   const auto vertices = static_cast<std::uint64_t>(std::count(used.begin(), used.end(), true));
   std::uint64_t samples = vertices;  // that go or move
-  for (const SurfaceSample& sample : mesh_.samples)
-    samples += own_.contains(cubes_.code(home_of(mesh_, sample.triangle, cubes_))) ? 1 : 0;
+  for (const SurfaceSample& sample : mesh_.samples) samples += is_own(sample.triangle) ? 1 : 0;
   refiner_.reserve({vertices, triangles, samples, mesh_.sides.empty() ? 0 : triangles});
-  for (std::uint32_t t = 0; t < count; ++t) {
-    const LatticeBox box = mesh_.box(t);
-    const Index3 lo = cubes_.cube_of(box.lo), hi = cubes_.cube_of(box.hi);
-    each_index({lo, hi + splat(1)}, [&](Index3 cube) {
+  for (std::uint32_t t = 0; t < count; ++t)
+    each_index(places_.around(t), [&](Index3 cube) {
       const auto at = found.find(morton_encode(cube));
       if (at != found.end()) at->second->push_back(t);
     });
-  }
 }
 
 void RangeRefiner::find_pairs() {
   if (parameters_.intersections == IntersectionRule::ignore) return;
   std::vector<FixedTriangle> fixed;
-  for (const std::uint32_t t : crossing_)
-    fixed.push_back({t, false, own_.contains(cubes_.code(home_of(mesh_, t, cubes_)))});
+  for (const std::uint32_t t : crossing_) fixed.push_back({t, false, is_own(t)});
   for (const auto& [cube, triangles] : populated_) {
     each_part(
         mesh_, cubes_.box(morton_decode(cube.number)), triangles, [](const auto&, const auto&) {},
@@ -141,7 +129,7 @@ void RangeRefiner::refine_one(Index3 cube, const TriangleNumbers& triangles) {
   const LatticeBox box = cubes_.box(cube);
   TriangleNumbers leaving;
   for (const std::uint32_t t : triangles)
-    if (home_of(mesh_, t, cubes_) == cube && !lies_in(mesh_, t, box)) leaving.push_back(t);
+    if (places_.home(t) == cube && !lies_in(mesh_, t, box)) leaving.push_back(t);
   refiner_.refine({box, triangles, leaving, fixed_});
 }
 
@@ -165,11 +153,11 @@ CollapseSurvey survey_range(const RefineMesh& mesh, const CubeLattice& cubes,
 }
 
 std::uint64_t refine_bytes(const MeshSize& all, const MeshSize& own) {
-  // Cubes of vertices, lists of triangles; then of the cube at hand what was done and what is to be
+  // Cubes of vertices and their numbers in what is put together, lists of triangles; then of the cube at hand what was done and what is to be
   // put in order; and what comes out.
-  const std::uint64_t sorting = all.vertices * 6 + all.triangles * 12;
-  const std::uint64_t done =
-      mesh_bytes(own.vertices, own.triangles, own.samples, own.sided) + own.triangles * 32;
+  const std::uint64_t sorting = all.vertices * (VertexCubes::bytes + 8) + all.triangles * 12;
+  const std::uint64_t done = mesh_bytes(own.vertices, own.triangles, own.samples, own.sided) +
+                             own.vertices * 4 + own.triangles * 32;
   const std::uint64_t out = gather_bytes(own.vertices, own.triangles, own.samples, own.sided);
   // EditMesh and the queue of edges of one part.
   const std::uint64_t part = std::min<std::uint64_t>(all.triangles, most_part_triangles) * 320 +

@@ -1,6 +1,16 @@
 #include "stages/refine/triangle_grid.h"
 
 namespace voxweld {
+namespace {
+
+// log2 of the size of bins of which no more than `side` cover the extent.
+int shift_for(std::int32_t extent, std::int32_t side) {
+  int shift = 0;
+  while (extent >> shift >= side) ++shift;
+  return shift;
+}
+
+}  // namespace
 
 TriangleGrid::TriangleGrid(const LatticeBox& box, std::size_t triangles) : lo_(box.lo), pack_(box) {
   slots_.reserve(triangles);
@@ -8,7 +18,7 @@ TriangleGrid::TriangleGrid(const LatticeBox& box, std::size_t triangles) : lo_(b
   for (std::int32_t side = triangles > 20000 ? 32 : 16; side >= 1; side /= 4) {
     if (side == 2) side = 1;
     Level level{side, {}, first, 0};
-    for (std::size_t a = 0; a < 3; ++a) level.size[a] = (box.hi[a] - box.lo[a]) / side + 1;
+    for (std::size_t a = 0; a < 3; ++a) level.shift[a] = shift_for(box.hi[a] - box.lo[a], side);
     const auto bins = static_cast<std::size_t>(side);
     first += bins * bins * bins;
     levels_.push_back(level);
@@ -18,9 +28,9 @@ TriangleGrid::TriangleGrid(const LatticeBox& box, std::size_t triangles) : lo_(b
 
 std::size_t TriangleGrid::level_of(const LatticeBox& box) const {
   for (std::size_t l = 0; l + 1 < levels_.size(); ++l) {
-    const LatticePoint& size = levels_[l].size;
-    if (box.hi[0] - box.lo[0] <= size[0] && box.hi[1] - box.lo[1] <= size[1] &&
-        box.hi[2] - box.lo[2] <= size[2])
+    const std::array<int, 3>& shift = levels_[l].shift;
+    if (box.hi[0] - box.lo[0] <= 1 << shift[0] && box.hi[1] - box.lo[1] <= 1 << shift[1] &&
+        box.hi[2] - box.lo[2] <= 1 << shift[2])
       return l;
   }
   return levels_.size() - 1;

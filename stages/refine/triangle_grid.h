@@ -36,7 +36,8 @@ class TriangleGrid {
   // are both taken in both orders. Quicker than each_near of all: those of one bin look around together.
   template <class Takes, class F>
   void each_pair(Takes&& takes, F&& f) const {
-    std::vector<PackedBox> own, near;
+    std::vector<PackedBox> own;
+    BoxList near;
     for (const std::vector<PackedBox>& bin : bins_) {
       own.clear();
       near.clear();
@@ -47,14 +48,13 @@ class TriangleGrid {
       for (const PackedBox& one : own) all.extend(one);
       const BoxQuery around(all);
       none_of_bins(all.box(pack_), [&](const PackedBox& one) {
-        if (around.meets(one)) near.push_back(one);
+        if (around.meets(one)) near.add(one);
         return false;
       });
-      for (const PackedBox& one : own) {
-        const BoxQuery query(one);
-        for (const PackedBox& other : near)
-          if (query.meets(other) && other.number() != one.number()) f(one.number(), other.number());
-      }
+      for (const PackedBox& one : own)
+        near.each_meeting(one, [&](std::uint32_t other) {
+          if (other != one.number()) f(one.number(), other);
+        });
     }
   }
   BoxQueries queries() const { return BoxQueries(pack_); }
@@ -73,10 +73,10 @@ class TriangleGrid {
  private:
   using Place = std::array<std::int32_t, 3>;
   struct Level {
-    std::int32_t side = 1;  // bins a side
-    LatticePoint size{};    // of a bin
-    std::size_t first = 0;  // of its bins
-    std::size_t count = 0;  // triangles in it
+    std::int32_t side = 1;       // bins a side
+    std::array<int, 3> shift{};  // log2 of their sizes
+    std::size_t first = 0;       // of its bins
+    std::size_t count = 0;       // triangles in it
   };
   static std::size_t number(const Level& level, const Place& at) {
     return level.first +
@@ -86,21 +86,23 @@ class TriangleGrid {
   bool none_of_bins(const LatticeBox& box, F&& f) const {
     for (const Level& level : levels_) {
       if (level.count == 0) continue;
-      LatticePoint below = box.lo;
-      for (std::size_t a = 0; a < 3; ++a) below[a] -= level.size[a];
-      const Place lo = place(level, below), hi = place(level, box.hi);
+      Place lo = place(level, box.lo);
+      const Place hi = place(level, box.hi);
+      for (std::int32_t& at : lo) at = std::max(at - 1, 0);
       for (std::int32_t z = lo[2]; z <= hi[2]; ++z)
-        for (std::int32_t y = lo[1]; y <= hi[1]; ++y)
-          for (std::int32_t x = lo[0]; x <= hi[0]; ++x)
-            for (const PackedBox& one : bins_[number(level, {x, y, z})])
+        for (std::int32_t y = lo[1]; y <= hi[1]; ++y) {
+          const std::vector<PackedBox>* bin = &bins_[number(level, {lo[0], y, z})];
+          for (std::int32_t x = lo[0]; x <= hi[0]; ++x, ++bin)
+            for (const PackedBox& one : *bin)
               if (f(one)) return false;
+        }
     }
     return true;
   }
   Place place(const Level& level, const LatticePoint& p) const {
     Place at;
     for (std::size_t a = 0; a < 3; ++a)
-      at[a] = std::clamp((p[a] - lo_[a]) / level.size[a], 0, level.side - 1);
+      at[a] = std::clamp((p[a] - lo_[a]) >> level.shift[a], 0, level.side - 1);
     return at;
   }
   std::size_t level_of(const LatticeBox& box) const;

@@ -24,7 +24,17 @@ class Placer {
         tolerance_(parameters.places.value_or(parameters.tolerance)),
         least_gain_(least_gain * parameters.reach * parameters.reach),
         counts_(counts),
-        moves_(mesh) {}
+        moves_(mesh),
+        fine_(mesh.triangles()) {
+    first_direction_.reserve(mesh.vertices() + 1);
+    directions_.reserve(mesh.vertices());
+    for (std::uint32_t v = 0; v < mesh.vertices(); ++v) {
+      first_direction_.push_back(static_cast<std::uint32_t>(directions_.size()));
+      for (const PackedNormal packed : *mesh.normals(v))
+        if (packed != no_normal) directions_.push_back(unpack_normal(packed));
+    }
+    first_direction_.push_back(static_cast<std::uint32_t>(directions_.size()));
+  }
 
   void run() {
     for (int round = 0; round < rounds; ++round) {
@@ -54,19 +64,23 @@ class Placer {
   RefineCounts& counts_;
   EditMoves moves_;
   Change change_;
+  // Of vertices their normals, of v those from first_direction_[v] on and before that of v + 1.
+  std::vector<Vec3> directions_;
+  std::vector<std::uint32_t> first_direction_;
+  std::vector<std::uint8_t> fine_;  // triangles that need no flip, as they are now
 };
 
 Placer::Agreement Placer::agreement(const Corners& corners, const Index3& plane) const {
   const Vec3 n = as_vec3(plane);
   Agreement agreement{1, std::sqrt(dot(n, n))};
   for (const std::uint32_t v : corners) {
+    const std::uint32_t begin = first_direction_[v], end = first_direction_[v + 1];
+    if (begin == end) continue;
     double best = -2 * agreement.area;
-    for (const PackedNormal packed : *mesh_.normals(v)) {
-      if (packed == no_normal) continue;
-      const double cosine = dot(unpack_normal(packed), n);
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const double cosine = dot(directions_[i], n);
       best = std::max(best, mesh_.sense() == NormalSense::either ? std::abs(cosine) : cosine);
     }
-    if (best < -1.5 * agreement.area) continue;  // it has none
     agreement.cosine = std::min(agreement.cosine, best / agreement.area);
   }
   return agreement;
@@ -88,6 +102,7 @@ bool Placer::apply(const EditMesh::Step& step, double least) {
       !mesh_.clean(change_))
     return false;
   mesh_.apply(change_, step);
+  for (const std::uint32_t t : change_.old) fine_[t] = 0;
   return true;
 }
 
@@ -106,10 +121,13 @@ void Placer::move(std::uint32_t v) {
 }
 
 void Placer::flip(std::uint32_t t) {
-  if (!mesh_.movable(t)) return;
+  if (!mesh_.movable(t) || fine_[t] != 0) return;
   // It is the worse one of the two, or the other one's turn.
   const Agreement now = agreement(t);
-  if (now.cosine > poor_agreement || now.loss() < least_gain_ / 2) return;
+  if (now.cosine > poor_agreement || now.loss() < least_gain_ / 2) {
+    fine_[t] = 1;
+    return;
+  }
   for (std::size_t k = 0; k < 3; ++k)
     if (moves_.flip(t, k, change_) && apply({}, least_gain_)) {
       ++counts_.flips;

@@ -2,13 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <random>
 
 #include "plain_nearest.h"
 #include "stages/refine/edge_queue.h"
 #include "stages/refine/edit_moves.h"
 #include "stages/refine/nearest_triangle.h"
+#include "stages/refine/refine_range.h"
 #include "stages/refine/triangle_grid.h"
+#include "stages/refine/vertex_cubes.h"
+#include "stages/refine/vertex_numbers.h"
 #include "torus.h"
 
 namespace voxweld {
@@ -132,6 +136,45 @@ TEST(TriangleGrid, PassesOverWhatIsFarAway) {
   std::vector<std::uint32_t> found;
   grid.each_near({{5, 5, 5}, {21, 30, 30}}, [&](std::uint32_t t) { found.push_back(t); });
   EXPECT_EQ(found, std::vector<std::uint32_t>{0});
+}
+
+// Ids of neighbours, as meshes have them, and of any bits, 0 among them.
+TEST(VertexNumbers, AreThoseThatCameFirst) {
+  Random random;
+  for (const std::size_t reserved : {0u, 700u, 5000u}) {
+    VertexNumbers numbers;
+    numbers.reserve(reserved);
+    std::map<VertexId, std::uint32_t> plain;
+    for (std::uint32_t i = 0; i < 4000; ++i) {
+      const auto few = static_cast<std::uint64_t>(random(0, 1500));
+      const VertexId id =
+          i % 2 == 0 ? VertexId::make(0, few, 0) : VertexId{few * 0x0123456789abcdefu};
+      const auto next = static_cast<std::uint32_t>(plain.size());
+      ASSERT_EQ(numbers.find_or_add(id, next), plain.try_emplace(id, next).first->second);
+    }
+    numbers.clear();
+    EXPECT_EQ(numbers.find_or_add({}, 7), 7u);
+  }
+}
+
+TEST(VertexCubes, AreThoseOfCornersAndBoxes) {
+  const RefineMesh mesh = testing::torus();
+  for (int pass = 0; pass < refine_passes; ++pass) {
+    const CubeLattice cubes(testing::torus_frame(), pass);
+    const VertexCubes places(mesh, cubes);
+    std::size_t inside = 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const LatticeBox box = mesh.box(t);
+      const Box3 around = places.around(t);
+      EXPECT_EQ(places.home(t), home_of(mesh, t, cubes));
+      EXPECT_EQ(around.lo, cubes.cube_of(box.lo));
+      EXPECT_EQ(around.hi, cubes.cube_of(box.hi) + splat(1));
+      EXPECT_EQ(places.is_inside(t), cubes.cube_of(box.lo) == cubes.cube_of(box.hi));
+      inside += places.is_inside(t) ? 1 : 0;
+    }
+    EXPECT_GT(inside, 0u);
+    EXPECT_LT(inside, mesh.triangles.size());
+  }
 }
 
 TEST(EdgeQueue, GivesTheCheapestFirstAndEqualOnesInTurn) {
