@@ -63,12 +63,15 @@ refined() {
 }
 
 phantom() {
-  local file=$scratch/$1.nrrd samples=$size
-  [ "$1" != noise ] || samples=$((size / 4))
+  local file=$scratch/$1.nrrd samples=$size more=()
+  if [ "$1" = noise ]; then  # the fullest cubes there are, in little memory
+    samples=$((size / 4))
+    more=(run.memory=256MiB)
+  fi
   "$voxweld" phantom "$1" --size "$samples" --type float32 -o "$file" --force --log-level quiet >/dev/null
   printf '[input]\npath = "%s"\n[surface]\nisovalue = 0\ninside = "below"\n' "$file" \
     >"$scratch/$1.toml"
-  refined "$1 $samples^3" "$scratch/$1.toml"
+  refined "$1 $samples^3" "$scratch/$1.toml" "${more[@]}"
   rm -f "$file"
 }
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "stages/refine/box_refiner.h"
 #include "stages/refine/mesh_part.h"
+#include "stages/refine/retile.h"
 
 namespace voxweld {
 
@@ -38,7 +40,8 @@ std::vector<MendBox> MendPlan::boxes(const CubeKey& begin, const CubeKey& end) {
   return boxes;
 }
 
-BoxReads::BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const MendBox& box)
+BoxReads::BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const CubeLattice& blocks,
+                   const MendBox& box)
     : meshes_(meshes), box_(box) {
   const CubeKey begin{box.label, 0}, end{box.label, CubeRange{}.end};
   const Box3 near{cubes.cube_of(box.box.lo), cubes.cube_of(box.box.hi) + splat(1)};
@@ -57,6 +60,50 @@ BoxReads::BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const MendBox& 
         add({i, p, CubePart::leaving}, piece.leaving);
     });
   });
+  if (all_.triangles > most_part_triangles) limit(blocks);
+}
+
+namespace {
+
+// The part of `whole` that lies no further from `box` than a quarter of the side of `whole`.
+double part_near(const LatticeBox& whole, const LatticeBox& box) {
+  double part = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double side = static_cast<double>(whole.hi[a]) - whole.lo[a] + 1;
+    const double lo = std::max<double>(whole.lo[a], box.lo[a] - side / 4);
+    const double hi = std::min<double>(whole.hi[a], box.hi[a] + side / 4);
+    part *= std::clamp((hi - lo + 1) / side, 0.0, 1.0);
+  }
+  return part;
+}
+
+}  // namespace
+
+// As the artifacts say that are read.
+double BoxReads::triangles_near(const CubeLattice& blocks) const {
+  double triangles = 0;
+  std::size_t last = meshes_.size();
+  for (const Read& read : parts_) {  // by artifact
+    if (read.artifact == last) continue;
+    last = read.artifact;
+    for (const BlockRecord& block : meshes_.open(last)->blocks())
+      if (block.label == box_.label)
+        triangles += static_cast<double>(block.triangles) *
+                     part_near(blocks.box(CellKey::of(block.code, tile_block_level).at), box_.box);
+  }
+  return triangles;
+}
+
+void BoxReads::limit(const CubeLattice& blocks) {
+  const auto near = static_cast<std::uint64_t>(1.25 * triangles_near(blocks)) + (1 << 12);
+  if (near >= all_.triangles) return;
+  // What hangs on them is spread as they are, more or less.
+  const double part =
+      std::min(1.0, 1.25 * static_cast<double>(near) / static_cast<double>(all_.triangles));
+  const auto scaled = [&](std::uint64_t count) {
+    return static_cast<std::uint64_t>(part * static_cast<double>(count));
+  };
+  all_ = {scaled(all_.vertices), near, scaled(all_.samples), std::min(all_.sided, near)};
 }
 
 void BoxReads::add_hashes(KeyHasher& key) const {

@@ -40,10 +40,14 @@ class MendPlan {
 // The pieces of one label with triangles that may meet a box.
 class BoxReads {
  public:
-  BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const MendBox& box);
+  // blocks: by which the artifacts count triangles.
+  BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const CubeLattice& blocks,
+           const MendBox& box);
 
   const MendBox& box() const { return box_; }
-  const PartCounts& all() const { return all_; }  // at most
+  // What meets the box, at most. Of full pieces less: as blocks say, as if triangles were spread
+  // evenly in each, and a quarter more. There few triangles are longer than some cells.
+  const PartCounts& all() const { return all_; }
   std::uint64_t largest_part_bytes() const { return largest_part_; }
   void add_hashes(KeyHasher& key) const;
   // The triangles that meet the box.
@@ -54,6 +58,9 @@ class BoxReads {
     std::size_t artifact = 0, piece = 0;
     CubePart part = CubePart::inside;
   };
+
+  double triangles_near(const CubeLattice& blocks) const;
+  void limit(const CubeLattice& blocks);
 
   CubeMeshes& meshes_;
   MendBox box_;

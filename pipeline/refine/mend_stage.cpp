@@ -75,7 +75,7 @@ class MendStage final : public RangeStage {
     std::vector<LabelWork> works;
     for (const MendBox& box : plan_.boxes(begin_of(unit), end_of(unit))) {
       if (works.empty() || works.back().label != box.label) works.push_back({box.label, {}, {}});
-      works.back().boxes.emplace_back(meshes_, cubes_, box);
+      works.back().boxes.emplace_back(meshes_, cubes_, blocks_, box);
     }
     for (LabelWork& work : works) find_pieces(unit, work);
     return works;
@@ -101,6 +101,8 @@ class MendStage final : public RangeStage {
   void mend(std::uint64_t unit, const LabelWork& work, const WorkerContext& worker,
             CubeMeshWriter& file, Result& result) {
     MeshGather gather;
+    const PartCounts most = counts_after(work);
+    gather.reserve(most.vertices, most.triangles, most.samples, most.sided);
     std::uint64_t lost = 0;
     for (const BoxReads& reads : work.boxes) {
       RefineCounts counts;
@@ -167,23 +169,34 @@ class MendStage final : public RangeStage {
     return key.finish();
   }
 
-  static std::uint64_t bytes_of(const LabelWork& work) {
-    std::uint64_t box_bytes = 0;
+  // What is at home in the unit's pieces afterwards: what was, and what has come over the border.
+  static PartCounts counts_after(const LabelWork& work) {
+    constexpr std::uint64_t more = 1 << 12;
     PartCounts after;
-    std::uint64_t largest_part = 0;
-    for (const BoxReads& reads : work.boxes) {
-      PartCounts all = reads.all();
-      box_bytes = std::max(box_bytes, reading_bytes(all, reads.largest_part_bytes()));
-      all.samples += all.vertices;  // that go or move
-      box_bytes = std::max(box_bytes, refining_bytes(reads.all(), all));
-      after += all;
-    }
     for (const OwnPiece& own : work.pieces) {
       after += own.record.inside;
       after += own.record.leaving;
+    }
+    const auto grown = [](std::uint64_t count) { return count + count / 8 + more; };
+    PartCounts all{grown(after.vertices), grown(after.triangles), grown(after.samples), 0};
+    for (const BoxReads& reads : work.boxes)
+      all.samples += reads.all().vertices;  // that go or move
+    if (after.sided > 0) all.sided = all.triangles;
+    return all;
+  }
+
+  static std::uint64_t bytes_of(const LabelWork& work) {
+    std::uint64_t box_bytes = 0, largest_part = 0;
+    for (const BoxReads& reads : work.boxes) {
+      PartCounts own = reads.all();
+      own.samples += own.vertices;  // that go or move
+      box_bytes = std::max({box_bytes, reading_bytes(reads.all(), reads.largest_part_bytes()),
+                            refining_bytes(reads.all(), own)});
+    }
+    for (const OwnPiece& own : work.pieces)
       largest_part =
           std::max({largest_part, part_bytes(own.record.inside), part_bytes(own.record.leaving)});
-    }
+    const PartCounts after = counts_after(work);
     return gather_bytes(after.vertices, after.triangles, after.samples, after.sided) +
            std::max({box_bytes, largest_part,
                      piece_bytes(after.vertices, after.triangles, after.sided)});

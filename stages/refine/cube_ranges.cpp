@@ -1,14 +1,20 @@
 #include "stages/refine/cube_ranges.h"
 
+#include <algorithm>
+
 namespace voxweld {
 
 namespace {
 
-// Each in eight, where there are cubes of refine in it.
-std::vector<PlannedTile> cut(const std::vector<PlannedTile>& tiles, std::uint32_t level) {
-  std::vector<PlannedTile> parts;
-  for (const PlannedTile& tile : tiles) {
-    if (tile.level <= level) {
+using Tiles = std::vector<PlannedTile>;
+
+// Those for which asks(number) holds each in eight.
+template <class Asks>
+Tiles cut(const Tiles& tiles, Asks&& asks) {
+  Tiles parts;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    const PlannedTile& tile = tiles[i];
+    if (!asks(i)) {
       parts.push_back(tile);
       continue;
     }
@@ -24,13 +30,70 @@ std::vector<PlannedTile> cut(const std::vector<PlannedTile>& tiles, std::uint32_
   return parts;
 }
 
+// Vertices in single cubes, as far as tiles are no larger, by the cube's Morton number.
+struct CubeLoad {
+  std::uint64_t cube = 0, vertices = 0;
+};
+std::vector<CubeLoad> loads_of_cubes(const Tiles& tiles, std::uint32_t level) {
+  std::vector<CubeLoad> loads;
+  for (const PlannedTile& tile : tiles) {
+    if (tile.level > level) continue;
+    const std::uint64_t cube = tile.code >> (3 * level);
+    if (loads.empty() || loads.back().cube != cube) loads.push_back({cube});
+    loads.back().vertices += tile.vertices;
+  }
+  return loads;
+}
+
+// The number of the tile that lies last at or before this Morton code and reaches it; or of none.
+std::size_t tile_at(const Tiles& tiles, std::uint64_t code) {
+  const auto after = std::ranges::upper_bound(tiles, code, {}, &PlannedTile::code);
+  if (after == tiles.begin()) return tiles.size();
+  const auto tile = after - 1;
+  return (code - tile->code) >> (3 * tile->level) == 0
+             ? static_cast<std::size_t>(tile - tiles.begin())
+             : tiles.size();
+}
+
+// In the second pass cubes are shifted down by half a side. So a tile of several cubes, where little
+// lies, has half of those below, where much may lie. Which tiles would have more than the fullest one
+// has in the first pass.
+std::vector<bool> overloaded(const Tiles& tiles, std::uint32_t level) {
+  std::uint64_t most = 0;
+  std::vector<std::uint64_t> vertices(tiles.size());
+  for (std::size_t i = 0; i < tiles.size(); ++i)
+    most = std::max(most, vertices[i] = tiles[i].vertices);
+  for (const CubeLoad& load : loads_of_cubes(tiles, level)) {
+    most = std::max(most, load.vertices);
+    const Index3 cube = morton_decode(load.cube);
+    for (int octant = 1; octant < 8; ++octant) {
+      const Index3 above = cube + Index3{octant & 1, octant >> 1 & 1, octant >> 2};
+      const std::size_t tile = tile_at(tiles, morton_encode(above) << (3 * level));
+      if (tile < tiles.size()) vertices[tile] += load.vertices / 8;
+    }
+  }
+  std::vector<bool> over(tiles.size());
+  for (std::size_t i = 0; i < tiles.size(); ++i)
+    over[i] = tiles[i].level > level && vertices[i] > most;
+  return over;
+}
+
+Tiles even_tiles(Tiles tiles, std::uint32_t level) {
+  for (;;) {
+    const std::vector<bool> over = overloaded(tiles, level);
+    if (std::ranges::find(over, true) == over.end()) return tiles;
+    tiles = cut(tiles, [&](std::size_t i) { return over[i]; });
+  }
+}
+
 }  // namespace
 
 std::vector<PlannedRange> cube_ranges(std::span<const PlannedTile> planned, std::size_t enough,
                                       int level) {
-  std::vector<PlannedTile> tiles(planned.begin(), planned.end());
+  const auto cube_level = static_cast<std::uint32_t>(level);
+  Tiles tiles = even_tiles({planned.begin(), planned.end()}, cube_level);
   while (!tiles.empty() && tiles.size() < enough) {
-    std::vector<PlannedTile> parts = cut(tiles, static_cast<std::uint32_t>(level));
+    Tiles parts = cut(tiles, [&](std::size_t i) { return tiles[i].level > cube_level; });
     if (parts.size() == tiles.size()) break;
     tiles = std::move(parts);
   }

@@ -17,7 +17,8 @@ struct PlannedRange {
 
 // Each tile's cube, at least one cube of refine large, begins a range that ends where the next
 // begins: so every cube of space is in one of them. Fewer tiles than `enough` are cut up,
-// so that several processors share them. Empty where there are no tiles.
+// so that several processors share them. A tile of several cubes is cut up too where it would have more
+// to do in the second pass than any has in the first. Empty where there are no tiles.
 // tiles: in Morton order. level: of the cubes.
 std::vector<PlannedRange> cube_ranges(std::span<const PlannedTile> tiles, std::size_t enough = 32,
                                       int level = refine_cube_level);

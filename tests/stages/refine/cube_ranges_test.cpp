@@ -49,5 +49,25 @@ TEST(CubeRanges, AreCutUpUntilThereAreEnough) {
   EXPECT_EQ(cube_ranges(tiles, 1000).size(), 64u);  // cubes are not cut
 }
 
+// A full cube of 64 cells, and a large tile above it where little lies: in the second pass its lowest
+// cubes have halves of the full one. What lies further off stays whole.
+TEST(CubeRanges, AreCutUpBesideFullCubes) {
+  std::vector<PlannedTile> tiles;
+  for (std::int64_t z = 0; z < 2; ++z)
+    for (std::int64_t y = 0; y < 2; ++y)
+      for (std::int64_t x = 0; x < 2; ++x) tiles.push_back(tile(6, {x, y, z}, 1000));
+  tiles.push_back(tile(7, {1, 0, 0}, 100));
+  tiles.push_back(tile(8, {1, 0, 0}, 100));
+  const auto ranges = cube_ranges(tiles, 0);
+  // The tile of 2^7 cells would have four halves.
+  ASSERT_EQ(ranges.size(), 8u + 8u + 1u);
+  EXPECT_EQ(ranges[8].cubes.begin, morton_encode({2, 0, 0}));
+  EXPECT_EQ(ranges[9].cubes.begin, morton_encode({3, 0, 0}));
+  EXPECT_EQ(ranges[16].cubes.begin, morton_encode({4, 0, 0}));
+  // One half is less than a full one.
+  const std::vector<PlannedTile> few = {tile(6, {1, 1, 1}, 1000), tile(7, {1, 0, 0}, 100)};
+  EXPECT_EQ(cube_ranges(few, 0).size(), 2u);
+}
+
 }  // namespace
 }  // namespace voxweld
