@@ -43,7 +43,11 @@ refined() {
     if ! "$voxweld" run "$config" --log-level warning --set simplify.refine="$mode" "${more[@]}" \
       --set work.directory="$scratch/work" --set output.directory="$scratch/mesh" \
       >"$scratch/out" 2>"$scratch/err"; then
-      failed "$name, $mode" "$(tail -n 1 "$scratch/err")"
+      if grep -q 'no surface' "$scratch/err"; then
+        echo "| $name, $mode | skipped: no surface |"
+      else
+        failed "$name, $mode" "$(tail -n 1 "$scratch/err")"
+      fi
       continue
     fi
     seconds=$(awk -v a="$begin" -v b="$(date +%s.%N)" 'BEGIN { printf "%.1f", b - a }')
@@ -147,7 +151,7 @@ random() {
 # sum_rows KIND TOLERANCE: of rows as refined() prints them.
 sum_rows() {
   awk -F'|' -v kind="$1" -v tolerance="$2" '
-    /FAILED/ { next }
+    /FAILED|skipped/ { next }
     { split($2, name, ", "); mode = name[3]; gsub(/ /, "", mode); ++runs[mode]
       for (i = 3; i <= 7; ++i) sums[mode, i] += $i
       seconds[mode] += $8
