@@ -135,10 +135,11 @@ void each_piece(const RefineMesh& mesh, const CubeLattice& cubes,
   std::map<std::pair<std::uint64_t, std::uint64_t>, Chosen> pieces;  // by code and cube
   {
     const VertexCubes places(mesh, cubes);
-    Index3 home{-1, -1, -1};
+    Index3 home;
     Chosen* piece = nullptr;
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-      if (places.home(t) != home) {  // triangles come in the order of some lattice
+      if (piece == nullptr ||
+          places.home(t) != home) {  // triangles come in the order of some lattice
         home = places.home(t);
         piece = &pieces[{cubes.code(home), morton_encode(home)}];
       }
