@@ -17,11 +17,9 @@
 //                    verbose: shard_list [{at, bytes, range}]
 //   octree           key, content_hash, version, made_by, input_hash, bricks, active_bricks,
 //                    active_cells, crossing_edges, vertices, collapsed_above, worst_residual,
-//                    leaves (by level), nodes {outside, inside, leaf, split}; verbose: brick_list
-//                    [{at, vertices, polygons, ghost_cells, bytes}]
-//   label_octrees    (labels.mode = "each") as octree, but pieces and nodes are counts, of all
-//                    labels together; verbose: piece_list [{label, brick, vertices, polygons,
-//                    ghost_cells, bytes}]
+//                    leaves (by level), pieces, nodes (counts, of all materials together); verbose:
+//                    piece_list [{material (a label with labels.mode = "each", else 0), brick,
+//                    vertices, polygons, ghost_cells, bytes}]
 //   top_tree         key, content_hash, version, made_by, bricks, active_bricks, active_cells,
 //                    crossing_edges, vertices, collapsed_above, top_leaves, worst_residual, leaves
 //                    (by level), tiles; verbose: tile_list [{level, at, vertices, polygons}]; with

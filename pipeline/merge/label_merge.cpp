@@ -6,9 +6,9 @@
 
 #include "pipeline/executor/probe.h"
 #include "pipeline/stage/batch_planner.h"
-#include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
 #include "storage/artifact/node_record_bytes.h"
+#include "storage/artifact/shard_artifact.h"
 #include "storage/support/error.h"
 #include "storage/support/record_sorter.h"
 
@@ -100,7 +100,7 @@ class LabelMerger : private TopSink {
         counts_(counts),
         batches_(out, job.tile_vertices) {}
 
-  void add(const LabelNode& node) {
+  void add(const MaterialNode& node) {
     if (!reduction_ || node.material != material_) {
       close();
       open(node.material);
@@ -172,22 +172,22 @@ class LabelMerger : private TopSink {
 
 // What is read of one shard ahead: the first of its nodes, which mostly are all.
 struct ShardRoots {
-  std::unique_ptr<LabelShardArtifact> file;
+  std::unique_ptr<ShardArtifact> file;
   ShardSummary summary;
   std::vector<std::pair<SortKey, std::vector<std::byte>>> nodes;
 };
 constexpr std::size_t shards_ahead = 32;  // of 256 KiB each, or one node
 
 template <class F>
-void each_node(const LabelShardArtifact& file, std::uint64_t page, F&& f) {
-  file.each_node(page, [&](const LabelNode& node, std::span<const std::byte> bytes) {
+void each_node(const ShardArtifact& file, std::uint64_t page, F&& f) {
+  file.each_node(page, [&](const MaterialNode& node, std::span<const std::byte> bytes) {
     f(SortKey{node.material, node.node.key.code()}, bytes);
   });
 }
 
 ShardRoots read_roots(const BuildJob& job, Index3 shard) {
   ShardRoots roots;
-  roots.file = std::make_unique<LabelShardArtifact>(shard_artifact_path(job, shard));
+  roots.file = std::make_unique<ShardArtifact>(shard_artifact_path(job, shard));
   if (roots.file->key() != shard_key(job, shard))
     throw DamagedArtifact(roots.file->path(), "is of other parameters");
   roots.summary = roots.file->summary();
@@ -220,7 +220,7 @@ void merge_labels(const MergeJob& job, std::uint64_t memory) {
   LabelMerger merger(job, out, counts);
   SortKey key;
   std::vector<std::byte> bytes;
-  while (nodes.next(key, bytes)) merger.add(label_node_of(bytes));
+  while (nodes.next(key, bytes)) merger.add(material_node_of(bytes));
   merger.finish();
   count_top_leaves(*job.build, counts);
   out.finish(counts, contents);

@@ -47,8 +47,11 @@ CubeRoots read_roots(const BuildJob& job, const BrickGrid::Cube& cube) {
   const ShardArtifact artifact(shard_artifact_path(job, cube.shard));
   if (artifact.key() != shard_key(job, cube.shard))
     throw DamagedArtifact(artifact.path(), "is of other parameters");
-  CubeRoots roots{artifact.content_hash(), artifact.summary(), artifact.nodes()};
-  std::erase_if(roots.nodes, [&](const ShardNode& node) { return !(node.key == cube.key); });
+  CubeRoots roots{artifact.content_hash(), artifact.summary(), {}};
+  for (std::uint64_t page = 0; page < artifact.node_pages(); ++page)
+    artifact.each_node(page, [&](const MaterialNode& found, std::span<const std::byte>) {
+      if (found.node.key == cube.key) roots.nodes.push_back(found.node);
+    });
   return roots;
 }
 

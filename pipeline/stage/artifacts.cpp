@@ -10,7 +10,6 @@
 #include "storage/artifact/collapse_survey_artifact.h"
 #include "storage/artifact/cube_mesh_artifact.h"
 #include "storage/artifact/label_counts.h"
-#include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
@@ -71,7 +70,6 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info, const Label
   KeyHasher build;
   const bool each = config.labels.mode == LabelMode::each;
   build.text("build").integer(shard_version).hash(parameter_hash(config, Stage::build));
-  if (each) build.integer(label_shard_version);
   build.text(sample_type_name(info.type));
   build.integer(g.size.x).integer(g.size.y).integer(g.size.z);
   vec(build, g.spacing);
@@ -169,9 +167,7 @@ std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard) {
 }
 
 ArtifactReader open_octrees(const BuildJob& job, Index3 shard) {
-  const bool labels = job.parameters.labels.mode == LabelMode::each;
-  return ArtifactReader(shard_artifact_path(job, shard), labels ? label_shard_kind : shard_kind,
-                        labels ? label_shard_version : shard_version);
+  return ArtifactReader(shard_artifact_path(job, shard), shard_kind, shard_version);
 }
 
 Hash128 shard_key(const BuildJob& job, Index3 shard) {

@@ -6,61 +6,11 @@
 #include "pipeline/stage/cube_mesh.h"
 #include "pipeline/stitch/tile_inputs.h"
 #include "stages/refine/retile.h"
-#include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
 #include "storage/artifact/tile_artifact.h"
-#include "storage/support/bounded_cache.h"
-#include "storage/support/error.h"
 
 namespace voxweld {
 namespace {
-
-// The pieces of one label, found through the directories of the shards it is in.
-class LabelPieces : public ReadPieces {
- public:
-  LabelPieces(const BuildJob& job, LabelShardFiles& files, Material material,
-              StitchScratch& scratch, const WorkerContext& worker)
-      : ReadPieces(scratch, worker), job_(job), files_(files), material_(material) {}
-
-  // Those in one shard, by brick; null where the brick is not in the grid.
-  std::shared_ptr<const std::vector<PieceRecord>> of_shard(Index3 brick) {
-    if (!Box3{{}, job_.grid.bricks()}.contains(brick)) return nullptr;
-    return shards_.get(morton_encode(job_.grid.shard_of(brick)), [&] {
-      return std::make_shared<const std::vector<PieceRecord>>(
-          files_.of_brick(brick)->pieces(material_));
-    });
-  }
-
- private:
-  static constexpr std::size_t most_shards = 64;  // a brick reads of eight
-
-  void read(const CellKey& brick, BrickOctree& out) override {
-    const auto piece = find(brick.at);
-    if (!piece) throw std::logic_error("stitch: a brick of the tile has no piece");
-    files_.of_brick(brick.at)->read_piece(*piece, brick.level, out);
-  }
-  bool read_ghost_layer(Index3 brick, GhostLayer& out) override {
-    const auto piece = find(brick);
-    if (!piece) return false;
-    files_.of_brick(brick)->read_ghost_layer(*piece, out);
-    return true;
-  }
-  std::optional<PieceRecord> find(Index3 brick) {
-    const auto pieces = of_shard(brick);
-    if (pieces == nullptr) return std::nullopt;
-    const std::uint64_t code = morton_encode(brick);
-    const auto at = std::lower_bound(
-        pieces->begin(), pieces->end(), code,
-        [](const PieceRecord& piece, std::uint64_t c) { return piece.key.brick < c; });
-    if (at == pieces->end() || at->key.brick != code) return std::nullopt;
-    return *at;
-  }
-
-  const BuildJob& job_;
-  LabelShardFiles& files_;
-  Material material_;
-  BoundedCache<std::vector<PieceRecord>> shards_{most_shards};
-};
 
 class LabelStitch : public StitchWork {
  public:
@@ -104,17 +54,19 @@ class LabelStitch : public StitchWork {
   // number: of the surface, among all.
   TileMesh stitched(std::uint64_t number, const SurfaceRecord& surface, const PlannedTile& tile,
                     StitchScratch& scratch, WorkerContext& worker) {
-    LabelPieces pieces(*job_.build, files_, surface.material, scratch, worker);
+    MaterialPieces pieces(files_, surface.material);
+    ReadPieces read(pieces, scratch, worker);
     const std::vector<CellKey> bricks = bricks_of(surface, tile, pieces);
     if (collapses_by_sheets(job_.build->parameters))
       return stitch_tile(tile, job_.parameters, bricks,
-                         clusters_of(number, surface.material, bricks), pieces);
-    return stitch_tile(tile, job_.parameters, bricks, above(surface, bricks), pieces);
+                         clusters_above(job_.build->grid, bricks, top_.clusters(number), pieces),
+                         read);
+    return stitch_tile(tile, job_.parameters, bricks, above(surface, bricks), read);
   }
 
   // The bricks with a surface of the label that the tile meets, in Morton order.
   std::vector<CellKey> bricks_of(const SurfaceRecord& surface, const PlannedTile& tile,
-                                 LabelPieces& pieces) {
+                                 MaterialPieces& pieces) {
     const BrickGrid& grid = job_.build->grid;
     const int level = grid.brick_level(), cube_level = grid.shard_level();
     const std::uint64_t begin = tile.code, end = begin + (std::uint64_t{1} << (3 * tile.level));
@@ -134,15 +86,6 @@ class LabelStitch : public StitchWork {
     return bricks;
   }
 
-  AboveBricks clusters_of(std::uint64_t number, Material material,
-                          const std::vector<CellKey>& bricks) {
-    return clusters_above(job_.build->grid, bricks, top_.clusters(number),
-                          [&](const CellKey& cube, Index3 brick) -> std::optional<ReducedNode> {
-                            const auto file = files_.of_brick(brick);
-                            return file == nullptr ? std::nullopt : file->clusters(material, cube);
-                          });
-  }
-
   std::vector<TopLeaf> above(const SurfaceRecord& surface, const std::vector<CellKey>& bricks) {
     if (surface.leaves == 0) return {};
     return leaves_above(bricks, [&](std::uint64_t begin, std::uint64_t end) {
@@ -152,7 +95,7 @@ class LabelStitch : public StitchWork {
 
   LabelTop top_;
   std::vector<BatchRecord> batches_;
-  LabelShardFiles files_;
+  ShardFiles files_;
   std::optional<CubeLattice> cubes_;  // where the meshes are refined
 };
 

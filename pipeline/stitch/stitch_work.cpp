@@ -11,25 +11,6 @@
 namespace voxweld {
 namespace {
 
-class SurfacePieces : public ReadPieces {
- public:
-  SurfacePieces(ShardFiles& files, StitchScratch& scratch, const WorkerContext& worker)
-      : ReadPieces(scratch, worker), files_(files) {}
-
- private:
-  void read(const CellKey& brick, BrickOctree& out) override {
-    files_.of_brick(brick.at)->read_brick(morton_encode(brick.at), out);
-  }
-  bool read_ghost_layer(Index3 brick, GhostLayer& out) override {
-    const auto file = files_.of_brick(brick);
-    if (file == nullptr || !file->has_brick(morton_encode(brick))) return false;
-    file->read_ghost_layer(morton_encode(brick), out);
-    return true;
-  }
-
-  ShardFiles& files_;
-};
-
 // One surface: a unit a tile, its bricks in the shards' artifacts.
 class TileStitch : public StitchWork {
  public:
@@ -40,16 +21,21 @@ class TileStitch : public StitchWork {
         clusters_(top.clusters()),
         files_(*job.build, top) {}
 
-  Hash128 key(std::uint64_t unit) override { return prepare(unit).key; }
+  Hash128 key(std::uint64_t unit) override {
+    MaterialPieces pieces(files_, sole_material);
+    return prepare(unit, pieces).key;
+  }
   std::uint64_t bytes() const override { return top_.cluster_bytes(); }
   std::uint64_t brick_bytes(std::uint64_t unit) override {
-    return largest_brick_bytes(tile_bricks(*job_.build, tiles_[unit].key(), files_), files_);
+    MaterialPieces pieces(files_, sole_material);
+    return largest_brick_bytes(tile_bricks(job_.build->grid, tiles_[unit].key(), pieces), pieces);
   }
   void run(std::uint64_t unit, const std::filesystem::path& path, StitchScratch& scratch,
            WorkerContext& worker) override {
-    const Inputs inputs = prepare(unit);
-    SurfacePieces pieces(files_, scratch, worker);
-    TileMesh mesh = stitched(tiles_[unit], inputs, pieces);
+    MaterialPieces pieces(files_, sole_material);
+    const Inputs inputs = prepare(unit, pieces);
+    ReadPieces read(pieces, scratch, worker);
+    TileMesh mesh = stitched(tiles_[unit], inputs, read);
     if (!job_.cubes) {
       write_tile(path, inputs.key, mesh);
       return;
@@ -65,11 +51,11 @@ class TileStitch : public StitchWork {
     TileAbove above;
     Hash128 key;
   };
-  Inputs prepare(std::uint64_t unit) {
+  Inputs prepare(std::uint64_t unit, MaterialPieces& pieces) {
     Inputs inputs;
-    inputs.bricks = tile_bricks(*job_.build, tiles_[unit].key(), files_);
-    inputs.above = tile_above(*job_.build, inputs.bricks, top_, clusters_, files_);
-    inputs.key = tile_key(job_, tiles_[unit], inputs.bricks, inputs.above, files_);
+    inputs.bricks = tile_bricks(job_.build->grid, tiles_[unit].key(), pieces);
+    inputs.above = tile_above(*job_.build, inputs.bricks, top_, clusters_, pieces);
+    inputs.key = tile_key(job_, tiles_[unit], inputs.bricks, inputs.above, pieces);
     return inputs;
   }
   TileMesh stitched(const PlannedTile& tile, const Inputs& inputs, BrickPieces& pieces) const {
@@ -89,17 +75,6 @@ class TileStitch : public StitchWork {
 
 Hash128 StitchWork::key_of(const std::filesystem::path& path) const {
   return job_.cubes ? CubeMeshArtifact(path).key() : TileArtifact(path).key();
-}
-
-const BrickOctree& ReadPieces::brick(const CellKey& key) {
-  worker_.check_interrupt();
-  read(key, scratch_.brick);
-  return scratch_.brick;
-}
-
-const GhostLayer* ReadPieces::ghost(Index3 brick, int direction) {
-  GhostLayer& ghost = scratch_.upper[static_cast<std::size_t>(direction)];
-  return read_ghost_layer(brick, ghost) ? &ghost : nullptr;
 }
 
 std::unique_ptr<StitchWork> stitch_work(const StitchJob& job, const TopArtifact& top) {

@@ -1,21 +1,9 @@
 // How one unit of stitch is done, for tiles of one surface and for labels.
 #pragma once
 
-#include <array>
-#include <memory>
-
-#include "pipeline/stage/artifacts.h"
-#include "pipeline/stage/context.h"
-#include "stages/stitch/stitch_tile.h"
-#include "storage/artifact/top_artifact.h"
+#include "pipeline/stitch/tile_pieces.h"
 
 namespace voxweld {
-
-// A worker's brick and its neighbours' ghost layers, reused.
-struct StitchScratch {
-  BrickOctree brick;
-  std::array<GhostLayer, 8> upper;
-};
 
 class StitchWork {
  public:
@@ -40,24 +28,5 @@ class StitchWork {
 
 // The one for labels.mode of the job. top: the job's, outlives it.
 std::unique_ptr<StitchWork> stitch_work(const StitchJob& job, const TopArtifact& top);
-
-// Pieces that are read when they are asked for, into a worker's scratch; the worker is asked to
-// stop before each brick.
-class ReadPieces : public BrickPieces {
- public:
-  ReadPieces(StitchScratch& scratch, const WorkerContext& worker)
-      : scratch_(scratch), worker_(worker) {}
-
-  const BrickOctree& brick(const CellKey& key) final;
-  const GhostLayer* ghost(Index3 brick, int direction) final;
-
- private:
-  virtual void read(const CellKey& brick, BrickOctree& out) = 0;
-  // False where the brick has no surface.
-  virtual bool read_ghost_layer(Index3 brick, GhostLayer& out) = 0;
-
-  StitchScratch& scratch_;
-  const WorkerContext& worker_;
-};
 
 }  // namespace voxweld

@@ -7,52 +7,19 @@
 
 namespace voxweld {
 
-template <class Artifact>
-OpenShards<Artifact>::OpenShards(const BuildJob& job, const TopArtifact& top)
-    : job_(job), top_path_(top.path()), merged_(top.shards()) {
-  for (const Index3& shard : job.grid.all_shards()) codes_.push_back(morton_encode(shard));
-  if (merged_.size() != codes_.size()) throw DamagedArtifact(top_path_, "is of other shards");
-}
-
-template <class Artifact>
-Hash128 OpenShards<Artifact>::merged_hash(Index3 shard) const {
-  const auto at = std::lower_bound(codes_.begin(), codes_.end(), morton_encode(shard));
-  return merged_[static_cast<std::size_t>(at - codes_.begin())];
-}
-
-template <class Artifact>
-std::shared_ptr<const Artifact> OpenShards<Artifact>::of_brick(Index3 brick) {
-  if (!Box3{{}, job_.grid.bricks()}.contains(brick)) return nullptr;
-  const Index3 shard = job_.grid.shard_of(brick);
-  return open_.get(morton_encode(shard), [&] {
-    auto file = std::make_shared<const Artifact>(shard_artifact_path(job_, shard));
-    if (file->key() != shard_key(job_, shard))
-      throw DamagedArtifact(file->path(), "is of other parameters");
-    if (file->content_hash() != merged_hash(shard))
-      throw DamagedArtifact(top_path_,
-                            "was merged from another " + file->path() + " than is there");
-    return file;
-  });
-}
-
-template class OpenShards<ShardArtifact>;
-template class OpenShards<LabelShardArtifact>;
-
-std::vector<CellKey> tile_bricks(const BuildJob& job, CellKey tile, ShardFiles& files) {
-  const int level = job.grid.brick_level();
+std::vector<CellKey> tile_bricks(const BrickGrid& grid, CellKey tile, MaterialPieces& pieces) {
+  const int level = grid.brick_level();
   const std::int64_t side = std::int64_t{1} << level;
   const Box3 cells = tile.cells();
   Box3 range{{cells.lo.x / side, cells.lo.y / side, cells.lo.z / side},
              {(cells.hi.x + side - 1) / side, (cells.hi.y + side - 1) / side,
               (cells.hi.z + side - 1) / side}};
-  range = intersect(range, Box3{{}, job.grid.bricks()});
+  range = intersect(range, Box3{{}, grid.bricks()});
   std::vector<std::uint64_t> codes;
   for (std::int64_t z = range.lo.z; z < range.hi.z; ++z)
     for (std::int64_t y = range.lo.y; y < range.hi.y; ++y)
-      for (std::int64_t x = range.lo.x; x < range.hi.x; ++x) {
-        const std::uint64_t code = morton_encode({x, y, z});
-        if (files.of_brick({x, y, z})->has_brick(code)) codes.push_back(code);
-      }
+      for (std::int64_t x = range.lo.x; x < range.hi.x; ++x)
+        if (pieces.find({x, y, z})) codes.push_back(morton_encode({x, y, z}));
   std::sort(codes.begin(), codes.end());
   std::vector<CellKey> bricks;
   bricks.reserve(codes.size());
@@ -61,7 +28,7 @@ std::vector<CellKey> tile_bricks(const BuildJob& job, CellKey tile, ShardFiles& 
 }
 
 AboveBricks clusters_above(const BrickGrid& grid, const std::vector<CellKey>& bricks,
-                           const ReducedNode& top, const ClusterLookup& shards) {
+                           const ReducedNode& top, const MaterialPieces& pieces) {
   const int level = grid.shard_level();
   const std::vector<std::uint64_t> codes = codes_read(bricks);
   std::vector<std::unique_ptr<const ReducedNode>> nodes;
@@ -72,7 +39,8 @@ AboveBricks clusters_above(const BrickGrid& grid, const std::vector<CellKey>& br
     const CellKey cube{level, morton_decode(code >> (3 * level))};
     if (cube.code() == last) continue;
     last = cube.code();
-    std::optional<ReducedNode> node = shards(cube, morton_decode(code >> (3 * grid.brick_level())));
+    std::optional<ReducedNode> node =
+        pieces.clusters(cube, morton_decode(code >> (3 * grid.brick_level())));
     if (!node) continue;
     nodes.push_back(std::make_unique<const ReducedNode>(std::move(*node)));
     found.push_back({last, nodes.back().get()});
@@ -81,15 +49,11 @@ AboveBricks clusters_above(const BrickGrid& grid, const std::vector<CellKey>& br
 }
 
 TileAbove tile_above(const BuildJob& job, const std::vector<CellKey>& bricks,
-                     const TopArtifact& top, const ReducedNode& clusters, ShardFiles& files) {
+                     const TopArtifact& top, const ReducedNode& clusters,
+                     const MaterialPieces& pieces) {
   TileAbove above;
   if (collapses_by_sheets(job.parameters))
-    above.clusters =
-        clusters_above(job.grid, bricks, clusters,
-                       [&](const CellKey& cube, Index3 brick) -> std::optional<ReducedNode> {
-                         const auto file = files.of_brick(brick);
-                         return file == nullptr ? std::nullopt : file->clusters(cube);
-                       });
+    above.clusters = clusters_above(job.grid, bricks, clusters, pieces);
   else
     above.leaves = leaves_above(
         bricks, [&](std::uint64_t begin, std::uint64_t end) { return top.leaves(begin, end); });
@@ -97,7 +61,7 @@ TileAbove tile_above(const BuildJob& job, const std::vector<CellKey>& bricks,
 }
 
 Hash128 tile_key(const StitchJob& job, const PlannedTile& tile, const std::vector<CellKey>& bricks,
-                 const TileAbove& above, ShardFiles& files) {
+                 const TileAbove& above, MaterialPieces& pieces) {
   KeyHasher key;
   key.hash(job.key).integer(static_cast<std::int64_t>(tile.code)).integer(tile.level);
   key.bytes(std::as_bytes(std::span(above.leaves)));
@@ -108,19 +72,18 @@ Hash128 tile_key(const StitchJob& job, const PlannedTile& tile, const std::vecto
   }
   for (const CellKey& brick : bricks) {
     key.integer(static_cast<std::int64_t>(brick.code()));
-    files.of_brick(brick.at)->add_brick_hashes(morton_encode(brick.at), key);
-    for (int d = 1; d < 8; ++d) {
-      const Index3 at = upper_neighbour(brick.at, d);
-      if (const auto file = files.of_brick(at)) file->add_ghost_hashes(morton_encode(at), key);
-    }
+    const std::optional<PieceRecord> piece = pieces.find(brick.at);
+    key.hash(piece->body).hash(piece->ghost);
+    for (int d = 1; d < 8; ++d)
+      if (const auto upper = pieces.find(upper_neighbour(brick.at, d))) key.hash(upper->ghost);
   }
   return key.finish();
 }
 
-std::uint64_t largest_brick_bytes(const std::vector<CellKey>& bricks, ShardFiles& files) {
+std::uint64_t largest_brick_bytes(const std::vector<CellKey>& bricks, MaterialPieces& pieces) {
   std::uint64_t largest = 0;
   for (const CellKey& brick : bricks)
-    largest = std::max(largest, files.of_brick(brick.at)->brick_bytes(morton_encode(brick.at)));
+    largest = std::max(largest, pieces.find(brick.at)->stitched_bytes());
   return 2 * largest;
 }
 

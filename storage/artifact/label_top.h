@@ -35,7 +35,7 @@ struct SurfaceRecord {
 // A shard-sized cube in which the label has a surface.
 struct SurfaceNode {
   std::uint64_t code = 0;  // Morton code of its lowest finest cell
-  Hash128 content;         // LabelNode::content
+  Hash128 content;         // MaterialNode::content
 };
 
 // What stitch and encode take as one unit, and leave as one artifact: one tile of a label that has
