@@ -68,13 +68,7 @@ InfoDocument describe_top(const fs::path& path, const InfoOptions& options) {
   document["top_leaves"] = counts.top_leaves;
   document["worst_residual"] = counts.worst_residual;
   document["leaves"] = level_facts(counts.leaves);
-  if (artifact.of_labels()) {
-    add_label_plan(document, LabelTop(artifact), options.verbose);
-    return document;
-  }
-  const std::vector<PlannedTile> tiles = artifact.tiles();
-  document["tiles"] = tiles.size();
-  if (options.verbose) document["tile_list"] = tile_list_facts(tiles);
+  add_plan(document, LabelTop(artifact), options.verbose);
   return document;
 }
 

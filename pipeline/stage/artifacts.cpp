@@ -10,7 +10,6 @@
 #include "storage/artifact/collapse_survey_artifact.h"
 #include "storage/artifact/cube_mesh_artifact.h"
 #include "storage/artifact/label_counts.h"
-#include "storage/artifact/label_top.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/tile_plan_artifact.h"
@@ -68,7 +67,6 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info, const Label
   paths.ingest = work / ("ingest-" + short_hex(ingest.finish()));
 
   KeyHasher build;
-  const bool each = config.labels.mode == LabelMode::each;
   build.text("build").integer(shard_version).hash(parameter_hash(config, Stage::build));
   build.text(sample_type_name(info.type));
   build.integer(g.size.x).integer(g.size.y).integer(g.size.z);
@@ -88,8 +86,7 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info, const Label
     key.text(stage_name(stage)).integer(version).hash(before).hash(parameter_hash(config, stage));
     return key.finish();
   };
-  const std::uint32_t of_labels = each ? label_top_version << 16 : 0;
-  paths.merge_key = next(Stage::merge, top_version | of_labels, paths.build_key);
+  paths.merge_key = next(Stage::merge, top_version, paths.build_key);
   paths.merge = work / ("merge-" + short_hex(paths.merge_key));
   paths.stitch_key = next(Stage::stitch, tile_version, paths.merge_key);
   if (g.first != Vec3{}) {

@@ -135,7 +135,8 @@ std::vector<PlannedTile> UnitPlan::largest_tiles() const {
 
 std::unique_ptr<UnitPlan> unit_plan(const TopArtifact& top, LabelMode mode, bool by_sheets) {
   if (mode == LabelMode::each) return std::make_unique<BatchPlan>(top.file(), by_sheets);
-  return unit_plan(top.tiles());
+  const LabelTop tables(top);
+  return unit_plan(tables.tiles(0, tables.tile_count()));
 }
 
 std::unique_ptr<UnitPlan> unit_plan(const TilePlanArtifact& plan) {

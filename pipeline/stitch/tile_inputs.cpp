@@ -1,29 +1,28 @@
 #include "pipeline/stitch/tile_inputs.h"
 
-#include <algorithm>
-
 #include "stages/merge/cluster_reduction.h"
-#include "storage/support/error.h"
 
 namespace voxweld {
+namespace {
 
-std::vector<CellKey> tile_bricks(const BrickGrid& grid, CellKey tile, MaterialPieces& pieces) {
-  const int level = grid.brick_level();
-  const std::int64_t side = std::int64_t{1} << level;
-  const Box3 cells = tile.cells();
-  Box3 range{{cells.lo.x / side, cells.lo.y / side, cells.lo.z / side},
-             {(cells.hi.x + side - 1) / side, (cells.hi.y + side - 1) / side,
-              (cells.hi.z + side - 1) / side}};
-  range = intersect(range, Box3{{}, grid.bricks()});
-  std::vector<std::uint64_t> codes;
-  for (std::int64_t z = range.lo.z; z < range.hi.z; ++z)
-    for (std::int64_t y = range.lo.y; y < range.hi.y; ++y)
-      for (std::int64_t x = range.lo.x; x < range.hi.x; ++x)
-        if (pieces.find({x, y, z})) codes.push_back(morton_encode({x, y, z}));
-  std::sort(codes.begin(), codes.end());
+std::vector<CellKey> bricks_of(const BrickGrid& grid, const LabelTop& top,
+                               const SurfaceRecord& surface, const PlannedTile& tile,
+                               MaterialPieces& pieces) {
+  const int level = grid.brick_level(), cube_level = grid.shard_level();
+  const auto end_of = [](std::uint64_t code, int l) {
+    return code + (std::uint64_t{1} << (3 * l));
+  };
+  const std::uint64_t begin = tile.code, end = end_of(begin, static_cast<int>(tile.level));
   std::vector<CellKey> bricks;
-  bricks.reserve(codes.size());
-  for (const std::uint64_t code : codes) bricks.push_back({level, morton_decode(code)});
+  for (const SurfaceNode& node : top.nodes(surface, cube_level, begin, end)) {
+    const Index3 first = morton_decode(node.code >> (3 * level));
+    for (const PieceRecord& piece : *pieces.of_shard(first)) {
+      const std::uint64_t code = piece.key.brick << (3 * level);
+      const bool in_cube = code >= node.code && code < end_of(node.code, cube_level);
+      if (in_cube && code < end && end_of(code, level) > begin)
+        bricks.push_back({level, morton_decode(piece.key.brick)});
+    }
+  }
   return bricks;
 }
 
@@ -48,29 +47,31 @@ AboveBricks clusters_above(const BrickGrid& grid, const std::vector<CellKey>& br
   return bricks_above(found, top, codes);
 }
 
-TileAbove tile_above(const BuildJob& job, const std::vector<CellKey>& bricks,
-                     const TopArtifact& top, const ReducedNode& clusters,
-                     const MaterialPieces& pieces) {
-  TileAbove above;
+}  // namespace
+
+TileInputs tile_inputs(const BuildJob& job, const LabelTop& top, const SurfaceRecord& surface,
+                       const PlannedTile& tile, const ReducedNode& clusters,
+                       MaterialPieces& pieces) {
+  TileInputs inputs;
+  inputs.bricks = bricks_of(job.grid, top, surface, tile, pieces);
   if (collapses_by_sheets(job.parameters))
-    above.clusters = clusters_above(job.grid, bricks, clusters, pieces);
-  else
-    above.leaves = leaves_above(
-        bricks, [&](std::uint64_t begin, std::uint64_t end) { return top.leaves(begin, end); });
-  return above;
+    inputs.clusters = clusters_above(job.grid, inputs.bricks, clusters, pieces);
+  else if (surface.leaves > 0)
+    inputs.leaves = leaves_above(inputs.bricks, [&](std::uint64_t begin, std::uint64_t end) {
+      return top.leaves(surface, begin, end);
+    });
+  return inputs;
 }
 
-Hash128 tile_key(const StitchJob& job, const PlannedTile& tile, const std::vector<CellKey>& bricks,
-                 const TileAbove& above, MaterialPieces& pieces) {
+Hash128 tile_key(const StitchJob& job, const PlannedTile& tile, const TileInputs& inputs,
+                 MaterialPieces& pieces) {
   KeyHasher key;
   key.hash(job.key).integer(static_cast<std::int64_t>(tile.code)).integer(tile.level);
-  key.bytes(std::as_bytes(std::span(above.leaves)));
-  if (collapses_by_sheets(job.build->parameters)) {
-    key.bytes(std::as_bytes(std::span(above.clusters.bricks)));
-    key.bytes(std::as_bytes(std::span(above.clusters.links)));
-    key.bytes(std::as_bytes(std::span(above.clusters.leaves)));
-  }
-  for (const CellKey& brick : bricks) {
+  key.bytes(std::as_bytes(std::span(inputs.leaves)));
+  key.bytes(std::as_bytes(std::span(inputs.clusters.bricks)));
+  key.bytes(std::as_bytes(std::span(inputs.clusters.links)));
+  key.bytes(std::as_bytes(std::span(inputs.clusters.leaves)));
+  for (const CellKey& brick : inputs.bricks) {
     key.integer(static_cast<std::int64_t>(brick.code()));
     const std::optional<PieceRecord> piece = pieces.find(brick.at);
     key.hash(piece->body).hash(piece->ghost);
@@ -78,13 +79,6 @@ Hash128 tile_key(const StitchJob& job, const PlannedTile& tile, const std::vecto
       if (const auto upper = pieces.find(upper_neighbour(brick.at, d))) key.hash(upper->ghost);
   }
   return key.finish();
-}
-
-std::uint64_t largest_brick_bytes(const std::vector<CellKey>& bricks, MaterialPieces& pieces) {
-  std::uint64_t largest = 0;
-  for (const CellKey& brick : bricks)
-    largest = std::max(largest, pieces.find(brick.at)->stitched_bytes());
-  return 2 * largest;
 }
 
 }  // namespace voxweld

@@ -2,31 +2,25 @@
 // the top tree.
 #pragma once
 
-#include "pipeline/stitch/stitch_stage.h"
 #include "pipeline/stitch/tile_pieces.h"
 
 namespace voxweld {
 
-// The bricks with a surface that a tile's cube meets, in Morton order.
-std::vector<CellKey> tile_bricks(const BrickGrid& grid, CellKey tile, MaterialPieces& pieces);
-
-// What lies above them and their upper neighbours: one of the two, as the job collapses.
-struct TileAbove {
+struct TileInputs {
+  // Those with a surface that the tile's cube meets, in Morton order.
+  std::vector<CellKey> bricks;
+  // What lies above them and their upper neighbours: one of the two, as the job collapses.
   std::vector<TopLeaf> leaves;
   AboveBricks clusters;  // where each sheet collapses by itself
 };
-// The latter: of the bricks' shards and of top.
-AboveBricks clusters_above(const BrickGrid& grid, const std::vector<CellKey>& bricks,
-                           const ReducedNode& top, const MaterialPieces& pieces);
-// clusters: those of `top`.
-TileAbove tile_above(const BuildJob& job, const std::vector<CellKey>& bricks,
-                     const TopArtifact& top, const ReducedNode& clusters,
-                     const MaterialPieces& pieces);
 
-Hash128 tile_key(const StitchJob& job, const PlannedTile& tile, const std::vector<CellKey>& bricks,
-                 const TileAbove& above, MaterialPieces& pieces);
+// surface, tile: of `top`; clusters: of that surface.
+TileInputs tile_inputs(const BuildJob& job, const LabelTop& top, const SurfaceRecord& surface,
+                       const PlannedTile& tile, const ReducedNode& clusters,
+                       MaterialPieces& pieces);
 
-// The most bytes the parts of one of these bricks take, its neighbours' ghost layers included.
-std::uint64_t largest_brick_bytes(const std::vector<CellKey>& bricks, MaterialPieces& pieces);
+// Of all that: what the tile's mesh depends on.
+Hash128 tile_key(const StitchJob& job, const PlannedTile& tile, const TileInputs& inputs,
+                 MaterialPieces& pieces);
 
 }  // namespace voxweld

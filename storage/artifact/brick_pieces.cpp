@@ -48,9 +48,15 @@ Hash128 hash_of(std::span<const std::span<const std::byte>> lists) {
 // The lists of one part of a piece, read one after the other into where they belong.
 class PartReader {
  public:
-  // offset: of the part in the brick's section.
-  PartReader(const ArtifactReader& file, const PieceKey& key, std::uint64_t offset)
-      : file_(file), key_(key), offset_(offset) {}
+  // begin: of the part, counted from where the body begins.
+  PartReader(const ArtifactReader& file, const PieceRecord& piece, std::uint64_t begin)
+      : file_(file), key_(piece.key), offset_(piece.offset + begin) {
+    // Before memory is taken for it.
+    const SectionRecord* section = file.find(pieces_section(key_.brick));
+    if (section == nullptr || piece.offset > section->size ||
+        piece.bytes() > section->size - piece.offset)
+      file.damaged("a piece is longer than its brick");
+  }
 
   template <class T>
   void take(std::uint64_t count, std::vector<T>& out) {
@@ -94,7 +100,7 @@ void read_above(const ArtifactReader& file, const PieceRecord& piece, BrickOctre
   out.record = {};
   out.levels.clear();
   if (!piece.by_sheets()) return;
-  PartReader in(file, piece.key, piece.offset + piece.stitched_bytes());
+  PartReader in(file, piece, piece.stitched_bytes());
   std::vector<std::byte> bytes;
   in.take(piece.above_bytes(), bytes);
   in.check(piece.above);
@@ -228,7 +234,7 @@ PieceBytes read_piece_bytes(const ArtifactReader& file, const PieceHead& head) {
 
 void read_piece_body(const ArtifactReader& file, const PieceRecord& piece, int brick_level,
                      BrickOctree& out) {
-  PartReader in(file, piece.key, piece.offset);
+  PartReader in(file, piece, 0);
   std::vector<FilledBlock> blocks;
   in.take(piece.vertices, out.vertices);
   in.take(piece.polygons, out.polygons);
@@ -245,7 +251,7 @@ void read_piece_body(const ArtifactReader& file, const PieceRecord& piece, int b
 }
 
 void read_piece_ghosts(const ArtifactReader& file, const PieceRecord& piece, GhostLayer& out) {
-  PartReader in(file, piece.key, piece.offset + piece.body_bytes());
+  PartReader in(file, piece, piece.body_bytes());
   in.take(piece.ghost_cells, out.cells);
   in.take(piece.ghost_vertices, out.vertices);
   in.take((piece.lists & has_ghost_sheets) != 0 ? piece.ghost_cells : 0, out.sheets_of_edges);

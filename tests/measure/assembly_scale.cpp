@@ -16,6 +16,7 @@
 #include "pipeline/stage/file_layout.h"
 #include "storage/artifact/asset_record.h"
 #include "storage/artifact/shard_artifact.h"
+#include "storage/artifact/top_artifact.h"
 #include "storage/support/error.h"
 #include "tests/measure/scale_support.h"
 
@@ -81,7 +82,9 @@ int run(const std::string& folder, std::int64_t side, std::uint64_t percent) {
 
   Listing listing;
   listing.output = folder + "/mesh";
-  for (const PlannedTile& tile : TopArtifact(merge.path()).tiles())
+  const TopArtifact top(merge.path());
+  const LabelTop tables(top);
+  for (const PlannedTile& tile : tables.tiles(0, tables.tile_count()))
     listing.tiles.push_back({tile.key(), fanned_out(folder + "/encode", tile.key().at,
                                                     fmt::format("{}-{}", tile.level, tile.code))});
   fmt::print("{} tiles\n", listing.tiles.size());

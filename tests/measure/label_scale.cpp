@@ -84,11 +84,11 @@ void write_shard(const BuildJob& job, Index3 shard, const std::vector<Material>&
 }
 
 void write_batches(const StitchJob& job, const TopArtifact& top, const UnitPlan& plan) {
-  const auto work = stitch_work(job, top);
+  StitchWork work(job, top);
   const LabelTop labels(top);
   const std::vector<BatchRecord> batches = labels.batches();
   probe_all(plan.size(), [&](std::size_t i) {
-    LabelTilesWriter out(tile_artifact_path(job.folder, plan, i), work->key(i));
+    LabelTilesWriter out(tile_artifact_path(job.folder, plan, i), work.key(i));
     for (const SurfaceRecord& s : labels.surfaces(batches[i].first_surface, batches[i].surfaces))
       out.add(s.material, {});
     out.finish();

@@ -80,12 +80,6 @@ void read_top(const fs::path& path) {
   const TopArtifact top(path);
   top.counts();
   top.shards();
-  if (!top.of_labels()) {
-    top.tiles();
-    top.leaves(0, ~std::uint64_t{0});
-    top.clusters();
-    return;
-  }
   read_tables(LabelTop(top));
 }
 void read_tile(const fs::path& path) {

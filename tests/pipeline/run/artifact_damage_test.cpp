@@ -6,7 +6,6 @@
 #include "stages/refine/refine_range.h"
 #include "storage/artifact/cube_mesh_artifact.h"
 #include "storage/artifact/label_counts.h"
-#include "storage/artifact/label_top.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/tile_plan_artifact.h"
@@ -46,13 +45,23 @@ void read_all_of_shard(const fs::path& path) {
   }
 }
 
+void read_all_of_tables(const LabelTop& top) {
+  top.batches();
+  top.tiles(0, top.tile_count());
+  constexpr std::uint64_t end = ~std::uint64_t{0} >> 1;
+  for (std::uint64_t i = 0; i < top.surface_count(); ++i) {
+    const SurfaceRecord surface = top.surfaces(i, 1).front();
+    top.nodes(surface, shard_level, 0, end);
+    top.leaves(surface, 0, end);
+    top.clusters(i);
+  }
+}
+
 void read_all_of_top(const fs::path& path) {
   const TopArtifact artifact(path);
   artifact.counts();
-  artifact.tiles();
   artifact.shards();
-  artifact.leaves(0, ~std::uint64_t{0} >> 1);
-  artifact.clusters();
+  read_all_of_tables(LabelTop(artifact));
 }
 
 void read_all_of_tile(const fs::path& path) {
@@ -67,23 +76,6 @@ void read_all_of_cubes(const fs::path& path) {
   artifact.changes();
   for (std::size_t i = 0; i < artifact.pieces().size(); ++i)
     for (const CubePart part : {CubePart::inside, CubePart::leaving}) artifact.read(i, part);
-}
-
-void read_all_of_tables(const LabelTop& top) {
-  top.batches();
-  top.tiles(0, top.tile_count());
-  constexpr std::uint64_t end = ~std::uint64_t{0} >> 1;
-  for (const SurfaceRecord& surface : top.surfaces(0, top.surface_count())) {
-    top.nodes(surface, shard_level, 0, end);
-    top.leaves(surface, 0, end);
-  }
-}
-
-void read_all_of_label_top(const fs::path& path) {
-  const TopArtifact artifact(path);
-  artifact.counts();
-  artifact.shards();
-  read_all_of_tables(LabelTop(artifact));
 }
 
 void read_all_of_tile_plan(const fs::path& path) {
@@ -174,7 +166,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Kind{"cubes", "off", ".cubes", read_all_of_cubes, "collapse"},
                       Kind{"tile_plan", "off", "tile.plan", read_all_of_tile_plan, "collapse"},
                       Kind{"octrees_of_each_label", "each", ".octree", read_all_of_shard},
-                      Kind{"tree_of_each_label", "each", ".tree", read_all_of_label_top},
+                      Kind{"tree_of_each_label", "each", ".tree", read_all_of_top},
                       Kind{"tiles_of_each_label", "each", ".tile", read_all_of_tile},
                       Kind{"cubes_of_each_label", "each", ".cubes", read_all_of_cubes, "collapse"},
                       Kind{"tile_plan_of_each_label", "each", "tile.plan", read_all_of_tile_plan,

@@ -9,7 +9,6 @@
 #include "pipeline/encode/encode_stage.h"
 #include "stages/build/label_edge.h"
 #include "storage/artifact/cube_mesh_artifact.h"
-#include "storage/artifact/label_top.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/top_artifact.h"
@@ -85,7 +84,7 @@ TEST_F(Goldens, Build) {
 }
 
 TEST_F(Goldens, Merge) {
-  expect_recorded({"merge", 6, "df3fb9fcd8e4654bd41aaa3cfdd3ab7b"}, top_version,
+  expect_recorded({"merge", 7, "686bb0a8864d3d0543c810ab9a912651"}, top_version,
                   hash_of(work(".tree"), top_kind, top_version));
 }
 
@@ -119,7 +118,7 @@ TEST(SheetGoldens, OfEveryStage) {
   VOXWELD_EXPECT_DONE(scene.run(
       {"work.brick=16", "work.shard=2", "output.tile_vertices=1024", "simplify.tolerance=0.2"}));
   expect_stages(scene, {"build", 11, "b069feaf9e742506b535b3ddd0e5afc0"},
-                {"merge", 6, "d210dc67662e593a6a69505aa2b3ddab"},
+                {"merge", 7, "b71ff528e78b84ed6d4eae57132cac22"},
                 {"stitch", 6, "8fdb8ce3b8a6c543ae2b748e116bae78"});
 }
 
@@ -202,7 +201,7 @@ TEST(SheetGoldens, OfEachLabel) {
   VOXWELD_EXPECT_DONE(scene.run(
       {"labels.mode=each", "work.brick=16", "work.shard=2", "output.tile_vertices=1024"}));
   expect_stages(scene, {"build", 11, "e9b18b6ad4ff63ab3bea9d298c1f6927"},
-                {"merge", 6, "e9a5b6b3c0ef9f575fb8b6bc0eca9a6f"},
+                {"merge", 7, "e9a5b6b3c0ef9f575fb8b6bc0eca9a6f"},
                 {"stitch", 6, "9fae1a70ec6d7f1ae20b8943a57c9087"});
 }
 
@@ -211,7 +210,6 @@ constexpr std::uint32_t label_build_version = 100 * shard_version + label_estima
 // A row for each stage: what the artifacts and the files of a mode are.
 struct LabelGolden {
   const char* mode;
-  std::uint32_t merge_version;
   std::array<Golden, 4> stages;  // build, merge, stitch, encode
 };
 
@@ -231,8 +229,7 @@ TEST_P(LabelGoldens, OfEveryStage) {
   const auto work = [&](const char* ending) { return files_ending(scene.work(), ending); };
   expect_recorded(golden.stages[0], label_build_version,
                   hash_of(work(".octree"), shard_kind, shard_version));
-  expect_recorded(golden.stages[1], golden.merge_version,
-                  hash_of(work(".tree"), top_kind, top_version));
+  expect_recorded(golden.stages[1], top_version, hash_of(work(".tree"), top_kind, top_version));
   expect_recorded(golden.stages[2], tile_version, hash_of(work(".tile"), tile_kind, tile_version));
   if (std::string(draco::kDracoVersion) != "1.5.5")
     GTEST_SKIP() << "the hashes are of Draco 1.5.5's bytes, this is " << draco::kDracoVersion;
@@ -246,15 +243,13 @@ INSTANTIATE_TEST_SUITE_P(
     Modes, LabelGoldens,
     ::testing::Values(
         LabelGolden{"each",
-                    top_version | label_top_version << 16,
                     {Golden{"build of each label", 1102, "4b72d2796b794924e0ae58dd4a64cdd4"},
-                     {"merge of each label", 65542, "9f7bfb7c8d34769459dbaa9a3cc90b54"},
+                     {"merge of each label", 7, "9f7bfb7c8d34769459dbaa9a3cc90b54"},
                      {"stitch of each label", 6, "59cdc8ffcee04a094002ca747ffecbbb"},
                      {"encode of each label", 2, "141590bccb677d852b82a4e68563a1e8"}}},
         LabelGolden{"shared",
-                    top_version,
                     {Golden{"build of shared labels", 1102, "c9af1dd04870928d8bbf1319d69a5486"},
-                     {"merge of shared labels", 6, "2b94e515c19b8f667fcd397659247c25"},
+                     {"merge of shared labels", 7, "595fa4028ff4954c4358e08c346bf68c"},
                      {"stitch of shared labels", 6, "05d69da8e8cc4a33c37bdd751c8c158f"},
                      {"encode of shared labels", 2, "fd0cca0c691305fa8d98734ec337ab36"}}}),
     [](const auto& each) { return each.param.mode; });
