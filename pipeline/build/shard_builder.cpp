@@ -248,7 +248,7 @@ void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlie
 void ShardBuilder::share_memory(const WorkerContext& worker) {
   if (share_) return;
   share_.emplace(worker.memory(), worker.interrupt(), [this] { octrees_->free_buffers(); });
-  octrees_ = make_shard_octrees(job_, *share_);
+  octrees_ = std::make_unique<ShardOctrees>(job_, *share_);
 }
 
 void ShardBuilder::build(Index3 shard, const WorkerContext& worker) {

@@ -1,176 +1,247 @@
 #include "pipeline/build/shard_octrees.h"
 
 #include <algorithm>
+#include <cstring>
+#include <stdexcept>
 
-#include "pipeline/build/label_octrees.h"
-#include "pipeline/build/local_edits.h"
-#include "stages/build/cut_brick.h"
+#include "pipeline/stage/shard_memory.h"
+#include "stages/merge/shard_reduction.h"
+#include "storage/artifact/node_record_bytes.h"
 
 namespace voxweld {
-
 namespace {
 
-// Of one surface: its octree is the shard's.
-class SurfaceOctrees : public ShardOctrees {
- public:
-  SurfaceOctrees(const BuildJob& job, MemoryShare& share)
-      : job_(job), edits_(job.parameters), share_(share) {
-    scratch_.reserve = [&share](std::uint64_t bytes) { share.reserve(bytes); };
-  }
-
-  void free_buffers() override {
-    scratch_.free_buffers();
-    brick_ = finer_ = {};
-    cutter_ = {};
-  }
-  void begin(Index3 shard, Hash128 input_stamp) override {
-    shard_ = shard;
-    roots_.clear();
-    history_ = ShardHistory{};
-    out_.reset();
-    summary_ = ShardSummary{};
-    out_ = std::make_unique<ShardArtifactWriter>(shard_artifact_path(job_, shard),
-                                                 shard_key(job_, shard), input_stamp);
-  }
-  void build(const HaloBlock& block, Index3 first, std::int64_t count,
-             const WorkerContext& worker) override;
-  void inside(Index3 brick, Material material) override {
-    RootRecord inside;
-    inside.state = NodeState::inside;
-    if (material == exterior)
-      inside.corner_signs = 255;
-    else
-      inside.corners.fill(material);
-    roots_.push_back({{job_.grid.brick_level(), brick}, inside, {}, {}});
-  }
-  void keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) override;
-  std::uint64_t cut(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) override;
-  void finish(Hash128 input, std::vector<BuiltRun> runs) override {
-    summary_.input = input;
-    history_.runs = std::move(runs);
-    const std::vector<ShardNode> nodes = reduce();
-    out_->finish(summary_, nodes, history_);
-    out_.reset();
-  }
-
- private:
-  struct Root {
-    CellKey key;
-    RootRecord record;
-    std::vector<BlockCount> blocks;  // none where it is inside
-    NodeRecord clusters;             // where each sheet collapses by itself
-  };
-  void note(const CellKey& key, const RootRecord& root, const BrickCounts& counts);
-  void note_surface(const CellKey& key, const RootRecord& root,
-                    const std::vector<BlockCount>& blocks, const NodeRecord& clusters);
-  void put(const CellKey& key, const BrickOctree& brick);
-  std::vector<ShardNode> reduce();
-
-  const BuildJob& job_;
-  LocalEdits edits_;
-  BrickScratch scratch_;
-  BrickOctree brick_, finer_;
-  BrickCutter cutter_;
-  MemoryShare& share_;
-  Index3 shard_;
-  std::unique_ptr<ShardArtifactWriter> out_;
-  std::vector<Root> roots_;
-  ShardSummary summary_;
-  ShardHistory history_;
+// What the reduction and the directory need of one material in one brick; then, where the brick is
+// split, a FilledBlock for each block that holds anything; then the bytes of its NodeRecord.
+struct Note {
+  PieceHead head;
+  std::uint64_t blocks = 0;
 };
 
-void SurfaceOctrees::note(const CellKey& key, const RootRecord& root, const BrickCounts& counts) {
-  history_.bricks.push_back({morton_encode(key.at), brick_key(job_, key.at), root, counts});
-  add_brick(summary_.counts, counts, root.state);
+bool has_surface(const PieceHead& head) {
+  return head.root.state != NodeState::inside;
 }
 
-// Of a brick that is not all outside.
-void SurfaceOctrees::note_surface(const CellKey& key, const RootRecord& root,
-                                  const std::vector<BlockCount>& blocks,
-                                  const NodeRecord& clusters) {
-  const bool surface = root.state != NodeState::inside;
-  if (surface) ++summary_.active_bricks;
-  roots_.push_back({key, root, surface ? blocks : std::vector<BlockCount>{}, clusters});
-}
-
-void SurfaceOctrees::keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) {
-  const CellKey key{job_.grid.brick_level(), brick};
-  note(key, built.root, built.counts);
-  if (built.root.state == NodeState::outside) return;
-  const bool surface = built.root.state != NodeState::inside;
-  note_surface(key, built.root,
-               surface ? read_block_counts(from, built.code) : std::vector<BlockCount>{},
-               read_node_record(from, built.code));
-  if (surface) out_->brick(built.code, from);
-}
-
-void SurfaceOctrees::build(const HaloBlock& block, Index3 first, std::int64_t count,
-                           const WorkerContext& worker) {
-  for (std::int64_t i = 0; i < count; ++i) {
-    worker.check_interrupt();
-    const CellKey key{job_.grid.brick_level(), first + Index3{i, 0, 0}};
-    const ContourParameters& parameters = edits_.around(sign_samples(job_.grid, key.at));
-    build_brick(block, place_of_brick(job_.grid, key.at), parameters, scratch_, brick_);
-    put(key, brick_);
-    share_.yield();
-  }
-}
-
-void SurfaceOctrees::put(const CellKey& key, const BrickOctree& brick) {
-  note(key, brick.root, brick.counts);
-  if (brick.root.state == NodeState::outside) return;
-  note_surface(key, brick.root, brick.blocks, brick.record);
-  if (brick.root.state != NodeState::inside) out_->brick(morton_encode(key.at), brick);
-}
-
-std::uint64_t SurfaceOctrees::cut(Index3 brick, const BuiltBrick& built,
-                                  const ArtifactReader& from) {
-  const CellKey key{job_.grid.brick_level(), brick};
-  if (built.root.state != NodeState::split) {
-    BrickOctree whole;
-    whole.root = built.root;
-    whole.counts = built.counts;
-    put(key, whole);
-    return 0;
-  }
-  const std::uint64_t bytes = brick_bytes(from, built.code);
-  share_.reserve(cut_bytes(bytes));
-  read_whole_brick(from, built.code, finer_);
-  finer_.root = built.root;
-  finer_.counts = built.counts;
-  if (!can_be_cut(finer_)) from.damaged("the parts of a brick contradict each other");
-  cutter_.cut(finer_, job_.parameters.simplify.tolerance, brick_);
-  put(key, brick_);
-  share_.yield();
-  return bytes;
-}
-
-std::vector<ShardNode> SurfaceOctrees::reduce() {
-  summary_.bricks = static_cast<std::uint64_t>(job_.grid.shard_bricks(shard_).count());
-  std::sort(roots_.begin(), roots_.end(),
-            [](const Root& a, const Root& b) { return a.key.code() < b.key.code(); });
-
-  std::vector<ShardNode> nodes;
-  auto root = roots_.begin();
-  for (const BrickGrid::Cube& cube : job_.grid.shard_cubes(shard_)) {
-    CubeReduction reduction(job_.grid, cube.key, job_.parameters);
-    for (; root != roots_.end() && cube.key.cells().contains(root->key.cells()); ++root) {
-      reduction.add(root->key, root->record, root->blocks);
-      if (root->clusters.has_surface()) reduction.add_record(root->key, root->clusters);
-    }
-    nodes.push_back(reduction.finish());
-    add(summary_.counts, reduction.counts());
-    summary_.collapsed_above += reduction.collapsed();
-  }
-  return nodes;
+template <class T>
+void append(std::vector<std::byte>& out, const T* values, std::size_t count) {
+  const std::size_t at = out.size();
+  out.resize(at + count * sizeof(T));
+  if (count > 0) std::memcpy(out.data() + at, values, count * sizeof(T));
 }
 
 }  // namespace
 
-std::unique_ptr<ShardOctrees> make_shard_octrees(const BuildJob& job, MemoryShare& share) {
-  if (job.parameters.labels.mode == LabelMode::each)
-    return std::make_unique<LabelOctrees>(job, share);
-  return std::make_unique<SurfaceOctrees>(job, share);
+ShardOctrees::ShardOctrees(const BuildJob& job, MemoryShare& share)
+    : job_(job), edits_(job.parameters), share_(share), notes_(job.folder, material_notes_bytes) {
+  scratch_.reserve = [&share](std::uint64_t bytes) { share.reserve(bytes); };
+  labels_.set_reserve(scratch_.reserve);
+}
+
+void ShardOctrees::free_buffers() {
+  scratch_.free_buffers();
+  labels_.free_buffers();
+  brick_octree_ = finer_ = {};
+  cutter_ = {};
+}
+
+void ShardOctrees::begin(Index3 shard, Hash128 input_stamp) {
+  shard_ = shard;
+  notes_.clear();
+  summary_ = ShardSummary{};
+  history_ = ShardHistory{};
+  out_.reset();
+  out_ = std::make_unique<ShardArtifactWriter>(shard_artifact_path(job_, shard),
+                                               shard_key(job_, shard), input_stamp);
+}
+
+void ShardOctrees::build(const HaloBlock& block, Index3 first, std::int64_t count,
+                         const WorkerContext& worker) {
+  if (job_.parameters.labels.mode == LabelMode::each) labels_.fill(block, job_.parameters);
+  for (std::int64_t i = 0; i < count; ++i)
+    build_brick(block, {job_.grid.brick_level(), first + Index3{i, 0, 0}}, worker);
+}
+
+void ShardOctrees::build_brick(const HaloBlock& block, const CellKey& brick,
+                               const WorkerContext& worker) {
+  begin_brick(brick.at);
+  worker.check_interrupt();
+  if (job_.parameters.labels.mode == LabelMode::each) {
+    labels_.each({brick.lo(), brick.level}, job_.parameters,
+                 [&](Material material, const BrickOctree& octree) {
+                   worker.check_interrupt();
+                   put(material, octree);
+                 });
+  } else {
+    voxweld::build_brick(block, place_of_brick(job_.grid, brick.at),
+                         edits_.around(sign_samples(job_.grid, brick.at)), scratch_, brick_octree_);
+    put(sole_material, brick_octree_);
+  }
+  end_brick();
+}
+
+void ShardOctrees::begin_brick(Index3 brick) {
+  brick_ = {morton_encode(brick), brick_key(job_, brick), {}};
+  any_ = surface_ = false;
+}
+
+void ShardOctrees::put(Material material, const BrickOctree& octree) {
+  add_brick(brick_.counts, octree.counts, octree.root.state);
+  if (octree.root.state == NodeState::outside) return;
+  if (!any_) out_->begin_brick(brick_.code);
+  any_ = true;
+  const std::vector<FilledBlock> blocks = filled_blocks(octree.blocks);
+  put_above(octree, above_);
+  const PieceHead head = out_->piece(material, octree, blocks, above_);
+  surface_ = surface_ || has_surface(head);
+  note(head, blocks, above_.record());
+}
+
+void ShardOctrees::end_brick() {
+  if (any_) out_->end_brick();
+  note(brick_, surface_);
+  share_.yield();
+}
+
+std::uint64_t ShardOctrees::cut(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) {
+  begin_brick(brick);
+  brick_.counts.active_cells = built.counts.active_cells;
+  brick_.counts.crossing_edges = built.counts.crossing_edges;
+  std::uint64_t bytes = 0;
+  each_piece_in(from, built.code, [&](const PieceHead& head) {
+    bytes += head.piece.bytes();
+    share_.reserve(cut_bytes(head.piece.bytes()));
+    read_octree(from, head, job_.grid.brick_level(), finer_);
+    if (!has_surface(head)) return put(head.piece.key.material, finer_);
+    if (!can_be_cut(finer_)) from.damaged("the parts of a piece contradict each other");
+    cutter_.cut(finer_, job_.parameters.simplify.tolerance, brick_octree_);
+    put(head.piece.key.material, brick_octree_);
+  });
+  end_brick();
+  return bytes;
+}
+
+void ShardOctrees::keep(Index3, const BuiltBrick& built, const ArtifactReader& from) {
+  bool surface = false;
+  out_->brick(built.code, from, [&](const PieceBytes& piece) {
+    surface = surface || has_surface(piece.head);
+    note(piece.head, piece.blocks(), piece.record());
+  });
+  note(built, surface);
+}
+
+void ShardOctrees::note(const BuiltBrick& built, bool surface) {
+  add(summary_.counts, built.counts);
+  if (surface) ++summary_.active_bricks;
+  history_.bricks.push_back(built);
+}
+
+void ShardOctrees::inside(Index3 brick, Material material) {
+  PieceHead head;
+  head.root = filled_brick().root;
+  if (job_.parameters.labels.mode == LabelMode::shared) {
+    head.root.corner_signs = 0;
+    head.root.corners.fill(material);
+  }
+  const bool of_label = job_.parameters.labels.mode == LabelMode::each;
+  head.piece.key = {of_label ? material : sole_material, morton_encode(brick)};
+  note(head, {}, {});
+}
+
+void ShardOctrees::note(const PieceHead& head, std::span<const FilledBlock> blocks,
+                        std::span<const std::byte> record) {
+  if (head.root.state != NodeState::split) blocks = {};
+  const Note note{head, blocks.size()};
+  note_.clear();
+  append(note_, &note, 1);
+  append(note_, blocks.data(), blocks.size());
+  append(note_, record.data(), record.size());
+  notes_.push({head.piece.key.material, head.piece.key.brick}, note_);
+}
+
+// The nodes of one material after the other, and in each its cubes, as the notes come.
+class ShardOctrees::NodeWriter {
+ public:
+  NodeWriter(const BuildJob& job, ShardSummary& summary, ShardArtifactWriter& out)
+      : job_(job), summary_(summary), out_(out) {}
+
+  void add_note(Material material, const CellKey& brick, std::span<const std::byte> bytes) {
+    open(material, brick);
+    Note note;
+    std::memcpy(&note, bytes.data(), sizeof note);
+    std::vector<FilledBlock> blocks(note.blocks);
+    if (note.blocks > 0)
+      std::memcpy(blocks.data(), bytes.data() + sizeof note, note.blocks * sizeof(FilledBlock));
+    if (has_surface(note.head)) add_piece(note.head.piece);
+    reduction_->add(brick, note.head.root, note.head.piece.polygons, blocks);
+    if (!note.head.piece.by_sheets()) return;
+    node_.final_vertices += note.head.piece.final_vertices;
+    NodeRecord record;
+    if (!RecordBytes(bytes.last(note.head.piece.record_bytes)).take(record))
+      throw std::logic_error("build: a note of a piece has no record");
+    reduction_->add_record(brick, record);
+  }
+
+  // After the last, and between one cube and the next.
+  void close() {
+    if (!reduction_) return;
+    node_.node = reduction_->finish();
+    if (collapses_by_sheets(job_.parameters)) node_.final_vertices += reduction_->counts().vertices;
+    add(summary_.counts, reduction_->counts());
+    summary_.collapsed_above += reduction_->collapsed();
+    content_->bytes(std::as_bytes(std::span(node_.node.leaves)));
+    if (node_.node.clusters.record.has_surface()) {
+      std::vector<std::byte> links;
+      put_links(node_.node.clusters, links);
+      content_->bytes(links);
+    }
+    node_.content = content_->finish();
+    out_.node(node_);
+    reduction_.reset();
+  }
+
+ private:
+  void open(Material material, const CellKey& brick) {
+    const int up = job_.grid.shard_level() - brick.level;
+    const CellKey cube{job_.grid.shard_level(),
+                       {brick.at.x >> up, brick.at.y >> up, brick.at.z >> up}};
+    if (reduction_ && node_.material == material && cube_ == cube) return;
+    close();
+    node_ = {};
+    node_.material = material;
+    cube_ = cube;
+    content_.emplace();
+    reduction_.emplace(job_.grid, cube, job_.parameters);
+  }
+
+  void add_piece(const PieceRecord& piece) {
+    out_.directory(piece);
+    node_.largest_piece = std::max(node_.largest_piece, piece.stitched_bytes());
+    content_->integer(static_cast<std::int64_t>(piece.key.brick))
+        .hash(piece.body)
+        .hash(piece.ghost);
+  }
+
+  const BuildJob& job_;
+  ShardSummary& summary_;
+  ShardArtifactWriter& out_;
+  MaterialNode node_;  // under way
+  CellKey cube_;       // of it
+  std::optional<KeyHasher> content_;
+  std::optional<CubeReduction> reduction_;
+};
+
+void ShardOctrees::finish(Hash128 input, std::vector<BuiltRun> runs) {
+  summary_.bricks = static_cast<std::uint64_t>(job_.grid.shard_bricks(shard_).count());
+  summary_.input = input;
+  history_.runs = std::move(runs);
+  NodeWriter nodes(job_, summary_, *out_);
+  SortKey key;
+  while (notes_.next(key, note_))
+    nodes.add_note(key.major, {job_.grid.brick_level(), morton_decode(key.minor)}, note_);
+  nodes.close();
+  out_->finish(summary_, history_);
+  out_.reset();
+  notes_.clear();
 }
 
 }  // namespace voxweld

@@ -1,43 +1,71 @@
-// What build makes of the samples of one shard, once they are read: an octree piece for each brick,
-// and the nodes above them as far as the shard reaches.
+// What build makes of the samples of one shard, once they are read: for each material of a brick an
+// octree piece, and the nodes above them as far as the shard reaches. Materials are the labels
+// (labels.mode = "each"), built from the samples of all of them at once; else there is one.
 #pragma once
 
 #include <memory>
 
+#include "pipeline/build/local_edits.h"
 #include "pipeline/executor/memory_pool.h"
 #include "pipeline/stage/artifacts.h"
 #include "pipeline/stage/context.h"
 #include "stages/build/build_brick.h"
-#include "stages/merge/shard_reduction.h"
+#include "stages/build/cut_brick.h"
+#include "stages/build/label_bricks.h"
 #include "storage/artifact/shard_artifact.h"
-#include "storage/types/material.h"
+#include "storage/support/record_sorter.h"
 
 namespace voxweld {
 
 // One shard at a time: begin, the bricks in any order, finish.
 class ShardOctrees {
  public:
-  virtual ~ShardOctrees() = default;
+  // Bricks take their memory from `share`. Both live longer.
+  ShardOctrees(const BuildJob& job, MemoryShare& share);
+
   // Gives what bricks have left behind back to the system.
-  virtual void free_buffers() = 0;
-  virtual void begin(Index3 shard, Hash128 input_stamp) = 0;
+  void free_buffers();
+  void begin(Index3 shard, Hash128 input_stamp);
   // `count` bricks along x from `first` on, of samples that reach as far around them as they need.
   // `worker` is asked to stop between bricks.
-  virtual void build(const HaloBlock& block, Index3 first, std::int64_t count,
-                     const WorkerContext& worker) = 0;
+  void build(const HaloBlock& block, Index3 first, std::int64_t count, const WorkerContext& worker);
   // A brick that is all inside, or of this material, as is known without its samples.
-  virtual void inside(Index3 brick, Material material) = 0;
+  void inside(Index3 brick, Material material);
   // In place of build(), takes a brick over from the artifact that an earlier build of the same
   // samples left. DamagedArtifact when that fails its checks.
-  virtual void keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) = 0;
+  void keep(Index3 brick, const BuiltBrick& built, const ArtifactReader& from);
   // The same of one of the same samples at a smaller tolerance. Where each sheet collapses by itself
   // only. Returns the bytes read.
-  virtual std::uint64_t cut(Index3 brick, const BuiltBrick& built, const ArtifactReader& from) = 0;
+  std::uint64_t cut(Index3 brick, const BuiltBrick& built, const ArtifactReader& from);
   // Writes the artifact. input: of all that was read; runs: those.
-  virtual void finish(Hash128 input, std::vector<BuiltRun> runs) = 0;
-};
+  void finish(Hash128 input, std::vector<BuiltRun> runs);
 
-// The one for labels.mode of the job. Bricks take their memory from `share`, which lives longer.
-std::unique_ptr<ShardOctrees> make_shard_octrees(const BuildJob& job, MemoryShare& share);
+ private:
+  class NodeWriter;
+  void build_brick(const HaloBlock& block, const CellKey& brick, const WorkerContext& worker);
+  void begin_brick(Index3 brick);
+  void put(Material material, const BrickOctree& octree);
+  void end_brick();
+  void note(const BuiltBrick& built, bool surface);
+  void note(const PieceHead& head, std::span<const FilledBlock> blocks,
+            std::span<const std::byte> record);
+
+  const BuildJob& job_;
+  LocalEdits edits_;
+  BrickScratch scratch_;
+  LabelBricks labels_;  // of labels in place of these two
+  BrickOctree brick_octree_, finer_;
+  BrickCutter cutter_;
+  MemoryShare& share_;
+  Index3 shard_;
+  BuiltBrick brick_;                    // under way
+  bool any_ = false, surface_ = false;  // of it: pieces, and such that are not all inside
+  std::unique_ptr<ShardArtifactWriter> out_;
+  RecordSorter notes_;  // of all pieces, by material and brick
+  std::vector<std::byte> note_;
+  AboveBytes above_;
+  ShardSummary summary_;
+  ShardHistory history_;
+};
 
 }  // namespace voxweld

@@ -4,7 +4,6 @@
 #include "stages/filter/stored_value.h"
 #include "storage/artifact/asset_record.h"
 #include "storage/artifact/histogram_artifact.h"
-#include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/noise_artifact.h"
 #include "storage/artifact/piece_changes.h"
 #include "storage/artifact/shard_artifact.h"
@@ -18,24 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of one material or of many labels.
-template <class Artifact>
-InfoDocument octree_document(const std::string& kind, const fs::path& path,
-                             const Artifact& artifact, std::uint32_t version) {
-  const ShardSummary summary = artifact.summary();
-  InfoDocument document = artifact_document(kind, path, artifact, version);
-  document["input_hash"] = to_hex(summary.input);
-  document["bricks"] = summary.bricks;
-  document["active_bricks"] = summary.active_bricks;
-  document["active_cells"] = summary.counts.active_cells;
-  document["crossing_edges"] = summary.counts.crossing_edges;
-  document["vertices"] = summary.counts.vertices;
-  document["collapsed_above"] = summary.collapsed_above;
-  document["worst_residual"] = summary.counts.worst_residual;
-  document["leaves"] = level_facts(summary.counts.leaves);
-  return document;
-}
-
 // Of a tile's mesh: as a header or a record has them.
 template <class Mesh>
 void add_mesh_counts(InfoDocument& document, const Mesh& mesh) {
@@ -46,55 +27,30 @@ void add_mesh_counts(InfoDocument& document, const Mesh& mesh) {
   document["collinear"] = mesh.collinear;
 }
 
-InfoDocument node_facts(const std::vector<ShardNode>& nodes) {
-  std::array<std::uint64_t, 4> states{};
-  for (const ShardNode& node : nodes) ++states[static_cast<std::size_t>(node.record.state) & 3];
-  return {{"outside", states[0]}, {"inside", states[1]}, {"leaf", states[2]}, {"split", states[3]}};
-}
-
-// The bricks with a surface: those that have sections (shard_artifact.h).
-InfoDocument brick_list(const fs::path& path, const ShardArtifact& artifact) {
-  InfoDocument list = InfoDocument::array();
-  const ArtifactReader sections(path, shard_kind, shard_version);
-  BrickOctree octree;
-  for (const SectionRecord& section : sections.sections()) {
-    const std::uint64_t code = section.name >> 8;
-    constexpr std::uint64_t first_part = 1;
-    if ((section.name & 0xff) != first_part || !artifact.has_brick(code)) continue;
-    constexpr std::uint64_t summary_code = (std::uint64_t{1} << 56) - 1;
-    if (code == summary_code) continue;
-    artifact.read_brick(code, octree);
-    list.push_back({{"at", facts_of(morton_decode(code))},
-                    {"vertices", octree.vertices.size()},
-                    {"polygons", octree.polygons.size()},
-                    {"ghost_cells", octree.ghost.cells.size()},
-                    {"bytes", artifact.brick_bytes(code)}});
-  }
-  return list;
-}
-
-InfoDocument describe_octree(const fs::path& path, const InfoOptions& options) {
+InfoDocument describe_octrees(const fs::path& path, const InfoOptions& options) {
   const ShardArtifact artifact(path);
-  InfoDocument document = octree_document("octree", path, artifact, shard_version);
-  document["nodes"] = node_facts(artifact.nodes());
-  if (options.verbose) document["brick_list"] = brick_list(path, artifact);
-  return document;
-}
-
-InfoDocument describe_label_octrees(const fs::path& path, const InfoOptions& options) {
-  const LabelShardArtifact artifact(path);
-  InfoDocument document = octree_document("label_octrees", path, artifact, label_shard_version);
+  const ShardSummary summary = artifact.summary();
+  InfoDocument document = artifact_document("octree", path, artifact, shard_version);
+  document["input_hash"] = to_hex(summary.input);
+  document["bricks"] = summary.bricks;
+  document["active_bricks"] = summary.active_bricks;
+  document["active_cells"] = summary.counts.active_cells;
+  document["crossing_edges"] = summary.counts.crossing_edges;
+  document["vertices"] = summary.counts.vertices;
+  document["collapsed_above"] = summary.collapsed_above;
+  document["worst_residual"] = summary.counts.worst_residual;
+  document["leaves"] = level_facts(summary.counts.leaves);
   document["pieces"] = artifact.piece_count();
   document["nodes"] = artifact.node_count();
   if (!options.verbose) return document;
   document["piece_list"] = InfoDocument::array();
   artifact.each_piece([&](const PieceRecord& piece) {
-    document["piece_list"].push_back({{"label", piece.key.material},
+    document["piece_list"].push_back({{"material", piece.key.material},
                                       {"brick", facts_of(morton_decode(piece.key.brick))},
                                       {"vertices", piece.vertices},
                                       {"polygons", piece.polygons},
                                       {"ghost_cells", piece.ghost_cells},
-                                      {"bytes", piece.body_bytes() + piece.ghost_bytes()}});
+                                      {"bytes", piece.stitched_bytes()}});
   });
   return document;
 }
@@ -112,13 +68,7 @@ InfoDocument describe_top(const fs::path& path, const InfoOptions& options) {
   document["top_leaves"] = counts.top_leaves;
   document["worst_residual"] = counts.worst_residual;
   document["leaves"] = level_facts(counts.leaves);
-  if (artifact.of_labels()) {
-    add_label_plan(document, LabelTop(artifact), options.verbose);
-    return document;
-  }
-  const std::vector<PlannedTile> tiles = artifact.tiles();
-  document["tiles"] = tiles.size();
-  if (options.verbose) document["tile_list"] = tile_list_facts(tiles);
+  add_plan(document, LabelTop(artifact), options.verbose);
   return document;
 }
 
@@ -196,8 +146,7 @@ InfoDocument describe_pieces(const fs::path& path) {
 InfoDocument describe_kind(const fs::path& path, const ArtifactHead& head,
                            const InfoOptions& options) {
   const std::string kind = head.name();
-  if (kind == "octl") return describe_label_octrees(path, options);
-  if (kind == "octr") return describe_octree(path, options);
+  if (kind == "octr") return describe_octrees(path, options);
   if (kind == "tops") return describe_top(path, options);
   if (kind == "tile") return describe_tile(path);
   if (kind == "cubm") return describe_cube_mesh(path, options);

@@ -1,4 +1,4 @@
-// What labels.mode = "each" leaves beside its octrees: plans, tiles and the list of its labels.
+// Plans by material, and what labels.mode = "each" leaves: tiles and the list of its labels.
 #include "pipeline/info/kinds.h"
 #include "storage/artifact/label_top.h"
 #include "storage/artifact/tile_artifact.h"
@@ -8,16 +8,18 @@ namespace voxweld {
 
 namespace fs = std::filesystem;
 
-void add_label_plan(InfoDocument& document, const LabelTop& top, bool verbose) {
+void add_plan(InfoDocument& document, const LabelTop& top, bool verbose) {
   const std::vector<BatchRecord> batches = top.batches();
-  document["labels"] = top.surface_count();
+  document["materials"] = top.surface_count();
   document["tiles"] = top.tile_count();
   document["batches"] = batches.size();
   if (!verbose) return;
   document["batch_list"] = InfoDocument::array();
   for (const BatchRecord& batch : batches)
-    document["batch_list"].push_back({{"label", batch.material},
-                                      {"labels", batch.surfaces},
+    document["batch_list"].push_back({{"material", batch.material},
+                                      {"materials", batch.surfaces},
+                                      {"level", batch.tile_level},
+                                      {"at", facts_of(batch.tile().at)},
                                       {"tiles", batch.tiles},
                                       {"vertices", batch.vertices},
                                       {"polygons", batch.polygons}});

@@ -17,16 +17,14 @@
 //                    verbose: shard_list [{at, bytes, range}]
 //   octree           key, content_hash, version, made_by, input_hash, bricks, active_bricks,
 //                    active_cells, crossing_edges, vertices, collapsed_above, worst_residual,
-//                    leaves (by level), nodes {outside, inside, leaf, split}; verbose: brick_list
-//                    [{at, vertices, polygons, ghost_cells, bytes}]
-//   label_octrees    (labels.mode = "each") as octree, but pieces and nodes are counts, of all
-//                    labels together; verbose: piece_list [{label, brick, vertices, polygons,
-//                    ghost_cells, bytes}]
+//                    leaves (by level), pieces, nodes (counts, of all materials together); verbose:
+//                    piece_list [{material (a label with labels.mode = "each", else 0), brick,
+//                    vertices, polygons, ghost_cells, bytes}]
 //   top_tree         key, content_hash, version, made_by, bricks, active_bricks, active_cells,
 //                    crossing_edges, vertices, collapsed_above, top_leaves, worst_residual, leaves
-//                    (by level), tiles; verbose: tile_list [{level, at, vertices, polygons}]; with
-//                    labels.mode = "each" also labels and batches, and verbose batch_list [{label
-//                    (the first), labels, tiles, vertices, polygons}] in place of the tiles
+//                    (by level), materials (labels with labels.mode = "each", else 1), tiles,
+//                    batches (stitch's units); verbose: batch_list [{material (the first),
+//                    materials, level, at (of the first tile), tiles, vertices, polygons}]
 //   tile             key, content_hash, version, made_by, level, at, vertices, triangles, quads,
 //                    polygon_triangles, collinear, lattice {step, bits, origin}; with labels.mode =
 //                    "each" in place of these meshes [{label, level, at, vertices, triangles}]
@@ -37,7 +35,8 @@
 //                    intersecting_before, intersecting_left, worst_steps}; verbose: cube_list [{at,
 //                    triangles (inside), leaving_triangles, samples}]
 //   tile_plan        (of refine) key, content_hash, version, made_by, tiles, made_of (meshes);
-//                    verbose: tile_list as of a top_tree
+//                    verbose: tile_list [{level, at, vertices, polygons}]; with labels.mode =
+//                    "each" as of a top_tree
 //   asset_record     key, vertices, triangles, quads, polygon_triangles, collinear, files [{path,
 //                    format, bytes, xxh3_128}]; with labels.mode = "each" labels
 //   histogram        key, type, values

@@ -35,8 +35,9 @@ InfoDocument artifact_document(const std::string& kind, const std::filesystem::p
   return document;
 }
 
-// Of labels.mode = "each"; what `add` adds is in place of what there is without labels.
-void add_label_plan(InfoDocument& document, const LabelTop& top, bool verbose);
+// Of the tables that merge and retile plan by.
+void add_plan(InfoDocument& document, const LabelTop& top, bool verbose);
+// Of labels.mode = "each", in place of what there is without labels.
 void add_label_tiles(InfoDocument& document, const TileArtifact& artifact);
 InfoDocument describe_label_list(const std::filesystem::path& path, const InfoOptions& options);
 

@@ -10,8 +10,6 @@
 #include "storage/artifact/collapse_survey_artifact.h"
 #include "storage/artifact/cube_mesh_artifact.h"
 #include "storage/artifact/label_counts.h"
-#include "storage/artifact/label_shard_artifact.h"
-#include "storage/artifact/label_top.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/tile_plan_artifact.h"
@@ -69,9 +67,7 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info, const Label
   paths.ingest = work / ("ingest-" + short_hex(ingest.finish()));
 
   KeyHasher build;
-  const bool each = config.labels.mode == LabelMode::each;
   build.text("build").integer(shard_version).hash(parameter_hash(config, Stage::build));
-  if (each) build.integer(label_shard_version);
   build.text(sample_type_name(info.type));
   build.integer(g.size.x).integer(g.size.y).integer(g.size.z);
   vec(build, g.spacing);
@@ -90,8 +86,7 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info, const Label
     key.text(stage_name(stage)).integer(version).hash(before).hash(parameter_hash(config, stage));
     return key.finish();
   };
-  const std::uint32_t of_labels = each ? label_top_version << 16 : 0;
-  paths.merge_key = next(Stage::merge, top_version | of_labels, paths.build_key);
+  paths.merge_key = next(Stage::merge, top_version, paths.build_key);
   paths.merge = work / ("merge-" + short_hex(paths.merge_key));
   paths.stitch_key = next(Stage::stitch, tile_version, paths.merge_key);
   if (g.first != Vec3{}) {
@@ -169,9 +164,7 @@ std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard) {
 }
 
 ArtifactReader open_octrees(const BuildJob& job, Index3 shard) {
-  const bool labels = job.parameters.labels.mode == LabelMode::each;
-  return ArtifactReader(shard_artifact_path(job, shard), labels ? label_shard_kind : shard_kind,
-                        labels ? label_shard_version : shard_version);
+  return ArtifactReader(shard_artifact_path(job, shard), shard_kind, shard_version);
 }
 
 Hash128 shard_key(const BuildJob& job, Index3 shard) {

@@ -58,7 +58,7 @@ std::filesystem::path label_counts_path(const std::filesystem::path& ingest, Ind
 Hash128 label_counts_key(Hash128 samples);
 
 std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard);
-// The shard's artifact, whichever kind of octrees it holds.
+// The shard's artifact.
 ArtifactReader open_octrees(const BuildJob& job, Index3 shard);
 // Of the shard's octree: the parameters, and the edits that reach it. What an edit does not reach
 // stays as it is when the edit comes, changes or goes.

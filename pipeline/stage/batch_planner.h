@@ -12,7 +12,7 @@
 namespace voxweld {
 
 // Labels of one tile put together until a batch is full. Another way to do that is another version
-// of all plans that have batches: label_top_version, tile_plan_version.
+// of all plans that have batches: top_version, tile_plan_version.
 class BatchPlanner {
  public:
   BatchPlanner(LabelTablesWriter& out, std::uint64_t most_vertices)

@@ -76,9 +76,11 @@ std::string RefineUnit::name() const {
 }
 
 std::vector<RefineUnit> refine_units(const TopArtifact& top, LabelMode mode, int level) {
-  if (mode == LabelMode::each) return units_of_labels(LabelTop(top), level);
+  const LabelTop tables(top);
+  if (mode == LabelMode::each) return units_of_labels(tables, level);
   std::vector<RefineUnit> units;
-  for (const PlannedRange& range : cube_ranges(top.tiles(), 32, level)) units.push_back({range});
+  for (const PlannedRange& range : cube_ranges(tables.tiles(0, tables.tile_count()), 32, level))
+    units.push_back({range});
   return units;
 }
 

@@ -5,8 +5,7 @@
 #include "stages/build/build_brick.h"
 #include "stages/build/label_bricks.h"
 #include "stages/contouring/parameters.h"
-#include "storage/artifact/shard_artifact.h"
-#include "storage/types/brick_octree.h"
+#include "storage/types/top_tree.h"
 
 namespace voxweld {
 namespace {
@@ -25,7 +24,7 @@ std::uint64_t cluster_records_bytes(const BrickGrid& grid) {
 // be of another label.
 std::uint64_t label_octrees_bytes(const BrickGrid& grid, std::uint64_t samples) {
   const std::uint64_t side16 = std::uint64_t{1} << (grid.shard_level() - block_level);
-  return LabelBricks::memory_bytes(samples) + 2 * label_notes_bytes +
+  return LabelBricks::memory_bytes(samples) + 2 * material_notes_bytes +
          side16 * side16 * side16 * 4 * sizeof(CubeCount) + (std::uint64_t{1} << 20);
 }
 

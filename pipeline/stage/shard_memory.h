@@ -7,8 +7,8 @@
 
 namespace voxweld {
 
-// Of pieces of labels, held before they go to disk.
-inline constexpr std::uint64_t label_notes_bytes = std::uint64_t{8} << 20;
+// Of the pieces of a shard, held before they go to disk.
+inline constexpr std::uint64_t material_notes_bytes = std::uint64_t{8} << 20;
 
 struct ShardMemory {
   // Of one worker, whatever the samples are: those it has read, and what a shard's own octree

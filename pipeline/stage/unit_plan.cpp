@@ -19,98 +19,87 @@ std::filesystem::path tile_stem(const std::filesystem::path& root, CellKey tile,
                                 : root / cube_name(tile);
 }
 
-// One surface: a unit a tile.
-class TilePlan : public UnitPlan {
- public:
-  explicit TilePlan(std::vector<PlannedTile> tiles) : tiles_(std::move(tiles)) {}
-
-  std::uint64_t size() const override { return tiles_.size(); }
-  std::string name(std::uint64_t unit) const override {
-    return "tile " + cube_name(tiles_[unit].key());
-  }
-  PlannedTile largest(std::uint64_t unit) const override { return tiles_[unit]; }
-  PlannedTile total(std::uint64_t unit) const override { return tiles_[unit]; }
-  std::filesystem::path path(const std::filesystem::path& root, std::uint64_t unit,
-                             const std::string& ending) const override {
-    const CellKey tile = tiles_[unit].key();
-    return fanned_out(root, tile.at, cube_name(tile) + ending);
-  }
-  std::vector<PlannedMesh> meshes(std::uint64_t unit) const override {
-    const PlannedTile& tile = tiles_[unit];
-    return {{tile_stem("tiles", tile.key(), tiles_.size()).string(), tile.vertices}};
-  }
-  bool of_labels() const override { return false; }
-  bool spread(std::uint64_t) const override { return false; }
-
- private:
-  std::vector<PlannedTile> tiles_;
-};
-
-class BatchPlan : public UnitPlan {
- public:
-  // as_whole: tiles were planned by other numbers of vertices than they have.
-  BatchPlan(const ArtifactReader& file, bool as_whole)
-      : top_(file), as_whole_(as_whole), batches_(top_.batches()) {}
-
-  std::uint64_t size() const override { return batches_.size(); }
-  std::string name(std::uint64_t unit) const override {
-    const BatchRecord& batch = batches_[unit];
-    if (of_several(batch))
-      return fmt::format("label {} tile {}", batch.material, cube_name(batch.tile()));
-    if (batch.surfaces == 1) return fmt::format("label {}", batch.material);
-    return fmt::format("{} labels from {} on", batch.surfaces, batch.material);
-  }
-  PlannedTile largest(std::uint64_t unit) const override {
-    const BatchRecord& batch = batches_[unit];
-    return {batch.tile_code, static_cast<std::uint32_t>(batch.tile_level), 0, batch.most_vertices,
-            batch.most_polygons};
-  }
-  PlannedTile total(std::uint64_t unit) const override {
-    const BatchRecord& batch = batches_[unit];
-    return {batch.tile_code, static_cast<std::uint32_t>(batch.tile_level), 0, batch.vertices,
-            batch.polygons};
-  }
-  std::filesystem::path path(const std::filesystem::path& root, std::uint64_t unit,
-                             const std::string& ending) const override {
-    const BatchRecord& batch = batches_[unit];
-    const std::string label = std::to_string(batch.material);
-    const std::filesystem::path folder = label_folder(root, batch.material);
-    if (!of_several(batch)) return folder / (label + ending);
-    return fanned_out(folder / label, batch.tile().at, cube_name(batch.tile()) + ending);
-  }
-  std::vector<PlannedMesh> meshes(std::uint64_t unit) const override {
-    const BatchRecord& batch = batches_[unit];
-    const auto stem = [](Material label) {
-      return label_folder("labels", label) / std::to_string(label);
-    };
-    if (of_several(batch))
-      return {{tile_stem(stem(batch.material), batch.tile(), batch.surface_tiles).string(),
-               counted_in(batch)}};
-    std::vector<PlannedMesh> meshes;
-    for (const SurfaceRecord& surface : top_.surfaces(batch.first_surface, batch.surfaces))
-      meshes.push_back({stem(surface.material).string(), surface.vertices});
-    return meshes;
-  }
-  bool of_labels() const override { return true; }
-  bool spread(std::uint64_t unit) const override {
-    return batches_[unit].surface_tiles > tiles_a_folder;
-  }
-
- private:
-  static bool of_several(const BatchRecord& batch) { return batch.surface_tiles > 1; }
-  // Of a label of several tiles.
-  std::uint64_t counted_in(const BatchRecord& batch) const {
-    if (!as_whole_) return batch.vertices;
-    const SurfaceRecord surface = top_.surfaces(batch.first_surface, 1).front();
-    return batch.first_tile == surface.first_tile ? surface.vertices : 0;
-  }
-
-  LabelTop top_;
-  bool as_whole_;
-  std::vector<BatchRecord> batches_;
-};
+bool of_several(const BatchRecord& unit) {
+  return unit.surface_tiles > 1;
+}
 
 }  // namespace
+
+UnitPlan::UnitPlan(std::span<const PlannedTile> tiles) {
+  for (const PlannedTile& tile : tiles) {
+    BatchRecord& unit = units_.emplace_back();
+    unit.surface_tiles = tiles.size();
+    unit.tile_code = tile.code;
+    unit.tile_level = tile.level;
+    unit.vertices = unit.most_vertices = tile.vertices;
+    unit.polygons = unit.most_polygons = tile.polygons;
+  }
+}
+
+UnitPlan::UnitPlan(const ArtifactReader& labels, bool as_whole)
+    : labels_(labels), as_whole_(as_whole) {
+  units_ = labels_->batches();
+}
+
+std::string UnitPlan::name(std::uint64_t unit) const {
+  const BatchRecord& batch = units_[unit];
+  const std::string tile = "tile " + cube_name(batch.tile());
+  if (!of_labels()) return tile;
+  if (of_several(batch)) return fmt::format("label {} {}", batch.material, tile);
+  if (batch.surfaces == 1) return fmt::format("label {}", batch.material);
+  return fmt::format("{} labels from {} on", batch.surfaces, batch.material);
+}
+
+PlannedTile UnitPlan::largest(std::uint64_t unit) const {
+  const BatchRecord& batch = units_[unit];
+  return {batch.tile_code, static_cast<std::uint32_t>(batch.tile_level), 0, batch.most_vertices,
+          batch.most_polygons};
+}
+
+PlannedTile UnitPlan::total(std::uint64_t unit) const {
+  const BatchRecord& batch = units_[unit];
+  return {batch.tile_code, static_cast<std::uint32_t>(batch.tile_level), 0, batch.vertices,
+          batch.polygons};
+}
+
+std::filesystem::path UnitPlan::path(const std::filesystem::path& root, std::uint64_t unit,
+                                     const std::string& ending) const {
+  const BatchRecord& batch = units_[unit];
+  std::filesystem::path folder = root;
+  if (of_labels()) {
+    const std::string label = std::to_string(batch.material);
+    folder = label_folder(root, batch.material);
+    if (!of_several(batch)) return folder / (label + ending);
+    folder /= label;
+  }
+  return fanned_out(folder, batch.tile().at, cube_name(batch.tile()) + ending);
+}
+
+std::vector<PlannedMesh> UnitPlan::meshes(std::uint64_t unit) const {
+  const BatchRecord& batch = units_[unit];
+  const auto label_stem = [](Material label) {
+    return label_folder("labels", label) / std::to_string(label);
+  };
+  if (!of_labels() || of_several(batch)) {
+    const auto root = of_labels() ? label_stem(batch.material) : std::filesystem::path("tiles");
+    return {{tile_stem(root, batch.tile(), batch.surface_tiles).string(), counted_in(batch)}};
+  }
+  std::vector<PlannedMesh> meshes;
+  for (const SurfaceRecord& surface : labels_->surfaces(batch.first_surface, batch.surfaces))
+    meshes.push_back({label_stem(surface.material).string(), surface.vertices});
+  return meshes;
+}
+
+bool UnitPlan::spread(std::uint64_t unit) const {
+  return of_labels() && units_[unit].surface_tiles > tiles_a_folder;
+}
+
+// By a tile of a surface, or of a label that has several.
+std::uint64_t UnitPlan::counted_in(const BatchRecord& unit) const {
+  if (!as_whole_) return unit.vertices;
+  const SurfaceRecord surface = labels_->surfaces(unit.first_surface, 1).front();
+  return unit.first_tile == surface.first_tile ? surface.vertices : 0;
+}
 
 std::string cube_name(CellKey tile) {
   return fmt::format("{}-{}-{}-{}", tile.level, tile.at.x, tile.at.y, tile.at.z);
@@ -134,16 +123,17 @@ std::vector<PlannedTile> UnitPlan::largest_tiles() const {
 }
 
 std::unique_ptr<UnitPlan> unit_plan(const TopArtifact& top, LabelMode mode, bool by_sheets) {
-  if (mode == LabelMode::each) return std::make_unique<BatchPlan>(top.file(), by_sheets);
-  return unit_plan(top.tiles());
+  if (mode == LabelMode::each) return std::make_unique<UnitPlan>(top.file(), by_sheets);
+  const LabelTop tables(top);
+  return unit_plan(tables.tiles(0, tables.tile_count()));
 }
 
 std::unique_ptr<UnitPlan> unit_plan(const TilePlanArtifact& plan) {
-  return std::make_unique<BatchPlan>(plan.file(), true);
+  return std::make_unique<UnitPlan>(plan.file(), true);
 }
 
 std::unique_ptr<UnitPlan> unit_plan(std::vector<PlannedTile> tiles) {
-  return std::make_unique<TilePlan>(std::move(tiles));
+  return std::make_unique<UnitPlan>(tiles);
 }
 
 }  // namespace voxweld

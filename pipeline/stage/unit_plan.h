@@ -4,8 +4,9 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,26 +25,37 @@ struct PlannedMesh {
 
 class UnitPlan {
  public:
-  virtual ~UnitPlan() = default;
+  // Of one surface, a unit a tile.
+  explicit UnitPlan(std::span<const PlannedTile> tiles);
+  // Of labels, by the tables in a file that outlives it. as_whole: tiles were planned by other numbers
+  // of vertices than they have.
+  UnitPlan(const ArtifactReader& labels, bool as_whole);
 
   // Units are numbered in Morton order, those of labels by label first.
-  virtual std::uint64_t size() const = 0;
-  virtual std::string name(std::uint64_t unit) const = 0;  // "tile 7-0-0-0", "labels from 12 on"
+  std::uint64_t size() const { return units_.size(); }
+  std::string name(std::uint64_t unit) const;  // "tile 7-0-0-0", "labels from 12 on"
   // Vertices and polygons of its largest tile, and of all it has.
-  virtual PlannedTile largest(std::uint64_t unit) const = 0;
-  virtual PlannedTile total(std::uint64_t unit) const = 0;
+  PlannedTile largest(std::uint64_t unit) const;
+  PlannedTile total(std::uint64_t unit) const;
   // Where its artifact or record is, below `root`: in folders that stay small.
-  virtual std::filesystem::path path(const std::filesystem::path& root, std::uint64_t unit,
-                                     const std::string& ending) const = 0;
+  std::filesystem::path path(const std::filesystem::path& root, std::uint64_t unit,
+                             const std::string& ending) const;
   // Its meshes, in their order.
-  virtual std::vector<PlannedMesh> meshes(std::uint64_t unit) const = 0;
+  std::vector<PlannedMesh> meshes(std::uint64_t unit) const;
   // Whether each mesh is the closed surface of one label: those of neighbours lie on each other, so
   // that all of them are no one mesh.
-  virtual bool of_labels() const = 0;
+  bool of_labels() const { return labels_.has_value(); }
   // Of a label: its files are spread over folders, since it has so many.
-  virtual bool spread(std::uint64_t unit) const = 0;
+  bool spread(std::uint64_t unit) const;
   // The largest tile of each unit.
   std::vector<PlannedTile> largest_tiles() const;
+
+ private:
+  std::uint64_t counted_in(const BatchRecord& unit) const;
+
+  std::vector<BatchRecord> units_;
+  std::optional<LabelTop> labels_;
+  bool as_whole_ = false;
 };
 
 // mode, by_sheets: of the run that made the top tree, which the plan refers to.

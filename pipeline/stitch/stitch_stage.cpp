@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "pipeline/executor/probe.h"
 #include "pipeline/stitch/stitch_work.h"
 #include "stages/refine/mesh_part.h"
 
@@ -14,7 +13,7 @@ namespace {
 class StitchStage final : public StageWork {
  public:
   StitchStage(const StitchJob& job, const TopArtifact& top, const UnitPlan& plan)
-      : job_(job), plan_(plan), work_(stitch_work(job, top)) {}
+      : job_(job), plan_(plan), work_(job, top) {}
 
   Stage stage() const override { return Stage::stitch; }
   std::string noun() const override { return plan_.of_labels() ? "batches" : "tiles"; }
@@ -31,7 +30,7 @@ class StitchStage final : public StageWork {
   }
   bool done(std::uint64_t unit) override {
     const std::filesystem::path path = stitch_artifact_path(job_, plan_, unit);
-    return is_current(path, [&] { return work_->key_of(path) == work_->key(unit); });
+    return is_current(path, [&] { return work_.key_of(path) == work_.key(unit); });
   }
   std::string missing_text(const StageLook& look) const override {
     return fmt::format("{} of {} tiles missing", look.missing.size(), look.units);
@@ -39,15 +38,13 @@ class StitchStage final : public StageWork {
 
   // A worker keeps the largest brick it has read.
   StageMemory memory(std::span<const std::uint64_t> numbers) override {
-    std::vector<std::uint64_t> bricks(numbers.size());
-    probe_all(numbers.size(), [&](std::size_t i) { bricks[i] = work_->brick_bytes(numbers[i]); });
     std::uint64_t largest = 0, brick = 0;
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      largest = std::max(largest, bytes(numbers[i]));
-      brick = std::max(brick, bricks[i]);
+    for (const std::uint64_t unit : numbers) {
+      largest = std::max(largest, bytes(unit));
+      brick = std::max(brick, work_.brick_bytes(unit));
     }
     return {"stitch",
-            work_->bytes(),
+            work_.bytes(),
             largest,
             fmt::format("one tile (output.tile_vertices = {})", job_.merge->tile_vertices),
             "raise run.memory or lower output.tile_vertices",
@@ -67,15 +64,15 @@ class StitchStage final : public StageWork {
     scratch_ = std::vector<StitchScratch>(static_cast<std::size_t>(threads));
   }
   void run(const Unit& unit, WorkerContext& worker) override {
-    work_->run(unit.key, stitch_artifact_path(job_, plan_, unit.key),
-               scratch_[static_cast<std::size_t>(worker.slot())], worker);
+    work_.run(unit.key, stitch_artifact_path(job_, plan_, unit.key),
+              scratch_[static_cast<std::size_t>(worker.slot())], worker);
   }
   void end(RunContext&) override { scratch_.clear(); }
 
  private:
   const StitchJob& job_;
   const UnitPlan& plan_;
-  std::unique_ptr<StitchWork> work_;
+  StitchWork work_;
   std::vector<StitchScratch> scratch_;  // one a worker
 };
 

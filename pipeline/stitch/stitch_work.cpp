@@ -3,108 +3,89 @@
 #include <utility>
 
 #include "pipeline/stage/cube_mesh.h"
-#include "pipeline/stitch/label_stitch.h"
-#include "pipeline/stitch/tile_inputs.h"
 #include "stages/refine/retile.h"
 #include "storage/artifact/tile_artifact.h"
 
 namespace voxweld {
-namespace {
 
-class SurfacePieces : public ReadPieces {
- public:
-  SurfacePieces(ShardFiles& files, StitchScratch& scratch, const WorkerContext& worker)
-      : ReadPieces(scratch, worker), files_(files) {}
+StitchWork::StitchWork(const StitchJob& job, const TopArtifact& top)
+    : job_(job),
+      of_labels_(job.build->parameters.labels.mode == LabelMode::each),
+      top_(top),
+      batches_(top_.batches()),
+      files_(*job.build, top) {
+  if (job.cubes) cubes_.emplace(*job.cubes, 0);
+}
 
- private:
-  void read(const CellKey& brick, BrickOctree& out) override {
-    files_.of_brick(brick.at)->read_brick(morton_encode(brick.at), out);
-  }
-  bool read_ghost_layer(Index3 brick, GhostLayer& out) override {
-    const auto file = files_.of_brick(brick);
-    if (file == nullptr || !file->has_brick(morton_encode(brick))) return false;
-    file->read_ghost_layer(morton_encode(brick), out);
-    return true;
-  }
+// f(number of the surface, it, tile) of the unit's tiles.
+template <class F>
+void StitchWork::each_tile(std::uint64_t unit, F&& f) const {
+  const BatchRecord& batch = batches_[unit];
+  const auto surfaces = top_.surfaces(batch.first_surface, batch.surfaces);
+  const auto tiles = top_.tiles(batch.first_tile, batch.tiles);
+  for (std::size_t i = 0; i < tiles.size(); ++i) f(batch.first_surface + i, surfaces[i], tiles[i]);
+}
 
-  ShardFiles& files_;
-};
+// Merge has looked at all that it reads.
+Hash128 StitchWork::key_of_labels(std::uint64_t unit) const {
+  return KeyHasher().hash(job_.key).hash(batches_[unit].inputs).finish();
+}
 
-// One surface: a unit a tile, its bricks in the shards' artifacts.
-class TileStitch : public StitchWork {
- public:
-  TileStitch(const StitchJob& job, const TopArtifact& top)
-      : StitchWork(job),
-        top_(top),
-        tiles_(top.tiles()),
-        clusters_(top.clusters()),
-        files_(*job.build, top) {}
-
-  Hash128 key(std::uint64_t unit) override { return prepare(unit).key; }
-  std::uint64_t bytes() const override { return top_.cluster_bytes(); }
-  std::uint64_t brick_bytes(std::uint64_t unit) override {
-    return largest_brick_bytes(tile_bricks(*job_.build, tiles_[unit].key(), files_), files_);
-  }
-  void run(std::uint64_t unit, const std::filesystem::path& path, StitchScratch& scratch,
-           WorkerContext& worker) override {
-    const Inputs inputs = prepare(unit);
-    SurfacePieces pieces(files_, scratch, worker);
-    TileMesh mesh = stitched(tiles_[unit], inputs, pieces);
-    if (!job_.cubes) {
-      write_tile(path, inputs.key, mesh);
-      return;
-    }
-    CubeMeshWriter out(path, inputs.key);
-    add_pieces(out, 0, to_refine_mesh(std::move(mesh)), CubeLattice(*job_.cubes, 0));
-    finish_stitched(out);
-  }
-
- private:
-  struct Inputs {
-    std::vector<CellKey> bricks;
-    TileAbove above;
-    Hash128 key;
-  };
-  Inputs prepare(std::uint64_t unit) {
-    Inputs inputs;
-    inputs.bricks = tile_bricks(*job_.build, tiles_[unit].key(), files_);
-    inputs.above = tile_above(*job_.build, inputs.bricks, top_, clusters_, files_);
-    inputs.key = tile_key(job_, tiles_[unit], inputs.bricks, inputs.above, files_);
-    return inputs;
-  }
-  TileMesh stitched(const PlannedTile& tile, const Inputs& inputs, BrickPieces& pieces) const {
-    const TileAbove& above = inputs.above;
-    if (collapses_by_sheets(job_.build->parameters))
-      return stitch_tile(tile, job_.parameters, inputs.bricks, above.clusters, pieces);
-    return stitch_tile(tile, job_.parameters, inputs.bricks, above.leaves, pieces);
-  }
-
-  const TopArtifact& top_;
-  std::vector<PlannedTile> tiles_;
-  ReducedNode clusters_;  // of top_
-  ShardFiles files_;
-};
-
-}  // namespace
+Hash128 StitchWork::key(std::uint64_t unit) {
+  if (of_labels_) return key_of_labels(unit);
+  Hash128 key;
+  each_tile(unit, [&](std::uint64_t number, const SurfaceRecord& surface, const PlannedTile& tile) {
+    MaterialPieces pieces(files_, surface.material);
+    key = tile_key(job_, tile, inputs_of(number, surface, tile, pieces), pieces);
+  });
+  return key;
+}
 
 Hash128 StitchWork::key_of(const std::filesystem::path& path) const {
   return job_.cubes ? CubeMeshArtifact(path).key() : TileArtifact(path).key();
 }
 
-const BrickOctree& ReadPieces::brick(const CellKey& key) {
-  worker_.check_interrupt();
-  read(key, scratch_.brick);
-  return scratch_.brick;
+TileInputs StitchWork::inputs_of(std::uint64_t number, const SurfaceRecord& surface,
+                                 const PlannedTile& tile, MaterialPieces& pieces) {
+  const auto clusters = clusters_.get(
+      number, [&] { return std::make_shared<const ReducedNode>(top_.clusters(number)); });
+  return tile_inputs(*job_.build, top_, surface, tile, *clusters, pieces);
 }
 
-const GhostLayer* ReadPieces::ghost(Index3 brick, int direction) {
-  GhostLayer& ghost = scratch_.upper[static_cast<std::size_t>(direction)];
-  return read_ghost_layer(brick, ghost) ? &ghost : nullptr;
+// f(key of the unit, material, mesh) of the unit's tiles.
+template <class F>
+void StitchWork::each_mesh(std::uint64_t unit, StitchScratch& scratch, WorkerContext& worker,
+                           F&& f) {
+  each_tile(unit, [&](std::uint64_t number, const SurfaceRecord& surface, const PlannedTile& tile) {
+    MaterialPieces pieces(files_, surface.material);
+    const TileInputs inputs = inputs_of(number, surface, tile, pieces);
+    ReadPieces read(pieces, scratch, worker);
+    f(of_labels_ ? key_of_labels(unit) : tile_key(job_, tile, inputs, pieces), surface.material,
+      collapses_by_sheets(job_.build->parameters)
+          ? stitch_tile(tile, job_.parameters, inputs.bricks, inputs.clusters, read)
+          : stitch_tile(tile, job_.parameters, inputs.bricks, inputs.leaves, read));
+  });
 }
 
-std::unique_ptr<StitchWork> stitch_work(const StitchJob& job, const TopArtifact& top) {
-  if (job.build->parameters.labels.mode == LabelMode::each) return label_stitch(job, top);
-  return std::make_unique<TileStitch>(job, top);
+void StitchWork::run(std::uint64_t unit, const std::filesystem::path& path, StitchScratch& scratch,
+                     WorkerContext& worker) {
+  if (cubes_) {
+    std::optional<CubeMeshWriter> out;
+    each_mesh(unit, scratch, worker, [&](const Hash128& key, Material material, TileMesh mesh) {
+      if (!out) out.emplace(path, key);
+      add_pieces(*out, material, to_refine_mesh(std::move(mesh)), *cubes_);
+    });
+    finish_stitched(*out);
+  } else if (of_labels_) {
+    LabelTilesWriter out(path, key_of_labels(unit));
+    each_mesh(unit, scratch, worker,
+              [&](const Hash128&, Material label, const TileMesh& mesh) { out.add(label, mesh); });
+    out.finish();
+  } else {
+    each_mesh(unit, scratch, worker, [&](const Hash128& key, Material, const TileMesh& mesh) {
+      write_tile(path, key, mesh);
+    });
+  }
 }
 
 }  // namespace voxweld

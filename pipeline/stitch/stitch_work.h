@@ -1,63 +1,48 @@
-// How one unit of stitch is done, for tiles of one surface and for labels.
+// How one unit of stitch is done: a tile of one material, or some small labels one after the other.
 #pragma once
 
-#include <array>
-#include <memory>
+#include <optional>
 
-#include "pipeline/stage/artifacts.h"
-#include "pipeline/stage/context.h"
-#include "stages/stitch/stitch_tile.h"
-#include "storage/artifact/top_artifact.h"
+#include "pipeline/stitch/tile_inputs.h"
+#include "stages/refine/cube_lattice.h"
 
 namespace voxweld {
 
-// A worker's brick and its neighbours' ghost layers, reused.
-struct StitchScratch {
-  BrickOctree brick;
-  std::array<GhostLayer, 8> upper;
-};
-
 class StitchWork {
  public:
-  // job: outlives it.
-  explicit StitchWork(const StitchJob& job) : job_(job) {}
-  virtual ~StitchWork() = default;
+  // Both outlive it. top: the job's.
+  StitchWork(const StitchJob& job, const TopArtifact& top);
+
   // Of the unit's artifact, from the inputs that lie there now. Thread-safe.
-  virtual Hash128 key(std::uint64_t unit) = 0;
+  Hash128 key(std::uint64_t unit);
   // Of an artifact that lies there.
   Hash128 key_of(const std::filesystem::path& path) const;
   // Bytes that it holds for all units.
-  virtual std::uint64_t bytes() const { return 0; }
-  // Bytes that the bricks it reads take at most, beside the mesh.
-  virtual std::uint64_t brick_bytes(std::uint64_t unit) = 0;
+  std::uint64_t bytes() const { return of_labels_ ? 0 : top_.cluster_bytes(0); }
+  // Bytes that the bricks it reads take at most, beside the mesh: one of them, and its neighbours'
+  // ghost layers.
+  std::uint64_t brick_bytes(std::uint64_t unit) const { return 2 * batches_[unit].largest_piece; }
   // Reads, stitches and writes the artifact.
-  virtual void run(std::uint64_t unit, const std::filesystem::path& path, StitchScratch& scratch,
-                   WorkerContext& worker) = 0;
-
- protected:
-  const StitchJob& job_;
-};
-
-// The one for labels.mode of the job. top: the job's, outlives it.
-std::unique_ptr<StitchWork> stitch_work(const StitchJob& job, const TopArtifact& top);
-
-// Pieces that are read when they are asked for, into a worker's scratch; the worker is asked to
-// stop before each brick.
-class ReadPieces : public BrickPieces {
- public:
-  ReadPieces(StitchScratch& scratch, const WorkerContext& worker)
-      : scratch_(scratch), worker_(worker) {}
-
-  const BrickOctree& brick(const CellKey& key) final;
-  const GhostLayer* ghost(Index3 brick, int direction) final;
+  void run(std::uint64_t unit, const std::filesystem::path& path, StitchScratch& scratch,
+           WorkerContext& worker);
 
  private:
-  virtual void read(const CellKey& brick, BrickOctree& out) = 0;
-  // False where the brick has no surface.
-  virtual bool read_ghost_layer(Index3 brick, GhostLayer& out) = 0;
+  // number: of the surface, among all.
+  TileInputs inputs_of(std::uint64_t number, const SurfaceRecord& surface, const PlannedTile& tile,
+                       MaterialPieces& pieces);
+  Hash128 key_of_labels(std::uint64_t unit) const;
+  template <class F>
+  void each_tile(std::uint64_t unit, F&& f) const;
+  template <class F>
+  void each_mesh(std::uint64_t unit, StitchScratch& scratch, WorkerContext& worker, F&& f);
 
-  StitchScratch& scratch_;
-  const WorkerContext& worker_;
+  const StitchJob& job_;
+  const bool of_labels_;
+  LabelTop top_;
+  std::vector<BatchRecord> batches_;
+  ShardFiles files_;
+  BoundedCache<ReducedNode> clusters_{1};  // of a surface
+  std::optional<CubeLattice> cubes_;       // where the meshes are refined
 };
 
 }  // namespace voxweld

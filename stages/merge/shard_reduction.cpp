@@ -25,12 +25,6 @@ CubeReduction::CubeReduction(const BrickGrid& grid, CellKey cube,
   node_.key = cube;
 }
 
-void CubeReduction::add(const CellKey& brick, const RootRecord& root,
-                        std::span<const BlockCount> blocks) {
-  add(brick, root, blocks.empty() ? 0 : blocks.back().polygon_end,
-      root.state == NodeState::split ? filled_blocks(blocks) : std::vector<FilledBlock>{});
-}
-
 void CubeReduction::add(const CellKey& brick, const RootRecord& root, std::uint64_t polygons,
                         std::span<const FilledBlock> blocks) {
   reduction().push({brick, root, root.state == NodeState::leaf ? polygons : 0});

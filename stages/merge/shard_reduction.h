@@ -51,11 +51,8 @@ class CubeReduction final : private FinalLeaves {
   // cube: one of grid.shard_cubes().
   CubeReduction(const BrickGrid& grid, CellKey cube, const ContourParameters& parameters);
 
-  // In Morton order; bricks that are never added are outside. blocks: all of the brick's, or none
-  // where it is inside.
-  void add(const CellKey& brick, const RootRecord& root, std::span<const BlockCount> blocks);
-  // The same from the parts of it that are looked at: the polygons where the brick is one leaf, the
-  // blocks where it is split.
+  // In Morton order; bricks that are never added are outside. polygons are looked at where the brick
+  // is one leaf, blocks where it is split.
   void add(const CellKey& brick, const RootRecord& root, std::uint64_t polygons,
            std::span<const FilledBlock> blocks);
   // Besides, where each sheet collapses by itself.

@@ -117,10 +117,10 @@ VolumeContour plan_tiles(const VolumeBricks& bricks) {
     for (; brick != bricks.octrees.end(); ++brick) {
       const CellKey key{grid.brick_level(), morton_decode(brick->first)};
       if (!cube.key.cells().contains(key.cells())) break;
-      add_brick(contour.counts, brick->second.counts, brick->second.root.state);
-      reduction.add(key, brick->second.root, brick->second.blocks);
-      if (by_sheets && !brick->second.vertices.empty())
-        reduction.add_record(key, brick->second.record);
+      const BrickOctree& octree = brick->second;
+      add_brick(contour.counts, octree.counts, octree.root.state);
+      reduction.add(key, octree.root, octree.polygons.size(), filled_blocks(octree.blocks));
+      if (by_sheets && !octree.vertices.empty()) reduction.add_record(key, octree.record);
     }
     ShardNode node = reduction.finish();
     top.add(node);

@@ -1,5 +1,8 @@
 #include "storage/artifact/label_top.h"
 
+#include "storage/artifact/node_record_bytes.h"
+#include "storage/artifact/top_artifact.h"
+
 namespace voxweld {
 namespace {
 
@@ -9,6 +12,9 @@ constexpr std::uint64_t page_of(std::uint64_t table) {
 }
 constexpr std::uint64_t tiles_table = 2, surfaces_table = 3, nodes_table = 4, leaves_table = 5,
                         clusters_table = 6;
+constexpr std::uint64_t clusters_section(std::uint64_t surface) {
+  return page_of(clusters_table) | surface;
+}
 
 struct LabelTopTables {
   std::uint64_t tiles = 0, surfaces = 0, nodes = 0, leaves = 0;
@@ -50,7 +56,11 @@ void LabelTablesWriter::node(const SurfaceNode& node) {
 }
 
 void LabelTablesWriter::clusters(const ReducedNode& top) {
-  write_clusters(file_, page_of(clusters_table) | surfaces_.size(), top);
+  ReducedNode links{{}, top.leaves, top.nodes, top.links, {}};
+  for (ClusterLink& link : links.links) link.root = no_cluster;
+  std::vector<std::byte> bytes;
+  put_links(links, bytes);
+  file_.section(clusters_section(surfaces_.size()), bytes);
 }
 
 void LabelTablesWriter::end_surface(Material material) {
@@ -85,12 +95,7 @@ Hash128 LabelTablesWriter::finish_tables() {
   return file_.commit();
 }
 
-Hash128 LabelTopWriter::finish(const MergeCounts& counts, std::span<const Hash128> shards) {
-  finish_pages();
-  file().section(top_counts_section, as_record(counts));
-  file().section(top_shards_section, std::as_bytes(shards));
-  return finish_tables();
-}
+LabelTop::LabelTop(const TopArtifact& top) : LabelTop(top.file()) {}
 
 LabelTop::LabelTop(const ArtifactReader& file)
     : file_(file),
@@ -113,7 +118,17 @@ std::vector<SurfaceNode> LabelTop::nodes(const SurfaceRecord& surface, int cube_
 }
 
 ReducedNode LabelTop::clusters(std::uint64_t surface) const {
-  return read_clusters(file_, page_of(clusters_table) | surface);
+  ReducedNode top;
+  if (file_.find(clusters_section(surface)) == nullptr) return top;
+  std::vector<std::byte> bytes;
+  file_.read(clusters_section(surface), bytes);
+  if (!RecordBytes(bytes).take_links(top)) file_.damaged("the links of its clusters are wrong");
+  return top;
+}
+
+std::uint64_t LabelTop::cluster_bytes(std::uint64_t surface) const {
+  const SectionRecord* section = file_.find(clusters_section(surface));
+  return section == nullptr ? 0 : section->size;
 }
 
 std::vector<TopLeaf> LabelTop::leaves(const SurfaceRecord& surface, std::uint64_t begin,

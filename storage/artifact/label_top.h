@@ -1,28 +1,28 @@
-// The top trees and tile plans of a label volume (labels.mode = "each"), one for each label, in one
-// artifact of kind "tops" (top_artifact.h), which has these sections beside the counts and the
-// hashes of the octree artifacts:
+// The tables of merge's plan (top_artifact.h): the top tree and the tiles of each material. Those are
+// the labels (labels.mode = "each"), else there is one, `sole_material`. In an artifact they are these
+// sections:
 //   5            LabelTopTables (one)
 //   6            BatchRecord
-//   2 << 56 | i  page i of the tiles: PlannedTile, by label, then in Morton order
-//   3 << 56 | i  page i of the surfaces: SurfaceRecord, one a label, ascending
-//   4 << 56 | i  page i of the nodes: SurfaceNode, by label, then in Morton order
-//   5 << 56 | i  page i of the leaves: TopLeaf, by label, then in Morton order
-//   6 << 56 | i  of the i-th label, where each sheet collapses by itself and some do above all
-//                shards: as section 7 of top_artifact.h
+//   2 << 56 | i  page i of the tiles: PlannedTile, by material, then in Morton order
+//   3 << 56 | i  page i of the surfaces: SurfaceRecord, one a material, ascending
+//   4 << 56 | i  page i of the nodes: SurfaceNode, by material, then in Morton order
+//   5 << 56 | i  page i of the leaves above the bricks: TopLeaf, by material, then in Morton order
+//   6 << 56 | i  of the i-th material, where each sheet collapses by itself and some do above all
+//                shards: the links (node_record_bytes.h) of the shards' clusters to the leaves above
+//                all shards, which none of the shards has
 // Pages as paged_table.h has them: of a million labels only the batches are ever held together. The
 // plan of tiles of refined labels has the same tables (tile_plan_artifact.h).
 #pragma once
 
 #include "storage/artifact/paged_table.h"
-#include "storage/artifact/top_artifact.h"
 #include "storage/types/material.h"
+#include "storage/types/top_tree.h"
 
 namespace voxweld {
 
-// Goes up whenever the bytes that merge makes of labels change.
-inline constexpr std::uint32_t label_top_version = 1;
+class TopArtifact;
 
-// One label: where its parts of the tables are.
+// One material: where its parts of the tables are.
 struct SurfaceRecord {
   Material material = exterior;
   std::uint64_t first_tile = 0, tiles = 0;
@@ -35,13 +35,13 @@ struct SurfaceRecord {
 // A shard-sized cube in which the label has a surface.
 struct SurfaceNode {
   std::uint64_t code = 0;  // Morton code of its lowest finest cell
-  Hash128 content;         // LabelNode::content
+  Hash128 content;         // MaterialNode::content
 };
 
-// What stitch and encode take as one unit, and leave as one artifact: one tile of a label that has
-// several, or several labels of one tile each.
+// What stitch and encode take as one unit, and leave as one artifact: one tile of a material that
+// has several, or several labels of one tile each.
 struct BatchRecord {
-  Material material = exterior;  // of its first label: names it
+  Material material = exterior;  // its first one: names it
   std::uint64_t first_surface = 0, surfaces = 0;
   std::uint64_t first_tile = 0, tiles = 0;  // as many as surfaces, or one
   std::uint64_t surface_tiles = 0;          // that its label has: 1 where there are several labels
@@ -49,16 +49,16 @@ struct BatchRecord {
   std::uint64_t vertices = 0, polygons = 0;            // of all its tiles
   std::uint64_t most_vertices = 0, most_polygons = 0;  // of one tile
   std::uint64_t largest_piece = 0;                     // bytes, of what its tiles read
-  Hash128 inputs;                                      // of all that stitching it reads
+  Hash128 inputs;                                      // of labels: of all that stitching it reads
 
   CellKey tile() const { return CellKey::of(tile_code, tile_level); }
 };
 
-// Writes the tables, sections 5 on, beside what else an artifact of labels has.
+// Writes the tables beside what else their artifact has.
 class LabelTablesWriter {
  public:
   LabelTablesWriter(const std::filesystem::path& path, const ArtifactStamp& stamp);
-  // Of one label, each kind in Morton order; then the label itself. Labels ascend.
+  // Of one material, each kind in Morton order; then the material itself. They ascend.
   void leaf(const TopLeaf& leaf);
   void tile(const PlannedTile& tile);
   void node(const SurfaceNode& node);
@@ -86,18 +86,11 @@ class LabelTablesWriter {
   SurfaceRecord open_;  // the label under way
 };
 
-class LabelTopWriter : public LabelTablesWriter {
- public:
-  LabelTopWriter(const std::filesystem::path& path, Hash128 key)
-      : LabelTablesWriter(path, {top_kind, top_version, key}) {}
-  Hash128 finish(const MergeCounts& counts, std::span<const Hash128> shards);
-};
-
 // Reads the tables of an artifact that outlives it. Thread-safe.
 class LabelTop {
  public:
   explicit LabelTop(const ArtifactReader& file);
-  explicit LabelTop(const TopArtifact& top) : LabelTop(top.file()) {}
+  explicit LabelTop(const TopArtifact& top);
 
   std::uint64_t surface_count() const { return surfaces_.size(); }
   std::uint64_t tile_count() const { return tiles_.size(); }
@@ -108,14 +101,16 @@ class LabelTop {
   std::vector<PlannedTile> tiles(std::uint64_t first, std::uint64_t count) const {
     return tiles_.read(first, count);
   }
-  // Those of a label whose cubes meet the Morton range [begin, end), in order. cube_level: of
+  // Those of a material whose cubes meet the Morton range [begin, end), in order. cube_level: of
   // nodes.
   std::vector<SurfaceNode> nodes(const SurfaceRecord& surface, int cube_level, std::uint64_t begin,
                                  std::uint64_t end) const;
   std::vector<TopLeaf> leaves(const SurfaceRecord& surface, std::uint64_t begin,
                               std::uint64_t end) const;
-  // Of the label with this number: as TopArtifact::clusters, empty where nothing is above.
+  // Of the surface with this number, where each sheet collapses by itself: all of it but the
+  // record, and no link's root. Empty where nothing is above.
   ReducedNode clusters(std::uint64_t surface) const;
+  std::uint64_t cluster_bytes(std::uint64_t surface) const;  // that this takes, about
 
  private:
   const ArtifactReader& file_;

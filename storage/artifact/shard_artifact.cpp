@@ -1,312 +1,275 @@
 #include "storage/artifact/shard_artifact.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
+#include <stdexcept>
 
-#include "storage/artifact/brick_levels_bytes.h"
 #include "storage/artifact/node_record_bytes.h"
 
 namespace voxweld {
 namespace {
 
-enum Part : std::uint64_t {
-  vertices = 1,
-  polygons,
-  emit_levels,
-  blocks,
-  ghost_cells,
-  ghost_vertices,
-  pairs,
-  polygon_pairs,
-  sheets_of_edges,
-  roots,
-  ghost_apart,
-  ghost_roots,
-  node_record,
-  levels,
-  end_of_stitched = node_record  // stitch reads those before
-};
-// Of the shard as a whole, beside those of shard_summary.h.
-constexpr std::uint64_t nodes_section = shard_section(2);
-constexpr std::uint64_t cubes_section = shard_section(3);
-constexpr std::uint64_t leaves_section = shard_section(4);
-constexpr std::uint64_t records_section = shard_section(7);
-constexpr std::uint64_t links_section = shard_section(16);  // of the first node
+constexpr std::uint64_t page_of_directory = std::uint64_t{2} << 56;
+constexpr std::uint64_t page_of_nodes = std::uint64_t{3} << 56;
+constexpr std::uint64_t tables_section = std::uint64_t{4} << 56;
+constexpr std::uint64_t first_pieces_section = tables_section | 1;
+constexpr std::uint64_t first_nodes_section = tables_section | 2;
 
-constexpr std::uint64_t section_name(std::uint64_t code, std::uint64_t part) {
-  return code << 8 | part;
+constexpr const char* wrong_clusters = "the clusters of a node contradict themselves";
+constexpr std::uint64_t node_page_bytes = std::uint64_t{1} << 18;
+
+struct ShardTables {
+  std::uint64_t pieces = 0, nodes = 0;
+};
+
+struct NodeEntry {
+  std::uint64_t material = 0, code = 0, level = 0;
+  std::uint64_t polygons = 0, cubes = 0, leaves = 0, largest_piece = 0;
+  std::uint64_t final_vertices = 0;
+  std::uint64_t cluster_bytes = 0;  // of the record and the links
+  Hash128 content;
+  RootRecord record;
+
+  std::uint64_t bytes() const {
+    return sizeof(NodeEntry) + cubes * sizeof(CubeCount) + leaves * sizeof(TopLeaf) + cluster_bytes;
+  }
+};
+
+static_assert(sizeof(NodeEntry) == 72 + 16 + sizeof(RootRecord));
+
+template <class T>
+void take(std::span<const std::byte>& bytes, std::size_t count, std::vector<T>& out) {
+  out.resize(count);
+  if (count > 0) std::memcpy(out.data(), bytes.data(), count * sizeof(T));
+  bytes = bytes.subspan(count * sizeof(T));
 }
 
-struct ShardNodeRecord {
-  std::uint64_t code;
-  std::uint64_t level;
-  std::uint64_t polygons, cubes, leaves;
-  RootRecord record;
-};
+void put(std::span<std::byte>& out, std::span<const std::byte> bytes) {
+  if (!bytes.empty()) std::memcpy(out.data(), bytes.data(), bytes.size());
+  out = out.subspan(bytes.size());
+}
 
-// Records are written as they lie in memory, so none may have padding, which would carry whatever
-// was there before.
-static_assert(std::has_unique_object_representations_v<GhostCell> &&
-              std::has_unique_object_representations_v<BlockCount> &&
-              std::has_unique_object_representations_v<PolygonRefs> &&
-              std::has_unique_object_representations_v<CubeCount>);
-static_assert(sizeof(LeafVertex) == 28 && sizeof(GhostVertex) == 32 && sizeof(TopLeaf) == 48 &&
-              sizeof(RootRecord) == 8 + 52 + 40 + 28 + 8 + 64 &&
-              std::has_unique_object_representations_v<MaterialPair> &&
-              sizeof(ShardNodeRecord) == 40 + sizeof(RootRecord));
+// What lies behind a node's leaves.
+bool take_clusters(std::span<const std::byte> bytes, ReducedNode& clusters) {
+  if (bytes.empty()) return true;
+  RecordBytes in(bytes);
+  return in.take(clusters.record) && in.take_links(clusters) && in.empty();
+}
+
+// False where its clusters contradict themselves. All else fits, since the sizes do.
+bool take_node(std::span<const std::byte> bytes, MaterialNode& n) {
+  NodeEntry record;
+  std::memcpy(&record, bytes.data(), sizeof record);
+  bytes = bytes.subspan(sizeof record);
+  n.material = record.material;
+  n.node.key = CellKey::of(record.code, record.level);
+  n.node.record = record.record;
+  n.node.polygons = record.polygons;
+  n.largest_piece = record.largest_piece;
+  n.final_vertices = record.final_vertices;
+  n.content = record.content;
+  take(bytes, record.cubes, n.node.cubes);
+  take(bytes, record.leaves, n.node.leaves);
+  return take_clusters(bytes, n.node.clusters);
+}
 
 }  // namespace
 
+std::vector<std::byte> to_bytes(const MaterialNode& n) {
+  NodeEntry record;
+  record.material = n.material;
+  record.code = n.node.key.code();
+  record.level = static_cast<std::uint64_t>(n.node.key.level);
+  record.polygons = n.node.polygons;
+  record.cubes = n.node.cubes.size();
+  record.leaves = n.node.leaves.size();
+  record.largest_piece = n.largest_piece;
+  record.final_vertices = n.final_vertices;
+  record.content = n.content;
+  record.record = n.node.record;
+  std::vector<std::byte> clusters;
+  if (n.node.clusters.record.has_surface()) {
+    put_bytes(n.node.clusters.record, clusters);
+    put_links(n.node.clusters, clusters);
+  }
+  record.cluster_bytes = clusters.size();
+  std::vector<std::byte> bytes(record.bytes());
+  std::span<std::byte> rest = bytes;
+  put(rest, as_record(record));
+  put(rest, as_section(n.node.cubes));
+  put(rest, as_section(n.node.leaves));
+  put(rest, clusters);
+  return bytes;
+}
+
+MaterialNode material_node_of(std::span<const std::byte> bytes) {
+  MaterialNode n;
+  if (!take_node(bytes, n))
+    throw std::logic_error("material_node_of: these are not the bytes of a node");
+  return n;
+}
+
 ShardArtifactWriter::ShardArtifactWriter(const std::filesystem::path& path, Hash128 key,
                                          Hash128 input_stamp)
-    : file_(path, {shard_kind, shard_version, key}) {
+    : file_(path, {shard_kind, shard_version, key}), directory_(file_, page_of_directory) {
   file_.set_input_stamp(input_stamp);
 }
 
-void ShardArtifactWriter::brick(std::uint64_t code, const BrickOctree& octree) {
-  file_.section(section_name(code, vertices), as_section(octree.vertices));
-  file_.section(section_name(code, polygons), as_section(octree.polygons));
-  const auto where_any = [&](Part part, const auto& values) {
-    if (!values.empty()) file_.section(section_name(code, part), as_section(values));
-  };
-  where_any(emit_levels, octree.emit_levels);
-  where_any(pairs, octree.pairs);
-  where_any(polygon_pairs, octree.polygon_pairs);
-  where_any(sheets_of_edges, octree.ghost.sheets_of_edges);
-  file_.section(section_name(code, blocks), as_section(octree.blocks));
-  file_.section(section_name(code, ghost_cells), as_section(octree.ghost.cells));
-  file_.section(section_name(code, ghost_vertices), as_section(octree.ghost.vertices));
-  where_any(roots, octree.roots);
-  where_any(ghost_apart, octree.ghost.apart);
-  where_any(ghost_roots, octree.ghost.roots);
-  if (octree.roots.empty()) return;
-  section_.clear();
-  put_bytes(octree.record, section_);
-  file_.section(section_name(code, node_record), section_);
-  const std::array<std::uint32_t, 2> sizes = {
-      static_cast<std::uint32_t>(octree.levels.clusters.size()),
-      static_cast<std::uint32_t>(octree.levels.merges.size())};
-  section_.assign(as_record(sizes).begin(), as_record(sizes).end());
-  put_levels(octree.levels, section_);
-  file_.section(section_name(code, levels), section_);
+void ShardArtifactWriter::begin_brick(std::uint64_t code) {
+  brick_ = code;
+  brick_bytes_ = 0;
+  file_.begin_section(pieces_section(code));
 }
 
-void ShardArtifactWriter::brick(std::uint64_t code, const ArtifactReader& from) {
-  // In the order of the other one, so that the same bricks are the same file.
-  for (const Part part :
-       {vertices, polygons, emit_levels, pairs, polygon_pairs, sheets_of_edges, blocks, ghost_cells,
-        ghost_vertices, roots, ghost_apart, ghost_roots, node_record, levels}) {
-    const std::uint64_t name = section_name(code, part);
-    if (from.find(name) == nullptr) continue;
-    from.read(name, section_);
-    file_.section(name, section_);
-  }
+void ShardArtifactWriter::end_brick() {
+  file_.end_section();
 }
 
-Hash128 ShardArtifactWriter::finish(const ShardSummary& summary, std::span<const ShardNode> nodes,
-                                    const ShardHistory& history) {
-  std::vector<ShardNodeRecord> node_records;
-  std::vector<CubeCount> cubes;
-  std::vector<TopLeaf> leaves;
-  for (const ShardNode& node : nodes) {
-    node_records.push_back({node.key.code(), static_cast<std::uint64_t>(node.key.level),
-                            node.polygons, node.cubes.size(), node.leaves.size(), node.record});
-    cubes.insert(cubes.end(), node.cubes.begin(), node.cubes.end());
-    leaves.insert(leaves.end(), node.leaves.begin(), node.leaves.end());
-  }
+void ShardArtifactWriter::append(std::span<const std::byte> bytes) {
+  file_.append(bytes);
+  brick_bytes_ += bytes.size();
+}
+
+PieceHead ShardArtifactWriter::piece(Material material, const BrickOctree& octree,
+                                     std::span<const FilledBlock> blocks, const AboveBytes& above) {
+  const PieceLists piece = piece_lists({material, brick_}, brick_bytes_, octree, blocks, above);
+  append(head_bytes(piece.head));
+  for (const auto& list : piece.lists) append(list);
+  return piece.head;
+}
+
+void ShardArtifactWriter::brick(std::uint64_t code, const ArtifactReader& from,
+                                const std::function<void(const PieceBytes&)>& f) {
+  if (from.find(pieces_section(code)) == nullptr) return;
+  begin_brick(code);
+  each_piece_in(from, code, [&](const PieceHead& head) {
+    const PieceBytes piece = read_piece_bytes(from, head);
+    append(head_bytes(head));
+    append(piece.bytes);
+    f(piece);
+  });
+  end_brick();
+}
+
+void ShardArtifactWriter::directory(const PieceRecord& record) {
+  if (directory_.size() % page_records == 0) first_pieces_.push_back(record.key);
+  directory_.push(record);
+}
+
+void ShardArtifactWriter::node(const MaterialNode& node) {
+  if (nodes_.empty()) first_nodes_.push_back(node.material);
+  const std::vector<std::byte> bytes = to_bytes(node);
+  nodes_.insert(nodes_.end(), bytes.begin(), bytes.end());
+  ++node_count_;
+  if (nodes_.size() >= node_page_bytes) flush_nodes();
+}
+
+void ShardArtifactWriter::flush_nodes() {
+  file_.section(page_of_nodes + first_nodes_.size() - 1, nodes_);
+  nodes_.clear();
+}
+
+Hash128 ShardArtifactWriter::finish(const ShardSummary& summary, const ShardHistory& history) {
+  const ShardTables tables{directory_.size(), node_count_};
+  directory_.finish();
+  if (!nodes_.empty()) flush_nodes();
+  file_.section(tables_section, as_record(tables));
+  file_.section(first_pieces_section, as_section(first_pieces_));
+  file_.section(first_nodes_section, as_section(first_nodes_));
   write_summary(file_, summary);
-  file_.section(nodes_section, as_section(node_records));
-  file_.section(cubes_section, as_section(cubes));
-  file_.section(leaves_section, as_section(leaves));
-  write_clusters(nodes);
   write_history(file_, history);
   return file_.commit();
 }
 
-void ShardArtifactWriter::write_clusters(std::span<const ShardNode> nodes) {
-  const auto has_surface = [](const ShardNode& node) { return node.clusters.record.has_surface(); };
-  if (std::ranges::none_of(nodes, has_surface)) return;
-  section_.clear();
-  for (const ShardNode& node : nodes) put_bytes(node.clusters.record, section_);
-  file_.section(records_section, section_);
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (!has_surface(nodes[i])) continue;
-    section_.clear();
-    put_links(nodes[i].clusters, section_);
-    file_.section(links_section + i, section_);
-  }
-}
-
 ShardArtifact::ShardArtifact(const std::filesystem::path& path)
-    : OpenArtifact(path, shard_kind, shard_version) {}
+    : OpenArtifact(path, shard_kind, shard_version) {
+  const auto tables = file_.read_record<ShardTables>(tables_section, "has no tables");
+  file_.read_array(first_pieces_section, first_pieces_);
+  file_.read_array(first_nodes_section, first_nodes_);
+  pieces_ = tables.pieces;
+  nodes_ = tables.nodes;
+  if (first_pieces_.size() != (pieces_ + page_records - 1) / page_records)
+    file_.damaged("its directory contradicts itself");
+}
 
-std::vector<ShardNode> ShardArtifact::nodes() const {
-  const auto records = file_.read_array<ShardNodeRecord>(nodes_section);
-  const auto cubes = file_.read_array<CubeCount>(cubes_section);
-  const auto leaves = file_.read_array<TopLeaf>(leaves_section);
-  const std::vector<NodeRecord> clusters = node_records(records.size());
-  std::vector<ShardNode> nodes;
-  auto cube = cubes.begin();
-  auto leaf = leaves.begin();
-  for (const ShardNodeRecord& r : records) {
-    if (r.level > max_levels || r.cubes > static_cast<std::uint64_t>(cubes.end() - cube) ||
-        r.leaves > static_cast<std::uint64_t>(leaves.end() - leaf))
-      file_.damaged("its summary contradicts itself");
-    ShardNode node;
-    node.key = CellKey::of(r.code, r.level);
-    node.record = r.record;
-    node.polygons = r.polygons;
-    node.cubes.assign(cube, cube + static_cast<std::ptrdiff_t>(r.cubes));
-    node.leaves.assign(leaf, leaf + static_cast<std::ptrdiff_t>(r.leaves));
-    cube += static_cast<std::ptrdiff_t>(r.cubes);
-    leaf += static_cast<std::ptrdiff_t>(r.leaves);
-    if (!clusters.empty()) node.clusters.record = clusters[nodes.size()];
-    nodes.push_back(std::move(node));
+std::vector<PieceRecord> ShardArtifact::pieces(Material material) const {
+  // The page before the first that begins with the label, or behind it, may end with it.
+  auto page = std::lower_bound(first_pieces_.begin(), first_pieces_.end(), PieceKey{material, 0});
+  if (page != first_pieces_.begin()) --page;
+  const PagedTable<PieceRecord> directory(file_, page_of_directory, pieces_);
+  std::vector<PieceRecord> found;
+  for (; page != first_pieces_.end() && page->material <= material; ++page) {
+    const auto first = static_cast<std::uint64_t>(page - first_pieces_.begin()) * page_records;
+    for (const PieceRecord& record : directory.read(first, std::min(page_records, pieces_ - first)))
+      if (record.key.material == material) found.push_back(record);
   }
-  return nodes;
+  return found;
 }
 
-// Of each node, or none.
-std::vector<NodeRecord> ShardArtifact::node_records(std::size_t count) const {
-  if (file_.find(records_section) == nullptr) return {};
-  std::vector<std::byte> bytes;
-  file_.read(records_section, bytes);
-  RecordBytes in(bytes);
-  std::vector<NodeRecord> records(count);
-  for (NodeRecord& record : records)
-    if (!in.take(record)) file_.damaged("the records of its nodes contradict themselves");
-  return records;
+void ShardArtifact::each_piece(const std::function<void(const PieceRecord&)>& f) const {
+  const PagedTable<PieceRecord> directory(file_, page_of_directory, pieces_);
+  for (std::uint64_t first = 0; first < pieces_; first += page_records)
+    for (const PieceRecord& record : directory.read(first, std::min(page_records, pieces_ - first)))
+      f(record);
 }
 
-std::optional<ReducedNode> ShardArtifact::clusters(const CellKey& node) const {
-  const auto all = file_.read_array<ShardNodeRecord>(nodes_section);
-  std::vector<NodeRecord> records = node_records(all.size());
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    if (all[i].code != node.code() || all[i].level != static_cast<std::uint64_t>(node.level))
-      continue;
-    if (!records[i].has_surface()) return std::nullopt;
-    ReducedNode found{std::move(records[i]), {}, {}, {}, {}};
-    std::vector<std::byte> bytes;
-    file_.read(links_section + i, bytes);
-    if (!RecordBytes(bytes).take_links(found))
-      file_.damaged("the links of its clusters contradict themselves");
-    return found;
-  }
-  return std::nullopt;
+void ShardArtifact::read_piece(const PieceRecord& piece, int brick_level, BrickOctree& out) const {
+  read_piece_body(file_, piece, brick_level, out);
+  read_ghost_layer(piece, out.ghost);
 }
 
-NodeRecord read_node_record(const ArtifactReader& file, std::uint64_t code) {
-  NodeRecord record;
-  const std::uint64_t name = section_name(code, node_record);
-  if (file.find(name) == nullptr) return record;
-  std::vector<std::byte> bytes;
-  file.read(name, bytes);
-  if (!RecordBytes(bytes).take(record)) file.damaged("the record of a brick contradicts itself");
-  return record;
-}
-
-std::vector<BlockCount> read_block_counts(const ArtifactReader& file, std::uint64_t code) {
-  return file.read_array<BlockCount>(section_name(code, blocks));
-}
-
-bool ShardArtifact::has_brick(std::uint64_t code) const {
-  return file_.find(section_name(code, vertices)) != nullptr;
-}
-
-void ShardArtifact::add_brick_hashes(std::uint64_t code, KeyHasher& key) const {
-  for (std::uint64_t part = vertices; part < end_of_stitched; ++part)
-    if (const SectionRecord* record = file_.find(section_name(code, part))) key.hash(record->hash);
-}
-
-void ShardArtifact::add_ghost_hashes(std::uint64_t code, KeyHasher& key) const {
-  for (const Part part : {ghost_cells, ghost_vertices, sheets_of_edges, ghost_apart, ghost_roots})
-    if (const SectionRecord* record = file_.find(section_name(code, part))) key.hash(record->hash);
+void ShardArtifact::read_ghost_layer(const PieceRecord& piece, GhostLayer& out) const {
+  read_piece_ghosts(file_, piece, out);
 }
 
 namespace {
 
-template <class T>
-void read_where_any(const ArtifactReader& file, std::uint64_t code, Part part,
-                    std::vector<T>& out) {
-  out.clear();
-  if (file.find(section_name(code, part)) != nullptr)
-    file.read_array(section_name(code, part), out);
-}
-
-void read_ghosts(const ArtifactReader& file, std::uint64_t code, GhostLayer& out) {
-  file.read_array(section_name(code, ghost_cells), out.cells);
-  file.read_array(section_name(code, ghost_vertices), out.vertices);
-  read_where_any(file, code, sheets_of_edges, out.sheets_of_edges);
-  read_where_any(file, code, ghost_apart, out.apart);
-  read_where_any(file, code, ghost_roots, out.roots);
-  if ((!out.sheets_of_edges.empty() && out.sheets_of_edges.size() != out.cells.size()) ||
-      (!out.roots.empty() && out.roots.size() != out.vertices.size()))
-    file.damaged("the parts of a ghost layer contradict each other");
-}
-
-std::uint64_t bytes_of_parts(const ArtifactReader& file, std::uint64_t code, std::uint64_t end) {
-  std::uint64_t sum = 0;
-  for (std::uint64_t part = vertices; part < end; ++part)
-    if (const SectionRecord* record = file.find(section_name(code, part))) sum += record->size;
-  return sum;
-}
-
-void read_stitched(const ArtifactReader& file, std::uint64_t code, BrickOctree& out) {
-  file.read_array(section_name(code, vertices), out.vertices);
-  file.read_array(section_name(code, polygons), out.polygons);
-  read_where_any(file, code, emit_levels, out.emit_levels);
-  read_where_any(file, code, pairs, out.pairs);
-  read_where_any(file, code, polygon_pairs, out.polygon_pairs);
-  read_where_any(file, code, roots, out.roots);
-  file.read_array(section_name(code, blocks), out.blocks);
-  read_ghosts(file, code, out.ghost);
-  const auto beside_polygons = [&](std::size_t size) {
-    return size == 0 || size == out.polygons.size();
-  };
-  const auto names_a_pair = [&](std::uint32_t place) { return place < out.pairs.size(); };
-  if (out.blocks.empty() || out.blocks.back().polygon_end != out.polygons.size() ||
-      !beside_polygons(out.emit_levels.size()) || !beside_polygons(out.polygon_pairs.size()) ||
-      (!out.roots.empty() && out.roots.size() != out.vertices.size()) ||
-      !std::all_of(out.polygon_pairs.begin(), out.polygon_pairs.end(), names_a_pair))
-    file.damaged("the parts of a brick contradict each other");
+// f(record, bytes) of each node of a page.
+template <class F>
+void each_record(const ArtifactReader& file, std::uint64_t page, const F& f) {
+  std::vector<std::byte> bytes;
+  file.read(page_of_nodes + page, bytes);
+  for (std::span<const std::byte> rest = bytes; !rest.empty();) {
+    NodeEntry record;
+    if (rest.size() < sizeof record) file.damaged("a page of nodes ends within one");
+    std::memcpy(&record, rest.data(), sizeof record);
+    if (record.level > max_levels || record.cubes > rest.size() || record.leaves > rest.size() ||
+        record.cluster_bytes > rest.size() || record.bytes() > rest.size())
+      file.damaged("a page of nodes contradicts itself");
+    const std::span<const std::byte> own = rest.first(record.bytes());
+    f(record, own);
+    rest = rest.subspan(record.bytes());
+  }
 }
 
 }  // namespace
 
-void ShardArtifact::read_brick(std::uint64_t code, BrickOctree& out) const {
-  read_stitched(file_, code, out);
+void ShardArtifact::each_node(
+    std::uint64_t page,
+    const std::function<void(const MaterialNode&, std::span<const std::byte>)>& f) const {
+  each_record(file_, page, [&](const NodeEntry&, std::span<const std::byte> bytes) {
+    MaterialNode node;
+    if (!take_node(bytes, node)) file_.damaged(wrong_clusters);
+    f(node, bytes);
+  });
 }
 
-void ShardArtifact::read_ghost_layer(std::uint64_t code, GhostLayer& out) const {
-  read_ghosts(file_, code, out);
-}
-
-std::uint64_t brick_bytes(const ArtifactReader& file, std::uint64_t code) {
-  return bytes_of_parts(file, code, levels + 1);
-}
-
-void read_whole_brick(const ArtifactReader& file, std::uint64_t code, BrickOctree& out) {
-  read_stitched(file, code, out);
-  out.record = read_node_record(file, code);
-  out.levels.clear();
-  if (file.find(section_name(code, levels)) == nullptr) return;
-  std::vector<std::byte> bytes;
-  file.read(section_name(code, levels), bytes);
-  LevelsSize size{static_cast<std::uint32_t>(out.vertices.size()), 0, 0};
-  std::array<std::uint32_t, 2> sizes{};
-  if (bytes.size() >= sizeof sizes) {
-    std::memcpy(sizes.data(), bytes.data(), sizeof sizes);
-    size.clusters = sizes[0];
-    size.merges = sizes[1];
-  }
-  if (bytes.size() != sizeof sizes + size.bytes())
-    file.damaged("the levels of a brick contradict themselves");
-  out.levels = levels_of(std::span(bytes).subspan(sizeof sizes), size);
-}
-
-std::uint64_t ShardArtifact::brick_bytes(std::uint64_t code) const {
-  return bytes_of_parts(file_, code, end_of_stitched);
+std::optional<ReducedNode> ShardArtifact::clusters(Material material, const CellKey& node) const {
+  std::optional<ReducedNode> found;
+  // The page before the first that begins with the label, or behind it, may end with it.
+  auto page = std::lower_bound(first_nodes_.begin(), first_nodes_.end(), material);
+  if (page != first_nodes_.begin()) --page;
+  for (; page != first_nodes_.end() && *page <= material && !found; ++page)
+    each_record(file_, static_cast<std::uint64_t>(page - first_nodes_.begin()),
+                [&](const NodeEntry& record, std::span<const std::byte> bytes) {
+                  if (record.material != material || record.code != node.code() ||
+                      record.level != static_cast<std::uint64_t>(node.level) ||
+                      record.cluster_bytes == 0)
+                    return;
+                  if (!take_clusters(bytes.last(record.cluster_bytes), found.emplace()))
+                    file_.damaged(wrong_clusters);
+                });
+  return found;
 }
 
 }  // namespace voxweld

@@ -18,7 +18,7 @@ struct ShardSummaryRecord {
 // before.
 static_assert(std::has_unique_object_representations_v<BuiltRun> &&
               sizeof(BrickCounts) == 8 * (3 + max_levels + 1) + 16 &&
-              sizeof(BuiltBrick) == 24 + sizeof(RootRecord) + sizeof(BrickCounts));
+              sizeof(BuiltBrick) == 24 + sizeof(BrickCounts));
 
 // f(figure of the record, figure of the summary) of all.
 template <class Record, class Summary, class F>

@@ -1,5 +1,5 @@
-// What both kinds of octree artifacts (shard_artifact.h, label_shard_artifact.h) say of their shard
-// as a whole, in sections named all ones << 8 | part:
+// What an octree artifact (shard_artifact.h) says of its shard as a whole, in sections named all
+// ones << 8 | part:
 //
 //   part 1     ShardSummaryRecord (one)
 //   part 5, 6  BuiltBrick, BuiltRun: what a later build goes by
@@ -25,12 +25,10 @@ struct ShardSummary {
   Hash128 input;                      // content hash of the samples read, and of unread sides
 };
 
-// A brick that was read: what it was made from, and what of it is in no section of its own. Where
-// every label has an octree of its own, the counts are those of all, and the root is none.
+// A brick that was read: what it was made from, and the counts of all its materials together.
 struct BuiltBrick {
   std::uint64_t code = 0;  // Morton code of its index
   Hash128 key;             // of the parameters and of the edits that reach it
-  RootRecord root;
   BrickCounts counts;
 };
 

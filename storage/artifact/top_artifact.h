@@ -1,29 +1,18 @@
-// The top tree: the leaves above the bricks and the tile plan, as merge leaves them. Kind "tops", a
-// container with these sections:
-//   1              MergeCounts (one)
-//   2              PlannedTile, in Morton order
-//   3              code of the first leaf of each leaf section, u64
-//   4              content hashes of the octree artifacts merged, in the Morton order of the shards
-//   7              where each sheet collapses by itself: the links (node_record_bytes.h) of the shards'
-//                  clusters to the leaves above all shards, which none of the shards has
-//   0x1000000 + i  TopLeaf, in Morton order, leaves_per_section in each but the last
-// With labels.mode = "each" there is one tree for each label: sections 1 and 4 are the same, the
-// others as label_top.h has them, and tiles() and leaves() are not for that.
+// The top tree: what merge leaves. Kind "tops", a container with these sections:
+//   1  MergeCounts (one)
+//   4  content hashes of the octree artifacts merged, in the Morton order of the shards
+// and the tables of label_top.h: of each material the leaves above the bricks and the tile plan.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
-#include "storage/artifact/container.h"
-#include "storage/types/top_tree.h"
+#include "storage/artifact/label_top.h"
 
 namespace voxweld {
 
 inline constexpr std::array<char, 4> top_kind = {'t', 'o', 'p', 's'};
-inline constexpr std::uint32_t top_version = 6;
-
-inline constexpr std::uint64_t top_counts_section = 1, top_codes_section = 3,
-                               top_shards_section = 4;
+// Goes up whenever merge's bytes change.
+inline constexpr std::uint32_t top_version = 7;
 
 // What is known of the whole after merge.
 struct MergeCounts {
@@ -37,43 +26,20 @@ struct MergeCounts {
   std::array<std::uint64_t, max_levels + 1> leaves{};
 };
 
-// Such links as a section of this name; none where it is not there.
-void write_clusters(ArtifactWriter& file, std::uint64_t section, const ReducedNode& top);
-ReducedNode read_clusters(const ArtifactReader& file, std::uint64_t section);
-
-class TopArtifactWriter {
+class TopArtifactWriter : public LabelTablesWriter {
  public:
-  TopArtifactWriter(const std::filesystem::path& path, Hash128 key);
-  void leaf(const TopLeaf& leaf);      // in Morton order
-  void tile(const PlannedTile& tile);  // in Morton order
-  void clusters(const ReducedNode& top);
+  TopArtifactWriter(const std::filesystem::path& path, Hash128 key)
+      : LabelTablesWriter(path, {top_kind, top_version, key}) {}
   Hash128 finish(const MergeCounts& counts, std::span<const Hash128> shards);
-
- private:
-  void flush_leaves();
-  ArtifactWriter file_;
-  std::vector<TopLeaf> pending_;
-  std::vector<std::uint64_t> first_codes_;
-  std::vector<PlannedTile> tiles_;
 };
 
 class TopArtifact : public OpenArtifact {
  public:
   explicit TopArtifact(const std::filesystem::path& path);
 
-  bool of_labels() const { return file_.find(top_codes_section) == nullptr; }
   MergeCounts counts() const;
-  std::vector<PlannedTile> tiles() const;
   std::vector<Hash128> shards() const;  // content hashes of what was merged
-  // The leaves whose cubes meet the Morton range [begin, end), in order.
-  std::vector<TopLeaf> leaves(std::uint64_t begin, std::uint64_t end) const;
-  // Where each sheet collapses by itself: all of it but the record, and no link's root.
-  ReducedNode clusters() const;
-  std::uint64_t cluster_bytes() const;  // that this takes, about
   const ArtifactReader& file() const { return file_; }
-
- private:
-  std::vector<std::uint64_t> first_codes_;
 };
 
 }  // namespace voxweld

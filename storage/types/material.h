@@ -16,6 +16,9 @@ using Material = std::uint64_t;
 // cannot name it and a sample of this value is refused.
 inline constexpr Material exterior = std::numeric_limits<std::uint64_t>::max();
 
+// What stands for the surface in a list of materials where there is but one.
+inline constexpr Material sole_material = 0;
+
 // off: samples are compared with an isovalue. each: one closed mesh for every material. shared: one
 // complex of all of them, each polygon between two.
 enum class LabelMode : std::uint8_t { off, each, shared };

@@ -16,6 +16,7 @@
 #include "pipeline/stage/file_layout.h"
 #include "storage/artifact/asset_record.h"
 #include "storage/artifact/shard_artifact.h"
+#include "storage/artifact/top_artifact.h"
 #include "storage/support/error.h"
 #include "tests/measure/scale_support.h"
 
@@ -26,22 +27,22 @@ void write_shard(const BuildJob& job, Index3 shard, std::uint64_t percent) {
   ShardArtifactWriter out(shard_artifact_path(job, shard), job.key, {});
   ShardSummary summary;
   summary.counts.crossing_edges = 1;
-  std::vector<ShardNode> nodes;
   for (const BrickGrid::Cube& cube : job.grid.shard_cubes(shard)) {
-    ShardNode node;
-    node.key = cube.key;
-    node.record.state = NodeState::split;
+    MaterialNode node;
+    node.material = sole_material;
+    node.node.key = cube.key;
+    node.node.record.state = NodeState::split;
     const std::uint64_t blocks = std::uint64_t{1} << (3 * (cube.key.level - block_level));
     for (std::uint64_t b = 0; b < blocks; ++b) {
       const std::uint64_t code = cube.key.code() + (b << (3 * block_level));
       const std::uint64_t random = mixed(code);
       if (random % 100 >= percent) continue;
       const auto count = static_cast<std::uint32_t>(20 + random / 100 % 60);
-      node.cubes.push_back({code, block_level, count, count});
+      node.node.cubes.push_back({code, block_level, count, count});
     }
-    nodes.push_back(std::move(node));
+    out.node(node);
   }
-  out.finish(summary, nodes);
+  out.finish(summary);
 }
 
 void write_assets(const Listing& listing) {
@@ -81,7 +82,9 @@ int run(const std::string& folder, std::int64_t side, std::uint64_t percent) {
 
   Listing listing;
   listing.output = folder + "/mesh";
-  for (const PlannedTile& tile : TopArtifact(merge.path()).tiles())
+  const TopArtifact top(merge.path());
+  const LabelTop tables(top);
+  for (const PlannedTile& tile : tables.tiles(0, tables.tile_count()))
     listing.tiles.push_back({tile.key(), fanned_out(folder + "/encode", tile.key().at,
                                                     fmt::format("{}-{}", tile.level, tile.code))});
   fmt::print("{} tiles\n", listing.tiles.size());

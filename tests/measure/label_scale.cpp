@@ -18,8 +18,8 @@
 #include "pipeline/stitch/stitch_stage.h"
 #include "pipeline/stitch/stitch_work.h"
 #include "storage/artifact/asset_record.h"
-#include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
+#include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/support/error.h"
 #include "tests/measure/scale_support.h"
@@ -48,7 +48,7 @@ std::vector<std::vector<Material>> labels_of_shards(const BrickGrid& grid, std::
 }
 
 void write_shard(const BuildJob& job, Index3 shard, const std::vector<Material>& labels) {
-  LabelShardWriter out(shard_artifact_path(job, shard), job.key, {});
+  ShardArtifactWriter out(shard_artifact_path(job, shard), job.key, {});
   const CellKey cube{job.grid.shard_level(), shard};
   const int up = job.grid.shard_level() - job.grid.brick_level();
   for (const Material label : labels) {
@@ -65,7 +65,7 @@ void write_shard(const BuildJob& job, Index3 shard, const std::vector<Material>&
   }
   for (const Material label : labels) {
     const std::uint64_t random = mixed(label + cube.code());
-    LabelNode node;
+    MaterialNode node;
     node.material = label;
     node.node.key = cube;
     node.node.record.state = NodeState::split;
@@ -84,11 +84,11 @@ void write_shard(const BuildJob& job, Index3 shard, const std::vector<Material>&
 }
 
 void write_batches(const StitchJob& job, const TopArtifact& top, const UnitPlan& plan) {
-  const auto work = stitch_work(job, top);
+  StitchWork work(job, top);
   const LabelTop labels(top);
   const std::vector<BatchRecord> batches = labels.batches();
   probe_all(plan.size(), [&](std::size_t i) {
-    LabelTilesWriter out(tile_artifact_path(job.folder, plan, i), work->key(i));
+    LabelTilesWriter out(tile_artifact_path(job.folder, plan, i), work.key(i));
     for (const SurfaceRecord& s : labels.surfaces(batches[i].first_surface, batches[i].surfaces))
       out.add(s.material, {});
     out.finish();

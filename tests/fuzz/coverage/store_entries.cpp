@@ -11,7 +11,6 @@
 #include "storage/artifact/cube_mesh_artifact.h"
 #include "storage/artifact/histogram_artifact.h"
 #include "storage/artifact/label_counts.h"
-#include "storage/artifact/label_shard_artifact.h"
 #include "storage/artifact/label_top.h"
 #include "storage/artifact/mesh_bin_artifact.h"
 #include "storage/artifact/noise_artifact.h"
@@ -57,28 +56,16 @@ void parse_chunk(const ParserEntry&, Bytes bytes) {
 void read_shard(const fs::path& path) {
   const ShardArtifact shard(path);
   shard.summary();
-  for (const ShardNode& node : shard.nodes()) shard.clusters(node.key);
+  shard.each_piece([](const PieceRecord&) {});
   const ArtifactReader file(path, shard_kind, shard_version);
   BrickOctree brick, cut;
-  for (std::uint64_t code = 0; code < 64; ++code) {
-    if (!shard.has_brick(code)) continue;
-    read_whole_brick(file, code, brick);
-    if (can_be_cut(brick)) BrickCutter().cut(brick, 0.5, cut);
-  }
-}
-void read_label_shard(const fs::path& path) {
-  const LabelShardArtifact shard(path);
-  shard.summary();
-  shard.each_piece([](const PieceRecord&) {});
-  const ArtifactReader file(path, label_shard_kind, label_shard_version);
-  BrickOctree brick, cut;
   for (std::uint64_t code = 0; code < 64; ++code)
-    each_piece_in(file, code, [&](const PieceBytes& piece) {
-      take_octree(file, piece, min_brick_level, brick);
+    each_piece_in(file, code, [&](const PieceHead& head) {
+      read_octree(file, head, min_brick_level, brick);
       if (can_be_cut(brick)) BrickCutter().cut(brick, 0.5, cut);
     });
   for (std::uint64_t page = 0; page < std::min<std::uint64_t>(shard.node_pages(), 16); ++page)
-    shard.each_node(page, [&](const LabelNode& node, std::span<const std::byte>) {
+    shard.each_node(page, [&](const MaterialNode& node, std::span<const std::byte>) {
       shard.clusters(node.material, node.node.key);
     });
 }
@@ -93,12 +80,6 @@ void read_top(const fs::path& path) {
   const TopArtifact top(path);
   top.counts();
   top.shards();
-  if (!top.of_labels()) {
-    top.tiles();
-    top.leaves(0, ~std::uint64_t{0});
-    top.clusters();
-    return;
-  }
   read_tables(LabelTop(top));
 }
 void read_tile(const fs::path& path) {
@@ -164,7 +145,6 @@ const ArtifactParser parsers[] = {
     {"hist", histogram_version, [](const fs::path& path) { read_histogram_artifact(path); }},
     {"nois", noise_version, [](const fs::path& path) { read_noise_artifact(path); }},
     {"lcnt", label_counts_version, read_counts},
-    {"octl", label_shard_version, read_label_shard},
     {"mesh", mesh_record_version, [](const fs::path& path) { read_mesh_record(path); }},
     {"mbin", mesh_bins_version, read_bins},
     {"mtab", mesh_bins_version, [](const fs::path& path) { read_mesh_table(path); }},

@@ -8,7 +8,7 @@
 #include "pipeline/refine/cube_meshes.h"
 #include "pipeline/stage/artifacts.h"
 #include "pipeline/stage/batch_planner.h"
-#include "storage/artifact/label_top.h"
+#include "storage/artifact/top_artifact.h"
 #include "tests/support/temp_directory.h"
 
 namespace voxweld::testing {
@@ -24,7 +24,7 @@ std::vector<RefineUnit> units_of(
     const std::vector<std::pair<Material, std::vector<PlannedTile>>>& plan) {
   const TempDirectory directory;
   const auto path = directory / "top.tree";
-  LabelTopWriter out(path, {});
+  TopArtifactWriter out(path, {});
   BatchPlanner batches(out, 500000);
   for (const auto& [label, tiles] : plan) {
     for (const PlannedTile& tile : tiles) out.tile(tile);

@@ -6,8 +6,6 @@
 #include "stages/refine/refine_range.h"
 #include "storage/artifact/cube_mesh_artifact.h"
 #include "storage/artifact/label_counts.h"
-#include "storage/artifact/label_shard_artifact.h"
-#include "storage/artifact/label_top.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/tile_plan_artifact.h"
@@ -22,29 +20,48 @@ namespace {
 namespace fs = std::filesystem;
 using Bytes = std::vector<std::byte>;
 
+constexpr int brick_level = 4, shard_level = 5;  // of the tests' runs
+
 void read_all_of_shard(const fs::path& path) {
   const ShardArtifact artifact(path);
   artifact.summary();
-  artifact.nodes();
-  read_history(ArtifactReader(path, shard_kind, shard_version));
-  const ArtifactReader file(path, shard_kind, shard_version);
   BrickOctree brick;
-  // The tests' volumes have a few bricks a side.
-  for (std::uint64_t code = 0; code < 4096; ++code) {
-    if (!artifact.has_brick(code)) continue;
-    artifact.read_brick(code, brick);
-    read_whole_brick(file, code, brick);
+  GhostLayer ghost;
+  artifact.each_piece([&](const PieceRecord& piece) {
+    artifact.read_piece(piece, brick_level, brick);
+    artifact.read_ghost_layer(piece, ghost);
+  });
+  for (std::uint64_t page = 0; page < artifact.node_pages(); ++page)
+    artifact.each_node(page, [&](const MaterialNode& node, std::span<const std::byte>) {
+      artifact.clusters(node.material, node.node.key);
+    });
+  // As builds do that keep all bricks, or cut them.
+  const ArtifactReader file(path, shard_kind, shard_version);
+  ShardArtifactWriter copy(path.string() + ".copy", {}, {});
+  for (const BuiltBrick& built : read_history(file).bricks) {
+    copy.brick(built.code, file, [](const PieceBytes&) {});
+    each_piece_in(file, built.code,
+                  [&](const PieceHead& head) { read_octree(file, head, brick_level, brick); });
   }
-  for (const ShardNode& node : artifact.nodes()) artifact.clusters(node.key);
+}
+
+void read_all_of_tables(const LabelTop& top) {
+  top.batches();
+  top.tiles(0, top.tile_count());
+  constexpr std::uint64_t end = ~std::uint64_t{0} >> 1;
+  for (std::uint64_t i = 0; i < top.surface_count(); ++i) {
+    const SurfaceRecord surface = top.surfaces(i, 1).front();
+    top.nodes(surface, shard_level, 0, end);
+    top.leaves(surface, 0, end);
+    top.clusters(i);
+  }
 }
 
 void read_all_of_top(const fs::path& path) {
   const TopArtifact artifact(path);
   artifact.counts();
-  artifact.tiles();
   artifact.shards();
-  artifact.leaves(0, ~std::uint64_t{0} >> 1);
-  artifact.clusters();
+  read_all_of_tables(LabelTop(artifact));
 }
 
 void read_all_of_tile(const fs::path& path) {
@@ -59,44 +76,6 @@ void read_all_of_cubes(const fs::path& path) {
   artifact.changes();
   for (std::size_t i = 0; i < artifact.pieces().size(); ++i)
     for (const CubePart part : {CubePart::inside, CubePart::leaving}) artifact.read(i, part);
-}
-
-constexpr int brick_level = 4, shard_level = 5;  // of the tests' runs
-
-void read_all_of_label_shard(const fs::path& path) {
-  const LabelShardArtifact artifact(path);
-  artifact.summary();
-  BrickOctree brick;
-  GhostLayer ghost;
-  artifact.each_piece([&](const PieceRecord& piece) {
-    artifact.read_piece(piece, brick_level, brick);
-    artifact.read_ghost_layer(piece, ghost);
-  });
-  for (std::uint64_t page = 0; page < artifact.node_pages(); ++page)
-    artifact.each_node(page, [](const LabelNode&, std::span<const std::byte>) {});
-  // As a build does that keeps all bricks.
-  const ArtifactReader file(path, label_shard_kind, label_shard_version);
-  LabelShardWriter copy(path.string() + ".copy", {}, {});
-  for (const BuiltBrick& built : read_history(file).bricks)
-    copy.brick(built.code, file,
-               [](const PieceHead&, std::span<const FilledBlock>, std::span<const std::byte>) {});
-}
-
-void read_all_of_tables(const LabelTop& top) {
-  top.batches();
-  top.tiles(0, top.tile_count());
-  constexpr std::uint64_t end = ~std::uint64_t{0} >> 1;
-  for (const SurfaceRecord& surface : top.surfaces(0, top.surface_count())) {
-    top.nodes(surface, shard_level, 0, end);
-    top.leaves(surface, 0, end);
-  }
-}
-
-void read_all_of_label_top(const fs::path& path) {
-  const TopArtifact artifact(path);
-  artifact.counts();
-  artifact.shards();
-  read_all_of_tables(LabelTop(artifact));
 }
 
 void read_all_of_tile_plan(const fs::path& path) {
@@ -186,8 +165,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Kind{"tile", "off", ".tile", read_all_of_tile},
                       Kind{"cubes", "off", ".cubes", read_all_of_cubes, "collapse"},
                       Kind{"tile_plan", "off", "tile.plan", read_all_of_tile_plan, "collapse"},
-                      Kind{"octrees_of_each_label", "each", ".octree", read_all_of_label_shard},
-                      Kind{"tree_of_each_label", "each", ".tree", read_all_of_label_top},
+                      Kind{"octrees_of_each_label", "each", ".octree", read_all_of_shard},
+                      Kind{"tree_of_each_label", "each", ".tree", read_all_of_top},
                       Kind{"tiles_of_each_label", "each", ".tile", read_all_of_tile},
                       Kind{"cubes_of_each_label", "each", ".cubes", read_all_of_cubes, "collapse"},
                       Kind{"tile_plan_of_each_label", "each", "tile.plan", read_all_of_tile_plan,

@@ -177,13 +177,13 @@ TEST(Damage, IsNamedWhenItIsMended) {
   VOXWELD_EXPECT_DONE(scene.run(small_work));
   std::mt19937 random(6);
   const fs::path octree = files_ending(scene.work(), ".octree").at(0);
-  // A brick's section, not the summary: found when it is read again.
+  // A piece of a brick, not the summary: found when it is read again.
   Bytes bytes = read_whole_file(octree);
-  bytes[100] ^= std::byte{1};
+  bytes[1000] ^= std::byte{1};
   write_whole_file(octree, bytes, Durability::rename_only);
   const ProgramResult result = scene.run(small_work + Settings{"output.precision=0.1"});
   VOXWELD_EXPECT_DONE(result);
-  expect_says(result, octree.string() + ": the checksum of section");
+  expect_says(result, octree.string() + ": the checksum of a piece");
   expect_says(result, "it is removed and made again");
   EXPECT_EQ(difference(scene.clean_tree(small_work + Settings{"output.precision=0.1"}),
                        output_tree(scene.output())),
@@ -196,11 +196,11 @@ TEST(Damage, IsRefusedByASingleStage) {
   VOXWELD_EXPECT_DONE(scene.run(small_work));
   const fs::path octree = files_ending(scene.work(), ".octree").at(0);
   Bytes bytes = read_whole_file(octree);
-  bytes[100] ^= std::byte{1};
+  bytes[1000] ^= std::byte{1};
   write_whole_file(octree, bytes, Durability::rename_only);
   const ProgramResult result =
       scene.command("stitch", small_work + Settings{"output.precision=0.1"});
-  expect_refused(result, octree.string() + ": the checksum of section", 1);
+  expect_refused(result, octree.string() + ": the checksum of a piece", 1);
 }
 
 }  // namespace

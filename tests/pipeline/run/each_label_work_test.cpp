@@ -198,7 +198,7 @@ TEST(EachLabelWork, DamageOfAPieceIsNamed) {
   write_whole_file(octree, bytes, Durability::rename_only);
   const ProgramResult result = scene.run(small_batches + Settings{"output.precision=0.1"});
   VOXWELD_EXPECT_DONE(result);
-  expect_says(result, octree.string() + ": the checksum of a piece of label");
+  expect_says(result, octree.string() + ": the checksum of a piece");
   EXPECT_EQ(difference(scene.clean_tree(small_batches + Settings{"output.precision=0.1"}),
                        output_tree(scene.output())),
             "");

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "storage/artifact/label_shard_artifact.h"
+#include "storage/artifact/shard_artifact.h"
 #include "storage/support/hash.h"
 #include "tests/pipeline/run/edit_scene.h"
 #include "tests/pipeline/run/label_volumes.h"
@@ -53,9 +53,7 @@ class EditBricks : public ::testing::TestWithParam<const char*> {
   Tree shards_of(const fs::path& work) const {
     Tree tree;
     for (const fs::path& path : octrees_of(work)) {
-      const bool each = mode() == "each";
-      const ArtifactReader artifact(path, each ? label_shard_kind : shard_kind,
-                                    each ? label_shard_version : shard_version);
+      const ArtifactReader artifact(path, shard_kind, shard_version);
       tree[path.filename().string()] = to_hex(artifact.key()) + to_hex(artifact.content_hash());
     }
     return tree;

@@ -9,8 +9,6 @@
 #include "pipeline/encode/encode_stage.h"
 #include "stages/build/label_edge.h"
 #include "storage/artifact/cube_mesh_artifact.h"
-#include "storage/artifact/label_shard_artifact.h"
-#include "storage/artifact/label_top.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/top_artifact.h"
@@ -81,12 +79,12 @@ class Goldens : public ::testing::Test {
 std::unique_ptr<Scene> Goldens::scene_;
 
 TEST_F(Goldens, Build) {
-  expect_recorded({"build", 10, "2493cd624c590de16a406b7aea7efc12"}, shard_version,
+  expect_recorded({"build", 11, "82c40208d7c2c05b8e2779dab3e52a7b"}, shard_version,
                   hash_of(work(".octree"), shard_kind, shard_version));
 }
 
 TEST_F(Goldens, Merge) {
-  expect_recorded({"merge", 6, "ec1a8dfca600e55d47263b999aef60dc"}, top_version,
+  expect_recorded({"merge", 7, "686bb0a8864d3d0543c810ab9a912651"}, top_version,
                   hash_of(work(".tree"), top_kind, top_version));
 }
 
@@ -106,10 +104,10 @@ TEST_F(Goldens, Encode) {
 }
 
 // What build, merge and stitch leave of a run.
-void expect_stages(const Scene& scene, const Golden& build, std::array<char, 4> octree_kind,
-                   std::uint32_t octree_version, const Golden& merge, const Golden& stitch) {
+void expect_stages(const Scene& scene, const Golden& build, const Golden& merge,
+                   const Golden& stitch) {
   const auto work = [&](const char* ending) { return files_ending(scene.work(), ending); };
-  expect_recorded(build, octree_version, hash_of(work(".octree"), octree_kind, octree_version));
+  expect_recorded(build, shard_version, hash_of(work(".octree"), shard_kind, shard_version));
   expect_recorded(merge, top_version, hash_of(work(".tree"), top_kind, top_version));
   expect_recorded(stitch, tile_version, hash_of(work(".tile"), tile_kind, tile_version));
 }
@@ -119,8 +117,8 @@ TEST(SheetGoldens, OfEveryStage) {
   const Scene scene(scene_volume());
   VOXWELD_EXPECT_DONE(scene.run(
       {"work.brick=16", "work.shard=2", "output.tile_vertices=1024", "simplify.tolerance=0.2"}));
-  expect_stages(scene, {"build", 10, "38557668a8235cad34d61baa4cbc924a"}, shard_kind, shard_version,
-                {"merge", 6, "a74c389acae6de17b99212ace85c9741"},
+  expect_stages(scene, {"build", 11, "b069feaf9e742506b535b3ddd0e5afc0"},
+                {"merge", 7, "b71ff528e78b84ed6d4eae57132cac22"},
                 {"stitch", 6, "8fdb8ce3b8a6c543ae2b748e116bae78"});
 }
 
@@ -202,22 +200,16 @@ TEST(SheetGoldens, OfEachLabel) {
   std::ofstream(scene.config(), std::ios::app) << label_edits;
   VOXWELD_EXPECT_DONE(scene.run(
       {"labels.mode=each", "work.brick=16", "work.shard=2", "output.tile_vertices=1024"}));
-  expect_stages(scene, {"build", 6, "3cf6904850bcd0c35378b09742483ab2"}, label_shard_kind,
-                label_shard_version, {"merge", 6, "766247c71ae2b94203b2ae5a948ba111"},
+  expect_stages(scene, {"build", 11, "e9b18b6ad4ff63ab3bea9d298c1f6927"},
+                {"merge", 7, "e9a5b6b3c0ef9f575fb8b6bc0eca9a6f"},
                 {"stitch", 6, "9fae1a70ec6d7f1ae20b8943a57c9087"});
 }
 
-// The versions in the key of a build of labels: of the artifacts, of those of each label, and of
-// the estimate.
-constexpr std::uint32_t build_version(std::uint32_t of_each) {
-  return 10000 * shard_version + 100 * of_each + label_estimate_version;
-}
+// The versions in the key of a build of labels: of the artifacts, and of the estimate.
+constexpr std::uint32_t label_build_version = 100 * shard_version + label_estimate_version;
 // A row for each stage: what the artifacts and the files of a mode are.
 struct LabelGolden {
   const char* mode;
-  std::array<char, 4> octree_kind;
-  std::uint32_t octree_version;
-  std::uint32_t build_version, merge_version;
   std::array<Golden, 4> stages;  // build, merge, stitch, encode
 };
 
@@ -235,10 +227,9 @@ TEST_P(LabelGoldens, OfEveryStage) {
                                  "simplify.topology=safe", "work.brick=16", "work.shard=2",
                                  "output.tile_vertices=1024", "simplify.tolerance=0.05"}));
   const auto work = [&](const char* ending) { return files_ending(scene.work(), ending); };
-  expect_recorded(golden.stages[0], golden.build_version,
-                  hash_of(work(".octree"), golden.octree_kind, golden.octree_version));
-  expect_recorded(golden.stages[1], golden.merge_version,
-                  hash_of(work(".tree"), top_kind, top_version));
+  expect_recorded(golden.stages[0], label_build_version,
+                  hash_of(work(".octree"), shard_kind, shard_version));
+  expect_recorded(golden.stages[1], top_version, hash_of(work(".tree"), top_kind, top_version));
   expect_recorded(golden.stages[2], tile_version, hash_of(work(".tile"), tile_kind, tile_version));
   if (std::string(draco::kDracoVersion) != "1.5.5")
     GTEST_SKIP() << "the hashes are of Draco 1.5.5's bytes, this is " << draco::kDracoVersion;
@@ -252,21 +243,13 @@ INSTANTIATE_TEST_SUITE_P(
     Modes, LabelGoldens,
     ::testing::Values(
         LabelGolden{"each",
-                    label_shard_kind,
-                    label_shard_version,
-                    build_version(label_shard_version),
-                    top_version | label_top_version << 16,
-                    {Golden{"build of each label", 100602, "1f2843c690b272128c6e7c213579a9a9"},
-                     {"merge of each label", 65542, "bdb774864476ebd3e89d3f2dba034fdd"},
+                    {Golden{"build of each label", 1102, "4b72d2796b794924e0ae58dd4a64cdd4"},
+                     {"merge of each label", 7, "9f7bfb7c8d34769459dbaa9a3cc90b54"},
                      {"stitch of each label", 6, "59cdc8ffcee04a094002ca747ffecbbb"},
                      {"encode of each label", 2, "141590bccb677d852b82a4e68563a1e8"}}},
         LabelGolden{"shared",
-                    shard_kind,
-                    shard_version,
-                    build_version(0),
-                    top_version,
-                    {Golden{"build of shared labels", 100002, "7d2fefe9914ce716cb68ea960dc2aea7"},
-                     {"merge of shared labels", 6, "d3e456ecdd9c98907f824328160f716a"},
+                    {Golden{"build of shared labels", 1102, "c9af1dd04870928d8bbf1319d69a5486"},
+                     {"merge of shared labels", 7, "595fa4028ff4954c4358e08c346bf68c"},
                      {"stitch of shared labels", 6, "05d69da8e8cc4a33c37bdd751c8c158f"},
                      {"encode of shared labels", 2, "fd0cca0c691305fa8d98734ec337ab36"}}}),
     [](const auto& each) { return each.param.mode; });

@@ -1,4 +1,4 @@
-#include "pipeline/merge/label_merge.h"
+#include "pipeline/merge/material_merge.h"
 
 #include <algorithm>
 #include <memory>
@@ -6,9 +6,10 @@
 
 #include "pipeline/executor/probe.h"
 #include "pipeline/stage/batch_planner.h"
-#include "storage/artifact/label_shard_artifact.h"
-#include "storage/artifact/label_top.h"
+#include "stages/merge/shard_reduction.h"
 #include "storage/artifact/node_record_bytes.h"
+#include "storage/artifact/shard_artifact.h"
+#include "storage/artifact/top_artifact.h"
 #include "storage/support/error.h"
 #include "storage/support/record_sorter.h"
 
@@ -90,17 +91,33 @@ class TileInputs {
   std::vector<std::byte> clusters_;     // where each sheet collapses by itself, all of the label
 };
 
-// One label after the other, from its nodes in Morton order.
-class LabelMerger : private TopSink {
+void add_counts(const BrickCounts& part, MergeCounts& counts) {
+  counts.active_cells += part.active_cells;
+  counts.crossing_edges += part.crossing_edges;
+  counts.vertices += part.vertices;
+  counts.worst_residual = std::max(counts.worst_residual, part.worst_residual);
+  counts.worst_finest = std::max(counts.worst_finest, part.worst_finest);
+  for (std::size_t l = 0; l < counts.leaves.size(); ++l) counts.leaves[l] += part.leaves[l];
+}
+
+// One material after the other, from its nodes in Morton order.
+class MaterialMerger : private TopSink {
  public:
-  LabelMerger(const MergeJob& job, LabelTopWriter& out, MergeCounts& counts)
+  MaterialMerger(const MergeJob& job, TopArtifactWriter& out, MergeCounts& counts)
       : job_(job),
         grid_(job.build->grid),
+        by_sheets_(collapses_by_sheets(job.build->parameters)),
         out_(out),
         counts_(counts),
         batches_(out, job.tile_vertices) {}
 
-  void add(const LabelNode& node) {
+  void open(Material material) {
+    material_ = material;
+    TopSink& sink = *this;
+    reduction_.emplace(grid_, job_.build->parameters, job_.tile_vertices, sink);
+  }
+
+  void add(const MaterialNode& node) {
     if (!reduction_ || node.material != material_) {
       close();
       open(node.material);
@@ -118,35 +135,38 @@ class LabelMerger : private TopSink {
   }
 
  private:
-  void open(Material material) {
-    material_ = material;
-    TopSink& sink = *this;
-    reduction_.emplace(grid_, job_.build->parameters, job_.tile_vertices, sink);
-  }
-
   void close() {
     if (!reduction_) return;
     reduction_->finish();
-    add_reduced(*reduction_, counts_);
+    counts_.collapsed_above += reduction_->collapsed();
+    add_counts(reduction_->counts(), counts_);
     for (const SurfaceNode& node : nodes_) out_.node(node);
     for (const PlannedTile& tile : tiles_) out_.tile(tile);
     end_surface();
-    const TileInputs inputs(grid_, material_, nodes_, leaves_, reduction_->reduced());
-    batches_.add(material_, tiles_, largest_piece_,
-                 [&](KeyHasher& key, const PlannedTile& tile) { inputs.add_to(key, tile); });
+    add_batches();
     reduction_.reset();
     nodes_.clear();
     tiles_.clear();
     leaves_.clear();
-    largest_piece_ = 0;
+    largest_piece_ = vertices_ = 0;
+  }
+
+  // A label's units are known by what merge has read of it. Stitch looks itself at what the tiles of a
+  // single surface read: brick by brick, so that a change leaves most of them as they are.
+  void add_batches() {
+    std::optional<TileInputs> inputs;
+    if (job_.build->parameters.labels.mode == LabelMode::each)
+      inputs.emplace(grid_, material_, nodes_, leaves_, reduction_->reduced());
+    batches_.add(material_, tiles_, largest_piece_, [&](KeyHasher& key, const PlannedTile& tile) {
+      if (inputs) inputs->add_to(key, tile);
+    });
   }
 
   void end_surface() {
-    if (!collapses_by_sheets(job_.build->parameters)) return out_.end_surface(material_);
+    if (!by_sheets_) return out_.end_surface(material_);
     if (!reduction_->reduced().leaves.empty()) out_.clusters(reduction_->reduced());
     // Its tiles are planned by more.
     out_.end_surface(material_, vertices_ + reduction_->counts().vertices);
-    vertices_ = 0;
   }
 
   void leaf(const TopLeaf& leaf, bool known) override {
@@ -158,7 +178,8 @@ class LabelMerger : private TopSink {
 
   const MergeJob& job_;
   const BrickGrid& grid_;
-  LabelTopWriter& out_;
+  const bool by_sheets_;
+  TopArtifactWriter& out_;
   MergeCounts& counts_;
   BatchPlanner batches_;
   Material material_ = exterior;
@@ -170,26 +191,79 @@ class LabelMerger : private TopSink {
   std::uint64_t vertices_ = 0;  // where each sheet collapses by itself: final in the shards
 };
 
+std::unique_ptr<ShardArtifact> open_shard(const BuildJob& job, Index3 shard) {
+  auto file = std::make_unique<ShardArtifact>(shard_artifact_path(job, shard));
+  if (file->key() != shard_key(job, shard))
+    throw DamagedArtifact(file->path(), "is of other parameters");
+  return file;
+}
+
+void add_summary(const ShardSummary& shard, MergeCounts& counts) {
+  counts.bricks += shard.bricks;
+  counts.active_bricks += shard.active_bricks;
+  counts.collapsed_above += shard.collapsed_above;
+  add_counts(shard.counts, counts);
+}
+
+// What merge reads of one octree artifact: one cube's part of it.
+struct CubeRoots {
+  Hash128 content;
+  ShardSummary summary;
+  std::vector<MaterialNode> nodes;
+};
+constexpr std::size_t cubes_ahead = 128;  // up to 100 KiB each
+
+CubeRoots read_roots(const BuildJob& job, const BrickGrid::Cube& cube) {
+  const auto file = open_shard(job, cube.shard);
+  CubeRoots roots{file->content_hash(), file->summary(), {}};
+  for (std::uint64_t page = 0; page < file->node_pages(); ++page)
+    file->each_node(page, [&](const MaterialNode& node, std::span<const std::byte>) {
+      if (node.node.key == cube.key) roots.nodes.push_back(node);
+    });
+  return roots;
+}
+
+// The nodes of one material, in the order of the octree. A shard may have several cubes, which do
+// not follow each other there. Returns the content hashes of the artifacts, in the order of build's
+// units.
+std::vector<Hash128> merge_cubes(const BuildJob& job, MaterialMerger& merger, MergeCounts& counts) {
+  std::vector<std::uint64_t> codes;  // of the shards, ascending
+  for (const Index3& shard : job.grid.all_shards()) codes.push_back(morton_encode(shard));
+  std::vector<Hash128> contents(codes.size());
+  std::vector<bool> seen(codes.size());
+  const std::vector<BrickGrid::Cube> cubes = job.grid.all_cubes();
+  merger.open(sole_material);
+  probe_in_order<CubeRoots>(
+      cubes.size(), cubes_ahead, [&](std::size_t i) { return read_roots(job, cubes[i]); },
+      [&](std::size_t i, CubeRoots&& roots) {
+        const auto found = std::ranges::lower_bound(codes, morton_encode(cubes[i].shard));
+        const auto at = static_cast<std::size_t>(found - codes.begin());
+        if (!seen[at]) add_summary(roots.summary, counts);
+        seen[at] = true;
+        contents[at] = roots.content;
+        for (const MaterialNode& node : roots.nodes) merger.add(node);
+      });
+  return contents;
+}
+
 // What is read of one shard ahead: the first of its nodes, which mostly are all.
 struct ShardRoots {
-  std::unique_ptr<LabelShardArtifact> file;
+  std::unique_ptr<ShardArtifact> file;
   ShardSummary summary;
   std::vector<std::pair<SortKey, std::vector<std::byte>>> nodes;
 };
 constexpr std::size_t shards_ahead = 32;  // of 256 KiB each, or one node
 
 template <class F>
-void each_node(const LabelShardArtifact& file, std::uint64_t page, F&& f) {
-  file.each_node(page, [&](const LabelNode& node, std::span<const std::byte> bytes) {
+void each_node(const ShardArtifact& file, std::uint64_t page, F&& f) {
+  file.each_node(page, [&](const MaterialNode& node, std::span<const std::byte> bytes) {
     f(SortKey{node.material, node.node.key.code()}, bytes);
   });
 }
 
 ShardRoots read_roots(const BuildJob& job, Index3 shard) {
   ShardRoots roots;
-  roots.file = std::make_unique<LabelShardArtifact>(shard_artifact_path(job, shard));
-  if (roots.file->key() != shard_key(job, shard))
-    throw DamagedArtifact(roots.file->path(), "is of other parameters");
+  roots.file = open_shard(job, shard);
   roots.summary = roots.file->summary();
   if (roots.file->node_pages() > 0)
     each_node(*roots.file, 0, [&](SortKey key, std::span<const std::byte> bytes) {
@@ -198,10 +272,9 @@ ShardRoots read_roots(const BuildJob& job, Index3 shard) {
   return roots;
 }
 
-}  // namespace
-
-void merge_labels(const MergeJob& job, std::uint64_t memory) {
-  MergeCounts counts;
+// The nodes of many materials, put in their order first. Returns as merge_cubes.
+std::vector<Hash128> merge_sorted(const MergeJob& job, std::uint64_t memory, MaterialMerger& merger,
+                                  MergeCounts& counts) {
   std::vector<Hash128> contents;
   RecordSorter nodes(job.folder, memory);
   const std::vector<Index3> shards = job.build->grid.all_shards();
@@ -215,12 +288,29 @@ void merge_labels(const MergeJob& job, std::uint64_t memory) {
         for (std::uint64_t page = 1; page < roots.file->node_pages(); ++page)
           each_node(*roots.file, page, push);
       });
-
-  LabelTopWriter out(job.path(), job.key);
-  LabelMerger merger(job, out, counts);
   SortKey key;
   std::vector<std::byte> bytes;
-  while (nodes.next(key, bytes)) merger.add(label_node_of(bytes));
+  while (nodes.next(key, bytes)) merger.add(material_node_of(bytes));
+  return contents;
+}
+
+// Where each sheet collapses by itself, once all else is counted.
+void count_top_leaves(const BuildJob& job, MergeCounts& counts) {
+  if (!collapses_by_sheets(job.parameters)) return;
+  for (std::size_t l = static_cast<std::size_t>(job.grid.brick_level()) + 1;
+       l < counts.leaves.size(); ++l)
+    counts.top_leaves += counts.leaves[l];
+}
+
+}  // namespace
+
+void merge_materials(const MergeJob& job, std::uint64_t memory) {
+  TopArtifactWriter out(job.path(), job.key);
+  MergeCounts counts;
+  MaterialMerger merger(job, out, counts);
+  const std::vector<Hash128> contents = job.build->parameters.labels.mode == LabelMode::each
+                                            ? merge_sorted(job, memory, merger, counts)
+                                            : merge_cubes(*job.build, merger, counts);
   merger.finish();
   count_top_leaves(*job.build, counts);
   out.finish(counts, contents);
