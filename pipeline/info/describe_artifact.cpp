@@ -68,7 +68,7 @@ InfoDocument describe_top(const fs::path& path, const InfoOptions& options) {
   document["top_leaves"] = counts.top_leaves;
   document["worst_residual"] = counts.worst_residual;
   document["leaves"] = level_facts(counts.leaves);
-  add_plan(document, LabelTop(artifact), options.verbose);
+  add_plan(document, MaterialTop(artifact), options.verbose);
   return document;
 }
 

@@ -101,7 +101,7 @@ InfoDocument describe_tile_plan(const fs::path& path, const InfoOptions& options
   InfoDocument document = artifact_document("tile_plan", path, artifact, tile_plan_version);
   document["made_of"] = artifact.sources().size();
   if (artifact.of_labels()) {
-    add_plan(document, LabelTop(artifact.file()), options.verbose);
+    add_plan(document, MaterialTop(artifact.file()), options.verbose);
     return document;
   }
   const std::vector<PlannedTile> tiles = artifact.tiles();

@@ -1,6 +1,6 @@
 // Plans by material, and what labels.mode = "each" leaves: tiles and the list of its labels.
 #include "pipeline/info/kinds.h"
-#include "storage/artifact/label_top.h"
+#include "storage/artifact/material_top.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/manifest/manifest.h"
 
@@ -8,7 +8,7 @@ namespace voxweld {
 
 namespace fs = std::filesystem;
 
-void add_plan(InfoDocument& document, const LabelTop& top, bool verbose) {
+void add_plan(InfoDocument& document, const MaterialTop& top, bool verbose) {
   const std::vector<BatchRecord> batches = top.batches();
   document["materials"] = top.surface_count();
   document["tiles"] = top.tile_count();

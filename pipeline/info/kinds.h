@@ -6,7 +6,7 @@
 #include "pipeline/config/config.h"
 #include "pipeline/info/facts.h"
 #include "storage/artifact/container.h"
-#include "storage/artifact/label_top.h"
+#include "storage/artifact/material_top.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/artifact/top_artifact.h"
 
@@ -36,7 +36,7 @@ InfoDocument artifact_document(const std::string& kind, const std::filesystem::p
 }
 
 // Of the tables that merge and retile plan by.
-void add_plan(InfoDocument& document, const LabelTop& top, bool verbose);
+void add_plan(InfoDocument& document, const MaterialTop& top, bool verbose);
 // Of labels.mode = "each", in place of what there is without labels.
 void add_label_tiles(InfoDocument& document, const TileArtifact& artifact);
 InfoDocument describe_label_list(const std::filesystem::path& path, const InfoOptions& options);

@@ -214,7 +214,7 @@ class LabelRetilePlan final : public RetilePlan {
 
   void make(const RetileInputs& inputs) const {
     SortedBlocks blocks(inputs);
-    const LabelTop merged(inputs.top);
+    const MaterialTop merged(inputs.top);
     LabelTilePlanWriter out(scratch_, key_);
     BatchPlanner batches(out, job_.tile_vertices);
     for (std::uint64_t first = 0; first < merged.surface_count(); first += page_records) {
@@ -252,7 +252,7 @@ class LabelRetilePlan final : public RetilePlan {
   const Hash128 key_;
   std::filesystem::path scratch_;  // empty: it is where the job has it
   std::unique_ptr<TilePlanArtifact> artifact_;
-  std::optional<LabelTop> tables_;
+  std::optional<MaterialTop> tables_;
   std::vector<BatchRecord> batches_;
   std::unique_ptr<UnitPlan> units_;
 };

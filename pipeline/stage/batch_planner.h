@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "storage/artifact/label_top.h"
+#include "storage/artifact/material_top.h"
 #include "storage/support/hash.h"
 
 namespace voxweld {
@@ -15,7 +15,7 @@ namespace voxweld {
 // of all plans that have batches: top_version, tile_plan_version.
 class BatchPlanner {
  public:
-  BatchPlanner(LabelTablesWriter& out, std::uint64_t most_vertices)
+  BatchPlanner(MaterialTablesWriter& out, std::uint64_t most_vertices)
       : out_(out), most_vertices_(most_vertices) {}
 
   // What a unit's result depends on, of one of its tiles.
@@ -30,7 +30,7 @@ class BatchPlanner {
   void begin(Material material, std::uint64_t surface, std::uint64_t first_tile,
              std::uint64_t surface_tiles, const PlannedTile& tile);
 
-  LabelTablesWriter& out_;
+  MaterialTablesWriter& out_;
   std::uint64_t most_vertices_;
   BatchRecord batch_;  // under way while key_ is
   std::optional<KeyHasher> key_;

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "storage/artifact/label_top.h"
+#include "storage/artifact/material_top.h"
 
 namespace voxweld {
 namespace {
@@ -27,7 +27,7 @@ void add_ranges(const std::vector<PlannedTile>& tiles, Material label, int level
 
 // Labels of one tile each. A unit has none of two batches: what changes in one of them leaves the
 // other's.
-void add_small(const LabelTop& top, const BatchRecord& batch, int level,
+void add_small(const MaterialTop& top, const BatchRecord& batch, int level,
                std::vector<RefineUnit>& units) {
   const auto surfaces = top.surfaces(batch.first_surface, batch.surfaces);
   const auto tiles = top.tiles(batch.first_tile, batch.tiles);
@@ -51,7 +51,7 @@ void add_small(const LabelTop& top, const BatchRecord& batch, int level,
   }
 }
 
-std::vector<RefineUnit> units_of_labels(const LabelTop& top, int level) {
+std::vector<RefineUnit> units_of_labels(const MaterialTop& top, int level) {
   std::vector<RefineUnit> units;
   const std::vector<BatchRecord> batches = top.batches();
   for (std::size_t i = 0; i < batches.size(); ++i) {
@@ -76,7 +76,7 @@ std::string RefineUnit::name() const {
 }
 
 std::vector<RefineUnit> refine_units(const TopArtifact& top, LabelMode mode, int level) {
-  const LabelTop tables(top);
+  const MaterialTop tables(top);
   if (mode == LabelMode::each) return units_of_labels(tables, level);
   std::vector<RefineUnit> units;
   for (const PlannedRange& range : cube_ranges(tables.tiles(0, tables.tile_count()), 32, level))

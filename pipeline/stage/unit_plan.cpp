@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "pipeline/stage/file_layout.h"
-#include "storage/artifact/label_top.h"
+#include "storage/artifact/material_top.h"
 
 namespace voxweld {
 namespace {
@@ -124,7 +124,7 @@ std::vector<PlannedTile> UnitPlan::largest_tiles() const {
 
 std::unique_ptr<UnitPlan> unit_plan(const TopArtifact& top, LabelMode mode, bool by_sheets) {
   if (mode == LabelMode::each) return std::make_unique<UnitPlan>(top.file(), by_sheets);
-  const LabelTop tables(top);
+  const MaterialTop tables(top);
   return unit_plan(tables.tiles(0, tables.tile_count()));
 }
 

@@ -54,7 +54,7 @@ class UnitPlan {
   std::uint64_t counted_in(const BatchRecord& unit) const;
 
   std::vector<BatchRecord> units_;
-  std::optional<LabelTop> labels_;
+  std::optional<MaterialTop> labels_;
   bool as_whole_ = false;
 };
 

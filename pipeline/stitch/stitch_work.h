@@ -38,7 +38,7 @@ class StitchWork {
 
   const StitchJob& job_;
   const bool of_labels_;
-  LabelTop top_;
+  MaterialTop top_;
   std::vector<BatchRecord> batches_;
   ShardFiles files_;
   BoundedCache<ReducedNode> clusters_{1};  // of a surface

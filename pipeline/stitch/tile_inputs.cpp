@@ -5,7 +5,7 @@
 namespace voxweld {
 namespace {
 
-std::vector<CellKey> bricks_of(const BrickGrid& grid, const LabelTop& top,
+std::vector<CellKey> bricks_of(const BrickGrid& grid, const MaterialTop& top,
                                const SurfaceRecord& surface, const PlannedTile& tile,
                                MaterialPieces& pieces) {
   const int level = grid.brick_level(), cube_level = grid.shard_level();
@@ -49,7 +49,7 @@ AboveBricks clusters_above(const BrickGrid& grid, const std::vector<CellKey>& br
 
 }  // namespace
 
-TileInputs tile_inputs(const BuildJob& job, const LabelTop& top, const SurfaceRecord& surface,
+TileInputs tile_inputs(const BuildJob& job, const MaterialTop& top, const SurfaceRecord& surface,
                        const PlannedTile& tile, const ReducedNode& clusters,
                        MaterialPieces& pieces) {
   TileInputs inputs;

@@ -15,7 +15,7 @@ struct TileInputs {
 };
 
 // surface, tile: of `top`; clusters: of that surface.
-TileInputs tile_inputs(const BuildJob& job, const LabelTop& top, const SurfaceRecord& surface,
+TileInputs tile_inputs(const BuildJob& job, const MaterialTop& top, const SurfaceRecord& surface,
                        const PlannedTile& tile, const ReducedNode& clusters,
                        MaterialPieces& pieces);
 

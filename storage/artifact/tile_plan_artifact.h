@@ -3,11 +3,11 @@
 //   1  PlannedTile, in Morton order
 //   2  PlanSource of each artifact it was made of (cube_mesh_artifact.h), in their order
 // With labels.mode = "each" there is a plan for each label: section 2 is the same, and in place of
-// section 1 are the tables of label_top.h, sections 5 on, without nodes and leaves.
+// section 1 are the tables of material_top.h, sections 5 on, without nodes and leaves.
 #pragma once
 
 #include "storage/artifact/cube_mesh_artifact.h"
-#include "storage/artifact/label_top.h"
+#include "storage/artifact/material_top.h"
 #include "storage/types/top_tree.h"
 
 namespace voxweld {
@@ -30,10 +30,10 @@ struct TilePlanParts {
 
 void write_tile_plan(const std::filesystem::path& path, Hash128 key, const TilePlanParts& parts);
 
-class LabelTilePlanWriter : public LabelTablesWriter {
+class LabelTilePlanWriter : public MaterialTablesWriter {
  public:
   LabelTilePlanWriter(const std::filesystem::path& path, Hash128 key)
-      : LabelTablesWriter(path, {tile_plan_kind, tile_plan_version, key}) {}
+      : MaterialTablesWriter(path, {tile_plan_kind, tile_plan_version, key}) {}
   Hash128 finish(std::span<const PlanSource> sources);
 };
 

@@ -1,12 +1,12 @@
 // The top tree: what merge leaves. Kind "tops", a container with these sections:
 //   1  MergeCounts (one)
 //   4  content hashes of the octree artifacts merged, in the Morton order of the shards
-// and the tables of label_top.h: of each material the leaves above the bricks and the tile plan.
+// and the tables of material_top.h: of each material the leaves above the bricks and the tile plan.
 #pragma once
 
 #include <vector>
 
-#include "storage/artifact/label_top.h"
+#include "storage/artifact/material_top.h"
 
 namespace voxweld {
 
@@ -26,10 +26,10 @@ struct MergeCounts {
   std::array<std::uint64_t, max_levels + 1> leaves{};
 };
 
-class TopArtifactWriter : public LabelTablesWriter {
+class TopArtifactWriter : public MaterialTablesWriter {
  public:
   TopArtifactWriter(const std::filesystem::path& path, Hash128 key)
-      : LabelTablesWriter(path, {top_kind, top_version, key}) {}
+      : MaterialTablesWriter(path, {top_kind, top_version, key}) {}
   Hash128 finish(const MergeCounts& counts, std::span<const Hash128> shards);
 };
 

@@ -83,7 +83,7 @@ int run(const std::string& folder, std::int64_t side, std::uint64_t percent) {
   Listing listing;
   listing.output = folder + "/mesh";
   const TopArtifact top(merge.path());
-  const LabelTop tables(top);
+  const MaterialTop tables(top);
   for (const PlannedTile& tile : tables.tiles(0, tables.tile_count()))
     listing.tiles.push_back({tile.key(), fanned_out(folder + "/encode", tile.key().at,
                                                     fmt::format("{}-{}", tile.level, tile.code))});

@@ -18,7 +18,7 @@
 #include "pipeline/stitch/stitch_stage.h"
 #include "pipeline/stitch/stitch_work.h"
 #include "storage/artifact/asset_record.h"
-#include "storage/artifact/label_top.h"
+#include "storage/artifact/material_top.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/artifact/tile_artifact.h"
 #include "storage/support/error.h"
@@ -85,7 +85,7 @@ void write_shard(const BuildJob& job, Index3 shard, const std::vector<Material>&
 
 void write_batches(const StitchJob& job, const TopArtifact& top, const UnitPlan& plan) {
   StitchWork work(job, top);
-  const LabelTop labels(top);
+  const MaterialTop labels(top);
   const std::vector<BatchRecord> batches = labels.batches();
   probe_all(plan.size(), [&](std::size_t i) {
     LabelTilesWriter out(tile_artifact_path(job.folder, plan, i), work.key(i));
@@ -96,7 +96,7 @@ void write_batches(const StitchJob& job, const TopArtifact& top, const UnitPlan&
 }
 
 void write_assets(const Listing& listing, const TopArtifact& top) {
-  const LabelTop labels(top);
+  const MaterialTop labels(top);
   const std::vector<BatchRecord> batches = labels.batches();
   probe_all(batches.size(), [&](std::size_t i) {
     AssetRecord record;

@@ -11,7 +11,7 @@
 #include "storage/artifact/cube_mesh_artifact.h"
 #include "storage/artifact/histogram_artifact.h"
 #include "storage/artifact/label_counts.h"
-#include "storage/artifact/label_top.h"
+#include "storage/artifact/material_top.h"
 #include "storage/artifact/mesh_bin_artifact.h"
 #include "storage/artifact/noise_artifact.h"
 #include "storage/artifact/shard_artifact.h"
@@ -69,7 +69,7 @@ void read_shard(const fs::path& path) {
       shard.clusters(node.material, node.node.key);
     });
 }
-void read_tables(const LabelTop& labels) {
+void read_tables(const MaterialTop& labels) {
   labels.batches();
   labels.surfaces(0, std::min<std::uint64_t>(labels.surface_count(), 2000));
   labels.tiles(0, std::min<std::uint64_t>(labels.tile_count(), 2000));
@@ -80,7 +80,7 @@ void read_top(const fs::path& path) {
   const TopArtifact top(path);
   top.counts();
   top.shards();
-  read_tables(LabelTop(top));
+  read_tables(MaterialTop(top));
 }
 void read_tile(const fs::path& path) {
   const TileArtifact tile(path);
@@ -111,7 +111,7 @@ void read_tile_plan(const fs::path& path) {
     plan.tiles();
     return;
   }
-  read_tables(LabelTop(plan.file()));
+  read_tables(MaterialTop(plan.file()));
 }
 // Records want their array's layout: one of the sizes of the specimens' stores.
 void read_shard_of_store(const fs::path& path) {

@@ -45,7 +45,7 @@ void read_all_of_shard(const fs::path& path) {
   }
 }
 
-void read_all_of_tables(const LabelTop& top) {
+void read_all_of_tables(const MaterialTop& top) {
   top.batches();
   top.tiles(0, top.tile_count());
   constexpr std::uint64_t end = ~std::uint64_t{0} >> 1;
@@ -61,7 +61,7 @@ void read_all_of_top(const fs::path& path) {
   const TopArtifact artifact(path);
   artifact.counts();
   artifact.shards();
-  read_all_of_tables(LabelTop(artifact));
+  read_all_of_tables(MaterialTop(artifact));
 }
 
 void read_all_of_tile(const fs::path& path) {
@@ -82,7 +82,7 @@ void read_all_of_tile_plan(const fs::path& path) {
   const TilePlanArtifact artifact(path);
   artifact.sources();
   if (artifact.of_labels())
-    read_all_of_tables(LabelTop(artifact.file()));
+    read_all_of_tables(MaterialTop(artifact.file()));
   else
     artifact.tiles();
 }

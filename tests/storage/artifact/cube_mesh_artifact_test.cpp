@@ -207,7 +207,7 @@ TEST(TilePlanFile, OfLabelsHasTheirTables) {
   const TilePlanArtifact file(path);
   EXPECT_TRUE(file.of_labels());
   EXPECT_EQ(file.sources(), sources);
-  const LabelTop tables(file.file());
+  const MaterialTop tables(file.file());
   EXPECT_EQ(tables.batches().at(0).surfaces, 2u);
   ASSERT_EQ(tables.surface_count(), 2u);
   EXPECT_EQ(tables.surfaces(0, 2)[1].material, Material{1} << 50);

@@ -1,7 +1,7 @@
 // The tables of merge's plan (top_artifact.h): the top tree and the tiles of each material. Those are
 // the labels (labels.mode = "each"), else there is one, `sole_material`. In an artifact they are these
 // sections:
-//   5            LabelTopTables (one)
+//   5            MaterialTopTables (one)
 //   6            BatchRecord
 //   2 << 56 | i  page i of the tiles: PlannedTile, by material, then in Morton order
 //   3 << 56 | i  page i of the surfaces: SurfaceRecord, one a material, ascending
@@ -55,9 +55,9 @@ struct BatchRecord {
 };
 
 // Writes the tables beside what else their artifact has.
-class LabelTablesWriter {
+class MaterialTablesWriter {
  public:
-  LabelTablesWriter(const std::filesystem::path& path, const ArtifactStamp& stamp);
+  MaterialTablesWriter(const std::filesystem::path& path, const ArtifactStamp& stamp);
   // Of one material, each kind in Morton order; then the material itself. They ascend.
   void leaf(const TopLeaf& leaf);
   void tile(const PlannedTile& tile);
@@ -87,10 +87,10 @@ class LabelTablesWriter {
 };
 
 // Reads the tables of an artifact that outlives it. Thread-safe.
-class LabelTop {
+class MaterialTop {
  public:
-  explicit LabelTop(const ArtifactReader& file);
-  explicit LabelTop(const TopArtifact& top);
+  explicit MaterialTop(const ArtifactReader& file);
+  explicit MaterialTop(const TopArtifact& top);
 
   std::uint64_t surface_count() const { return surfaces_.size(); }
   std::uint64_t tile_count() const { return tiles_.size(); }

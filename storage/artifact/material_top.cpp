@@ -1,4 +1,4 @@
-#include "storage/artifact/label_top.h"
+#include "storage/artifact/material_top.h"
 
 #include "storage/artifact/node_record_bytes.h"
 #include "storage/artifact/top_artifact.h"
@@ -16,7 +16,7 @@ constexpr std::uint64_t clusters_section(std::uint64_t surface) {
   return page_of(clusters_table) | surface;
 }
 
-struct LabelTopTables {
+struct MaterialTopTables {
   std::uint64_t tiles = 0, surfaces = 0, nodes = 0, leaves = 0;
 };
 
@@ -25,37 +25,38 @@ static_assert(std::has_unique_object_representations_v<PlannedTile> &&
               std::has_unique_object_representations_v<SurfaceNode> &&
               std::has_unique_object_representations_v<BatchRecord> && sizeof(TopLeaf) == 48);
 
-LabelTopTables read_tables(const ArtifactReader& file) {
-  return file.read_record<LabelTopTables>(top_tables_section, "has no tables");
+MaterialTopTables read_tables(const ArtifactReader& file) {
+  return file.read_record<MaterialTopTables>(top_tables_section, "has no tables");
 }
 
 }  // namespace
 
-LabelTablesWriter::LabelTablesWriter(const std::filesystem::path& path, const ArtifactStamp& stamp)
+MaterialTablesWriter::MaterialTablesWriter(const std::filesystem::path& path,
+                                           const ArtifactStamp& stamp)
     : file_(path, stamp),
       tiles_(file_, page_of(tiles_table)),
       surfaces_(file_, page_of(surfaces_table)),
       nodes_(file_, page_of(nodes_table)),
       leaves_(file_, page_of(leaves_table)) {}
 
-void LabelTablesWriter::leaf(const TopLeaf& leaf) {
+void MaterialTablesWriter::leaf(const TopLeaf& leaf) {
   leaves_.push(leaf);
   ++open_.leaves;
 }
 
-void LabelTablesWriter::tile(const PlannedTile& tile) {
+void MaterialTablesWriter::tile(const PlannedTile& tile) {
   tiles_.push(tile);
   ++open_.tiles;
   open_.vertices += tile.vertices;
   open_.polygons += tile.polygons;
 }
 
-void LabelTablesWriter::node(const SurfaceNode& node) {
+void MaterialTablesWriter::node(const SurfaceNode& node) {
   nodes_.push(node);
   ++open_.nodes;
 }
 
-void LabelTablesWriter::clusters(const ReducedNode& top) {
+void MaterialTablesWriter::clusters(const ReducedNode& top) {
   ReducedNode links{{}, top.leaves, top.nodes, top.links, {}};
   for (ClusterLink& link : links.links) link.root = no_cluster;
   std::vector<std::byte> bytes;
@@ -63,7 +64,7 @@ void LabelTablesWriter::clusters(const ReducedNode& top) {
   file_.section(clusters_section(surfaces_.size()), bytes);
 }
 
-void LabelTablesWriter::end_surface(Material material) {
+void MaterialTablesWriter::end_surface(Material material) {
   open_.material = material;
   surfaces_.push(open_);
   open_ = {};
@@ -72,44 +73,44 @@ void LabelTablesWriter::end_surface(Material material) {
   open_.first_leaf = leaves_.size();
 }
 
-void LabelTablesWriter::end_surface(Material material, std::uint64_t vertices) {
+void MaterialTablesWriter::end_surface(Material material, std::uint64_t vertices) {
   open_.vertices = vertices;
   end_surface(material);
 }
 
-void LabelTablesWriter::batch(const BatchRecord& batch) {
+void MaterialTablesWriter::batch(const BatchRecord& batch) {
   batches_.push_back(batch);
 }
 
-void LabelTablesWriter::finish_pages() {
+void MaterialTablesWriter::finish_pages() {
   tiles_.finish();
   surfaces_.finish();
   nodes_.finish();
   leaves_.finish();
 }
 
-Hash128 LabelTablesWriter::finish_tables() {
-  const LabelTopTables tables{tiles_.size(), surfaces_.size(), nodes_.size(), leaves_.size()};
+Hash128 MaterialTablesWriter::finish_tables() {
+  const MaterialTopTables tables{tiles_.size(), surfaces_.size(), nodes_.size(), leaves_.size()};
   file_.section(top_tables_section, as_record(tables));
   file_.section(batches_section, as_section(batches_));
   return file_.commit();
 }
 
-LabelTop::LabelTop(const TopArtifact& top) : LabelTop(top.file()) {}
+MaterialTop::MaterialTop(const TopArtifact& top) : MaterialTop(top.file()) {}
 
-LabelTop::LabelTop(const ArtifactReader& file)
+MaterialTop::MaterialTop(const ArtifactReader& file)
     : file_(file),
       tiles_(file_, page_of(tiles_table), read_tables(file_).tiles),
       surfaces_(file_, page_of(surfaces_table), read_tables(file_).surfaces),
       nodes_(file_, page_of(nodes_table), read_tables(file_).nodes),
       leaves_(file_, page_of(leaves_table), read_tables(file_).leaves) {}
 
-std::vector<BatchRecord> LabelTop::batches() const {
+std::vector<BatchRecord> MaterialTop::batches() const {
   return file_.read_array<BatchRecord>(batches_section);
 }
 
-std::vector<SurfaceNode> LabelTop::nodes(const SurfaceRecord& surface, int cube_level,
-                                         std::uint64_t begin, std::uint64_t end) const {
+std::vector<SurfaceNode> MaterialTop::nodes(const SurfaceRecord& surface, int cube_level,
+                                            std::uint64_t begin, std::uint64_t end) const {
   const std::uint64_t cells = std::uint64_t{1} << (3 * cube_level);
   return nodes_.between(
       surface.first_node, surface.nodes,
@@ -117,7 +118,7 @@ std::vector<SurfaceNode> LabelTop::nodes(const SurfaceRecord& surface, int cube_
       [&](const SurfaceNode& node) { return node.code >= end; });
 }
 
-ReducedNode LabelTop::clusters(std::uint64_t surface) const {
+ReducedNode MaterialTop::clusters(std::uint64_t surface) const {
   ReducedNode top;
   if (file_.find(clusters_section(surface)) == nullptr) return top;
   std::vector<std::byte> bytes;
@@ -126,13 +127,13 @@ ReducedNode LabelTop::clusters(std::uint64_t surface) const {
   return top;
 }
 
-std::uint64_t LabelTop::cluster_bytes(std::uint64_t surface) const {
+std::uint64_t MaterialTop::cluster_bytes(std::uint64_t surface) const {
   const SectionRecord* section = file_.find(clusters_section(surface));
   return section == nullptr ? 0 : section->size;
 }
 
-std::vector<TopLeaf> LabelTop::leaves(const SurfaceRecord& surface, std::uint64_t begin,
-                                      std::uint64_t end) const {
+std::vector<TopLeaf> MaterialTop::leaves(const SurfaceRecord& surface, std::uint64_t begin,
+                                         std::uint64_t end) const {
   return leaves_.between(
       surface.first_leaf, surface.leaves,
       [&](const TopLeaf& leaf) {
