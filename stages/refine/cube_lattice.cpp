@@ -35,17 +35,26 @@ CubeLattice::CubeLattice(const RefineFrame& frame, int pass, int level) {
   const std::int64_t shift = pass == 0 ? 0 : side / 2;
   cubes_ = std::max<std::int64_t>(1, (std::int64_t{1} << domain_level(frame.size)) / side);
   for (int axis = 0; axis < 3; ++axis) {
-    auto& borders = borders_[static_cast<std::size_t>(axis)];
+    const auto a = static_cast<std::size_t>(axis);
+    auto& borders = borders_[a];
     borders.push_back(0);
-    for (std::int64_t cube = 1;; ++cube) {
-      const std::int64_t cell = cube * side - shift;
+    const std::int64_t end = frame.size[axis] + 1;  // of the volume's cells
+    for (std::int64_t cell = side - shift; cell < end; cell += side)
       borders.push_back(first_of_cell(frame, axis, cell));
-      if (cell > frame.size[axis]) break;
-    }
-    const auto count = static_cast<std::int32_t>(borders.size());
-    sides_[static_cast<std::size_t>(axis)] =
-        std::max(1, count > 2 ? (borders.back() - borders[1]) / (count - 2) : borders.back());
+    // What is moved stays in its cube, and so in the volume.
+    borders.push_back(first_of_cell(frame, axis, end));
+    const double steps = static_cast<double>(side) * frame.spacing[axis] / frame.lattice.step;
+    sides_[a] = std::max(1, static_cast<std::int32_t>(steps));
   }
+}
+
+LatticeBox CubeLattice::bounds() const {
+  LatticeBox all;
+  for (std::size_t a = 0; a < 3; ++a) {
+    all.lo[a] = borders_[a].front();
+    all.hi[a] = borders_[a].back() - 1;
+  }
+  return all;
 }
 
 Index3 CubeLattice::cube_of(const LatticePoint& point) const {

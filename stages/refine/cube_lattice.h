@@ -43,6 +43,7 @@ class CubeLattice {
   // count to the cubes at the border.
   Index3 cube_of(const LatticePoint& point) const;
   LatticeBox box(Index3 cube) const;  // of the lattice points in it
+  LatticeBox bounds() const;          // of those in the volume's cells, and so of all cubes
   // Orders cubes along the Morton curve, and is what ranges of cubes are given in: of the cube
   // without the shift of whose lower border this one's middle is, at the upper border of the domain
   // the last one. So several cubes there have one code.

@@ -40,6 +40,26 @@ bool on_one_side(const LatticeTriangle& a, const Index3& normal, const LatticeTr
          sign_of_dot(normal, lattice_vector(a[0], b[2])) == side;
 }
 
+// All corners of b that are none of a strictly on one side of a's plane: then the two have nothing in
+// common but what they share.
+bool leaves_plane(const LatticeTriangle& a, const Index3& normal, const LatticeTriangle& b) {
+  int side = 0;
+  for (const LatticePoint& p : b) {
+    if (p == a[0] || p == a[1] || p == a[2]) continue;
+    const int here = sign_of_dot(normal, lattice_vector(a[0], p));
+    if (here == 0 || here == -side) return false;
+    side = here;
+  }
+  return side != 0;
+}
+
+// intersect_beyond_shared of triangles that share a corner, whose exact normals are known.
+bool intersect_beside_corner(const LatticeTriangle& a, const Index3& normal_a,
+                             const LatticeTriangle& b, const Index3& normal_b) {
+  return !leaves_plane(a, normal_a, b) && !leaves_plane(b, normal_b, a) &&
+         intersect_beyond_shared(a, b);
+}
+
 }  // namespace
 
 // Whether triangle t and `other`, which share no vertex, have nothing in common, not even a place.
@@ -142,7 +162,9 @@ bool EditMesh::umbrellas_are_clean(const Change& change) {
     if (proper_axis(v) != 0) continue;
     for (std::size_t i = 0; i < umbrella_.size() && umbrella_[i].triangle == none; ++i)
       for (std::size_t j = i + 1; j < umbrella_.size(); ++j)
-        if (intersect_beyond_shared(umbrella_[i].shape(), umbrella_[j].shape())) return false;
+        if (intersect_beside_corner(umbrella_[i].shape(), *umbrella_[i].normal,
+                                    umbrella_[j].shape(), *umbrella_[j].normal))
+          return false;
   }
   return true;
 }
@@ -165,8 +187,9 @@ bool EditMesh::others_stay_apart(const Change& change) const {
 // Of triangles of the mesh.
 bool EditMesh::hit(std::uint32_t t, const Corners& corners, const LatticeTriangle& own,
                    const Index3& normal) const {
-  return share_a_vertex(corners, triangles_[t]) ? intersect_beyond_shared(own, shape(t))
-                                                : !apart(t, own, normal);
+  return share_a_vertex(corners, triangles_[t])
+             ? intersect_beside_corner(own, normal, shape(t), planes_[t])
+             : !apart(t, own, normal);
 }
 
 std::size_t EditMesh::hits(const Change& change, std::size_t most) {
@@ -174,10 +197,13 @@ std::size_t EditMesh::hits(const Change& change, std::size_t most) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < change.shapes.size() && count < most; ++i) {
     const LatticeTriangle& own = change.shapes[i];
-    for (std::size_t j = 0; j < i; ++j)
-      count += intersect_beyond_shared(own, change.shapes[j]) ? 1 : 0;
-    const LatticeBox box = LatticeBox::around(own);
     const Index3& normal = change.planes[i];
+    for (std::size_t j = 0; j < i; ++j) {
+      const LatticeTriangle& other = change.shapes[j];
+      if (leaves_plane(own, normal, other) || leaves_plane(other, change.planes[j], own)) continue;
+      count += intersect_beyond_shared(own, other) ? 1 : 0;
+    }
+    const LatticeBox box = LatticeBox::around(own);
     grid_.each_near(box, [&](std::uint32_t t) {
       if (count < most && marks_[t] != mark_) count += hit(t, change.now[i], own, normal) ? 1 : 0;
     });
@@ -212,7 +238,8 @@ std::vector<std::uint32_t> EditMesh::find_intersecting() {
       for (std::size_t j = i + 1; j < umbrella_.size(); ++j) {
         const std::uint32_t a = umbrella_[i].triangle, b = umbrella_[j].triangle;
         if ((movable(a) || movable(b)) &&
-            intersect_beyond_shared(umbrella_[i].shape(), umbrella_[j].shape()))
+            intersect_beside_corner(umbrella_[i].shape(), *umbrella_[i].normal,
+                                    umbrella_[j].shape(), *umbrella_[j].normal))
           add(a, b);
       }
   }

@@ -44,7 +44,7 @@ struct Cluster {
 
 // One for each place with its room, but those that begin in the same few cells as one.
 std::vector<Cluster> with_room(const std::vector<IntersectionPlace>& places,
-                               const RefineFrame& frame) {
+                               const RefineFrame& frame, const LatticeBox& bounds) {
   const Steps room = steps_of(frame, room_cells);
   std::map<Steps, Cluster> clusters;
   for (const IntersectionPlace& place : places) {
@@ -52,8 +52,8 @@ std::vector<Cluster> with_room(const std::vector<IntersectionPlace>& places,
     Steps at{};
     const std::int32_t length = longest_side(place.box);
     for (std::size_t a = 0; a < 3; ++a) {
-      grown.box.lo[a] -= room[a] + length;
-      grown.box.hi[a] += room[a] + length;
+      grown.box.lo[a] = std::max(bounds.lo[a], place.box.lo[a] - room[a] - length);
+      grown.box.hi[a] = std::min(bounds.hi[a], place.box.hi[a] + room[a] + length);
       at[a] = place.box.lo[a] / (4 * room[a]);
     }
     const auto [found, is_new] = clusters.try_emplace(at, grown);
@@ -156,9 +156,9 @@ std::map<std::uint32_t, std::set<std::uint64_t>> cubes_of_large(
 
 std::vector<LatticeBox> mend_boxes(const std::vector<IntersectionPlace>& places,
                                    const RefineFrame& frame) {
-  const std::vector<Cluster> clusters = apart(with_room(places, frame));
   // Not near where the passes cut their cubes.
   const CubeLattice cubes(frame, 1, frame.level - 1);
+  const std::vector<Cluster> clusters = apart(with_room(places, frame, cubes.bounds()));
   const Steps cube = steps_of(frame, static_cast<double>(std::int64_t{1} << frame.level));
   const auto large = cubes_of_large(clusters, places, cube, cubes);
   std::vector<LatticeBox> boxes;

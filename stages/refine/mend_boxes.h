@@ -16,8 +16,8 @@ struct IntersectionPlace {
   std::uint64_t around = 0;  // how many triangles are at home in the same cube
 };
 
-// Boxes that do not meet, ascending by their lower corners, such that each place lies in one with
-// room around it. What is changed in one has no part in what is changed in another. Boxes that would
+// Boxes in the volume's cells that do not meet, ascending by their lower corners, such that each place
+// lies in one with room around it. What is changed in one has no part in what is changed in another. Boxes that would
 // meet become one. Where that may hold too many triangles, it is cut by cubes of half the side, whose
 // borders lie between those of the passes, and cubes without places are left out. So there a place may
 // lie at a border after all.

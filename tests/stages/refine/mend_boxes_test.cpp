@@ -63,10 +63,33 @@ TEST(MendBoxes, APlaceHasRoomEvenAtBordersOfCubes) {
   }
 }
 
+// Vertices may be moved anywhere in a box, and beyond the volume there is nothing to write them by.
+TEST(MendBoxes, AndCubesStayInTheVolume) {
+  for (const std::int64_t side : {44, 127, 128, 500}) {
+    SCOPED_TRACE(side);
+    const RefineFrame frame = frame_of(side);
+    const std::int32_t end = cells(frame, static_cast<double>(side) + 1);
+    const LatticeBox volume{{0, 0, 0}, {end - 1, end - 1, end - 1}};
+    for (int pass = 0; pass < refine_passes; ++pass) {
+      const CubeLattice cubes(frame, pass);
+      EXPECT_EQ(cubes.bounds(), volume);
+      for (const LatticePoint& corner : {volume.lo, volume.hi}) {
+        const LatticeBox box = cubes.box(cubes.cube_of(corner));
+        EXPECT_TRUE(holds(volume, box) && box.contains(corner));
+      }
+    }
+    const LatticeBox low{{3, 3, 3}, {9, 9, 9}}, high{{end - 9, 3, 3}, {end - 3, 9, 9}};
+    for (const std::uint64_t around : {100u, 500000u})
+      for (const LatticeBox& box : mend_boxes({{low, around}, {high, around}}, frame))
+        EXPECT_TRUE(holds(volume, box));
+  }
+}
+
 // Some near each other, some alone; long ones too.
 TEST(MendBoxes, AreApartAndHoldAllPlaces) {
   const RefineFrame frame = frame_of(512);
   const std::int32_t room = cells(frame, 4);
+  const LatticeBox bounds = CubeLattice(frame, 0).bounds();
   for (unsigned seed = 0; seed < 6; ++seed) {
     SCOPED_TRACE(seed);
     const bool long_ones = seed % 2 != 0;
@@ -79,8 +102,8 @@ TEST(MendBoxes, AreApartAndHoldAllPlaces) {
     for (const IntersectionPlace& place : places) {
       LatticeBox with_room = place.box;
       for (std::size_t a = 0; a < 3; ++a) {
-        with_room.lo[a] -= room;
-        with_room.hi[a] += room;
+        with_room.lo[a] = std::max(bounds.lo[a], with_room.lo[a] - room);
+        with_room.hi[a] = std::min(bounds.hi[a], with_room.hi[a] + room);
       }
       EXPECT_EQ(std::ranges::count_if(boxes, [&](const auto& b) { return holds(b, with_room); }),
                 1);
