@@ -5,7 +5,8 @@
 //   lattice      {step, bits, origin [x, y, z]}
 //   border       "closed" or "open"; border_slack (output units, optional, 0): how far inside the
 //                sample range a boundary edge of an open border may lie
-//   topology     "safe" or "free"
+//   topology     "safe": that of the surface before it was simplified, as simplify.topology =
+//                "manifold" and "safe" both keep it; or "free"
 //   labels       "each" or "shared"; absent where the surface is at an isovalue. shared: triangles
 //                separate pairs of labels, which the mesh files name; each label's edges balance,
 //                and the mesh is no 2-manifold where labels meet
