@@ -31,6 +31,7 @@ namespace {
 std::vector<std::vector<Material>> labels_of_shards(const BrickGrid& grid, std::uint64_t labels) {
   const std::vector<Index3> shards = grid.all_shards();
   std::vector<std::uint64_t> codes;
+  codes.reserve(shards.size());
   for (const Index3& shard : shards) codes.push_back(morton_encode(shard));
   std::vector<std::vector<Material>> found(shards.size());
   for (Material label = 1; label <= labels; ++label) {
