@@ -43,7 +43,7 @@ UnitPlan::UnitPlan(const ArtifactReader& labels, bool as_whole)
 
 std::string UnitPlan::name(std::uint64_t unit) const {
   const BatchRecord& batch = units_[unit];
-  const std::string tile = "tile " + cube_name(batch.tile());
+  std::string tile = "tile " + cube_name(batch.tile());
   if (!of_labels()) return tile;
   if (of_several(batch)) return fmt::format("label {} {}", batch.material, tile);
   if (batch.surfaces == 1) return fmt::format("label {}", batch.material);
