@@ -7,6 +7,21 @@
 #include "stages/refine/retile.h"
 
 namespace voxweld {
+namespace {
+
+// The part of `whole` that lies no further from `box` than a quarter of the side of `whole`.
+double part_near(const LatticeBox& whole, const LatticeBox& box) {
+  double part = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double side = static_cast<double>(whole.hi[a]) - whole.lo[a] + 1;
+    const double lo = std::max<double>(whole.lo[a], box.lo[a] - side / 4);
+    const double hi = std::min<double>(whole.hi[a], box.hi[a] + side / 4);
+    part *= std::clamp((hi - lo + 1) / side, 0.0, 1.0);
+  }
+  return part;
+}
+
+}  // namespace
 
 void MendPlan::make() {
   std::map<Material, std::vector<IntersectionPlace>> places;
@@ -62,22 +77,6 @@ BoxReads::BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const CubeLatti
   });
   if (all_.triangles > most_part_triangles) limit(blocks);
 }
-
-namespace {
-
-// The part of `whole` that lies no further from `box` than a quarter of the side of `whole`.
-double part_near(const LatticeBox& whole, const LatticeBox& box) {
-  double part = 1;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double side = static_cast<double>(whole.hi[a]) - whole.lo[a] + 1;
-    const double lo = std::max<double>(whole.lo[a], box.lo[a] - side / 4);
-    const double hi = std::min<double>(whole.hi[a], box.hi[a] + side / 4);
-    part *= std::clamp((hi - lo + 1) / side, 0.0, 1.0);
-  }
-  return part;
-}
-
-}  // namespace
 
 // As the artifacts say that are read.
 double BoxReads::triangles_near(const CubeLattice& blocks) const {

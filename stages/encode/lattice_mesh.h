@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "stages/encode/draco_codec.h"
-#include "stages/encode/index_table.h"
+#include "storage/types/index_table.h"
 #include "storage/types/output_lattice.h"
 #include "storage/types/tile_mesh.h"
 

@@ -31,7 +31,7 @@ std::uint32_t MeshAccumulator::add_vertex(const TileMesh& tile, std::uint32_t v)
   const std::uint64_t hash = mix_bits(id.bits);
   const std::uint32_t found =
       table_.find(hash, [&](std::uint32_t i) { return mesh_.ids[i] == id; });
-  if (found != decltype(table_)::none) {
+  if (found != VertexTable::none) {
     if (mesh_.positions[found] != tile.positions[v])
       throw InputError(fmt::format(
           "cannot join tiles: vertex {:#x} is at ({}, {}, {}) in one and at ({}, {}, {}) in "
@@ -40,7 +40,7 @@ std::uint32_t MeshAccumulator::add_vertex(const TileMesh& tile, std::uint32_t v)
           tile.positions[v][0], tile.positions[v][1], tile.positions[v][2]));
     return found;
   }
-  if (mesh_.ids.size() >= decltype(table_)::none)
+  if (mesh_.ids.size() >= VertexTable::none)
     throw InputError("the merged mesh has more than 4,294,967,294 vertices: write tiles only");
   const auto index = static_cast<std::uint32_t>(mesh_.ids.size());
   mesh_.ids.push_back(id);
@@ -57,12 +57,12 @@ void MeshAccumulator::append(const TileMesh& tile) {
     mesh_.tile = tile.tile;
     mesh_.lattice = tile.lattice;
   }
-  merged_.assign(tile.positions.size(), decltype(table_)::none);
+  merged_.assign(tile.positions.size(), VertexTable::none);
   for (const Triangle& t : tile.triangles) {
     Triangle& out = mesh_.triangles.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) {
       std::uint32_t& m = merged_[t[k]];
-      if (m == decltype(table_)::none) m = add_vertex(tile, t[k]);
+      if (m == VertexTable::none) m = add_vertex(tile, t[k]);
       out[k] = m;
     }
   }

@@ -5,7 +5,7 @@
 #include <map>
 #include <vector>
 
-#include "stages/encode/index_table.h"
+#include "storage/types/index_table.h"
 #include "storage/types/tile_mesh.h"
 
 namespace voxweld {
@@ -27,15 +27,11 @@ class MeshAccumulator {
   TileMesh take();
 
  private:
-  struct Hash {
-    const std::vector<VertexId>* ids;
-    std::uint64_t operator()(std::uint32_t i) const { return mix_bits((*ids)[i].bits); }
-  };
   std::uint32_t add_vertex(const TileMesh& tile, std::uint32_t v);
   void check(const TileMesh& tile) const;
 
   TileMesh mesh_;
-  IndexTable<Hash> table_{Hash{&mesh_.ids}};
+  VertexTable table_{VertexIdHash{&mesh_.ids}};
   void append_pairs(const TileMesh& tile);
   void sort_pairs();
 

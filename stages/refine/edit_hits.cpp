@@ -53,9 +53,9 @@ bool leaves_plane(const LatticeTriangle& a, const Index3& normal, const LatticeT
   return side != 0;
 }
 
-// intersect_beyond_shared of triangles that share a corner, whose exact normals are known.
-bool intersect_beside_corner(const LatticeTriangle& a, const Index3& normal_a,
-                             const LatticeTriangle& b, const Index3& normal_b) {
+// intersect_beyond_shared of triangles whose exact normals are known: quicker where they share a corner.
+bool intersect_by_planes(const LatticeTriangle& a, const Index3& normal_a, const LatticeTriangle& b,
+                         const Index3& normal_b) {
   return !leaves_plane(a, normal_a, b) && !leaves_plane(b, normal_b, a) &&
          intersect_beyond_shared(a, b);
 }
@@ -162,8 +162,8 @@ bool EditMesh::umbrellas_are_clean(const Change& change) {
     if (proper_axis(v) != 0) continue;
     for (std::size_t i = 0; i < umbrella_.size() && umbrella_[i].triangle == none; ++i)
       for (std::size_t j = i + 1; j < umbrella_.size(); ++j)
-        if (intersect_beside_corner(umbrella_[i].shape(), *umbrella_[i].normal,
-                                    umbrella_[j].shape(), *umbrella_[j].normal))
+        if (intersect_by_planes(umbrella_[i].shape(), *umbrella_[i].normal, umbrella_[j].shape(),
+                                *umbrella_[j].normal))
           return false;
   }
   return true;
@@ -188,7 +188,7 @@ bool EditMesh::others_stay_apart(const Change& change) const {
 bool EditMesh::hit(std::uint32_t t, const Corners& corners, const LatticeTriangle& own,
                    const Index3& normal) const {
   return share_a_vertex(corners, triangles_[t])
-             ? intersect_beside_corner(own, normal, shape(t), planes_[t])
+             ? intersect_by_planes(own, normal, shape(t), planes_[t])
              : !apart(t, own, normal);
 }
 
@@ -198,11 +198,8 @@ std::size_t EditMesh::hits(const Change& change, std::size_t most) {
   for (std::size_t i = 0; i < change.shapes.size() && count < most; ++i) {
     const LatticeTriangle& own = change.shapes[i];
     const Index3& normal = change.planes[i];
-    for (std::size_t j = 0; j < i; ++j) {
-      const LatticeTriangle& other = change.shapes[j];
-      if (leaves_plane(own, normal, other) || leaves_plane(other, change.planes[j], own)) continue;
-      count += intersect_beyond_shared(own, other) ? 1 : 0;
-    }
+    for (std::size_t j = 0; j < i; ++j)
+      count += intersect_by_planes(own, normal, change.shapes[j], change.planes[j]) ? 1 : 0;
     const LatticeBox box = LatticeBox::around(own);
     grid_.each_near(box, [&](std::uint32_t t) {
       if (count < most && marks_[t] != mark_) count += hit(t, change.now[i], own, normal) ? 1 : 0;
@@ -238,8 +235,8 @@ std::vector<std::uint32_t> EditMesh::find_intersecting() {
       for (std::size_t j = i + 1; j < umbrella_.size(); ++j) {
         const std::uint32_t a = umbrella_[i].triangle, b = umbrella_[j].triangle;
         if ((movable(a) || movable(b)) &&
-            intersect_beside_corner(umbrella_[i].shape(), *umbrella_[i].normal,
-                                    umbrella_[j].shape(), *umbrella_[j].normal))
+            intersect_by_planes(umbrella_[i].shape(), *umbrella_[i].normal, umbrella_[j].shape(),
+                                *umbrella_[j].normal))
           add(a, b);
       }
   }

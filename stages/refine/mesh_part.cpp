@@ -81,15 +81,19 @@ void MeshGather::add_triangle(const RefineMesh& part, std::uint32_t triangle, bo
 void MeshGather::add_triangle(Part& part, std::uint32_t triangle, bool intersects) {
   add_triangle(part.mesh(), triangle, intersects, [&](std::uint32_t v) {
     std::uint32_t& known = part.numbers_[v];
-    if (known == VertexNumbers::none) known = number(part.mesh(), v);
+    if (known == VertexTable::none) known = number(part.mesh(), v);
     return known;
   });
 }
 
 std::uint32_t MeshGather::number(const RefineMesh& part, std::uint32_t v) {
-  const auto next = static_cast<std::uint32_t>(mesh_.positions.size());
-  const std::uint32_t number = numbers_.find_or_add(part.ids[v], next);
-  if (number == next) append_vertex(part, v, mesh_);
+  const VertexId id = part.ids[v];
+  const std::uint64_t hash = mix_bits(id.bits);
+  const std::uint32_t known =
+      numbers_.find(hash, [&](std::uint32_t other) { return mesh_.ids[other] == id; });
+  if (known != VertexTable::none) return known;
+  const std::uint32_t number = append_vertex(part, v, mesh_);
+  numbers_.insert(hash, number);
   return number;
 }
 
@@ -118,7 +122,8 @@ std::uint64_t mesh_bytes(std::uint64_t vertices, std::uint64_t triangles, std::u
 
 std::uint64_t gather_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples,
                            std::uint64_t sided) {
-  return mesh_bytes(vertices, triangles, samples, sided) + vertices * VertexNumbers::bytes + 64;
+  // The table takes 11 bytes a vertex at most.
+  return mesh_bytes(vertices, triangles, samples, sided) + vertices * 11 + 64;
 }
 
 std::uint64_t piece_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t sided) {

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "stages/refine/cube_lattice.h"
-#include "stages/refine/vertex_numbers.h"
+#include "storage/types/index_table.h"
 #include "storage/types/refine_mesh.h"
 
 namespace voxweld {
@@ -38,11 +38,15 @@ class Extract {
 // use. It is checked where all parts are.
 class MeshGather {
  public:
+  MeshGather() = default;
+  MeshGather(const MeshGather&) = delete;  // the table refers to the mesh
+  MeshGather& operator=(const MeshGather&) = delete;
+
   // A mesh to take triangles from. Its vertices are looked up once each. The mesh outlives it.
   class Part {
    public:
     explicit Part(const RefineMesh& mesh)
-        : mesh_(&mesh), numbers_(mesh.positions.size(), VertexNumbers::none) {}
+        : mesh_(&mesh), numbers_(mesh.positions.size(), VertexTable::none) {}
     const RefineMesh& mesh() const { return *mesh_; }
 
    private:
@@ -73,7 +77,7 @@ class MeshGather {
                     Number&& number);
 
   RefineMesh mesh_;
-  VertexNumbers numbers_;
+  VertexTable numbers_{VertexIdHash{&mesh_.ids}};
 };
 
 // Bytes of a mesh in memory. sided: how many of the triangles have sides.

@@ -153,8 +153,8 @@ CollapseSurvey survey_range(const RefineMesh& mesh, const CubeLattice& cubes,
 }
 
 std::uint64_t refine_bytes(const MeshSize& all, const MeshSize& own) {
-  // Cubes of vertices and their numbers in what is put together, lists of triangles; then of the cube at hand what was done and what is to be
-  // put in order; and what comes out.
+  // Cubes of vertices and their numbers in what is put together, lists of triangles; then of the cube
+  // at hand what was done and what is to be put in order; and what comes out.
   const std::uint64_t sorting = all.vertices * (VertexCubes::bytes + 8) + all.triangles * 12;
   const std::uint64_t done = mesh_bytes(own.vertices, own.triangles, own.samples, own.sided) +
                              own.vertices * 4 + own.triangles * 32;

@@ -12,7 +12,7 @@
 #include "stages/refine/refine_range.h"
 #include "stages/refine/triangle_grid.h"
 #include "stages/refine/vertex_cubes.h"
-#include "stages/refine/vertex_numbers.h"
+#include "storage/types/index_table.h"
 #include "torus.h"
 
 namespace voxweld {
@@ -139,21 +139,31 @@ TEST(TriangleGrid, PassesOverWhatIsFarAway) {
 }
 
 // Ids of neighbours, as meshes have them, and of any bits, 0 among them.
-TEST(VertexNumbers, AreThoseThatCameFirst) {
+TEST(VertexTable, FindsThoseThatCameFirst) {
   Random random;
   for (const std::size_t reserved : {0u, 700u, 5000u}) {
-    VertexNumbers numbers;
-    numbers.reserve(reserved);
+    std::vector<VertexId> ids;
+    VertexTable table{VertexIdHash{&ids}};
+    table.reserve(reserved);
+    const auto find_or_add = [&](VertexId id) {
+      const std::uint64_t hash = mix_bits(id.bits);
+      const auto found = table.find(hash, [&](std::uint32_t i) { return ids[i] == id; });
+      if (found != VertexTable::none) return found;
+      ids.push_back(id);
+      const auto next = static_cast<std::uint32_t>(ids.size() - 1);
+      table.insert(hash, next);
+      return next;
+    };
     std::map<VertexId, std::uint32_t> plain;
     for (std::uint32_t i = 0; i < 4000; ++i) {
       const auto few = static_cast<std::uint64_t>(random(0, 1500));
       const VertexId id =
           i % 2 == 0 ? VertexId::make(0, few, 0) : VertexId{few * 0x0123456789abcdefu};
       const auto next = static_cast<std::uint32_t>(plain.size());
-      ASSERT_EQ(numbers.find_or_add(id, next), plain.try_emplace(id, next).first->second);
+      ASSERT_EQ(find_or_add(id), plain.try_emplace(id, next).first->second);
     }
-    numbers.clear();
-    EXPECT_EQ(numbers.find_or_add({}, 7), 7u);
+    table.clear();
+    EXPECT_EQ(table.find(mix_bits(0), [](std::uint32_t) { return true; }), VertexTable::none);
   }
 }
 

@@ -2,11 +2,14 @@
 // whose element equals a key. Holds no keys itself, so it costs 5 to 11 bytes an element.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
+
+#include "storage/types/morton.h"
 
 namespace voxweld {
 
@@ -68,5 +71,12 @@ class IndexTable {
   std::vector<std::uint32_t> slots_;
   std::size_t count_ = 0;
 };
+
+// Of vertices by their ids. The array of these outlives it and stays where it is.
+struct VertexIdHash {
+  const std::vector<VertexId>* ids;
+  std::uint64_t operator()(std::uint32_t i) const { return mix_bits((*ids)[i].bits); }
+};
+using VertexTable = IndexTable<VertexIdHash>;
 
 }  // namespace voxweld
