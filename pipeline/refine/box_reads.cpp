@@ -55,8 +55,7 @@ std::vector<MendBox> MendPlan::boxes(const CubeKey& begin, const CubeKey& end) {
   return boxes;
 }
 
-BoxReads::BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const CubeLattice& blocks,
-                   const MendBox& box)
+BoxReads::BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const MendBox& box)
     : meshes_(meshes), box_(box) {
   const CubeKey begin{box.label, 0}, end{box.label, CubeRange{}.end};
   const Box3 near{cubes.cube_of(box.box.lo), cubes.cube_of(box.box.hi) + splat(1)};
@@ -75,7 +74,6 @@ BoxReads::BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const CubeLatti
         add({i, p, CubePart::leaving}, piece.leaving);
     });
   });
-  if (all_.triangles > most_part_triangles) limit(blocks);
 }
 
 // As the artifacts say that are read.
@@ -94,6 +92,7 @@ double BoxReads::triangles_near(const CubeLattice& blocks) const {
 }
 
 void BoxReads::limit(const CubeLattice& blocks) {
+  if (all_.triangles <= most_part_triangles) return;
   const auto near = static_cast<std::uint64_t>(1.25 * triangles_near(blocks)) + (1 << 12);
   if (near >= all_.triangles) return;
   // What hangs on them is spread as they are, more or less.

@@ -40,13 +40,15 @@ class MendPlan {
 // The pieces of one label with triangles that may meet a box.
 class BoxReads {
  public:
-  // blocks: by which the artifacts count triangles.
-  BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const CubeLattice& blocks,
-           const MendBox& box);
+  BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const MendBox& box);
+
+  // Looks at full pieces closer, before all() is asked for: what meets the box is as blocks say, by
+  // which the artifacts count triangles, as if those were spread evenly in each, and a quarter more.
+  // There few triangles are longer than some cells.
+  void limit(const CubeLattice& blocks);
 
   const MendBox& box() const { return box_; }
-  // What meets the box, at most. Of full pieces less: as blocks say, as if triangles were spread
-  // evenly in each, and a quarter more. There few triangles are longer than some cells.
+  // What meets the box, at most.
   const PartCounts& all() const { return all_; }
   std::uint64_t largest_part_bytes() const { return largest_part_; }
   void add_hashes(KeyHasher& key) const;
@@ -60,7 +62,6 @@ class BoxReads {
   };
 
   double triangles_near(const CubeLattice& blocks) const;
-  void limit(const CubeLattice& blocks);
 
   CubeMeshes& meshes_;
   MendBox box_;

@@ -40,11 +40,11 @@ class MendStage final : public RangeStage {
   }
   std::uint64_t bytes(std::uint64_t unit) override {
     std::uint64_t most = 0;
-    for (const LabelWork& work : works(unit)) most = std::max(most, bytes_of(work));
+    for (const LabelWork& work : limited_works(unit)) most = std::max(most, bytes_of(work));
     return most;
   }
   void run(const Unit& unit, WorkerContext& worker) override {
-    const std::vector<LabelWork> all = works(unit.key);
+    const std::vector<LabelWork> all = limited_works(unit.key);
     CubeMeshWriter file(path_of(unit.key), key(unit.key, all));
     Result result;
     for (const LabelWork& work : all) mend(unit.key, work, worker, file, result);
@@ -75,10 +75,18 @@ class MendStage final : public RangeStage {
     std::vector<LabelWork> works;
     for (const MendBox& box : plan_.boxes(begin_of(unit), end_of(unit))) {
       if (works.empty() || works.back().label != box.label) works.push_back({box.label, {}, {}});
-      works.back().boxes.emplace_back(meshes_, cubes_, blocks_, box);
+      works.back().boxes.emplace_back(meshes_, cubes_, box);
     }
     for (LabelWork& work : works) find_pieces(unit, work);
     return works;
+  }
+
+  // For memory; a key does not ask how much there is.
+  std::vector<LabelWork> limited_works(std::uint64_t unit) {
+    std::vector<LabelWork> all = works(unit);
+    for (LabelWork& work : all)
+      for (BoxReads& reads : work.boxes) reads.limit(blocks_);
+    return all;
   }
 
   void find_pieces(std::uint64_t unit, LabelWork& work) {

@@ -16,7 +16,7 @@ void mend(EditMesh& edit, bool checked, const RefineParameters& parameters, Refi
   }
   if (parameters.mode != RefineMode::mend) settle_places(edit, parameters, counts);
   if (parameters.intersections == IntersectionRule::none)
-    repair_intersections(edit, parameters, counts);
+    repair_intersections(edit, parameters, counts, RepairEffort::thorough);
 }
 
 std::uint64_t count_movable(const EditMesh& edit) {

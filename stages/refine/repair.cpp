@@ -24,10 +24,12 @@ LatticePoint nearest_point(Vec3 p) {
 
 class Repairer {
  public:
-  Repairer(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts)
+  Repairer(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts,
+           RepairEffort effort)
       : mesh_(mesh),
         parameters_(parameters),
         counts_(counts),
+        effort_(effort),
         moves_(mesh),
         touched_(mesh.vertices()),
         failed_(mesh.triangles()) {}
@@ -38,7 +40,7 @@ class Repairer {
       bool any = false;
       for (const std::uint32_t t : bad)
         if (mesh_.alive(t)) any |= mend(t, round);
-      if (!any && anywhere_) break;
+      if (!any && (anywhere_ || effort_ == RepairEffort::quick)) break;
       anywhere_ = !any;
       bad.insert(bad.end(), changed_.begin(), changed_.end());
       changed_.clear();
@@ -81,6 +83,7 @@ class Repairer {
   EditMesh& mesh_;
   const RefineParameters& parameters_;
   RefineCounts& counts_;
+  RepairEffort effort_;
   EditMoves moves_;
   double reach_ = 0;       // of the moves that are tried
   bool is_tried_ = false;  // those of half the reach are
@@ -252,9 +255,9 @@ bool Repairer::mend(std::uint32_t t, int round) {
 
 }  // namespace
 
-void repair_intersections(EditMesh& mesh, const RefineParameters& parameters,
-                          RefineCounts& counts) {
-  Repairer(mesh, parameters, counts).run();
+void repair_intersections(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts,
+                          RepairEffort effort) {
+  Repairer(mesh, parameters, counts, effort).run();
 }
 
 }  // namespace voxweld

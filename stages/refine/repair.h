@@ -1,14 +1,22 @@
 // Mends triangles that intersect.
 #pragma once
 
+#include <cstdint>
+
 #include "stages/refine/edit_mesh.h"
 #include "stages/refine/refine_range.h"
 
 namespace voxweld {
 
+enum class RepairEffort : std::uint8_t {
+  quick,     // leaves out moves that are unlikely to help
+  thorough,  // where nothing else helps tries moves in all directions: ten times as many
+};
+
 // Moves vertices, flips and collapses edges around triangles that intersect, each time only where
 // fewer pairs are left. Smallest moves first: along the surface, then towards the middle of the
 // neighbours. None further than parameters.reach.
-void repair_intersections(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts);
+void repair_intersections(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts,
+                          RepairEffort effort);
 
 }  // namespace voxweld

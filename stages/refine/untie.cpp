@@ -33,6 +33,7 @@ class Untier {
   const RefineParameters& parameters_;
   RefineCounts& counts_;
   std::size_t pairs_ = 0;
+  RepairEffort effort_ = RepairEffort::quick;  // of trials
 };
 
 // Of it and of what it intersects.
@@ -48,14 +49,17 @@ std::vector<std::uint32_t> Untier::vertices_around(std::uint32_t t) const {
   return vertices;
 }
 
+// Most that can be untied is so by a flip or a collapse, and what is left to repair then is seldom hard.
 bool Untier::untie(std::uint32_t t) {
   pairs_ = mesh_.count_pairs();
+  effort_ = RepairEffort::quick;
   if (try_changes_of(t)) return true;
   const std::vector<std::uint32_t> vertices = vertices_around(t);
-  for (const double length : {0.125, 0.25, 0.5, 1.0})
+  for (const double length : {0.125, 0.25, 1.0})
     for (const std::uint32_t v : vertices)
       if (try_moves(v, length * parameters_.reach)) return true;
-  return false;
+  effort_ = RepairEffort::thorough;
+  return try_changes_of(t);
 }
 
 // Flips of the edges of t and of what it intersects, and their collapses.
@@ -114,7 +118,7 @@ bool Untier::attempt(const Trial& trial, std::uint64_t RefineCounts::*kind) {
   copy.set_intersecting(std::move(bad));
   copy.recheck_intersecting();
   RefineCounts counts;
-  repair_intersections(copy, parameters_, counts);
+  repair_intersections(copy, parameters_, counts, effort_);
   if (copy.count_pairs() >= pairs_) return false;
   mesh_ = std::move(copy);
   counts_.add(counts);

@@ -137,13 +137,13 @@ void expect_refined(const char* topology, const Golden& cubes, const Golden& til
 
 TEST(RefinedGoldens, OfEveryStage) {
   expect_refined("manifold",
-                 {"stitch, refine, seams and mend", 393220, "ea87c5fe84d167208422a3a1631d0fb4"},
+                 {"stitch, refine, seams and mend", 458756, "ea87c5fe84d167208422a3a1631d0fb4"},
                  {"retile", 6, "8f236dac32b1f2ad431bcc30981b1eac"});
 }
 
 TEST(RefinedGoldens, OfSafeCollapse) {
   expect_refined("safe",
-                 {"stitch, refine, seams and mend", 393220, "d9d992837b87f564d8c7d1a0b31c15a4"},
+                 {"stitch, refine, seams and mend", 458756, "d9d992837b87f564d8c7d1a0b31c15a4"},
                  {"retile", 6, "cae097ea1736052b97e376f16ab26587"});
 }
 
@@ -179,18 +179,18 @@ void expect_refined_labels(const Settings& mode, const Golden& cubes, const Gold
 TEST(RefinedGoldens, OfEachLabel) {
   expect_refined_labels(
       {"labels.mode=each"},
-      {"stitch, refine, seams and mend", 393220, "f67ccde0678142a9fa1525655cc420a5"},
+      {"stitch, refine, seams and mend", 458756, "f67ccde0678142a9fa1525655cc420a5"},
       {"retile", 6, "127574d4ebeffea65a1ee507b0cb42b3"});
   expect_refined_labels(
       {"labels.mode=each", "simplify.topology=safe"},
-      {"stitch, refine, seams and mend", 393220, "1890120167f341b634d912ed4fdcb97e"},
+      {"stitch, refine, seams and mend", 458756, "1890120167f341b634d912ed4fdcb97e"},
       {"retile", 6, "1f1e24dbea5f1bc9263cc39ba88a2971"});
 }
 
 TEST(RefinedGoldens, OfSharedLabels) {
   expect_refined_labels(
       {"labels.mode=shared"},
-      {"stitch, refine, seams and mend", 393220, "e4658b2429944c3afb9d69bc9d543c9f"},
+      {"stitch, refine, seams and mend", 458756, "e4658b2429944c3afb9d69bc9d543c9f"},
       {"retile", 6, "21f1a6c1e86ca6b40a3913e37addc1d2"});
 }
 

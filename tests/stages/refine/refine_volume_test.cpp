@@ -130,7 +130,7 @@ TEST(RefineVolume, UntiesWhatNoSingleChangeMends) {
   EditMesh edit(made.mesh, LatticeBox::around(made.mesh.positions));
   edit.set_intersecting(edit.find_intersecting());
   RefineCounts counts;
-  repair_intersections(edit, refine, counts);
+  repair_intersections(edit, refine, counts, RepairEffort::thorough);
   EXPECT_GT(edit.count_pairs(), 0u);
   RefineCounts untied;
   untie_intersections(edit, refine, untied);
