@@ -38,8 +38,7 @@ InfoDocument describe_octrees(const fs::path& path, const InfoOptions& options) 
   document["crossing_edges"] = summary.counts.crossing_edges;
   document["vertices"] = summary.counts.vertices;
   document["collapsed_above"] = summary.collapsed_above;
-  document["worst_residual"] = summary.counts.worst_residual;
-  document["leaves"] = level_facts(summary.counts.leaves);
+  add_level_facts(document, summary.counts.by_level);
   document["pieces"] = artifact.piece_count();
   document["nodes"] = artifact.node_count();
   if (!options.verbose) return document;
@@ -66,8 +65,7 @@ InfoDocument describe_top(const fs::path& path, const InfoOptions& options) {
   document["vertices"] = counts.vertices;
   document["collapsed_above"] = counts.collapsed_above;
   document["top_leaves"] = counts.top_leaves;
-  document["worst_residual"] = counts.worst_residual;
-  document["leaves"] = level_facts(counts.leaves);
+  add_level_facts(document, counts.by_level);
   add_plan(document, MaterialTop(artifact), options.verbose);
   return document;
 }

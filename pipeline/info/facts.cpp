@@ -38,11 +38,10 @@ InfoDocument range_facts(const ValueRange& range) {
   return {real(range.lo), real(range.hi)};
 }
 
-InfoDocument level_facts(const std::array<std::uint64_t, max_levels + 1>& leaves) {
-  std::size_t levels = leaves.size();
-  while (levels > 1 && leaves[levels - 1] == 0) --levels;
-  return std::vector<std::uint64_t>(leaves.begin(),
-                                    leaves.begin() + static_cast<std::ptrdiff_t>(levels));
+void add_level_facts(InfoDocument& document, const LeafCounts& counts) {
+  document["worst_residual"] = counts.worst_collapsed();
+  document["leaves"] = counts.used_leaves();
+  document["errors"] = counts.used_errors();
 }
 
 void add_volume_facts(InfoDocument& document, const VolumeInfo& info, bool verbose) {

@@ -16,8 +16,8 @@ InfoDocument facts_of(Index3 v);
 InfoDocument facts_of(Vec3 v);
 InfoDocument facts_of(const OutputLattice& lattice);
 InfoDocument range_facts(const ValueRange& range);  // null when empty
-// Counts by level, without the empty levels at the end.
-InfoDocument level_facts(const std::array<std::uint64_t, max_levels + 1>& leaves);
+// Leaves and errors by level, without the empty levels at the end.
+void add_level_facts(InfoDocument& document, const LeafCounts& counts);
 // Appends the keys a volume's geometry and samples give.
 void add_volume_facts(InfoDocument& document, const VolumeInfo& info, bool verbose);
 // Of stored samples, in the real values that the scale makes of them.

@@ -17,13 +17,13 @@
 //                    verbose: shard_list [{at, bytes, range}]
 //   octree           key, content_hash, version, made_by, input_hash, bricks, active_bricks,
 //                    active_cells, crossing_edges, vertices, collapsed_above, worst_residual,
-//                    leaves (by level), pieces, nodes (counts, of all materials together); verbose:
-//                    piece_list [{material (a label with labels.mode = "each", else 0), brick,
-//                    vertices, polygons, ghost_cells, bytes}]
+//                    leaves, errors (the largest; both by level), pieces, nodes (counts, of all
+//                    materials together); verbose: piece_list [{material (a label with labels.mode =
+//                    "each", else 0), brick, vertices, polygons, ghost_cells, bytes}]
 //   top_tree         key, content_hash, version, made_by, bricks, active_bricks, active_cells,
-//                    crossing_edges, vertices, collapsed_above, top_leaves, worst_residual, leaves
-//                    (by level), materials (labels with labels.mode = "each", else 1), tiles,
-//                    batches (stitch's units); verbose: batch_list [{material (the first),
+//                    crossing_edges, vertices, collapsed_above, top_leaves, worst_residual, leaves,
+//                    errors (both by level), materials (labels with labels.mode = "each", else 1),
+//                    tiles, batches (stitch's units); verbose: batch_list [{material (the first),
 //                    materials, level, at (of the first tile), tiles, vertices, polygons}]
 //   tile             key, content_hash, version, made_by, level, at, vertices, triangles, quads,
 //                    polygon_triangles, collinear, lattice {step, bits, origin}; with labels.mode =

@@ -95,9 +95,7 @@ void add_counts(const BrickCounts& part, MergeCounts& counts) {
   counts.active_cells += part.active_cells;
   counts.crossing_edges += part.crossing_edges;
   counts.vertices += part.vertices;
-  counts.worst_residual = std::max(counts.worst_residual, part.worst_residual);
-  counts.worst_finest = std::max(counts.worst_finest, part.worst_finest);
-  for (std::size_t l = 0; l < counts.leaves.size(); ++l) counts.leaves[l] += part.leaves[l];
+  add(counts.by_level, part.by_level);
 }
 
 // One material after the other, from its nodes in Morton order.
@@ -298,8 +296,8 @@ std::vector<Hash128> merge_sorted(const MergeJob& job, std::uint64_t memory, Mat
 void count_top_leaves(const BuildJob& job, MergeCounts& counts) {
   if (!collapses_by_sheets(job.parameters)) return;
   for (std::size_t l = static_cast<std::size_t>(job.grid.brick_level()) + 1;
-       l < counts.leaves.size(); ++l)
-    counts.top_leaves += counts.leaves[l];
+       l < counts.by_level.leaves.size(); ++l)
+    counts.top_leaves += counts.by_level.leaves[l];
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "pipeline/build/build_stage.h"
 #include "pipeline/build/contour_parameters.h"
@@ -334,14 +335,12 @@ Manifest make_manifest(const RunContext& context, const Jobs& jobs, const TopArt
   m.counts.active_bricks = counts.active_bricks;
   m.counts.collapsed_above = counts.collapsed_above;
   m.counts.vertices = counts.vertices;
-  std::size_t levels = counts.leaves.size();
-  while (levels > 1 && counts.leaves[levels - 1] == 0) --levels;
-  m.counts.leaves.assign(counts.leaves.begin(),
-                         counts.leaves.begin() + static_cast<std::ptrdiff_t>(levels));
+  const std::span<const std::uint64_t> leaves = counts.by_level.used_leaves();
+  m.counts.leaves.assign(leaves.begin(), leaves.end());
   // A leaf at the border has a boundary vertex anywhere in it.
   if (m.open_border) {
     const Vec3& spacing = parameters.spacing;
-    m.border_slack = (std::ldexp(1.0, static_cast<int>(levels) - 1) - 1) *
+    m.border_slack = (std::ldexp(1.0, static_cast<int>(leaves.size()) - 1) - 1) *
                      std::max({spacing.x, spacing.y, spacing.z});
   }
   m.input =
@@ -362,8 +361,9 @@ Manifest make_manifest(const RunContext& context, const Jobs& jobs, const TopArt
   m.error = std::make_unique<nlohmann::json>(
       nlohmann::json{{"metric", parameters.simplify.metric == Metric::rms ? "rms" : "sum"},
                      {"tolerance", parameters.simplify.tolerance},
-                     {"reached", counts.worst_residual},
-                     {"finest", counts.worst_finest},
+                     {"reached", counts.by_level.worst_collapsed()},
+                     {"finest", counts.by_level.errors[0]},
+                     {"levels", counts.by_level.used_errors()},
                      {"unit", info.geometry.unit}});
   if (refined) {
     m.refine = std::make_unique<nlohmann::json>(refine_json(config, jobs, *refined));

@@ -32,9 +32,7 @@ void BrickLeaves::collect(const BrickFrame& frame, const ActiveCells& cells, Bri
   out.counts.vertices = nodes.by_sheets() ? std::accumulate(final_.leaves.begin(),
                                                             final_.leaves.end(), std::uint64_t{0})
                                           : out.vertices.size();
-  out.counts.leaves = final_.leaves;
-  out.counts.worst_residual = final_.worst_residual;
-  out.counts.worst_finest = final_.worst_finest;
+  out.counts.by_level = final_;
 }
 
 // All but the counts of its clusters.
@@ -206,8 +204,7 @@ void BrickLeaves::add_vertex(LeafCode leaf, const NodeSolution& solution,
   if (!nodes_->by_sheets()) ++out_->blocks[leaf.code() >> (3 * block_level)].vertices;
   if (nodes_->by_sheets() || leaf.sheet() == 0)
     ++counts.leaves[static_cast<std::size_t>(leaf.level())];
-  double& worst = leaf.level() > 0 ? counts.worst_residual : counts.worst_finest;
-  worst = std::max(worst, static_cast<double>(solution.residual));
+  counts.note_error(leaf.level(), solution.residual);
 }
 
 void BrickLeaves::solve_finest(const BrickFrame& frame, const ContourParameters& parameters) {
@@ -227,9 +224,8 @@ void BrickLeaves::solve_finest(const BrickFrame& frame, const ContourParameters&
       const std::uint32_t vertex = finest_[begin + i].vertex;
       out_->vertices[vertex].offset = solution.offset;
       if (nodes_->by_sheets()) out_->levels.errors[vertex] = solution.residual;
-      double& worst =
-          counts_of(out_->roots.empty() ? BrickOctree::no_root : out_->roots[vertex]).worst_finest;
-      worst = std::max(worst, static_cast<double>(solution.residual));
+      counts_of(out_->roots.empty() ? BrickOctree::no_root : out_->roots[vertex])
+          .note_error(0, solution.residual);
     }
   }
 }

@@ -133,13 +133,10 @@ void BrickCutter::cut_record() {
     LeafCounts& counts = root == BrickOctree::no_root ? final : record.clusters[root].leaves;
     const int level = out_->vertices[v].leaf.level();
     ++counts.leaves[static_cast<std::size_t>(level)];
-    double& worst = level > 0 ? counts.worst_residual : counts.worst_finest;
-    worst = std::max(worst, static_cast<double>(out_->levels.errors[v]));
+    counts.note_error(level, out_->levels.errors[v]);
     if (root == BrickOctree::no_root) ++out_->counts.vertices;
   }
-  out_->counts.leaves = final.leaves;
-  out_->counts.worst_residual = final.worst_residual;
-  out_->counts.worst_finest = final.worst_finest;
+  out_->counts.by_level = final;
 }
 
 void BrickCutter::cut_polygons() {

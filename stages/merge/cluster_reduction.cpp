@@ -184,7 +184,7 @@ void ClusterReduction::solve(const OpenNode& node, std::uint32_t number, Cluster
   cluster.residual = solution.residual;
   cluster.leaves = {};
   cluster.leaves.leaves[static_cast<std::size_t>(node.key.level)] = 1;
-  cluster.leaves.worst_residual = static_cast<double>(solution.residual);
+  cluster.leaves.note_error(node.key.level, solution.residual);
 }
 
 void ClusterReduction::add_leaf(const OpenNode& node, const NodeRecord& record, std::size_t number,

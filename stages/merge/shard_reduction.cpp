@@ -13,8 +13,8 @@ void add_brick(BrickCounts& sum, const BrickCounts& brick, NodeState root) {
 
 void FinalLeaves::leaf(CellKey key, const RootRecord& record) {
   ++counts_.vertices;
-  ++counts_.leaves[static_cast<std::size_t>(key.level)];
-  counts_.worst_residual = std::max(counts_.worst_residual, static_cast<double>(record.residual));
+  ++counts_.by_level.leaves[static_cast<std::size_t>(key.level)];
+  counts_.by_level.note_error(key.level, record.residual);
   if (key.level > brick_level_)
     above({key.code(), static_cast<std::uint32_t>(key.level), record.vertex, record.residual, 0});
 }
@@ -35,12 +35,8 @@ void CubeReduction::add(const CellKey& brick, const RootRecord& root, std::uint6
 }
 
 void FinalLeaves::add(const LeafCounts& counts) {
-  for (std::size_t l = 0; l < counts.leaves.size(); ++l) {
-    counts_.leaves[l] += counts.leaves[l];
-    counts_.vertices += counts.leaves[l];
-  }
-  counts_.worst_residual = std::max(counts_.worst_residual, counts.worst_residual);
-  counts_.worst_finest = std::max(counts_.worst_finest, counts.worst_finest);
+  voxweld::add(counts_.by_level, counts);
+  for (const std::uint64_t leaves : counts.leaves) counts_.vertices += leaves;
 }
 
 void CubeReduction::add_record(const CellKey& brick, const NodeRecord& record) {

@@ -18,7 +18,7 @@ void add_brick(BrickCounts& sum, const BrickCounts& brick, NodeState root);
 // Counts what is final; passes on leaves above the bricks as they are kept.
 class FinalLeaves : protected ReductionSink {
  public:
-  // vertices, leaves and worst_residual, of the leaves the reduction found final.
+  // vertices and by_level, of the leaves the reduction found final.
   const BrickCounts& counts() const { return counts_; }
   // Nodes that took in their children.
   std::uint64_t collapsed() const {

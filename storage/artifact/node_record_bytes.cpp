@@ -23,8 +23,7 @@ static_assert(std::has_unique_object_representations_v<FaceCurve> &&
               std::has_unique_object_representations_v<ClusterLink> &&
               std::has_unique_object_representations_v<RecordHead> &&
               std::has_unique_object_representations_v<ReducedHead> && sizeof(Qef) == 52 &&
-              sizeof(NormalClusters) == 40 && sizeof(ClusterLeaf) == 48 &&
-              sizeof(LeafCounts) == 8 * (max_levels + 1) + 16);
+              sizeof(NormalClusters) == 40 && sizeof(ClusterLeaf) == 48);
 
 template <class T>
 void put_one(const T& value, std::vector<std::byte>& out) {
@@ -37,6 +36,16 @@ void put_list(const std::vector<T>& values, std::vector<std::byte>& out) {
   for (const T& value : values) put_one(value, out);
 }
 
+// Of the levels that have any: a brick's clusters have few of all levels there are.
+void put_counts(const LeafCounts& counts, std::vector<std::byte>& out) {
+  const std::size_t levels = counts.levels();
+  put_one(static_cast<std::uint64_t>(levels), out);
+  for (std::size_t l = 0; l < levels; ++l) {
+    put_one(counts.leaves[l], out);
+    put_one(counts.errors[l], out);
+  }
+}
+
 void put_cluster(const ClusterRecord& cluster, std::vector<std::byte>& out) {
   put_one(cluster.qef, out);
   put_one(cluster.normals, out);
@@ -45,7 +54,7 @@ void put_cluster(const ClusterRecord& cluster, std::vector<std::byte>& out) {
   put_one(cluster.first, out);
   put_one(cluster.euler, out);
   put_one(cluster.collapses, out);
-  put_one(cluster.leaves, out);
+  put_counts(cluster.leaves, out);
 }
 
 bool fits(const FaceCurve& curve, std::size_t clusters) {
@@ -71,7 +80,7 @@ void put_links(const ReducedNode& node, std::vector<std::byte>& out) {
   put_list(node.leaves, out);
   put_list(node.nodes, out);
   put_list(node.links, out);
-  put_one(node.counts, out);
+  put_counts(node.counts, out);
 }
 
 template <class T>
@@ -92,10 +101,19 @@ bool RecordBytes::take_list(std::uint64_t count, std::vector<T>& values) {
   return true;
 }
 
+bool RecordBytes::take_counts(LeafCounts& counts) {
+  std::uint64_t levels = 0;
+  if (!take_one(levels) || levels > counts.leaves.size()) return false;
+  counts = {};
+  for (std::size_t l = 0; l < levels; ++l)
+    if (!take_one(counts.leaves[l]) || !take_one(counts.errors[l])) return false;
+  return true;
+}
+
 bool RecordBytes::take_cluster(ClusterRecord& cluster) {
   return take_one(cluster.qef) && take_one(cluster.normals) && take_one(cluster.offset) &&
          take_one(cluster.residual) && take_one(cluster.first) && take_one(cluster.euler) &&
-         take_one(cluster.collapses) && take_one(cluster.leaves) &&
+         take_one(cluster.collapses) && take_counts(cluster.leaves) &&
          is_sense(cluster.normals.sense) && cluster.collapses <= 1;
 }
 
@@ -120,7 +138,7 @@ bool RecordBytes::take_links(ReducedNode& node) {
   ReducedHead head;
   if (!take_one(head) || !take_list(head.leaves, node.leaves) ||
       !take_list(head.nodes, node.nodes) || !take_list(head.links, node.links) ||
-      !take_one(node.counts))
+      !take_counts(node.counts))
     return false;
   const auto is_one_of = [](std::uint32_t number, std::uint64_t count) {
     return number == no_cluster || number < count;

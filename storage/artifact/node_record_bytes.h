@@ -33,6 +33,7 @@ class RecordBytes {
   template <class T>
   bool take_list(std::uint64_t count, std::vector<T>& values);
   bool take_cluster(ClusterRecord& cluster);
+  bool take_counts(LeafCounts& counts);
 
   std::span<const std::byte> rest_;
 };

@@ -9,15 +9,15 @@ constexpr std::uint64_t runs_section = shard_section(6);
 
 struct ShardSummaryRecord {
   std::uint64_t active_cells, crossing_edges, vertices, bricks, active_bricks, collapsed_above;
-  double worst_residual, worst_finest;
   Hash128 input;
-  std::array<std::uint64_t, max_levels + 1> leaves;
+  LeafCounts by_level;
 };
 
 // Written as they lie in memory, so none may have padding, which would carry whatever was there
 // before.
 static_assert(std::has_unique_object_representations_v<BuiltRun> &&
-              sizeof(BrickCounts) == 8 * (3 + max_levels + 1) + 16 &&
+              sizeof(LeafCounts) == 12 * (max_levels + 1) &&
+              sizeof(BrickCounts) == 24 + sizeof(LeafCounts) &&
               sizeof(BuiltBrick) == 24 + sizeof(BrickCounts));
 
 // f(figure of the record, figure of the summary) of all.
@@ -29,10 +29,8 @@ void each_figure(Record& record, Summary& summary, const F& f) {
   f(record.bricks, summary.bricks);
   f(record.active_bricks, summary.active_bricks);
   f(record.collapsed_above, summary.collapsed_above);
-  f(record.worst_residual, summary.counts.worst_residual);
-  f(record.worst_finest, summary.counts.worst_finest);
   f(record.input, summary.input);
-  f(record.leaves, summary.counts.leaves);
+  f(record.by_level, summary.counts.by_level);
 }
 
 }  // namespace

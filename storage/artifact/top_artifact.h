@@ -12,7 +12,7 @@ namespace voxweld {
 
 inline constexpr std::array<char, 4> top_kind = {'t', 'o', 'p', 's'};
 // Goes up whenever merge's bytes change.
-inline constexpr std::uint32_t top_version = 7;
+inline constexpr std::uint32_t top_version = 8;
 
 // What is known of the whole after merge.
 struct MergeCounts {
@@ -21,9 +21,7 @@ struct MergeCounts {
   std::uint64_t vertices = 0;         // of the final octree
   std::uint64_t collapsed_above = 0;  // nodes above the bricks that took in their children
   std::uint64_t top_leaves = 0;       // those of them that are leaves in the end
-  double worst_residual = 0;          // of the collapsed leaves
-  double worst_finest = 0;            // of the finest leaves
-  std::array<std::uint64_t, max_levels + 1> leaves{};
+  LeafCounts by_level;
 };
 
 class TopArtifactWriter : public MaterialTablesWriter {

@@ -24,6 +24,9 @@
 //   input, config, stages, error, refine, made_by   free-form; input: slope and intercept where they
 //                are not 1 and 0 (real values are slope * stored + intercept); made_by: program, host, time,
 //                Slurm ids
+//                error: {metric, tolerance, reached (the largest of leaves above level 0), finest (of
+//                level 0), levels [the largest of each level, as counts.leaves; 0 where it has no leaf],
+//                unit}, of the octree as it is before refine
 //                refine (unless simplify.refine is off): {mode, collapses, moves, flips, cubes (of all
 //                passes), intersecting_before (the first pass), intersecting_left (after the last),
 //                worst, p99 (distances of what the mesh was from what it is), unit}

@@ -122,18 +122,14 @@ struct RootRecord {
 struct BrickCounts {
   std::uint64_t active_cells = 0;
   std::uint64_t crossing_edges = 0;  // owned by the brick
-  std::array<std::uint64_t, max_levels + 1> leaves{};
+  LeafCounts by_level;
   std::uint64_t vertices = 0;
-  double worst_residual = 0;  // of the collapsed leaves: what the tolerance bounds
-  double worst_finest = 0;    // of the finest leaves, which the samples alone bound
 };
 inline void add(BrickCounts& sum, const BrickCounts& part) {
   sum.active_cells += part.active_cells;
   sum.crossing_edges += part.crossing_edges;
-  for (std::size_t l = 0; l < sum.leaves.size(); ++l) sum.leaves[l] += part.leaves[l];
+  add(sum.by_level, part.by_level);
   sum.vertices += part.vertices;
-  sum.worst_residual = std::max(sum.worst_residual, part.worst_residual);
-  sum.worst_finest = std::max(sum.worst_finest, part.worst_finest);
 }
 
 struct BrickOctree {

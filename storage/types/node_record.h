@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "storage/types/face_curve.h"
@@ -16,13 +17,29 @@ namespace voxweld {
 // The vertices that remain, by the level of their nodes.
 struct LeafCounts {
   std::array<std::uint64_t, max_levels + 1> leaves{};
-  double worst_residual = 0;  // of those above level 0
-  double worst_finest = 0;    // of those of level 0
+  // The largest of each level. What the samples alone bound at level 0, and the tolerance above.
+  std::array<float, max_levels + 1> errors{};
+
+  void note_error(int level, float error) {
+    float& largest = errors[static_cast<std::size_t>(level)];
+    largest = std::max(largest, error);
+  }
+  // Up to the last that has any, one at least.
+  std::size_t levels() const {
+    std::size_t count = leaves.size();
+    while (count > 1 && leaves[count - 1] == 0) --count;
+    return count;
+  }
+  // Of these.
+  std::span<const std::uint64_t> used_leaves() const { return std::span(leaves).first(levels()); }
+  std::span<const float> used_errors() const { return std::span(errors).first(levels()); }
+  float worst_collapsed() const { return *std::max_element(errors.begin() + 1, errors.end()); }
 };
 inline void add(LeafCounts& sum, const LeafCounts& part) {
-  for (std::size_t l = 0; l < sum.leaves.size(); ++l) sum.leaves[l] += part.leaves[l];
-  sum.worst_residual = std::max(sum.worst_residual, part.worst_residual);
-  sum.worst_finest = std::max(sum.worst_finest, part.worst_finest);
+  for (std::size_t l = 0; l < sum.leaves.size(); ++l) {
+    sum.leaves[l] += part.leaves[l];
+    sum.errors[l] = std::max(sum.errors[l], part.errors[l]);
+  }
 }
 
 // The first finest cell of a cluster, by its Morton code in the volume, and the sheet there. With

@@ -62,9 +62,9 @@ std::string bytes_of(const BrickOctree& brick) {
         bytes_of(std::vector<RootRecord>{brick.root})})
     all << part.size() << ':' << part;
   const BrickCounts& c = brick.counts;
-  all << c.active_cells << ' ' << c.crossing_edges << ' ' << c.vertices << ' ' << c.worst_finest
-      << ' ' << c.worst_residual;
-  for (const std::uint64_t leaves : c.leaves) all << ' ' << leaves;
+  all << c.active_cells << ' ' << c.crossing_edges << ' ' << c.vertices;
+  for (const std::uint64_t leaves : c.by_level.leaves) all << ' ' << leaves;
+  for (const float error : c.by_level.errors) all << ' ' << error;
   return all.str();
 }
 

@@ -48,10 +48,9 @@ TEST(ManifoldContour, IsTheSameForBricksOfAnySizeAndTiles) {
         EXPECT_EQ(other.tiles[i].normals, first.tiles[i].normals);
         EXPECT_EQ(other.tiles[i].triangles, first.tiles[i].triangles);
       }
-      EXPECT_EQ(other.counts.leaves, first.counts.leaves);
+      EXPECT_EQ(other.counts.by_level.leaves, first.counts.by_level.leaves);
       EXPECT_EQ(other.counts.vertices, first.counts.vertices);
-      EXPECT_EQ(other.counts.worst_residual, first.counts.worst_residual);
-      EXPECT_EQ(other.counts.worst_finest, first.counts.worst_finest);
+      EXPECT_EQ(other.counts.by_level.errors, first.counts.by_level.errors);
     }
     // One tile has the same triangles as many.
     const auto whole = testing::weld_tiles(contour(c.volume, by_sheets(c.tolerance), 5).tiles);
@@ -102,7 +101,7 @@ TEST(ManifoldContour, NodesThatAreSealedEarlyKeepWhatTheyHold) {
     const VolumeContour other = contour(c.volume, sealed, 6);
     EXPECT_EQ(other.tiles.at(0).positions, first.tiles.at(0).positions);
     EXPECT_EQ(other.tiles.at(0).triangles, first.tiles.at(0).triangles);
-    EXPECT_EQ(other.counts.leaves, first.counts.leaves);
+    EXPECT_EQ(other.counts.by_level.leaves, first.counts.by_level.leaves);
   }
   EXPECT_GT(more, 1000u);
 }

@@ -97,9 +97,7 @@ FinalOctree by_bricks(const MemoryVolume& volume, const ContourParameters& param
       auto brick = std::make_unique<Brick>(volume, parameters, key);
       if (brick->octree.vertices.empty()) continue;
       reduction.push(key, brick->octree.record);
-      const LeafCounts counts{brick->octree.counts.leaves, brick->octree.counts.worst_residual,
-                              brick->octree.counts.worst_finest};
-      add(all.counts, counts);
+      add(all.counts, brick->octree.counts.by_level);
       shard.bricks.push_back(std::move(brick));
       shard.keys.push_back(key);
     }
@@ -162,8 +160,7 @@ TEST(SheetClusters, AreTheSameHoweverTheVolumeIsCutIntoBricks) {
             << "seed " << seed << (is_noise ? ", noise" : ", plates") << ", tolerance "
             << tolerance;
         EXPECT_EQ(small.counts.leaves, large.counts.leaves);
-        EXPECT_EQ(small.counts.worst_residual, large.counts.worst_residual);
-        EXPECT_EQ(small.counts.worst_finest, large.counts.worst_finest);
+        EXPECT_EQ(small.counts.errors, large.counts.errors);
         EXPECT_EQ(small.planned, large.planned);
         above += small.above;
       }
@@ -256,7 +253,7 @@ TEST(SheetClusters, MeshesKeepTheirTopologyAtAnyTolerance) {
         const Brick brick(volume, with(tolerance), whole(volume));
         EXPECT_EQ(testing::summarize(mesh_of(brick)), before) << "seed " << seed;
         EXPECT_LE(mesh_of(brick).size(), triangles);
-        EXPECT_LE(brick.octree.counts.worst_residual, tolerance);
+        EXPECT_LE(brick.octree.counts.by_level.worst_collapsed(), tolerance);
         triangles = mesh_of(brick).size();
       }
     }

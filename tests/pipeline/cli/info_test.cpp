@@ -75,6 +75,7 @@ TEST(Info, CountsAgreeFromStageToStage) {
   const nlohmann::json top = place.info(first_file(place.at("scene.work"), "top.tree"));
   EXPECT_EQ(top.at("vertices"), output.at("counts").at("vertices"));
   EXPECT_EQ(top.at("leaves"), output.at("counts").at("leaves"));
+  EXPECT_EQ(top.at("errors"), output.at("error").at("levels"));
   const nlohmann::json merged = place.info(place.at("scene.mesh/mesh.drc"));
   EXPECT_EQ(merged.at("vertices"), output.at("counts").at("vertices"));
   EXPECT_EQ(merged.at("triangles"), output.at("counts").at("output_triangles"));

@@ -79,12 +79,12 @@ class Goldens : public ::testing::Test {
 std::unique_ptr<Scene> Goldens::scene_;
 
 TEST_F(Goldens, Build) {
-  expect_recorded({"build", 11, "82c40208d7c2c05b8e2779dab3e52a7b"}, shard_version,
+  expect_recorded({"build", 12, "be86434df52c471dd886703afcc1a530"}, shard_version,
                   hash_of(work(".octree"), shard_kind, shard_version));
 }
 
 TEST_F(Goldens, Merge) {
-  expect_recorded({"merge", 7, "686bb0a8864d3d0543c810ab9a912651"}, top_version,
+  expect_recorded({"merge", 8, "dca24573b2abc0690226b5bbf3b91284"}, top_version,
                   hash_of(work(".tree"), top_kind, top_version));
 }
 
@@ -117,8 +117,8 @@ TEST(SheetGoldens, OfEveryStage) {
   const Scene scene(scene_volume());
   VOXWELD_EXPECT_DONE(scene.run(
       {"work.brick=16", "work.shard=2", "output.tile_vertices=1024", "simplify.tolerance=0.2"}));
-  expect_stages(scene, {"build", 11, "b069feaf9e742506b535b3ddd0e5afc0"},
-                {"merge", 7, "b71ff528e78b84ed6d4eae57132cac22"},
+  expect_stages(scene, {"build", 12, "d8fae80d4c3c72936545d8fe2a947aeb"},
+                {"merge", 8, "78388505256a34fe16f0a3abbafb6aae"},
                 {"stitch", 6, "8fdb8ce3b8a6c543ae2b748e116bae78"});
 }
 
@@ -200,8 +200,8 @@ TEST(SheetGoldens, OfEachLabel) {
   std::ofstream(scene.config(), std::ios::app) << label_edits;
   VOXWELD_EXPECT_DONE(scene.run(
       {"labels.mode=each", "work.brick=16", "work.shard=2", "output.tile_vertices=1024"}));
-  expect_stages(scene, {"build", 11, "e9b18b6ad4ff63ab3bea9d298c1f6927"},
-                {"merge", 7, "e9a5b6b3c0ef9f575fb8b6bc0eca9a6f"},
+  expect_stages(scene, {"build", 12, "33ae7bc1b97c19d8ad6cbc8d34f455c9"},
+                {"merge", 8, "448869fd03437a0829a82fb884e23aa7"},
                 {"stitch", 6, "9fae1a70ec6d7f1ae20b8943a57c9087"});
 }
 
@@ -243,13 +243,13 @@ INSTANTIATE_TEST_SUITE_P(
     Modes, LabelGoldens,
     ::testing::Values(
         LabelGolden{"each",
-                    {Golden{"build of each label", 1102, "4b72d2796b794924e0ae58dd4a64cdd4"},
-                     {"merge of each label", 7, "9f7bfb7c8d34769459dbaa9a3cc90b54"},
+                    {Golden{"build of each label", 1202, "e8284b0dc828dbb13eaa00f2d3369c0f"},
+                     {"merge of each label", 8, "bd3db5c739563ccfa6dd63d25b9f8b18"},
                      {"stitch of each label", 6, "59cdc8ffcee04a094002ca747ffecbbb"},
                      {"encode of each label", 2, "141590bccb677d852b82a4e68563a1e8"}}},
         LabelGolden{"shared",
-                    {Golden{"build of shared labels", 1102, "c9af1dd04870928d8bbf1319d69a5486"},
-                     {"merge of shared labels", 7, "595fa4028ff4954c4358e08c346bf68c"},
+                    {Golden{"build of shared labels", 1202, "b4cb124502aae4133ad6354ba83bce29"},
+                     {"merge of shared labels", 8, "35ae446a414b3eba97d2cc4299fe1344"},
                      {"stitch of shared labels", 6, "05d69da8e8cc4a33c37bdd751c8c158f"},
                      {"encode of shared labels", 2, "fd0cca0c691305fa8d98734ec337ab36"}}}),
     [](const auto& each) { return each.param.mode; });

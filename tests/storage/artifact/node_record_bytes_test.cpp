@@ -18,7 +18,7 @@ ClusterRecord cluster(std::uint64_t code, std::int32_t euler) {
   made.euler = euler;
   made.collapses = euler == 1 ? 1 : 0;
   made.leaves.leaves[3] = 17;
-  made.leaves.worst_residual = 0.09;
+  made.leaves.errors[3] = 0.09F;
   return made;
 }
 
@@ -39,6 +39,7 @@ ReducedNode reduced() {
   made.nodes = {{0, 0, 1}, {64, 2, 0}};
   made.links = {{0, 1}, {no_cluster, no_cluster}, {no_cluster, 0}};
   made.counts.leaves[0] = 4;
+  made.counts.leaves[max_levels] = 1;
   return made;
 }
 
@@ -73,14 +74,15 @@ TEST(NodeRecordBytes, ComeBackAsTheyWere) {
   EXPECT_EQ(node.clusters[1].first.sheet(), 2);
   EXPECT_EQ(node.clusters[1].euler, -2);
   EXPECT_EQ(node.clusters[0].qef.r, cluster(5, 1).qef.r);
-  EXPECT_EQ(node.clusters[0].leaves.leaves[3], 17u);
+  EXPECT_EQ(node.clusters[0].leaves.leaves, cluster(5, 1).leaves.leaves);
+  EXPECT_EQ(node.clusters[0].leaves.errors, cluster(5, 1).leaves.errors);
   EXPECT_EQ(node.curves[0].high[1], 5);
   EXPECT_EQ(node.curves[1].closed, 1);
   EXPECT_EQ(node.pairs, record().pairs);
   EXPECT_EQ(all.leaves[0].level, 7u);
   EXPECT_EQ(all.nodes[1].first_link, 2u);
   EXPECT_EQ(all.links[2].root, 0u);
-  EXPECT_EQ(all.counts.leaves[0], 4u);
+  EXPECT_EQ(all.counts.leaves, reduced().counts.leaves);
   // The same record is the same bytes, whatever lay in memory before.
   EXPECT_EQ(bytes_of(all), bytes_of(reduced()));
 }
