@@ -36,16 +36,6 @@ std::uint64_t label_count(std::span<const CubePieceRecord> pieces) {
 
 }  // namespace
 
-InfoDocument tile_list_facts(const std::vector<PlannedTile>& tiles) {
-  InfoDocument list = InfoDocument::array();
-  for (const PlannedTile& tile : tiles)
-    list.push_back({{"level", tile.level},
-                    {"at", facts_of(tile.key().at)},
-                    {"vertices", tile.vertices},
-                    {"polygons", tile.polygons}});
-  return list;
-}
-
 InfoDocument describe_cube_mesh(const fs::path& path, const InfoOptions& options) {
   const CubeMeshArtifact artifact(path);
   const CubeMeshSummary& summary = artifact.summary();
@@ -100,13 +90,7 @@ InfoDocument describe_tile_plan(const fs::path& path, const InfoOptions& options
   const TilePlanArtifact artifact(path);
   InfoDocument document = artifact_document("tile_plan", path, artifact, tile_plan_version);
   document["made_of"] = artifact.sources().size();
-  if (artifact.of_labels()) {
-    add_plan(document, MaterialTop(artifact.file()), options.verbose);
-    return document;
-  }
-  const std::vector<PlannedTile> tiles = artifact.tiles();
-  document["tiles"] = tiles.size();
-  if (options.verbose) document["tile_list"] = tile_list_facts(tiles);
+  add_plan(document, MaterialTop(artifact.file()), options.verbose);
   return document;
 }
 

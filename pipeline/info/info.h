@@ -34,9 +34,8 @@
 //                    where there are triangles), refined {cubes, collapses, moves, flips,
 //                    intersecting_before, intersecting_left, worst_steps}; verbose: cube_list [{at,
 //                    triangles (inside), leaving_triangles, samples}]
-//   tile_plan        (of refine) key, content_hash, version, made_by, tiles, made_of (meshes);
-//                    verbose: tile_list [{level, at, vertices, polygons}]; with labels.mode =
-//                    "each" as of a top_tree
+//   tile_plan        (of refine) key, content_hash, version, made_by, made_of (meshes), and as of a
+//                    top_tree materials, tiles, batches; verbose: batch_list
 //   asset_record     key, vertices, triangles, quads, polygon_triangles, collinear, files [{path,
 //                    format, bytes, xxh3_128}]; with labels.mode = "each" labels
 //   histogram        key, type, values

@@ -43,7 +43,6 @@ InfoDocument describe_label_list(const std::filesystem::path& path, const InfoOp
 
 // Of a mesh that is refined.
 InfoDocument describe_cube_mesh(const std::filesystem::path& path, const InfoOptions& options);
-InfoDocument tile_list_facts(const std::vector<PlannedTile>& tiles);
 InfoDocument describe_collapse_survey(const std::filesystem::path& path,
                                       const InfoOptions& options);
 InfoDocument describe_tolerance(const std::filesystem::path& path);

@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <optional>
+#include <algorithm>
+#include <utility>
 
 #include "pipeline/executor/probe.h"
 #include "pipeline/stage/batch_planner.h"
@@ -42,11 +43,11 @@ std::vector<PlanSource> sources_of(CubeMeshes& meshes) {
   return sources;
 }
 
-// The counts of all meshes, label by label.
+// The counts of all meshes, one material after the other.
 class SortedBlocks {
  public:
   explicit SortedBlocks(const RetileInputs& inputs)
-      : job_(inputs.job), blocks_(job_.folder.parent_path(), sorter_bytes) {
+      : job_(inputs.job), labels_(inputs.labels), blocks_(job_.folder.parent_path(), sorter_bytes) {
     CubeMeshes& meshes = inputs.meshes;
     probe_in_order<Counts>(
         meshes.size(), meshes_ahead,
@@ -85,6 +86,11 @@ class SortedBlocks {
       planner.push({next_->key.code, tile_block_level, static_cast<std::uint32_t>(half), half});
     }
     planner.finish();
+    // A label without triangles has a tile all the same, an empty one: it is listed as one whose
+    // stitched mesh is empty is.
+    if (surface.tiles.empty() && labels_ == LabelMode::each)
+      surface.tiles.push_back(
+          {0, static_cast<std::uint32_t>(domain_level(job_.frame.size)), 0, 0, 0});
     return surface;
   }
 
@@ -99,169 +105,74 @@ class SortedBlocks {
   }
 
   const RetileJob& job_;
+  const LabelMode labels_;
   ExternalSorter<BlockOrder> blocks_;
   std::optional<BlockOrder::Head> next_;
 };
 
-// Nothing where there is none, it is of other parameters, or damaged.
-std::unique_ptr<TilePlanArtifact> plan_on_disk(const RetileJob& job, Hash128 key) {
-  if (!std::filesystem::exists(job.plan_path())) return nullptr;
-  try {
-    auto artifact = std::make_unique<TilePlanArtifact>(job.plan_path());
-    if (artifact->key() == key) return artifact;
-  } catch (const DamagedArtifact& damage) {
-    spdlog::debug("{}", damage.what());
-  }
-  return nullptr;
-}
-
-// One surface.
-class SurfaceRetilePlan final : public RetilePlan {
- public:
-  SurfaceRetilePlan(const RetileInputs& inputs, bool trust) : job_(inputs.job) {
-    on_disk_ = take_from_disk(inputs, trust);
-    if (!on_disk_) {
-      tiles_ = SortedBlocks(inputs).plan(0).tiles;
-      sources_ = sources_of(inputs.meshes);
-    }
-    units_ = unit_plan(tiles_);
-  }
-
-  const UnitPlan& units() const override { return *units_; }
-  std::vector<RefinedTile> tiles(std::uint64_t unit) const override { return {{0, tiles_[unit]}}; }
-  Hash128 content() const override {
-    KeyHasher key;
-    key.bytes(as_section(tiles_)).bytes(as_section(sources_));
-    return key.finish();
-  }
-  void write() override {
-    write_tile_plan(job_.plan_path(), job_.key, {tiles_, sources_});
-    on_disk_ = true;
-  }
-
- private:
-  bool take_from_disk(const RetileInputs& inputs, bool trust) {
-    const auto artifact = plan_on_disk(job_, job_.key);
-    if (artifact == nullptr) return false;
-    try {
-      tiles_ = artifact->tiles();
-      sources_ = artifact->sources();
-    } catch (const DamagedArtifact& damage) {
-      spdlog::debug("{}", damage.what());
-      return false;
-    }
-    return sources_.size() == inputs.meshes.size() &&
-           (trust || sources_ == sources_of(inputs.meshes));
-  }
-
-  const RetileJob& job_;
-  std::vector<PlannedTile> tiles_;
-  std::unique_ptr<UnitPlan> units_;
-};
-
-// Of labels: a file from the start, which is elsewhere until write(). So what it takes in memory is
-// what merge's plan does.
-class LabelRetilePlan final : public RetilePlan {
- public:
-  LabelRetilePlan(const RetileInputs& inputs, bool trust)
-      : job_(inputs.job),
-        // The list of labels is merge's, and how many vertices each had.
-        key_(KeyHasher().hash(job_.key).hash(inputs.top.content_hash()).finish()) {
-    on_disk_ = take_from_disk(inputs, trust);
-    if (on_disk_) return;
-    scratch_ = temporary_name(job_.folder.parent_path() / job_.plan_path().filename());
-    make(inputs);
-    open(std::make_unique<TilePlanArtifact>(scratch_));
-  }
-  ~LabelRetilePlan() override {
-    std::error_code error;
-    if (!scratch_.empty()) std::filesystem::remove(scratch_, error);
-  }
-  LabelRetilePlan(const LabelRetilePlan&) = delete;
-  LabelRetilePlan& operator=(const LabelRetilePlan&) = delete;
-
-  const UnitPlan& units() const override { return *units_; }
-  std::vector<RefinedTile> tiles(std::uint64_t unit) const override {
-    const BatchRecord& batch = batches_[unit];
-    const auto surfaces = tables_->surfaces(batch.first_surface, batch.surfaces);
-    std::vector<RefinedTile> tiles;
-    for (const PlannedTile& tile : tables_->tiles(batch.first_tile, batch.tiles))
-      tiles.push_back({surfaces[tiles.size()].material, tile});
-    return tiles;
-  }
-  Hash128 content() const override { return artifact_->content_hash(); }
-  void write() override {
-    make_directories(job_.folder);
-    std::filesystem::rename(scratch_, job_.plan_path());
-    scratch_.clear();
-    open(std::make_unique<TilePlanArtifact>(job_.plan_path()));
-    on_disk_ = true;
-  }
-
- private:
-  bool take_from_disk(const RetileInputs& inputs, bool trust) {
-    auto artifact = plan_on_disk(job_, key_);
-    if (artifact == nullptr) return false;
-    try {
-      open(std::move(artifact));
-    } catch (const DamagedArtifact& damage) {
-      spdlog::debug("{}", damage.what());
-      return false;
-    }
-    return sources_.size() == inputs.meshes.size() &&
-           (trust || sources_ == sources_of(inputs.meshes));
-  }
-
-  void make(const RetileInputs& inputs) const {
-    SortedBlocks blocks(inputs);
-    const MaterialTop merged(inputs.top);
-    LabelTilePlanWriter out(scratch_, key_);
-    BatchPlanner batches(out, job_.tile_vertices);
-    for (std::uint64_t first = 0; first < merged.surface_count(); first += page_records) {
-      const std::uint64_t count = std::min(page_records, merged.surface_count() - first);
-      for (const SurfaceRecord& surface : merged.surfaces(first, count))
-        add(surface, blocks.plan(surface.material), out, batches);
-    }
-    batches.finish();
-    out.finish(sources_of(inputs.meshes));
-  }
-
-  // A label without triangles has a tile all the same, an empty one: it is listed as one whose
-  // stitched mesh is empty is.
-  void add(const SurfaceRecord& surface, SortedBlocks::Surface&& planned, LabelTilePlanWriter& out,
-           BatchPlanner& batches) const {
-    std::vector<PlannedTile>& tiles = planned.tiles;
-    if (tiles.empty())
-      tiles.push_back({0, static_cast<std::uint32_t>(domain_level(job_.frame.size)), 0, 0, 0});
-    for (const PlannedTile& tile : tiles) out.tile(tile);
-    out.end_surface(surface.material, surface.vertices - planned.lost_vertices);
-    batches.add(surface.material, tiles, 0, [](KeyHasher&, const PlannedTile&) {});
-  }
-
-  void open(std::unique_ptr<TilePlanArtifact> artifact) {
-    units_.reset();
-    tables_.reset();
-    artifact_ = std::move(artifact);
-    sources_ = artifact_->sources();
-    tables_.emplace(artifact_->file());
-    batches_ = tables_->batches();
-    units_ = unit_plan(*artifact_);
-  }
-
-  const RetileJob& job_;
-  const Hash128 key_;
-  std::filesystem::path scratch_;  // empty: it is where the job has it
-  std::unique_ptr<TilePlanArtifact> artifact_;
-  std::optional<MaterialTop> tables_;
-  std::vector<BatchRecord> batches_;
-  std::unique_ptr<UnitPlan> units_;
-};
-
 }  // namespace
 
-std::unique_ptr<RetilePlan> retile_plan(const RetileInputs& inputs, bool trust) {
-  if (inputs.labels == LabelMode::each) return std::make_unique<LabelRetilePlan>(inputs, trust);
-  return std::make_unique<SurfaceRetilePlan>(inputs, trust);
+RetilePlan::RetilePlan(const RetileInputs& inputs, bool trust)
+    : job_(inputs.job),
+      // The list of materials is merge's, and how many vertices each had.
+      key_(KeyHasher().hash(job_.key).hash(inputs.top.content_hash()).finish()),
+      labels_(inputs.labels) {
+  if (take_from_disk(inputs, trust)) return;
+  scratch_ = temporary_name(job_.folder.parent_path() / job_.plan_path().filename());
+  make(inputs);
+  open(std::make_unique<TilePlanArtifact>(scratch_));
+}
+
+RetilePlan::~RetilePlan() {
+  std::error_code error;
+  if (!scratch_.empty()) std::filesystem::remove(scratch_, error);
+}
+
+void RetilePlan::write() {
+  make_directories(job_.folder);
+  std::filesystem::rename(scratch_, job_.plan_path());
+  scratch_.clear();
+  open(std::make_unique<TilePlanArtifact>(job_.plan_path()));
+}
+
+// False where there is none, it is of others, or damaged.
+bool RetilePlan::take_from_disk(const RetileInputs& inputs, bool trust) {
+  if (!std::filesystem::exists(job_.plan_path())) return false;
+  try {
+    auto artifact = std::make_unique<TilePlanArtifact>(job_.plan_path());
+    if (artifact->key() != key_) return false;
+    open(std::move(artifact));
+  } catch (const DamagedArtifact& damage) {
+    spdlog::debug("{}", damage.what());
+    return false;
+  }
+  return sources_.size() == inputs.meshes.size() &&
+         (trust || sources_ == sources_of(inputs.meshes));
+}
+
+void RetilePlan::make(const RetileInputs& inputs) const {
+  SortedBlocks blocks(inputs);
+  const MaterialTop merged(inputs.top);
+  TilePlanWriter out(scratch_, key_);
+  BatchPlanner batches(out, job_.tile_vertices);
+  for (std::uint64_t first = 0; first < merged.surface_count(); first += page_records) {
+    const std::uint64_t count = std::min(page_records, merged.surface_count() - first);
+    for (const SurfaceRecord& surface : merged.surfaces(first, count)) {
+      const SortedBlocks::Surface planned = blocks.plan(surface.material);
+      for (const PlannedTile& tile : planned.tiles) out.tile(tile);
+      out.end_surface(surface.material, surface.vertices - planned.lost_vertices);
+      batches.add(surface.material, planned.tiles, 0, [](KeyHasher&, const PlannedTile&) {});
+    }
+  }
+  batches.finish();
+  out.finish(sources_of(inputs.meshes));
+}
+
+void RetilePlan::open(std::unique_ptr<TilePlanArtifact> artifact) {
+  units_.reset();
+  artifact_ = std::move(artifact);
+  sources_ = artifact_->sources();
+  units_.emplace(artifact_->file(), labels_, true);
 }
 
 }  // namespace voxweld

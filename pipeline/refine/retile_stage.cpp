@@ -56,7 +56,7 @@ class RetileStage final : public StageWork {
   }
   std::uint64_t bytes(std::uint64_t unit) override {
     std::uint64_t most = 0;
-    for (const RefinedTile& refined : plan_.tiles(unit)) {
+    for (const UnitTile& refined : plan_.units().tiles(unit)) {
       const PlannedTile& tile = refined.tile;
       const TilePieces found = pieces_of(refined);
       // A tile also refers to vertices beyond its border.
@@ -71,13 +71,9 @@ class RetileStage final : public StageWork {
     if (!plan_.on_disk()) plan_.write();
   }
   void run(const Unit& unit, WorkerContext& worker) override {
-    const std::vector<RefinedTile> tiles = plan_.tiles(unit.key);
-    if (!plan_.units().of_labels()) {
-      write_tile(path_of(unit.key), key(unit.key), mesh_of(tiles.front(), worker));
-      return;
-    }
-    LabelTilesWriter out(path_of(unit.key), key(unit.key));
-    for (const RefinedTile& tile : tiles) out.add(tile.label, mesh_of(tile, worker));
+    TileWriter out(path_of(unit.key), key(unit.key), plan_.units().of_labels());
+    for (const UnitTile& tile : plan_.units().tiles(unit.key))
+      out.add(tile.material, mesh_of(tile, worker));
     out.finish();
   }
 
@@ -86,7 +82,7 @@ class RetileStage final : public StageWork {
     return tile_artifact_path(job_.folder, plan_.units(), unit);
   }
 
-  TileMesh mesh_of(const RefinedTile& refined, const WorkerContext& worker) {
+  TileMesh mesh_of(const UnitTile& refined, const WorkerContext& worker) {
     const PlannedTile& planned = refined.tile;
     MeshGather mesh;
     const TilePieces found = pieces_of(refined);
@@ -117,11 +113,12 @@ class RetileStage final : public StageWork {
     return file;
   }
 
-  TilePieces pieces_of(const RefinedTile& refined) {
+  TilePieces pieces_of(const UnitTile& refined) {
     const PlannedTile& tile = refined.tile;
     const int bits = 3 * job_.frame.level;
     const std::uint64_t last = tile.code + (std::uint64_t{1} << (3 * tile.level)) - 1;
-    const CubeKey begin{refined.label, tile.code >> bits}, end{refined.label, (last >> bits) + 1};
+    const CubeKey begin{refined.material, tile.code >> bits},
+        end{refined.material, (last >> bits) + 1};
     TilePieces found;
     std::set<std::uint64_t> patched;  // cubes whose other pieces are not there any more
     spans_.each(begin, end, [&](std::size_t i) {
@@ -145,8 +142,8 @@ class RetileStage final : public StageWork {
   Hash128 key(std::uint64_t unit) {
     KeyHasher key;
     key.hash(job_.key);
-    for (const RefinedTile& refined : plan_.tiles(unit)) {
-      if (plan_.units().of_labels()) key.integer(static_cast<std::int64_t>(refined.label));
+    for (const UnitTile& refined : plan_.units().tiles(unit)) {
+      key.integer(static_cast<std::int64_t>(refined.material));
       key.integer(static_cast<std::int64_t>(refined.tile.code)).integer(refined.tile.level);
       for (const PieceRead& piece : pieces_of(refined).pieces) {
         const auto artifact = open_planned(piece.artifact);

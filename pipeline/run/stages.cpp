@@ -173,9 +173,9 @@ CubeMeshes& Stages::refined() {
 
 RetilePlan& Stages::retile_plan() {
   const bool one_of_many = context_.inputs_checked || !context_.selection.all();
-  if (retile_plan_ == nullptr)
-    retile_plan_ = voxweld::retile_plan(
-        {jobs_.retile(), refined(), top(), context_.config.labels.mode}, one_of_many);
+  if (!retile_plan_)
+    retile_plan_.emplace(
+        RetileInputs{jobs_.retile(), refined(), top(), context_.config.labels.mode}, one_of_many);
   return *retile_plan_;
 }
 

@@ -59,7 +59,7 @@ class Stages {
   std::optional<std::vector<RefineUnit>> refine_units_;
   std::optional<CubeMeshes> refined_;
   std::unique_ptr<CollapseChoice> refine_choice_, seams_choice_;
-  std::unique_ptr<RetilePlan> retile_plan_;
+  std::optional<RetilePlan> retile_plan_;
   std::array<std::unique_ptr<StageWork>, all_stages.size()> works_;
 };
 

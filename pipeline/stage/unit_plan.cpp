@@ -25,21 +25,11 @@ bool of_several(const BatchRecord& unit) {
 
 }  // namespace
 
-UnitPlan::UnitPlan(std::span<const PlannedTile> tiles) {
-  for (const PlannedTile& tile : tiles) {
-    BatchRecord& unit = units_.emplace_back();
-    unit.surface_tiles = tiles.size();
-    unit.tile_code = tile.code;
-    unit.tile_level = tile.level;
-    unit.vertices = unit.most_vertices = tile.vertices;
-    unit.polygons = unit.most_polygons = tile.polygons;
-  }
-}
-
-UnitPlan::UnitPlan(const ArtifactReader& labels, bool as_whole)
-    : labels_(labels), as_whole_(as_whole) {
-  units_ = labels_->batches();
-}
+UnitPlan::UnitPlan(const ArtifactReader& file, LabelMode mode, bool as_whole)
+    : tables_(file),
+      units_(tables_.batches()),
+      of_labels_(mode == LabelMode::each),
+      as_whole_(of_labels_ && as_whole) {}
 
 std::string UnitPlan::name(std::uint64_t unit) const {
   const BatchRecord& batch = units_[unit];
@@ -85,9 +75,20 @@ std::vector<PlannedMesh> UnitPlan::meshes(std::uint64_t unit) const {
     return {{tile_stem(root, batch.tile(), batch.surface_tiles).string(), counted_in(batch)}};
   }
   std::vector<PlannedMesh> meshes;
-  for (const SurfaceRecord& surface : labels_->surfaces(batch.first_surface, batch.surfaces))
+  for (const SurfaceRecord& surface : tables_.surfaces(batch.first_surface, batch.surfaces))
     meshes.push_back({label_stem(surface.material).string(), surface.vertices});
   return meshes;
+}
+
+std::vector<UnitTile> UnitPlan::tiles(std::uint64_t unit) const {
+  const BatchRecord& batch = units_[unit];
+  // So a surface's are known without its tables, however many there are.
+  if (batch.tiles == 1) return {{batch.material, total(unit)}};
+  const auto surfaces = tables_.surfaces(batch.first_surface, batch.surfaces);
+  std::vector<UnitTile> tiles;
+  for (const PlannedTile& tile : tables_.tiles(batch.first_tile, batch.tiles))
+    tiles.push_back({surfaces[tiles.size()].material, tile});
+  return tiles;
 }
 
 bool UnitPlan::spread(std::uint64_t unit) const {
@@ -97,7 +98,7 @@ bool UnitPlan::spread(std::uint64_t unit) const {
 // By a tile of a surface, or of a label that has several.
 std::uint64_t UnitPlan::counted_in(const BatchRecord& unit) const {
   if (!as_whole_) return unit.vertices;
-  const SurfaceRecord surface = labels_->surfaces(unit.first_surface, 1).front();
+  const SurfaceRecord surface = tables_.surfaces(unit.first_surface, 1).front();
   return unit.first_tile == surface.first_tile ? surface.vertices : 0;
 }
 
@@ -123,17 +124,7 @@ std::vector<PlannedTile> UnitPlan::largest_tiles() const {
 }
 
 std::unique_ptr<UnitPlan> unit_plan(const TopArtifact& top, LabelMode mode, bool by_sheets) {
-  if (mode == LabelMode::each) return std::make_unique<UnitPlan>(top.file(), by_sheets);
-  const MaterialTop tables(top);
-  return unit_plan(tables.tiles(0, tables.tile_count()));
-}
-
-std::unique_ptr<UnitPlan> unit_plan(const TilePlanArtifact& plan) {
-  return std::make_unique<UnitPlan>(plan.file(), true);
-}
-
-std::unique_ptr<UnitPlan> unit_plan(std::vector<PlannedTile> tiles) {
-  return std::make_unique<UnitPlan>(tiles);
+  return std::make_unique<UnitPlan>(top.file(), mode, by_sheets);
 }
 
 }  // namespace voxweld

@@ -5,12 +5,10 @@
 
 #include <filesystem>
 #include <memory>
-#include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "storage/artifact/tile_plan_artifact.h"
+#include "storage/artifact/material_top.h"
 #include "storage/artifact/top_artifact.h"
 #include "storage/types/material.h"
 
@@ -23,13 +21,17 @@ struct PlannedMesh {
   std::uint64_t vertices = 0;
 };
 
+// A tile of a unit. The material is the label, or `sole_material`.
+struct UnitTile {
+  Material material = sole_material;
+  PlannedTile tile;
+};
+
 class UnitPlan {
  public:
-  // Of one surface, a unit a tile.
-  explicit UnitPlan(std::span<const PlannedTile> tiles);
-  // Of labels, by the tables in a file that outlives it. as_whole: tiles were planned by other numbers
-  // of vertices than they have.
-  UnitPlan(const ArtifactReader& labels, bool as_whole);
+  // By the tables in a file that outlives it. as_whole: of labels, whose tiles were planned by other
+  // numbers of vertices than they have.
+  UnitPlan(const ArtifactReader& file, LabelMode mode, bool as_whole);
 
   // Units are numbered in Morton order, those of labels by label first.
   std::uint64_t size() const { return units_.size(); }
@@ -40,11 +42,12 @@ class UnitPlan {
   // Where its artifact or record is, below `root`: in folders that stay small.
   std::filesystem::path path(const std::filesystem::path& root, std::uint64_t unit,
                              const std::string& ending) const;
-  // Its meshes, in their order.
+  // Its meshes, and its tiles, in their order. Thread-safe.
   std::vector<PlannedMesh> meshes(std::uint64_t unit) const;
+  std::vector<UnitTile> tiles(std::uint64_t unit) const;
   // Whether each mesh is the closed surface of one label: those of neighbours lie on each other, so
   // that all of them are no one mesh.
-  bool of_labels() const { return labels_.has_value(); }
+  bool of_labels() const { return of_labels_; }
   // Of a label: its files are spread over folders, since it has so many.
   bool spread(std::uint64_t unit) const;
   // The largest tile of each unit.
@@ -53,19 +56,13 @@ class UnitPlan {
  private:
   std::uint64_t counted_in(const BatchRecord& unit) const;
 
+  MaterialTop tables_;
   std::vector<BatchRecord> units_;
-  std::optional<MaterialTop> labels_;
-  bool as_whole_ = false;
+  bool of_labels_, as_whole_;
 };
 
 // mode, by_sheets: of the run that made the top tree, which the plan refers to.
 std::unique_ptr<UnitPlan> unit_plan(const TopArtifact& top, LabelMode mode, bool by_sheets = false);
-
-// Of refined labels. The plan refers to it.
-std::unique_ptr<UnitPlan> unit_plan(const TilePlanArtifact& plan);
-
-// Of one surface, a unit a tile.
-std::unique_ptr<UnitPlan> unit_plan(std::vector<PlannedTile> tiles);
 
 std::string cube_name(CellKey tile);  // "7-0-0-0": level and index, the same in every run
 

@@ -76,15 +76,13 @@ void StitchWork::run(std::uint64_t unit, const std::filesystem::path& path, Stit
       add_pieces(*out, material, to_refine_mesh(std::move(mesh)), *cubes_);
     });
     finish_stitched(*out);
-  } else if (of_labels_) {
-    LabelTilesWriter out(path, key_of_labels(unit));
-    each_mesh(unit, scratch, worker,
-              [&](const Hash128&, Material label, const TileMesh& mesh) { out.add(label, mesh); });
-    out.finish();
   } else {
-    each_mesh(unit, scratch, worker, [&](const Hash128& key, Material, const TileMesh& mesh) {
-      write_tile(path, key, mesh);
+    std::optional<TileWriter> out;
+    each_mesh(unit, scratch, worker, [&](const Hash128& key, Material material, TileMesh&& mesh) {
+      if (!out) out.emplace(path, key, of_labels_);
+      out->add(material, mesh);
     });
+    out->finish();
   }
 }
 

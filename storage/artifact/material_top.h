@@ -11,7 +11,7 @@
 //                shards: the links (node_record_bytes.h) of the shards' clusters to the leaves above
 //                all shards, which none of the shards has
 // Pages as paged_table.h has them: of a million labels only the batches are ever held together. The
-// plan of tiles of refined labels has the same tables (tile_plan_artifact.h).
+// plan of tiles of a refined mesh has the same tables (tile_plan_artifact.h).
 #pragma once
 
 #include "storage/artifact/paged_table.h"

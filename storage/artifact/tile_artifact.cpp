@@ -42,22 +42,16 @@ void write_mesh(ArtifactWriter& file, std::uint64_t number, const TileMesh& mesh
 
 }  // namespace
 
-Hash128 write_tile(const std::filesystem::path& path, Hash128 key, const TileMesh& mesh) {
-  ArtifactWriter file(path, {tile_kind, tile_version, key});
-  write_mesh(file, 0, mesh);
-  return file.commit();
+TileWriter::TileWriter(const std::filesystem::path& path, Hash128 key, bool of_labels)
+    : file_(path, {tile_kind, tile_version, key}), of_labels_(of_labels) {}
+
+void TileWriter::add(Material material, const TileMesh& mesh) {
+  write_mesh(file_, materials_.size(), mesh);
+  materials_.push_back(material);
 }
 
-LabelTilesWriter::LabelTilesWriter(const std::filesystem::path& path, Hash128 key)
-    : file_(path, {tile_kind, tile_version, key}) {}
-
-void LabelTilesWriter::add(Material label, const TileMesh& mesh) {
-  write_mesh(file_, labels_.size(), mesh);
-  labels_.push_back(label);
-}
-
-Hash128 LabelTilesWriter::finish() {
-  file_.section(tile_labels_section, as_section(labels_));
+Hash128 TileWriter::finish() {
+  if (of_labels_) file_.section(tile_labels_section, as_section(materials_));
   return file_.commit();
 }
 

@@ -34,18 +34,17 @@ struct TileHeader {
   CellKey key() const { return CellKey::of(code, level); }
 };
 
-Hash128 write_tile(const std::filesystem::path& path, Hash128 key, const TileMesh& mesh);
-
-// The meshes of several labels, one at a time.
-class LabelTilesWriter {
+// Of labels (labels.mode = "each") one mesh after the other, else one mesh.
+class TileWriter {
  public:
-  LabelTilesWriter(const std::filesystem::path& path, Hash128 key);
-  void add(Material label, const TileMesh& mesh);
+  TileWriter(const std::filesystem::path& path, Hash128 key, bool of_labels);
+  void add(Material material, const TileMesh& mesh);
   Hash128 finish();
 
  private:
   ArtifactWriter file_;
-  std::vector<Material> labels_;
+  bool of_labels_;
+  std::vector<Material> materials_;
 };
 
 class TileArtifact : public OpenArtifact {

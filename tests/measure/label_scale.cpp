@@ -89,7 +89,7 @@ void write_batches(const StitchJob& job, const TopArtifact& top, const UnitPlan&
   const MaterialTop labels(top);
   const std::vector<BatchRecord> batches = labels.batches();
   probe_all(plan.size(), [&](std::size_t i) {
-    LabelTilesWriter out(tile_artifact_path(job.folder, plan, i), work.key(i));
+    TileWriter out(tile_artifact_path(job.folder, plan, i), work.key(i), true);
     for (const SurfaceRecord& s : labels.surfaces(batches[i].first_surface, batches[i].surfaces))
       out.add(s.material, {});
     out.finish();

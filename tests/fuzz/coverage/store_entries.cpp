@@ -107,10 +107,6 @@ void read_cubes(const fs::path& path) {
 void read_tile_plan(const fs::path& path) {
   const TilePlanArtifact plan(path);
   plan.sources();
-  if (!plan.of_labels()) {
-    plan.tiles();
-    return;
-  }
   read_tables(MaterialTop(plan.file()));
 }
 // Records want their array's layout: one of the sizes of the specimens' stores.

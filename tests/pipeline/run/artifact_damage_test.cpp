@@ -81,10 +81,7 @@ void read_all_of_cubes(const fs::path& path) {
 void read_all_of_tile_plan(const fs::path& path) {
   const TilePlanArtifact artifact(path);
   artifact.sources();
-  if (artifact.of_labels())
-    read_all_of_tables(MaterialTop(artifact.file()));
-  else
-    artifact.tiles();
+  read_all_of_tables(MaterialTop(artifact.file()));
 }
 
 void read_all_of_counts(const fs::path& path) {

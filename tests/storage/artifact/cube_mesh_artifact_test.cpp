@@ -176,25 +176,8 @@ TEST_F(CubeMeshFile, NumbersThatNameNothingAreRefused) {
 TEST(TilePlanFile, ReadsBack) {
   const TempDirectory directory;
   const auto path = directory / "tile.plan";
-  const TilePlanParts parts{{{64, 5, 0, 7, 8}}, {{{1, 2}, 3, {0, 4}, {0, 5}}, {}}};
-  write_tile_plan(path, {8, 9}, parts);
-  const TilePlanArtifact file(path);
-  EXPECT_EQ(file.key(), (Hash128{8, 9}));
-  EXPECT_FALSE(file.of_labels());
-  EXPECT_EQ(file.sources(), parts.sources);
-  ASSERT_EQ(file.tiles().size(), 1u);
-  EXPECT_EQ(file.tiles()[0].polygons, 8u);
-  auto bytes = read_whole_file(path);
-  bytes[65] ^= std::byte{1};
-  write_whole_file(path, bytes, Durability::rename_only);
-  EXPECT_THROW(TilePlanArtifact(path).tiles(), DamagedArtifact);
-}
-
-TEST(TilePlanFile, OfLabelsHasTheirTables) {
-  const TempDirectory directory;
-  const auto path = directory / "tile.plan";
   const std::vector<PlanSource> sources = {{{1, 2}, 3, {4, 5}, {6, 7}}};
-  LabelTilePlanWriter out(path, {8, 9});
+  TilePlanWriter out(path, {8, 9});
   for (const Material label : {Material{3}, Material{1} << 50}) {
     out.tile({64, 5, 0, 7, 8});
     out.end_surface(label, label == 3 ? 6 : 9);
@@ -205,7 +188,7 @@ TEST(TilePlanFile, OfLabelsHasTheirTables) {
   out.batch(batch);
   out.finish(sources);
   const TilePlanArtifact file(path);
-  EXPECT_TRUE(file.of_labels());
+  EXPECT_EQ(file.key(), (Hash128{8, 9}));
   EXPECT_EQ(file.sources(), sources);
   const MaterialTop tables(file.file());
   EXPECT_EQ(tables.batches().at(0).surfaces, 2u);
@@ -213,6 +196,11 @@ TEST(TilePlanFile, OfLabelsHasTheirTables) {
   EXPECT_EQ(tables.surfaces(0, 2)[1].material, Material{1} << 50);
   EXPECT_EQ(tables.surfaces(0, 2)[1].vertices, 9u);
   EXPECT_EQ(tables.tiles(1, 1)[0].polygons, 8u);
+  auto bytes = read_whole_file(path);
+  bytes[65] ^= std::byte{1};
+  write_whole_file(path, bytes, Durability::rename_only);
+  const TilePlanArtifact damaged(path);
+  EXPECT_THROW(MaterialTop(damaged.file()).tiles(0, 2), DamagedArtifact);
 }
 
 }  // namespace
