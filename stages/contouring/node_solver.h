@@ -19,7 +19,8 @@ struct HermitePlane {
 };
 
 struct NodeSolution {
-  // From the node's centre. Inside the node, but for the overhang of finest cells.
+  // From the node's centre. Inside the node, but for the overhang of finest cells; and no further than
+  // a cell from those that its planes are of.
   std::array<float, 3> offset{};
   float residual = 0;  // metric rms: root mean square distance; sum: root of the sum
 };
@@ -43,7 +44,11 @@ class NodeSolver {
 
   // Factors -> minimisers inside nodes of this level; only the lanes below `count` count.
   void solve(int level, std::size_t count);
-  Qef qef(std::size_t lane) const { return store_lane(factors_, lane); }
+  Qef qef(std::size_t lane) const {
+    Qef qef = store_lane(factors_, lane);
+    qef.extent = extents_[lane];
+    return qef;
+  }
   NodeSolution solution(std::size_t lane) const;
 
   // With qef = "normal" sums are in the volume's coordinates: each lane's node centre there. The QR
@@ -57,6 +62,8 @@ class NodeSolver {
 
  private:
   void merge_from(Vec3 half);
+  void join_extents(bool in_place);
+  LaneBox box(int level, std::size_t lane) const;
   Vec3 half_side(int level) const {
     return parameters_.spacing * (0.5 * static_cast<double>(std::int64_t{1} << level));
   }
@@ -68,6 +75,9 @@ class NodeSolver {
   FactorBatch factors_;
   SolutionBatch solutions_;
   std::array<Vec3, lanes> centres_{};
+  std::array<CellExtent, lanes> extents_{};
+  std::array<std::array<CellExtent, lanes>, 8> child_extents_{};  // by octant
+  std::array<std::uint8_t, lanes> children_of_{};                 // one bit for each octant
 };
 
 }  // namespace voxweld

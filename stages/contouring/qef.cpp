@@ -168,11 +168,11 @@ void load_lane(const Qef& qef, std::size_t lane, FactorBatch& factor) {
   factor.planes[lane] = planes;
 }
 
-void constrain_lane(const FactorBatch& factor, std::size_t lane, Vec3 half, double threshold,
-                    SolutionBatch& solution) {
-  const double h[3] = {half.x, half.y, half.z};
+void constrain_lane(const FactorBatch& factor, std::size_t lane, const LaneBox& box,
+                    double threshold, SolutionBatch& solution) {
   bool inside = true;
-  for (std::size_t a = 0; a < 3; ++a) inside = inside && std::abs(solution.x[a][lane]) <= h[a];
+  for (int a = 0; a < 3; ++a)
+    inside = inside && box.contains(a, solution.x[static_cast<std::size_t>(a)][lane]);
   if (inside) return;
 
   const Plain p = plain_lane(factor, lane);
@@ -181,31 +181,36 @@ void constrain_lane(const FactorBatch& factor, std::size_t lane, Vec3 half, doub
   double largest = 0;
   for (const auto& column : p.r) largest = std::max(largest, squared(column));
   const double cut = largest * threshold * threshold;
-  const auto clamped_mass = [&](int axis) { return std::clamp(p.mass[axis], -h[axis], h[axis]); };
+  const auto clamped_mass = [&](int axis) { return box.clamp(axis, p.mass[axis]); };
+  const auto end = [&](int axis, bool high) {
+    return (high ? box.hi : box.lo)[static_cast<std::size_t>(axis)];
+  };
 
   Candidates candidates(p);
   for (int axis = 0; axis < 3; ++axis)
-    for (const double side : {-1.0, 1.0}) {
+    for (const bool high : {false, true}) {
       const int u = (axis + 1) % 3, v = (axis + 2) % 3;
       double x[3];
-      x[axis] = side * h[axis];
+      x[axis] = end(axis, high);
       x[u] = clamped_mass(u);
       x[v] = clamped_mass(v);
       solve_face(p, u, v, cut, x);
-      if (std::abs(x[u]) <= h[u] && std::abs(x[v]) <= h[v]) candidates.offer(x);
+      if (box.contains(u, x[u]) && box.contains(v, x[v])) candidates.offer(x);
     }
   for (int axis = 0; axis < 3; ++axis)
     for (int corner = 0; corner < 4; ++corner) {
       const int u = (axis + 1) % 3, v = (axis + 2) % 3;
       double x[3];
       x[axis] = clamped_mass(axis);
-      x[u] = (corner & 1) != 0 ? h[u] : -h[u];
-      x[v] = (corner & 2) != 0 ? h[v] : -h[v];
+      x[u] = end(u, (corner & 1) != 0);
+      x[v] = end(v, (corner & 2) != 0);
       solve_edge(p, axis, cut, x);
-      x[axis] = std::clamp(x[axis], -h[axis], h[axis]);
+      x[axis] = box.clamp(axis, x[axis]);
       candidates.offer(x);
     }
-  const double slack = float_noise * std::sqrt(factor.planes[lane] * squared(h));
+  double far[3];
+  for (std::size_t a = 0; a < 3; ++a) far[a] = std::max(std::abs(box.lo[a]), std::abs(box.hi[a]));
+  const double slack = float_noise * std::sqrt(factor.planes[lane] * squared(far));
   const Candidates::Candidate& best = candidates.best(slack);
   for (std::size_t a = 0; a < 3; ++a) solution.x[a][lane] = best.x[a];
   solution.energy[lane] = best.energy;

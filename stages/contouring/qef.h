@@ -12,6 +12,7 @@
 // same bits on every vector unit. Results are rounded to float once, on storing.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -74,10 +75,22 @@ const QefKernels* qef_kernels_avx512();
 Qef store_lane(const FactorBatch& factor, std::size_t lane);
 void load_lane(const Qef& qef, std::size_t lane, FactorBatch& factor);
 
-// Replaces the solution of one lane by the minimiser over the box |x| <= half on each axis, where
-// it lies outside: exact over the box's faces, edges and corners, each solved with the same
+// Relative to the node's centre.
+struct LaneBox {
+  std::array<double, 3> lo{}, hi{};
+  bool contains(int axis, double x) const {
+    const auto a = static_cast<std::size_t>(axis);
+    return lo[a] <= x && x <= hi[a];
+  }
+  double clamp(int axis, double x) const {
+    const auto a = static_cast<std::size_t>(axis);
+    return std::clamp(x, lo[a], hi[a]);
+  }
+};
+
+// Replaces the solution of one lane by the minimiser over the box, where it lies outside: exact over the box's faces, edges and corners, each solved with the same
 // threshold; where many are equal but for rounding, the one nearest the mass point.
-void constrain_lane(const FactorBatch& factor, std::size_t lane, Vec3 half, double threshold,
-                    SolutionBatch& solution);
+void constrain_lane(const FactorBatch& factor, std::size_t lane, const LaneBox& box,
+                    double threshold, SolutionBatch& solution);
 
 }  // namespace voxweld

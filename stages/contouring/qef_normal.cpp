@@ -83,8 +83,8 @@ void merge_normal(const ChildBatch& batch, Vec3 half, FactorBatch& out) {
       if (out.planes[lane] > 0) out.mass[a][lane] /= out.planes[lane];
 }
 
-void solve_normal(const FactorBatch& factor, const std::array<Vec3, lanes>& centre, Vec3 half,
-                  double threshold, SolutionBatch& out) {
+void solve_normal(const FactorBatch& factor, const std::array<Vec3, lanes>& centre,
+                  const std::array<LaneBox, lanes>& boxes, double threshold, SolutionBatch& out) {
   for (std::size_t lane = 0; lane < lanes; ++lane) {
     const auto r = [&](std::size_t i) { return factor.r[i][lane]; };
     double a[3][3] = {{r(0), r(1), r(2)}, {r(1), r(4), r(5)}, {r(2), r(5), r(7)}}, v[3][3];
@@ -104,7 +104,7 @@ void solve_normal(const FactorBatch& factor, const std::array<Vec3, lanes>& cent
     }
     double quadratic = 0, linear = 0;
     for (int i = 0; i < 3; ++i) {
-      const double local = std::clamp(x[i] - centre[lane][i], -half[i], half[i]);
+      const double local = boxes[lane].clamp(i, x[i] - centre[lane][i]);
       out.x[static_cast<std::size_t>(i)][lane] = local;
       x[i] = local + centre[lane][i];
     }

@@ -12,7 +12,7 @@ namespace voxweld {
 void reduce_normal(const PlaneBatch& batch, const std::array<Vec3, lanes>& centre,
                    FactorBatch& out);
 void merge_normal(const ChildBatch& batch, Vec3 half, FactorBatch& out);
-void solve_normal(const FactorBatch& factor, const std::array<Vec3, lanes>& centre, Vec3 half,
-                  double threshold, SolutionBatch& out);
+void solve_normal(const FactorBatch& factor, const std::array<Vec3, lanes>& centre,
+                  const std::array<LaneBox, lanes>& boxes, double threshold, SolutionBatch& out);
 
 }  // namespace voxweld

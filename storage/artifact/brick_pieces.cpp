@@ -21,7 +21,7 @@ static_assert(std::has_unique_object_representations_v<GhostCell> &&
               std::has_unique_object_representations_v<PolygonRefs> &&
               std::has_unique_object_representations_v<MaterialPair>);
 static_assert(sizeof(LeafVertex) == 28 && sizeof(GhostVertex) == 32 &&
-              sizeof(RootRecord) == 8 + 52 + 40 + 28 + 8 + 64 &&
+              sizeof(RootRecord) == 8 + 60 + 40 + 28 + 8 + 64 &&
               sizeof(PieceRecord) == 24 + 48 + 48 &&
               sizeof(PieceHeadRecord) == sizeof(PieceRecord) + sizeof(RootRecord) + 16);
 

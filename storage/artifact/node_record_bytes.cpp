@@ -22,7 +22,7 @@ static_assert(std::has_unique_object_representations_v<FaceCurve> &&
               std::has_unique_object_representations_v<LinkedNode> &&
               std::has_unique_object_representations_v<ClusterLink> &&
               std::has_unique_object_representations_v<RecordHead> &&
-              std::has_unique_object_representations_v<ReducedHead> && sizeof(Qef) == 52 &&
+              std::has_unique_object_representations_v<ReducedHead> && sizeof(Qef) == 60 &&
               sizeof(NormalClusters) == 40 && sizeof(ClusterLeaf) == 48);
 
 template <class T>

@@ -1,12 +1,37 @@
 // A leaf of the octree: its quadratic error function, the directions of its normals, its vertex.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
 #include "storage/types/tile_mesh.h"
 
 namespace voxweld {
+
+// The box around the finest cells that the planes of a QEF are of: from `lo` to the end of `hi`, in
+// 256ths of its node's side. Of a node of more than 256 cells a side it is rounded outwards.
+struct CellExtent {
+  std::array<std::uint8_t, 3> lo{}, hi{255, 255, 255};
+  std::array<std::uint8_t, 2> unused{};  // or there were padding, whose bytes are not told
+
+  // Of the parent whose child of this octant it is of.
+  CellExtent in_parent(int octant) const {
+    CellExtent out;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const int offset = (octant >> a & 1) * 256;
+      out.lo[a] = static_cast<std::uint8_t>((offset + lo[a]) / 2);
+      out.hi[a] = static_cast<std::uint8_t>((offset + hi[a]) / 2);
+    }
+    return out;
+  }
+  void join(const CellExtent& other) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      lo[a] = std::min(lo[a], other.lo[a]);
+      hi[a] = std::max(hi[a], other.hi[a]);
+    }
+  }
+};
 
 // A quadratic error function by its triangular factor (Ju et al. 2002, equation 3), relative to its
 // node's centre in index units scaled by the spacing. Ten floats, and three for the mean of the
@@ -20,6 +45,7 @@ namespace voxweld {
 struct Qef {
   std::array<float, 10> r{};    // r00 r01 r02 b0 r11 r12 b1 r22 b2 rho
   std::array<float, 3> mass{};  // mean of the crossings, relative to the node's centre
+  CellExtent extent;
 };
 
 // outward: a normal's sense is the surface's. either: n and -n are one direction. Normals between

@@ -67,6 +67,10 @@ Vec3 unit(Vec3 v) {
   return v * (1 / norm(v));
 }
 
+LaneBox around(Vec3 half) {
+  return {{-half.x, -half.y, -half.z}, {half.x, half.y, half.z}};
+}
+
 TEST(Qef, FactorHasTheEnergyOfThePlanes) {
   std::mt19937 random(1);
   std::vector<Planes> sets;
@@ -188,7 +192,7 @@ TEST(Qef, ConstrainedMinimumIsTheBestOfAFineSearch) {
     qef_kernels().solve(factor, 0, solution);
     const Vec3 half{0.5, 0.4, 0.6};
     const SolutionBatch before = solution;
-    constrain_lane(factor, 0, half, 0, solution);
+    constrain_lane(factor, 0, around(half), 0, solution);
     outside += before.x[0][0] != solution.x[0][0] ? 1 : 0;
     double best = 1e300;
     for (int i = -20; i <= 20; ++i)
@@ -226,7 +230,7 @@ TEST(Qef, OfALineOfMinimaTheEndNearestTheMassPointIsTaken) {
     qef_kernels().reduce(batch_of({planes}), factor);
     load_lane(store_lane(factor, 0), 0, factor);  // with the rounding of an artifact
     qef_kernels().solve(factor, 1e-4, solution);
-    constrain_lane(factor, 0, half, 1e-4, solution);
+    constrain_lane(factor, 0, around(half), 1e-4, solution);
     const Vec3 x{solution.x[0][0], solution.x[1][0], solution.x[2][0]};
     // Where the line leaves the box towards the crossings.
     double end = 1e9;
@@ -238,6 +242,67 @@ TEST(Qef, OfALineOfMinimaTheEndNearestTheMassPointIsTaken) {
     EXPECT_LT(norm(x - (through + along * end)), 1e-3) << round;
   }
   EXPECT_GT(of_two_ends, 2000);
+}
+
+TEST(CellExtent, OfAParentIsThatOfItsChildrenRoundedOutwards) {
+  CellExtent one;  // a cell of its own
+  for (int level = 1; level <= 8; ++level) one = one.in_parent(0b101);
+  EXPECT_EQ(one.lo, (std::array<std::uint8_t, 3>{255, 0, 255}));
+  EXPECT_EQ(one.hi, (std::array<std::uint8_t, 3>{255, 0, 255}));
+  one = one.in_parent(0b010);  // half of a 256th on each axis
+  EXPECT_EQ(one.lo, (std::array<std::uint8_t, 3>{127, 128, 127}));
+  EXPECT_EQ(one.hi, (std::array<std::uint8_t, 3>{127, 128, 127}));
+  CellExtent both = one;
+  both.join(CellExtent{{10, 200, 127}, {20, 210, 130}});
+  EXPECT_EQ(both.lo, (std::array<std::uint8_t, 3>{10, 128, 127}));
+  EXPECT_EQ(both.hi, (std::array<std::uint8_t, 3>{127, 210, 130}));
+}
+
+// Three planes through one cell that meet seven cells away, inside of the node of 16 cells a side that
+// has nothing else: the vertex stays with the cell.
+TEST(NodeSolver, AVertexStaysWithinACellOfTheCellsItStandsFor) {
+  const Vec3 meet{7, 6.5, 7.25};
+  std::array<HermitePlane, 3> planes;
+  const std::array<Vec3, 3> near{Vec3{0.2, 0, 0}, Vec3{0, -0.3, 0.1}, Vec3{0.1, 0.2, -0.2}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    Vec3 axis{};
+    axis[static_cast<int>(i)] = 1;
+    const Vec3 n = unit(cross(meet - near[i], axis)), p = near[i];
+    planes[i] = {{n.x, n.y, n.z}, {p.x, p.y, p.z}};
+  }
+  ContourParameters parameters;
+  parameters.simplify.singular_threshold = 1e-4;
+  NodeSolver solver(parameters);
+  solver.clear_planes();
+  solver.set_planes(0, planes.data(), 3);
+  solver.reduce();
+  Qef qef = solver.qef(0);
+  for (int level = 1; level <= 4; ++level) {
+    solver.clear_children();
+    solver.set_child(0, 0, qef);
+    solver.merge(level - 1);
+    qef = solver.qef(0);
+  }
+  solver.solve(4, 1);
+  const auto inside = solver.solution(0).offset;
+  for (const float offset : inside) {  // its cell is the lowest, from -8 to -7
+    EXPECT_GE(offset, -8);
+    EXPECT_LE(offset, -6);
+  }
+  // Loaded as a record is, and added to another of the same node whose cells are all over it.
+  solver.load(0, qef);
+  solver.solve(4, 1);
+  EXPECT_EQ(solver.solution(0).offset, inside);
+  Qef wide = qef;
+  wide.extent = {};
+  solver.clear_children();
+  solver.set_child(0, 0, qef);
+  solver.set_child(0, 1, wide);
+  solver.merge_in_place();
+  solver.solve(4, 1);
+  for (int a = 0; a < 3; ++a)
+    EXPECT_NEAR(static_cast<double>(solver.solution(0).offset[static_cast<std::size_t>(a)]),
+                meet[a] - 7.5, 1e-3);
 }
 
 }  // namespace

@@ -79,12 +79,12 @@ class Goldens : public ::testing::Test {
 std::unique_ptr<Scene> Goldens::scene_;
 
 TEST_F(Goldens, Build) {
-  expect_recorded({"build", 12, "be86434df52c471dd886703afcc1a530"}, shard_version,
+  expect_recorded({"build", 13, "f9c3d60a11a5cbe7e5af372f29e815da"}, shard_version,
                   hash_of(work(".octree"), shard_kind, shard_version));
 }
 
 TEST_F(Goldens, Merge) {
-  expect_recorded({"merge", 8, "dca24573b2abc0690226b5bbf3b91284"}, top_version,
+  expect_recorded({"merge", 9, "ef2dd66600536b2d59af0cbfb7e5c7df"}, top_version,
                   hash_of(work(".tree"), top_kind, top_version));
 }
 
@@ -117,9 +117,9 @@ TEST(SheetGoldens, OfEveryStage) {
   const Scene scene(scene_volume());
   VOXWELD_EXPECT_DONE(scene.run(
       {"work.brick=16", "work.shard=2", "output.tile_vertices=1024", "simplify.tolerance=0.2"}));
-  expect_stages(scene, {"build", 12, "d8fae80d4c3c72936545d8fe2a947aeb"},
-                {"merge", 8, "78388505256a34fe16f0a3abbafb6aae"},
-                {"stitch", 6, "8fdb8ce3b8a6c543ae2b748e116bae78"});
+  expect_stages(scene, {"build", 13, "1729aebd37b40945c99f919a69438039"},
+                {"merge", 9, "382d0a9e908965f290aead61e20b4fa2"},
+                {"stitch", 6, "532217e1294447797ec3e73a9ff17037"});
 }
 
 // The same surface, refined.
@@ -137,14 +137,14 @@ void expect_refined(const char* topology, const Golden& cubes, const Golden& til
 
 TEST(RefinedGoldens, OfEveryStage) {
   expect_refined("manifold",
-                 {"stitch, refine, seams and mend", 458756, "ea87c5fe84d167208422a3a1631d0fb4"},
-                 {"retile", 6, "8f236dac32b1f2ad431bcc30981b1eac"});
+                 {"stitch, refine, seams and mend", 458756, "b4333fc7faaf73de7275320d80955513"},
+                 {"retile", 6, "17f8197e3aa089b3db2a5307a063c456"});
 }
 
 TEST(RefinedGoldens, OfSafeCollapse) {
   expect_refined("safe",
-                 {"stitch, refine, seams and mend", 458756, "d9d992837b87f564d8c7d1a0b31c15a4"},
-                 {"retile", 6, "cae097ea1736052b97e376f16ab26587"});
+                 {"stitch, refine, seams and mend", 458756, "6e0be455a8f9eec0e17758b8d0dda5ec"},
+                 {"retile", 6, "1d9cef8757cbaed8ee08bbd07d976dc2"});
 }
 
 // Two labels that share a ball, one below it, specks; an edit gives one more, another replaces.
@@ -179,8 +179,8 @@ void expect_refined_labels(const Settings& mode, const Golden& cubes, const Gold
 TEST(RefinedGoldens, OfEachLabel) {
   expect_refined_labels(
       {"labels.mode=each"},
-      {"stitch, refine, seams and mend", 458756, "f67ccde0678142a9fa1525655cc420a5"},
-      {"retile", 6, "127574d4ebeffea65a1ee507b0cb42b3"});
+      {"stitch, refine, seams and mend", 458756, "819298dc8e69d492e1717a184587f8b4"},
+      {"retile", 6, "6eadb842fef45015a127c29d60600c48"});
   expect_refined_labels(
       {"labels.mode=each", "simplify.topology=safe"},
       {"stitch, refine, seams and mend", 458756, "1890120167f341b634d912ed4fdcb97e"},
@@ -200,9 +200,9 @@ TEST(SheetGoldens, OfEachLabel) {
   std::ofstream(scene.config(), std::ios::app) << label_edits;
   VOXWELD_EXPECT_DONE(scene.run(
       {"labels.mode=each", "work.brick=16", "work.shard=2", "output.tile_vertices=1024"}));
-  expect_stages(scene, {"build", 12, "33ae7bc1b97c19d8ad6cbc8d34f455c9"},
-                {"merge", 8, "448869fd03437a0829a82fb884e23aa7"},
-                {"stitch", 6, "9fae1a70ec6d7f1ae20b8943a57c9087"});
+  expect_stages(scene, {"build", 13, "6139bcd2bbe4da229692815f0dc20539"},
+                {"merge", 9, "8ee3408126153bc6f3c81707fa96f78d"},
+                {"stitch", 6, "53616ec95bdc1afb7c252a0526a66345"});
 }
 
 // The versions in the key of a build of labels: of the artifacts, and of the estimate.
@@ -243,13 +243,13 @@ INSTANTIATE_TEST_SUITE_P(
     Modes, LabelGoldens,
     ::testing::Values(
         LabelGolden{"each",
-                    {Golden{"build of each label", 1202, "e8284b0dc828dbb13eaa00f2d3369c0f"},
-                     {"merge of each label", 8, "bd3db5c739563ccfa6dd63d25b9f8b18"},
+                    {Golden{"build of each label", 1302, "e1454096f4aa3e4c3b549bc2c6aea33b"},
+                     {"merge of each label", 9, "bc12165633fd464bfad81848a4e8e700"},
                      {"stitch of each label", 6, "59cdc8ffcee04a094002ca747ffecbbb"},
                      {"encode of each label", 2, "141590bccb677d852b82a4e68563a1e8"}}},
         LabelGolden{"shared",
-                    {Golden{"build of shared labels", 1202, "b4cb124502aae4133ad6354ba83bce29"},
-                     {"merge of shared labels", 8, "35ae446a414b3eba97d2cc4299fe1344"},
+                    {Golden{"build of shared labels", 1302, "f3789faedf5e049961fd1d19e46a26a3"},
+                     {"merge of shared labels", 9, "0b85a57c43aa6e33ee463c7e9b003ee3"},
                      {"stitch of shared labels", 6, "05d69da8e8cc4a33c37bdd751c8c158f"},
                      {"encode of shared labels", 2, "fd0cca0c691305fa8d98734ec337ab36"}}}),
     [](const auto& each) { return each.param.mode; });
