@@ -41,45 +41,36 @@ void NodeSolver::reduce() {
 
 void NodeSolver::clear_children() {
   children_ = ChildBatch{};
-  children_of_ = {};
+  of_children_.fill(CellExtent::none());
+}
+
+void NodeSolver::put(std::size_t lane, int slot, const Qef& qef) {
+  children_.octants |= 1u << slot;
+  auto& into = children_.child[static_cast<std::size_t>(slot)];
+  for (std::size_t i = 0; i < 10; ++i) into[i][lane] = qef.r[i];
+  for (std::size_t a = 0; a < 3; ++a) into[10 + a][lane] = qef.mass[a];
 }
 
 void NodeSolver::set_child(std::size_t lane, int octant, const Qef& child) {
-  children_.octants |= 1u << octant;
-  auto& slot = children_.child[static_cast<std::size_t>(octant)];
-  for (std::size_t i = 0; i < 10; ++i) slot[i][lane] = child.r[i];
-  for (std::size_t a = 0; a < 3; ++a) slot[10 + a][lane] = child.mass[a];
-  child_extents_[static_cast<std::size_t>(octant)][lane] = child.extent;
-  children_of_[lane] = static_cast<std::uint8_t>(children_of_[lane] | 1u << octant);
+  put(lane, octant, child);
+  of_children_[lane].join(child.extent.in_parent(octant));
+}
+
+void NodeSolver::set_part(std::size_t lane, int slot, const Qef& part) {
+  put(lane, slot, part);
+  of_children_[lane].join(part.extent);
 }
 
 void NodeSolver::merge(int child_level) {
   merge_from(half_side(child_level));
-  join_extents(false);
 }
 
 void NodeSolver::merge_in_place() {
   merge_from({});
-  join_extents(true);
-}
-
-void NodeSolver::join_extents(bool in_place) {
-  for (std::size_t lane = 0; lane < lanes; ++lane) {
-    bool any = false;
-    for (int octant = 0; octant < 8; ++octant) {
-      if ((children_of_[lane] >> octant & 1) == 0) continue;
-      const CellExtent& child = child_extents_[static_cast<std::size_t>(octant)][lane];
-      const CellExtent part = in_place ? child : child.in_parent(octant);
-      if (any)
-        extents_[lane].join(part);
-      else
-        extents_[lane] = part;
-      any = true;
-    }
-  }
 }
 
 void NodeSolver::merge_from(Vec3 half) {
+  extents_ = of_children_;
   if (parameters_.simplify.qef == QefForm::normal)
     merge_normal(children_, half, factors_);
   else
@@ -96,36 +87,46 @@ void NodeSolver::load(std::size_t lane, const Qef& qef) {
 
 // Few planes of a noisy place may meet far away, all the more so where a node has many cells and the
 // sheet is in few of them.
-LaneBox NodeSolver::box(int level, std::size_t lane) const {
-  LaneBox box;
+void NodeSolver::find_boxes(int level) {
+  if (level == 0 && boxes_are_of_cells_) return;
+  boxes_are_of_cells_ = level == 0;
   const Vec3 half = half_side(level);
   for (int a = 0; a < 3; ++a) {
     const auto at = static_cast<std::size_t>(a);
-    const double cell = parameters_.spacing[a];
+    const double cell = parameters_.spacing[a], h = half[a];
     if (level == 0) {
-      box.hi[at] = half[a] + cell * parameters_.simplify.overhang;
-      box.lo[at] = -box.hi[at];
+      const double end = h + cell * parameters_.simplify.overhang;
+      for (LaneBox& box : boxes_) {
+        box.lo[at] = -end;
+        box.hi[at] = end;
+      }
       continue;
     }
-    const double unit = 2 * half[a] / 256;
-    const CellExtent& extent = extents_[lane];
-    box.lo[at] = std::max(-half[a], unit * extent.lo[at] - half[a] - cell);
-    box.hi[at] = std::min(half[a], unit * (extent.hi[at] + 1) - half[a] + cell);
+    const double unit = 2 * h / 256, below = h + cell, above = unit - h + cell;
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      boxes_[lane].lo[at] = std::max(-h, unit * extents_[lane].lo[at] - below);
+      boxes_[lane].hi[at] = std::min(h, unit * extents_[lane].hi[at] + above);
+    }
   }
-  return box;
+}
+
+bool NodeSolver::leaves_box(std::size_t lane) const {
+  bool inside = true;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double x = solutions_.x[a][lane];
+    inside = inside && boxes_[lane].lo[a] <= x && x <= boxes_[lane].hi[a];
+  }
+  return !inside;
 }
 
 void NodeSolver::solve(int level, std::size_t count) {
   const double threshold = parameters_.simplify.singular_threshold;
-  if (parameters_.simplify.qef == QefForm::normal) {
-    std::array<LaneBox, lanes> boxes;
-    for (std::size_t lane = 0; lane < lanes; ++lane) boxes[lane] = box(level, lane);
-    solve_normal(factors_, centres_, boxes, threshold, solutions_);
-    return;
-  }
+  find_boxes(level);
+  if (parameters_.simplify.qef == QefForm::normal)
+    return solve_normal(factors_, centres_, boxes_, threshold, solutions_);
   kernels_.solve(factors_, threshold, solutions_);
   for (std::size_t lane = 0; lane < count; ++lane)
-    constrain_lane(factors_, lane, box(level, lane), threshold, solutions_);
+    if (leaves_box(lane)) constrain_lane(factors_, lane, boxes_[lane], threshold, solutions_);
 }
 
 NodeSolution NodeSolver::solution(std::size_t lane) const {

@@ -38,7 +38,9 @@ class NodeSolver {
   void clear_children();
   void set_child(std::size_t lane, int octant, const Qef& child);
   void merge(int child_level);  // children -> factors
-  void merge_in_place();        // the same of QEFs that all have the node's own centre
+  // The same of QEFs that all have the node's own centre, in up to eight slots.
+  void set_part(std::size_t lane, int slot, const Qef& part);
+  void merge_in_place();
 
   void load(std::size_t lane, const Qef& qef);  // a stored QEF -> factor
 
@@ -62,8 +64,9 @@ class NodeSolver {
 
  private:
   void merge_from(Vec3 half);
-  void join_extents(bool in_place);
-  LaneBox box(int level, std::size_t lane) const;
+  void put(std::size_t lane, int slot, const Qef& qef);
+  void find_boxes(int level);
+  bool leaves_box(std::size_t lane) const;
   Vec3 half_side(int level) const {
     return parameters_.spacing * (0.5 * static_cast<double>(std::int64_t{1} << level));
   }
@@ -76,8 +79,9 @@ class NodeSolver {
   SolutionBatch solutions_;
   std::array<Vec3, lanes> centres_{};
   std::array<CellExtent, lanes> extents_{};
-  std::array<std::array<CellExtent, lanes>, 8> child_extents_{};  // by octant
-  std::array<std::uint8_t, lanes> children_of_{};                 // one bit for each octant
+  std::array<CellExtent, lanes> of_children_{};  // of those set so far, as the node has them
+  std::array<LaneBox, lanes> boxes_{};           // minimisers stay in them
+  bool boxes_are_of_cells_ = false;
 };
 
 }  // namespace voxweld

@@ -15,6 +15,8 @@ struct CellExtent {
   std::array<std::uint8_t, 3> lo{}, hi{255, 255, 255};
   std::array<std::uint8_t, 2> unused{};  // or there were padding, whose bytes are not told
 
+  // Of no cell: for join.
+  static constexpr CellExtent none() { return {{255, 255, 255}, {0, 0, 0}, {}}; }
   // Of the parent whose child of this octant it is of.
   CellExtent in_parent(int octant) const {
     CellExtent out;

@@ -296,8 +296,8 @@ TEST(NodeSolver, AVertexStaysWithinACellOfTheCellsItStandsFor) {
   Qef wide = qef;
   wide.extent = {};
   solver.clear_children();
-  solver.set_child(0, 0, qef);
-  solver.set_child(0, 1, wide);
+  solver.set_part(0, 0, qef);
+  solver.set_part(0, 1, wide);
   solver.merge_in_place();
   solver.solve(4, 1);
   for (int a = 0; a < 3; ++a)

@@ -63,7 +63,7 @@ TEST(MendRun, IsTheSameHoweverItIsCut) {
 }
 
 TEST(MendRun, OfEachLabelIsTheSameHoweverItIsCut) {
-  const Scene scene(noise_at_borders(8, [](int any) { return any / 90; }));
+  const Scene scene(noise_at_borders(45, [](int any) { return any / 90; }));
   expect_one_mend(scene, {"labels.mode=each", "simplify.refine=collapse"});
 }
 

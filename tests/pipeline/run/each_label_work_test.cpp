@@ -194,7 +194,7 @@ TEST(EachLabelWork, DamageOfAPieceIsNamed) {
   VOXWELD_EXPECT_DONE(scene.run(small_batches));
   const fs::path octree = files_ending(scene.work(), ".octree").at(0);
   auto bytes = read_whole_file(octree);
-  bytes[400] ^= std::byte{1};  // behind the header and the first piece's head: its body
+  bytes[416] ^= std::byte{1};  // behind the header and the first piece's head: its body
   write_whole_file(octree, bytes, Durability::rename_only);
   const ProgramResult result = scene.run(small_batches + Settings{"output.precision=0.1"});
   VOXWELD_EXPECT_DONE(result);

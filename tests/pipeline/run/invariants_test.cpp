@@ -208,7 +208,7 @@ TEST_P(Invariants, DamageIsNamedAndRefusedByASingleStage) {
       octrees.begin(), octrees.end(),
       [](const fs::path& a, const fs::path& b) { return fs::file_size(a) < fs::file_size(b); });
   Bytes bytes = read_whole_file(*largest);
-  bytes[400] ^= std::byte{1};
+  bytes[416] ^= std::byte{1};
   write_whole_file(*largest, bytes, Durability::rename_only);
   const Settings changed = settings() + Settings{"output.precision=0.1"};
   const ProgramResult refused = scene_.command("stitch", changed);
