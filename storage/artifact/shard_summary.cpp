@@ -16,7 +16,7 @@ struct ShardSummaryRecord {
 // Written as they lie in memory, so none may have padding, which would carry whatever was there
 // before.
 static_assert(std::has_unique_object_representations_v<BuiltRun> &&
-              sizeof(LeafCounts) == 12 * (max_levels + 1) &&
+              sizeof(LeafCounts) == std::size_t{12} * (max_levels + 1) &&
               sizeof(BrickCounts) == 24 + sizeof(LeafCounts) &&
               sizeof(BuiltBrick) == 24 + sizeof(BrickCounts));
 
