@@ -136,9 +136,10 @@ RC_GTEST_PROP(LabelExtents, GiveTheBytesOfTheWholeBrickOfAnyNoise, (const unsign
 
 TEST(LabelExtents, AreOfTheCellsAlone) {
   // A brick of 16 cells has corners at the samples -1 .. 15; signs look one sample further.
-  Labels volume{{40, 40, 40}, std::vector<std::uint32_t>(40 * 40 * 40, 1)};
-  const auto at = [&](std::int64_t x) -> std::uint32_t& {
-    return volume.samples[static_cast<std::size_t>((8 * 40 + 8) * 40 + x)];
+  constexpr std::size_t side = 40;
+  Labels volume{{side, side, side}, std::vector<std::uint32_t>(side * side * side, 1)};
+  const auto at = [&](std::size_t x) -> std::uint32_t& {
+    return volume.samples[(8 * side + 8) * side + x];
   };
   at(16) = 2;
   at(15) = 3;
