@@ -40,8 +40,8 @@ class BoxMender {
   }
   void repair();
   void untie();
-  LatticeBox room_around(std::uint32_t t) const;
-  void untie_in(const LatticeBox& room);
+  LatticeBox room_around(std::uint32_t t, std::int32_t times) const;
+  bool untie_in(const LatticeBox& room);
 
   const RefineMesh& mesh_;
   const LatticeBox& box_;
@@ -77,17 +77,20 @@ void BoxMender::untie() {
     const auto next = std::ranges::find_if(
         mended_.intersecting, [&](std::uint32_t t) { return !tried.contains(mended_.ids_of(t)); });
     if (next == mended_.intersecting.end()) return;
-    tried.insert(mended_.ids_of(*next));
-    untie_in(room_around(*next));
+    const std::uint32_t t = *next;
+    tried.insert(mended_.ids_of(t));
+    // Vertices around it may have triangles that leave the first room, and stay where they are there.
+    for (const std::int32_t times : {1, 4})
+      if (untie_in(room_around(t, times))) break;
   }
 }
 
-// A box around the triangle with some room, which lies in the box at hand.
-LatticeBox BoxMender::room_around(std::uint32_t t) const {
+// A box around the triangle with some room, or so many times as much, which lies in the box at hand.
+LatticeBox BoxMender::room_around(std::uint32_t t, std::int32_t times) const {
   LatticeBox room = mended_.box(t);
   std::int32_t length = 0;
   for (std::size_t a = 0; a < 3; ++a) length = std::max(length, room.hi[a] - room.lo[a]);
-  length += static_cast<std::int32_t>(4 * parameters_.reach);
+  length = times * (length + static_cast<std::int32_t>(4 * parameters_.reach));
   for (std::size_t a = 0; a < 3; ++a) {
     room.lo[a] = std::max(box_.lo[a], room.lo[a] - length);
     room.hi[a] = std::min(box_.hi[a], room.hi[a] + length);
@@ -95,19 +98,20 @@ LatticeBox BoxMender::room_around(std::uint32_t t) const {
   return room;
 }
 
-void BoxMender::untie_in(const LatticeBox& room) {
+// Whether fewer pairs are left.
+bool BoxMender::untie_in(const LatticeBox& room) {
   MeshGather gather;
   gather.add(mended_, [&](std::size_t t) { return mended_.box(t).meets(room); });
   for (const std::uint32_t t : fixed_)
     if (mesh_.box(t).meets(room)) gather.add_triangle(mesh_, t, mesh_.intersects(t));
   const RefineMesh near = gather.take();
-  if (near.triangles.size() > most_around) return;
+  if (near.triangles.size() > most_around) return false;
   EditMesh edit(near, room);
   const std::size_t before = edit.count_pairs();
   RefineCounts untied;
   untie_intersections(edit, parameters_, untied);
   const std::size_t after = edit.count_pairs();
-  if (after >= before) return;
+  if (after >= before) return false;
   counts_.add(untied);
   counts_.pairs_left -= before - after;
   remove_distances(near, room);
@@ -121,6 +125,7 @@ void BoxMender::untie_in(const LatticeBox& room) {
     if (has_changed(result, t))
       each_sample_distance(result, t, [&](double d) { counts_.add_distance(d); });
   mended_ = gather.take();
+  return true;
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 namespace voxweld {
 namespace {
 
-constexpr double room_cells = 4;  // around a triangle, and as much again as it is long
+constexpr double room_cells = 12;  // around a triangle, and as much again as it is long
 
 using Steps = std::array<std::int32_t, 3>;
 

@@ -55,7 +55,7 @@ TEST(MendBoxes, APlaceHasRoomEvenAtBordersOfCubes) {
                          {border + 5, border + 5, border + 5}};
   const auto boxes = mend_boxes({{place, 1000}}, frame);
   ASSERT_EQ(boxes.size(), 1u);
-  const std::int32_t room = cells(frame, 4);
+  const std::int32_t room = cells(frame, 12);
   for (std::size_t a = 0; a < 3; ++a) {
     EXPECT_LE(boxes[0].lo[a], place.lo[a] - room);
     EXPECT_GE(boxes[0].hi[a], place.hi[a] + room);
@@ -88,13 +88,13 @@ TEST(MendBoxes, AndCubesStayInTheVolume) {
 // Some near each other, some alone; long ones too.
 TEST(MendBoxes, AreApartAndHoldAllPlaces) {
   const RefineFrame frame = frame_of(512);
-  const std::int32_t room = cells(frame, 4);
+  const std::int32_t room = cells(frame, 12);
   const LatticeBox bounds = CubeLattice(frame, 0).bounds();
   for (unsigned seed = 0; seed < 6; ++seed) {
     SCOPED_TRACE(seed);
     const bool long_ones = seed % 2 != 0;
     auto places =
-        random_places(frame, long_ones ? 4 + seed : 60 + 60 * seed, long_ones ? 60 : 3, 10, seed);
+        random_places(frame, long_ones ? 3 + seed : 20 + 10 * seed, long_ones ? 40 : 3, 10, seed);
     const auto boxes = mend_boxes(places, frame);
     EXPECT_GT(boxes.size(), 1u);
     EXPECT_LE(boxes.size(), places.size());
