@@ -190,6 +190,44 @@ TEST(SheetClusters, VerticesWhoseNodesOverlapAreMarked) {
   EXPECT_GT(overlaps, 100u);
 }
 
+// However large its node is, and wherever the planes of its few cells may meet.
+TEST(SheetClusters, AVertexLiesWithinACellOfTheCellsItStandsFor) {
+  std::size_t collapsed = 0;
+  for (unsigned seed = 0; seed < 4; ++seed)
+    for (const bool is_noise : {false, true})
+      for (const double tolerance : {0.1, 0.5, testing::infinite}) {
+        const MemoryVolume volume = is_noise ? noise_volume(37, seed) : plates(61, seed);
+        struct Cells {
+          Index3 lo = splat(1 << 20), hi = splat(-1);
+          FinalVertex vertex;
+        };
+        std::map<std::pair<int, FirstSheet>, Cells> vertices;
+        for (const auto& [sheet, v] : by_bricks(volume, with(tolerance), 4).sheets) {
+          Cells& cells = vertices[{v.level, v.first}];
+          const Index3 cell = morton_decode(sheet.first);
+          for (int a = 0; a < 3; ++a) {
+            cells.lo[a] = std::min(cells.lo[a], cell[a]);
+            cells.hi[a] = std::max(cells.hi[a], cell[a]);
+          }
+          cells.vertex = v;
+        }
+        for (const auto& [name, cells] : vertices) {
+          const FinalVertex& v = cells.vertex;
+          const CellKey node =
+              CellKey::of(v.first.code() >> (3 * v.level) << (3 * v.level), v.level);
+          collapsed += v.level > 0 ? 1 : 0;
+          for (int a = 0; a < 3; ++a) {
+            const double at =
+                (static_cast<double>(node.at[a]) + 0.5) * static_cast<double>(node.side()) +
+                static_cast<double>(v.offset[static_cast<std::size_t>(a)]);
+            EXPECT_GE(at, static_cast<double>(cells.lo[a]) - 1 - 1e-4);
+            EXPECT_LE(at, static_cast<double>(cells.hi[a]) + 2 + 1e-4);
+          }
+        }
+      }
+  EXPECT_GT(collapsed, 1000u);
+}
+
 // What signs say of a node is what the shapes of its children say.
 TEST(SheetClusters, SignsSayWhatShapesDo) {
   for (unsigned seed = 0; seed < 3; ++seed)
