@@ -110,15 +110,6 @@ void NodeSolver::find_boxes(int level) {
   }
 }
 
-bool NodeSolver::leaves_box(std::size_t lane) const {
-  bool inside = true;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double x = solutions_.x[a][lane];
-    inside = inside && boxes_[lane].lo[a] <= x && x <= boxes_[lane].hi[a];
-  }
-  return !inside;
-}
-
 void NodeSolver::solve(int level, std::size_t count) {
   const double threshold = parameters_.simplify.singular_threshold;
   find_boxes(level);
@@ -126,7 +117,7 @@ void NodeSolver::solve(int level, std::size_t count) {
     return solve_normal(factors_, centres_, boxes_, threshold, solutions_);
   kernels_.solve(factors_, threshold, solutions_);
   for (std::size_t lane = 0; lane < count; ++lane)
-    if (leaves_box(lane)) constrain_lane(factors_, lane, boxes_[lane], threshold, solutions_);
+    constrain_lane(factors_, lane, boxes_[lane], threshold, solutions_);
 }
 
 NodeSolution NodeSolver::solution(std::size_t lane) const {

@@ -66,7 +66,6 @@ class NodeSolver {
   void merge_from(Vec3 half);
   void put(std::size_t lane, int slot, const Qef& qef);
   void find_boxes(int level);
-  bool leaves_box(std::size_t lane) const;
   Vec3 half_side(int level) const {
     return parameters_.spacing * (0.5 * static_cast<double>(std::int64_t{1} << level));
   }

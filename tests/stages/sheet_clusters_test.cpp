@@ -148,22 +148,29 @@ FinalOctree by_bricks(const MemoryVolume& volume, const ContourParameters& param
   return all;
 }
 
-TEST(SheetClusters, AreTheSameHoweverTheVolumeIsCutIntoBricks) {
-  std::size_t above = 0;
+// f(volume, parameters) for some of each kind, each within a trace of what it is.
+template <class F>
+void each_case(const F& f) {
   for (unsigned seed = 0; seed < 4; ++seed)
     for (const bool is_noise : {false, true})
       for (const double tolerance : {0.05, 0.5, testing::infinite}) {
-        const MemoryVolume volume = is_noise ? noise_volume(37, seed) : plates(61, seed);
-        const FinalOctree small = by_bricks(volume, with(tolerance), 4),
-                          large = by_bricks(volume, with(tolerance), 6);
-        EXPECT_TRUE(small.sheets == large.sheets)
-            << "seed " << seed << (is_noise ? ", noise" : ", plates") << ", tolerance "
-            << tolerance;
-        EXPECT_EQ(small.counts.leaves, large.counts.leaves);
-        EXPECT_EQ(small.counts.errors, large.counts.errors);
-        EXPECT_EQ(small.planned, large.planned);
-        above += small.above;
+        SCOPED_TRACE(::testing::Message() << "seed " << seed << (is_noise ? ", noise" : ", plates")
+                                          << ", tolerance " << tolerance);
+        f(is_noise ? noise_volume(37, seed) : plates(61, seed), with(tolerance));
       }
+}
+
+TEST(SheetClusters, AreTheSameHoweverTheVolumeIsCutIntoBricks) {
+  std::size_t above = 0;
+  each_case([&](const MemoryVolume& volume, const ContourParameters& parameters) {
+    const FinalOctree small = by_bricks(volume, parameters, 4),
+                      large = by_bricks(volume, parameters, 6);
+    EXPECT_TRUE(small.sheets == large.sheets);
+    EXPECT_EQ(small.counts.leaves, large.counts.leaves);
+    EXPECT_EQ(small.counts.errors, large.counts.errors);
+    EXPECT_EQ(small.planned, large.planned);
+    above += small.above;
+  });
   EXPECT_GT(above, 1000u);  // or there was nothing to test
 }
 
@@ -190,41 +197,42 @@ TEST(SheetClusters, VerticesWhoseNodesOverlapAreMarked) {
   EXPECT_GT(overlaps, 100u);
 }
 
+// Of a vertex the box of the cells that it stands for.
+struct Cells {
+  Index3 lo = splat(1 << 20), hi = splat(-1);
+  FinalVertex vertex;
+};
+std::map<std::pair<int, FirstSheet>, Cells> cells_of_vertices(const FinalOctree& octree) {
+  std::map<std::pair<int, FirstSheet>, Cells> vertices;
+  for (const auto& [sheet, v] : octree.sheets) {
+    Cells& cells = vertices[{v.level, v.first}];
+    const Index3 cell = morton_decode(sheet.first);
+    for (int a = 0; a < 3; ++a) {
+      cells.lo[a] = std::min(cells.lo[a], cell[a]);
+      cells.hi[a] = std::max(cells.hi[a], cell[a]);
+    }
+    cells.vertex = v;
+  }
+  return vertices;
+}
+
 // However large its node is, and wherever the planes of its few cells may meet.
 TEST(SheetClusters, AVertexLiesWithinACellOfTheCellsItStandsFor) {
   std::size_t collapsed = 0;
-  for (unsigned seed = 0; seed < 4; ++seed)
-    for (const bool is_noise : {false, true})
-      for (const double tolerance : {0.1, 0.5, testing::infinite}) {
-        const MemoryVolume volume = is_noise ? noise_volume(37, seed) : plates(61, seed);
-        struct Cells {
-          Index3 lo = splat(1 << 20), hi = splat(-1);
-          FinalVertex vertex;
-        };
-        std::map<std::pair<int, FirstSheet>, Cells> vertices;
-        for (const auto& [sheet, v] : by_bricks(volume, with(tolerance), 4).sheets) {
-          Cells& cells = vertices[{v.level, v.first}];
-          const Index3 cell = morton_decode(sheet.first);
-          for (int a = 0; a < 3; ++a) {
-            cells.lo[a] = std::min(cells.lo[a], cell[a]);
-            cells.hi[a] = std::max(cells.hi[a], cell[a]);
-          }
-          cells.vertex = v;
-        }
-        for (const auto& [name, cells] : vertices) {
-          const FinalVertex& v = cells.vertex;
-          const CellKey node =
-              CellKey::of(v.first.code() >> (3 * v.level) << (3 * v.level), v.level);
-          collapsed += v.level > 0 ? 1 : 0;
-          for (int a = 0; a < 3; ++a) {
-            const double at =
-                (static_cast<double>(node.at[a]) + 0.5) * static_cast<double>(node.side()) +
-                static_cast<double>(v.offset[static_cast<std::size_t>(a)]);
-            EXPECT_GE(at, static_cast<double>(cells.lo[a]) - 1 - 1e-4);
-            EXPECT_LE(at, static_cast<double>(cells.hi[a]) + 2 + 1e-4);
-          }
-        }
+  each_case([&](const MemoryVolume& volume, const ContourParameters& parameters) {
+    for (const auto& [name, cells] : cells_of_vertices(by_bricks(volume, parameters, 4))) {
+      const FinalVertex& v = cells.vertex;
+      const CellKey node = CellKey::of(v.first.code() >> (3 * v.level) << (3 * v.level), v.level);
+      collapsed += v.level > 0 ? 1 : 0;
+      for (int a = 0; a < 3; ++a) {
+        const double centre =
+            (static_cast<double>(node.at[a]) + 0.5) * static_cast<double>(node.side());
+        const double at = centre + static_cast<double>(v.offset[static_cast<std::size_t>(a)]);
+        EXPECT_GE(at, static_cast<double>(cells.lo[a]) - 1 - 1e-4);
+        EXPECT_LE(at, static_cast<double>(cells.hi[a]) + 2 + 1e-4);
       }
+    }
+  });
   EXPECT_GT(collapsed, 1000u);
 }
 
