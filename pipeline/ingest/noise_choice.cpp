@@ -4,7 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "pipeline/executor/resources.h"
 #include "pipeline/ingest/ingest_layout.h"
 #include "pipeline/stage/file_layout.h"
 #include "stages/contouring/stored_surface.h"
@@ -120,7 +119,6 @@ VolumeNoise noise_of_input(const Config& config, const IngestJob& job) {
 double choose_noise(const Config& config, const IngestJob& job) {
   if (const auto known = known_noise(config, job)) return *known;
   const VolumeNoise noise = noise_of_input(config, job);
-  release_free_memory();  // what reading on would have used: build counts what is free
   write_noise_artifact(path_of(config, job), {key_of(config, job, noise.places), noise.level,
                                               static_cast<std::uint64_t>(noise.places)});
   return noise.level;

@@ -11,6 +11,7 @@ namespace voxweld {
 
 std::uint64_t program_bytes() {
   constexpr std::uint64_t least = std::uint64_t{40} << 20, slack = std::uint64_t{16} << 20;
+  release_free_memory();  // what the stage before used counts against no other
   return std::max(least, resident_bytes() + slack);
 }
 
@@ -46,7 +47,8 @@ std::uint64_t units_share(const RunContext& context, const StageMemory& memory, 
 
 void run_stage(RunContext& context, const StageRun& stage, const std::vector<Unit>& units,
                int threads, const UnitWork& work) {
-  release_free_memory();
+  StageMemory memory = stage.memory;
+  memory.base_bytes += program_bytes();
   const StageMeter meter;
   StageStart start{stage.stage, stage.noun, units.size(), 0,
                    stage.reused - (stage.apart_reused ? 1 : 0)};
@@ -56,8 +58,6 @@ void run_stage(RunContext& context, const StageRun& stage, const std::vector<Uni
   }
   StageProgress progress(context.console, context.progress, start);
   Elsewhere elsewhere;
-  StageMemory memory = stage.memory;
-  memory.base_bytes += program_bytes();
   const auto pool = std::make_shared<MemoryPool>(units_share(context, memory, threads));
   RunOptions options;
   options.threads = threads;

@@ -74,7 +74,8 @@ struct RunContext {
 };
 
 // What the program itself has resident before any unit runs, with room for the allocator's slack:
-// more once the image module is loaded, which takes 120 MiB.
+// more once the image module is loaded, which takes 120 MiB. Gives what lies free back to the system
+// first.
 std::uint64_t program_bytes();
 
 // Tells the user of NaNs among the samples a stage has read, if there are any: a warning.
