@@ -82,7 +82,7 @@ std::uint64_t ShardLabelCounter::memory_bytes(const IngestJob& job, const StoreL
 
 void join_label_counts(const RunContext& context, const IngestJob& job, const StoreLayout& layout) {
   const std::uint64_t memory = context.budget().total;
-  const std::uint64_t free = memory > program_bytes() ? memory - program_bytes() : 0;
+  const std::uint64_t free = memory - std::min(memory, program_bytes());
   LabelTally tally(job.folder, std::max(least_labels, LabelTally::labels_within(free / 2)));
   std::uint64_t negatives = 0;
   const std::vector<Index3> shards = shards_of(layout);
