@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <ctime>
 #include <fstream>
 #include <limits>
@@ -12,6 +13,8 @@
 
 namespace voxweld {
 namespace {
+
+constexpr std::uint64_t least_mapped_block = std::uint64_t{256} << 10;
 
 // A figure of /proc/self/status, in bytes; 0 where there is none.
 std::uint64_t status_bytes(const std::string& field) {
@@ -73,10 +76,26 @@ void tune_allocator(int threads) {
 #ifdef __GLIBC__
   // A threshold that is set stays: by itself glibc raises it to the largest block freed so far, up
   // to 32 MiB, and blocks below it are kept.
-  mallopt(M_MMAP_THRESHOLD, 256 * 1024);
-  mallopt(M_TRIM_THRESHOLD, 1024 * 1024);
+  mallopt(M_MMAP_THRESHOLD, static_cast<int>(least_mapped_block));
+  mallopt(M_TRIM_THRESHOLD, static_cast<int>(4 * least_mapped_block));
   mallopt(M_ARENA_MAX, std::max(threads, 1));
 #else
+  static_cast<void>(threads);
+#endif
+}
+
+std::uint64_t mapped_block_bytes(std::uint64_t memory, int threads) {
+  const std::uint64_t share = memory / (512 * static_cast<std::uint64_t>(std::max(threads, 1)));
+  return std::clamp<std::uint64_t>(share, least_mapped_block, 16 * least_mapped_block);
+}
+
+void keep_freed_memory(std::uint64_t memory, int threads) {
+#ifdef __GLIBC__
+  const std::uint64_t block = mapped_block_bytes(memory, threads);
+  mallopt(M_MMAP_THRESHOLD, static_cast<int>(block));
+  mallopt(M_TRIM_THRESHOLD, static_cast<int>(block == least_mapped_block ? 4 * block : 16 * block));
+#else
+  static_cast<void>(memory);
   static_cast<void>(threads);
 #endif
 }

@@ -33,6 +33,12 @@ class StageMeter {
 // next: large blocks are mapped and unmapped each by itself, and the number of arenas is bounded.
 // Call once, before any thread starts. No effect but on glibc.
 void tune_allocator(int threads);
+// Lets the allocator keep some of what a unit has freed for the next, where there is room for it:
+// pages that are mapped anew are filled with zeros first. Of `memory` bytes a 32nd at most lies free
+// at the ends of the threads' arenas. For the start of a stage.
+void keep_freed_memory(std::uint64_t memory, int threads);
+// The size from which on a block is then mapped and unmapped by itself: 256 KiB to 4 MiB.
+std::uint64_t mapped_block_bytes(std::uint64_t memory, int threads);
 // Returns what lies free inside the allocator; for the gap between two stages.
 void release_free_memory();
 

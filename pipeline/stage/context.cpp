@@ -49,6 +49,7 @@ void run_stage(RunContext& context, const StageRun& stage, const std::vector<Uni
                int threads, const UnitWork& work) {
   StageMemory memory = stage.memory;
   memory.base_bytes += program_bytes();
+  keep_freed_memory(context.budget().total, threads);
   const StageMeter meter;
   StageStart start{stage.stage, stage.noun, units.size(), 0,
                    stage.reused - (stage.apart_reused ? 1 : 0)};

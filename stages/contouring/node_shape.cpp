@@ -104,6 +104,7 @@ void ShapeMerger::begin(CellKey node) {
   const Index3 lo = node.lo();
   planes_ = {lo, lo + splat(node.side() / 2), lo + splat(node.side())};
   octants_ = 0;
+  has_pairs_ = false;
 }
 
 void ShapeMerger::add_cell(int octant, CellSigns signs, bool joined) {
@@ -125,6 +126,7 @@ void ShapeMerger::add(int octant, const NodeShape& shape) {
   Child& child = children_[static_cast<std::size_t>(octant)];
   octants_ |= 1u << octant;
   child.shape = shape;
+  has_pairs_ = has_pairs_ || !shape.pairs.empty();
   std::uint32_t at = 0;
   for (std::size_t face = 0; face < 6; ++face) {
     child.face_begin[face] = at;
@@ -141,11 +143,6 @@ void ShapeMerger::unite(std::uint32_t a, std::uint32_t b) {
   a = root(a);
   b = root(b);
   parent_[std::max(a, b)] = std::min(a, b);
-}
-
-bool ShapeMerger::at_middle(Crossing end, int normal) const {
-  const int other = 3 - normal - end.axis();
-  return end[other] == planes_[1][other];
 }
 
 // The node's edge, if it lies on one.
@@ -179,7 +176,7 @@ void ShapeMerger::merge() {
   chain_.resize(curves);
   for (int face = 0; face < 6; ++face) {
     chain_face(face);
-    map_pairs(face);
+    if (has_pairs_) map_pairs(face);
   }
   std::sort(pairs_.begin(), pairs_.end());
   pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
@@ -219,47 +216,59 @@ void ShapeMerger::join_across(int axis, int octant) {
   }
 }
 
-// The curves of a face of the node from those of four children.
-void ShapeMerger::chain_face(int face) {
+// Those of four children that the face of the node is made of.
+void ShapeMerger::gather_face(int face) {
+  on_face_.clear();
   const int axis = face >> 1;
-  const auto begin = static_cast<std::uint32_t>(curves_.size());
-  const auto each_curve = [&](auto&& f) {
-    for (std::size_t o = 0; o < 8; ++o) {
-      if ((octants_ >> o & 1u) == 0 || static_cast<int>(o >> axis & 1) != (face & 1)) continue;
-      const Child& child = children_[o];
-      const auto of_face = static_cast<std::size_t>(face);
-      for (std::uint32_t i = child.face_begin[of_face]; i < child.face_begin[of_face + 1]; ++i)
-        f(child.first_curve + i, child.shape.curves[i], child.first_cluster);
-    }
-  };
+  const auto f = static_cast<std::size_t>(face);
+  for (std::size_t o = 0; o < 8; ++o) {
+    if ((octants_ >> o & 1u) == 0 || static_cast<int>(o >> axis & 1) != (face & 1)) continue;
+    const Child& child = children_[o];
+    for (std::uint32_t i = child.face_begin[f]; i < child.face_begin[f + 1]; ++i)
+      on_face_.push_back({child.shape.curves[i], child.first_curve + i, child.first_cluster});
+  }
+}
+
+// Where two curves of on_face_ have a common end, both become of one chain.
+void ShapeMerger::chain_curves(int axis) {
   joints_.clear();
-  each_curve([&](std::uint32_t k, const FaceCurve& curve, std::uint32_t) {
-    chain_[k] = k;
-    if (curve.closed != 0) return;
-    for (const Crossing end : {curve.low, curve.high})
-      if (at_middle(end, axis)) joints_.push_back({end, k});
-  });
-  std::sort(joints_.begin(), joints_.end());
+  for (const OnFace& at : on_face_) {
+    chain_[at.number] = at.number;
+    if (at.curve.closed != 0) continue;
+    for (const Crossing end : {at.curve.low, at.curve.high})
+      if (at_middle(end, axis)) joints_.push_back({end, at.number});
+  }
   if (joints_.size() % 2 != 0) fail("a curve ends inside a face");
+  std::sort(joints_.begin(), joints_.end());
   for (std::size_t i = 0; i < joints_.size(); i += 2) {
     if (joints_[i].at != joints_[i + 1].at) fail("a curve ends inside a face");
     const std::uint32_t a = find_root(chain_, joints_[i].curve),
                         b = find_root(chain_, joints_[i + 1].curve);
     chain_[std::max(a, b)] = std::min(a, b);
   }
+}
+
+// The curves of a face of the node from those of its children.
+void ShapeMerger::chain_face(int face) {
+  gather_face(face);
+  if (on_face_.empty()) return;
+  const int axis = face >> 1;
+  const auto begin = static_cast<std::uint32_t>(curves_.size());
+  chain_curves(axis);
   constexpr Crossing none{~std::uint64_t{0}};
-  each_curve([&](std::uint32_t k, const FaceCurve& curve, std::uint32_t first_cluster) {
-    const std::uint32_t chain = find_root(chain_, k);
+  for (const OnFace& at : on_face_) {
+    const FaceCurve& curve = at.curve;
+    const std::uint32_t chain = find_root(chain_, at.number);
     if (new_curve_[chain] == no_cluster) {
       new_curve_[chain] = static_cast<std::uint32_t>(curves_.size());
       // Of a closed one `low` is the lowest crossing at which curves were joined, `high` unset.
       curves_.push_back(
-          {none, none, first_cluster + curve.cluster, static_cast<std::uint16_t>(face), 1});
+          {none, none, at.first_cluster + curve.cluster, static_cast<std::uint16_t>(face), 1});
     }
     FaceCurve& joined = curves_[new_curve_[chain]];
     if (curve.closed != 0) {
       joined.low = joined.high = curve.low;
-      return;
+      continue;
     }
     for (const Crossing end : {curve.low, curve.high}) {
       if (at_middle(end, axis)) {
@@ -272,12 +281,12 @@ void ShapeMerger::chain_face(int face) {
         joined.low = std::min(joined.low, end);
       }
     }
-  });
-  add_chains(face, begin);
+  }
+  add_chains(begin);
 }
 
 // Those from `begin` on are of the face: makes them ready and puts them in order.
-void ShapeMerger::add_chains(int face, std::uint32_t begin) {
+void ShapeMerger::add_chains(std::uint32_t begin) {
   const std::size_t count = curves_.size() - begin;
   for (std::size_t i = begin; i < curves_.size(); ++i)
     if (curves_[i].closed != 0) curves_[i].high = curves_[i].low;
@@ -290,15 +299,9 @@ void ShapeMerger::add_chains(int face, std::uint32_t begin) {
             [&](std::uint32_t a, std::uint32_t b) { return lower(first[a], first[b]); });
   for (std::uint32_t i = 0; i < count; ++i) place[order[i]] = begin + i;
   std::sort(first, curves_.end(), lower);
-  for (std::size_t o = 0; o < 8; ++o) {
-    if ((octants_ >> o & 1u) == 0 || static_cast<int>(o >> (face >> 1) & 1) != (face & 1)) continue;
-    const Child& child = children_[o];
-    const auto f = static_cast<std::size_t>(face);
-    for (std::uint32_t i = child.face_begin[f]; i < child.face_begin[f + 1]; ++i) {
-      const std::uint32_t k = child.first_curve + i;
-      if (chain_[k] == k) new_curve_[k] = place[new_curve_[k] - begin];
-    }
-  }
+  for (const OnFace& at : on_face_)
+    if (chain_[at.number] == at.number)
+      new_curve_[at.number] = place[new_curve_[at.number] - begin];
 }
 
 void ShapeMerger::map_pairs(int face) {

@@ -81,6 +81,11 @@ class ShapeMerger {
     friend constexpr auto operator<=>(const Joint&, const Joint&) = default;
   };
 
+  struct OnFace {
+    FaceCurve curve;
+    std::uint32_t number = 0;  // of the children's curves
+    std::uint32_t first_cluster = 0;
+  };
   struct Tally {
     std::array<std::uint8_t, 12> ends{};   // on each edge; each crossing is the end of two curves
     std::array<std::uint8_t, 6> curves{};  // on each face, closed ones apart
@@ -91,18 +96,25 @@ class ShapeMerger {
   void join_across(int axis, int octant);
   void join_inside();
   void number_clusters();
+  void gather_face(int face);
+  void chain_curves(int axis);
   void chain_face(int face);
-  void add_chains(int face, std::uint32_t begin);
+  void add_chains(std::uint32_t begin);
   void map_pairs(int face);
   void apply_rules();
   int edge_of(Crossing end) const;
-  bool at_middle(Crossing end, int normal) const;
+  // On the line through the middle of the face with this normal.
+  bool at_middle(Crossing end, int normal) const {
+    const int other = 3 - normal - end.axis();
+    return end[other] == planes_[1][other];
+  }
 
   ClusterRules rules_;
   CellKey node_;
   std::array<Index3, 3> planes_;  // low, middle and high lattice point
   std::array<Child, 8> children_;
   unsigned octants_ = 0;
+  bool has_pairs_ = false;  // some child
   std::array<std::array<FaceCurve, 12>, 8> cell_curves_;
   std::array<std::array<CurvePair, 6>, 8> cell_pairs_;
 
@@ -112,6 +124,7 @@ class ShapeMerger {
   std::vector<std::uint32_t> ends_inside_;  // on the six edges inside the node: four a crossing
   std::vector<std::uint32_t> new_curve_;
   std::vector<std::uint32_t> cluster_of_;
+  std::vector<OnFace> on_face_;  // of the face at hand
   std::vector<Joint> joints_;
   std::vector<std::uint32_t> chain_;  // joined curves of one face
 
