@@ -33,7 +33,7 @@ namespace voxweld {
 // Goes up whenever encode's bytes change. (The versions of the others stand beside their formats.)
 inline constexpr std::uint32_t encode_version = 2;
 // And whenever those of refine change.
-inline constexpr std::uint32_t refine_version = 7;
+inline constexpr std::uint32_t refine_version = 8;
 
 // Folders of a run's artifacts, each named for what its stage and those before it read.
 struct StagePaths {

@@ -33,17 +33,20 @@ bool lies_in(const RefineMesh& mesh, std::size_t triangle, const LatticeBox& box
                              [&](std::uint32_t v) { return box.contains(mesh.positions[v]); });
 }
 
-void each_part(const RefineMesh& mesh, const LatticeBox& box, const TriangleNumbers& meeting,
+void each_part(const RefineMesh& mesh, const Room& room, const TriangleNumbers& meeting,
                const std::function<void(const LatticeBox&, const TriangleNumbers&)>& f,
                const std::function<void(std::uint32_t)>& left) {
-  if (meeting.size() <= most_part_triangles || box.hi[0] - box.lo[0] < 2 * least_side)
+  const auto& [box, whole] = room;
+  if (meeting.size() <= most_part_triangles || whole.hi[0] - whole.lo[0] < 2 * least_side)
     return f(box, meeting);
-  const std::array<LatticeBox, 8> parts = octants(box);
-  for (const LatticeBox& part : parts) {
+  std::vector<LatticeBox> parts;
+  for (const LatticeBox& octant : octants(whole)) {
+    if (!octant.meets(box)) continue;
+    const LatticeBox& part = parts.emplace_back(octant.common(box));
     TriangleNumbers inside;
     for (const std::uint32_t t : meeting)
       if (mesh.box(t).meets(part)) inside.push_back(t);
-    each_part(mesh, part, inside, f, left);
+    each_part(mesh, {part, octant}, inside, f, left);
   }
   for (const std::uint32_t t : meeting)
     if (lies_in(mesh, t, box) &&
@@ -56,7 +59,7 @@ void BoxRefiner::refine(const Work& work) {
     add_done(0, t, std::binary_search(work.bad.begin(), work.bad.end(), t));
   };
   each_part(
-      mesh_, work.box, work.meeting,
+      mesh_, work.room, work.meeting,
       [&](const LatticeBox& part, const TriangleNumbers& inside) { refine_part(part, inside); },
       as_it_is);
   for (const std::uint32_t t : work.others) as_it_is(t);

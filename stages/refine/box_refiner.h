@@ -20,10 +20,17 @@ inline constexpr std::size_t most_part_triangles = std::size_t{1} << 16;
 // Whether all corners do.
 bool lies_in(const RefineMesh& mesh, std::size_t triangle, const LatticeBox& box);
 
+// Where something is done, and the box that is cut up if that is too much: larger where the volume
+// ends in it. So where a cube is cut does not depend on the volume, and cubes of two passes that hold
+// the same part of a small one are not cut in the same places.
+struct Room {
+  LatticeBox box, whole;
+};
+
 // f(part, triangles) for the box, or for its parts where it is cut up because more triangles meet it
 // than memory should hold; with those of `meeting` that meet each. left(triangle) for what lies in the
 // box, but in no part.
-void each_part(const RefineMesh& mesh, const LatticeBox& box, const TriangleNumbers& meeting,
+void each_part(const RefineMesh& mesh, const Room& room, const TriangleNumbers& meeting,
                const std::function<void(const LatticeBox&, const TriangleNumbers&)>& f,
                const std::function<void(std::uint32_t)>& left);
 
@@ -39,7 +46,7 @@ class BoxRefiner {
   }
 
   struct Work {
-    const LatticeBox& box;
+    const Room& room;
     const TriangleNumbers& meeting;  // all triangles that meet it
     const TriangleNumbers& others;   // that come out too, as they are
     const TriangleNumbers& bad;  // ascending: of those that are fixed here the ones that intersect

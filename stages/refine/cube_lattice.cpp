@@ -39,8 +39,10 @@ CubeLattice::CubeLattice(const RefineFrame& frame, int pass, int level) {
     auto& borders = borders_[a];
     borders.push_back(0);
     const std::int64_t end = frame.size[axis] + 1;  // of the volume's cells
-    for (std::int64_t cell = side - shift; cell < end; cell += side)
-      borders.push_back(first_of_cell(frame, axis, cell));
+    begins_[a] = first_of_cell(frame, axis, -shift);
+    std::int64_t cell = side - shift;
+    for (; cell < end; cell += side) borders.push_back(first_of_cell(frame, axis, cell));
+    ends_[a] = first_of_cell(frame, axis, cell);
     // What is moved stays in its cube, and so in the volume.
     borders.push_back(first_of_cell(frame, axis, end));
     const double steps = static_cast<double>(side) * frame.spacing[axis] / frame.lattice.step;
@@ -79,6 +81,16 @@ LatticeBox CubeLattice::box(Index3 cube) const {
     box.hi[a] = borders_[a][at + 1] - 1;
   }
   return box;
+}
+
+LatticeBox CubeLattice::whole(Index3 cube) const {
+  LatticeBox whole = box(cube);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto at = static_cast<std::size_t>(cube[static_cast<int>(a)]);
+    if (at == 0) whole.lo[a] = begins_[a];
+    if (at + 2 == borders_[a].size()) whole.hi[a] = ends_[a] - 1;
+  }
+  return whole;
 }
 
 std::uint64_t CubeLattice::code(Index3 cube) const {

@@ -43,7 +43,9 @@ class CubeLattice {
   // count to the cubes at the border.
   Index3 cube_of(const LatticePoint& point) const;
   LatticeBox box(Index3 cube) const;  // of the lattice points in it
-  LatticeBox bounds() const;          // of those in the volume's cells, and so of all cubes
+  // The same as if the volume did not end at its borders: it may begin below 0.
+  LatticeBox whole(Index3 cube) const;
+  LatticeBox bounds() const;  // of those in the volume's cells, and so of all cubes
   // Orders cubes along the Morton curve, and is what ranges of cubes are given in: of the cube
   // without the shift of whose lower border this one's middle is, at the upper border of the domain
   // the last one. So several cubes there have one code.
@@ -53,7 +55,9 @@ class CubeLattice {
   std::array<std::vector<std::int32_t>, 3>
       borders_;                          // the lowest lattice coordinate of each cube, and the end
   std::array<std::int32_t, 3> sides_{};  // about how far they are apart
-  std::int64_t cubes_ = 1;               // unshifted ones a side of the domain
+  // Where the first cubes would begin and the last ones end, did the volume not end there.
+  std::array<std::int32_t, 3> begins_{}, ends_{};
+  std::int64_t cubes_ = 1;  // unshifted ones a side of the domain
 };
 
 // Cubes with begin <= code < end.

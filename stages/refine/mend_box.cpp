@@ -40,7 +40,7 @@ class BoxMender {
   }
   void repair();
   void untie();
-  LatticeBox room_around(std::uint32_t t, std::int32_t times) const;
+  LatticeBox room_around(std::uint32_t t, double times) const;
   bool untie_in(const LatticeBox& room);
 
   const RefineMesh& mesh_;
@@ -56,8 +56,9 @@ void BoxMender::repair() {
   std::iota(all.begin(), all.end(), 0U);
   std::vector<FixedTriangle> fixed;
   for (const std::uint32_t t : fixed_) fixed.push_back({t, false, false});
+  const Room room{box_, box_};
   each_part(
-      mesh_, box_, all, [](const auto&, const auto&) {},
+      mesh_, room, all, [](const auto&, const auto&) {},
       [&](std::uint32_t t) {
         fixed.push_back({t, true, true});
       });
@@ -66,7 +67,7 @@ void BoxMender::repair() {
   counts_.pairs_before += found.pairs;
   counts_.pairs_left += found.pairs;
   BoxRefiner refiner(mesh_, parameters_, counts_);
-  refiner.refine({box_, all, {}, found.intersecting});
+  refiner.refine({room, all, {}, found.intersecting});
   mended_ = refiner.take();
 }
 
@@ -80,17 +81,17 @@ void BoxMender::untie() {
     const std::uint32_t t = *next;
     tried.insert(mended_.ids_of(t));
     // Vertices around it may have triangles that leave the first room, and stay where they are there.
-    for (const std::int32_t times : {1, 4})
+    for (const double times : {0.5, 1.0, 4.0})
       if (untie_in(room_around(t, times))) break;
   }
 }
 
 // A box around the triangle with some room, or so many times as much, which lies in the box at hand.
-LatticeBox BoxMender::room_around(std::uint32_t t, std::int32_t times) const {
+LatticeBox BoxMender::room_around(std::uint32_t t, double times) const {
   LatticeBox room = mended_.box(t);
   std::int32_t length = 0;
   for (std::size_t a = 0; a < 3; ++a) length = std::max(length, room.hi[a] - room.lo[a]);
-  length = times * (length + static_cast<std::int32_t>(4 * parameters_.reach));
+  length = static_cast<std::int32_t>(times * (length + 4 * parameters_.reach));
   for (std::size_t a = 0; a < 3; ++a) {
     room.lo[a] = std::max(box_.lo[a], room.lo[a] - length);
     room.hi[a] = std::min(box_.hi[a], room.hi[a] + length);

@@ -14,7 +14,8 @@
 namespace voxweld {
 namespace {
 
-constexpr double room_cells = 12;  // around a triangle, and as much again as it is long
+// Around a triangle; and as much again as it is long.
+constexpr double room_cells = 12, least_room_cells = 1.5;
 
 using Steps = std::array<std::int32_t, 3>;
 
@@ -34,21 +35,30 @@ std::int32_t longest_side(const LatticeBox& box) {
 
 struct Cluster {
   LatticeBox box;
-  std::uint64_t around = 0;
+  double density = 0;  // triangles a lattice point, where there are most
 
   void join(const Cluster& other) {
     box.extend(other.box);
-    around = std::max(around, other.around);
+    density = std::max(density, other.density);
   }
 };
 
+double points_in(const LatticeBox& box) {
+  double points = 1;
+  for (std::size_t a = 0; a < 3; ++a) points *= static_cast<double>(box.hi[a]) - box.lo[a] + 1;
+  return points;
+}
+
 // One for each place with its room, but those that begin in the same few cells as one.
 std::vector<Cluster> with_room(const std::vector<IntersectionPlace>& places,
-                               const RefineFrame& frame, const LatticeBox& bounds) {
-  const Steps room = steps_of(frame, room_cells);
+                               const RefineFrame& frame, double cells) {
+  const CubeLattice homes(frame, 1);  // of seams, that lists the places
+  const LatticeBox bounds = homes.bounds();
+  const Steps room = steps_of(frame, cells);
   std::map<Steps, Cluster> clusters;
   for (const IntersectionPlace& place : places) {
-    Cluster grown{place.box, place.around};
+    const double points = points_in(homes.box(homes.cube_of(place.box.lo)));
+    Cluster grown{place.box, static_cast<double>(place.around) / points};
     Steps at{};
     const std::int32_t length = longest_side(place.box);
     for (std::size_t a = 0; a < 3; ++a) {
@@ -118,61 +128,71 @@ std::vector<Cluster> apart(std::vector<Cluster> clusters) {
   }
 }
 
-// About how many triangles lie in it, were they spread evenly over their cubes.
-double triangles_in(const Cluster& cluster, const Steps& cube) {
-  double cubes = 1;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double side = static_cast<double>(cluster.box.hi[a]) - cluster.box.lo[a];
-    cubes *= (side + 1) / cube[a];
-  }
-  return cubes * static_cast<double>(cluster.around);
+// Whether it may hold more triangles than are done at once, were they spread evenly over their cubes.
+bool is_large(const Cluster& cluster) {
+  return points_in(cluster.box) * cluster.density > static_cast<double>(most_part_triangles);
 }
 
-LatticeBox common_part(const LatticeBox& a, const LatticeBox& b) {
-  LatticeBox common;
-  for (std::size_t i = 0; i < 3; ++i) {
-    common.lo[i] = std::max(a.lo[i], b.lo[i]);
-    common.hi[i] = std::min(a.hi[i], b.hi[i]);
-  }
-  return common;
-}
+class MendBoxes {
+ public:
+  explicit MendBoxes(const RefineFrame& frame)
+      : frame_(frame), cubes_(frame, 1, frame.level - 1) {}  // not near where the passes cut theirs
 
-// Of clusters that hold too much, by their numbers, the cubes with places in them.
-std::map<std::uint32_t, std::set<std::uint64_t>> cubes_of_large(
-    const std::vector<Cluster>& clusters, const std::vector<IntersectionPlace>& places,
-    const Steps& cube, const CubeLattice& cubes) {
-  const BoxTree tree(boxes_of(clusters));
-  std::map<std::uint32_t, std::set<std::uint64_t>> found;
-  for (const IntersectionPlace& place : places)
-    tree.each_meeting(place.box, [&](std::uint32_t i) {
-      if (triangles_in(clusters[i], cube) <= static_cast<double>(most_part_triangles)) return;
-      const Index3 lo = cubes.cube_of(place.box.lo), hi = cubes.cube_of(place.box.hi);
-      each_index({lo, hi + splat(1)}, [&](Index3 at) { found[i].insert(morton_encode(at)); });
-    });
-  return found;
-}
+  // What is too large with so much room has less, and is cut where there is no less.
+  void add(const std::vector<IntersectionPlace>& places, double room) {
+    const std::vector<Cluster> clusters = apart(with_room(places, frame_, room));
+    const auto large = places_of_large(clusters, places);
+    for (std::uint32_t i = 0; i < clusters.size(); ++i) {
+      const auto found = large.find(i);
+      if (found == large.end())
+        boxes_.push_back(clusters[i].box);
+      else if (room > least_room_cells)
+        add(found->second, room / 2);
+      else
+        add_cubes(clusters[i].box, found->second);
+    }
+  }
+  std::vector<LatticeBox> take() {
+    std::ranges::sort(boxes_, {}, &LatticeBox::lo);
+    return std::move(boxes_);
+  }
+
+ private:
+  // By the numbers of the clusters.
+  static std::map<std::uint32_t, std::vector<IntersectionPlace>> places_of_large(
+      const std::vector<Cluster>& clusters, const std::vector<IntersectionPlace>& places) {
+    const std::vector<LatticeBox> boxes = boxes_of(clusters);
+    const BoxTree tree(boxes);
+    std::map<std::uint32_t, std::vector<IntersectionPlace>> found;
+    for (const IntersectionPlace& place : places)
+      tree.each_meeting(place.box, [&](std::uint32_t i) {
+        if (is_large(clusters[i])) found[i].push_back(place);
+      });
+    return found;
+  }
+  // The cubes with places in them.
+  void add_cubes(const LatticeBox& box, const std::vector<IntersectionPlace>& places) {
+    std::set<std::uint64_t> found;
+    for (const IntersectionPlace& place : places) {
+      const Index3 lo = cubes_.cube_of(place.box.lo), hi = cubes_.cube_of(place.box.hi);
+      each_index({lo, hi + splat(1)}, [&](Index3 at) { found.insert(morton_encode(at)); });
+    }
+    for (const std::uint64_t at : found)
+      boxes_.push_back(box.common(cubes_.box(morton_decode(at))));
+  }
+
+  const RefineFrame& frame_;
+  CubeLattice cubes_;
+  std::vector<LatticeBox> boxes_;
+};
 
 }  // namespace
 
 std::vector<LatticeBox> mend_boxes(const std::vector<IntersectionPlace>& places,
                                    const RefineFrame& frame) {
-  // Not near where the passes cut their cubes.
-  const CubeLattice cubes(frame, 1, frame.level - 1);
-  const std::vector<Cluster> clusters = apart(with_room(places, frame, cubes.bounds()));
-  const Steps cube = steps_of(frame, static_cast<double>(std::int64_t{1} << frame.level));
-  const auto large = cubes_of_large(clusters, places, cube, cubes);
-  std::vector<LatticeBox> boxes;
-  for (std::uint32_t i = 0; i < clusters.size(); ++i) {
-    const auto cut = large.find(i);
-    if (cut == large.end()) {
-      boxes.push_back(clusters[i].box);
-      continue;
-    }
-    for (const std::uint64_t at : cut->second)
-      boxes.push_back(common_part(clusters[i].box, cubes.box(morton_decode(at))));
-  }
-  std::ranges::sort(boxes, {}, &LatticeBox::lo);
-  return boxes;
+  MendBoxes boxes(frame);
+  boxes.add(places, room_cells);
+  return boxes.take();
 }
 
 }  // namespace voxweld

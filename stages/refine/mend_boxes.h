@@ -17,10 +17,10 @@ struct IntersectionPlace {
 };
 
 // Boxes in the volume's cells that do not meet, ascending by their lower corners, such that each place
-// lies in one with room around it. What is changed in one has no part in what is changed in another. Boxes that would
-// meet become one. Where that may hold too many triangles, it is cut by cubes of half the side, whose
-// borders lie between those of the passes, and cubes without places are left out. So there a place may
-// lie at a border after all.
+// lies in one with room around it. What is changed in one has no part in what is changed in another.
+// Boxes that would meet become one. Where that may hold too many triangles, its places get less room; and where the
+// least does not help, it is cut by cubes of half the side, whose borders lie between those of the
+// passes, and cubes without places are left out. So there a place may lie at a border after all.
 //
 // The result does not depend on the order of the places.
 std::vector<LatticeBox> mend_boxes(const std::vector<IntersectionPlace>& places,

@@ -53,7 +53,7 @@ class RangeRefiner {
     Extract extract(mesh_);
     for (const auto& [cube, triangles] : populated_) {
       each_part(
-          mesh_, cubes_.box(morton_decode(cube.number)), triangles,
+          mesh_, room_of(morton_decode(cube.number)), triangles,
           [&](const LatticeBox& part, const TriangleNumbers& inside) {
             const RefineMesh mesh = extract.of(inside);
             sum.add(survey_cube(mesh, part, parameters_, tolerances));
@@ -67,6 +67,7 @@ class RangeRefiner {
   bool is_own(std::size_t triangle) const {
     return own_.contains(cubes_.code(places_.home(triangle)));
   }
+  Room room_of(Index3 cube) const { return {cubes_.box(cube), cubes_.whole(cube)}; }
   void sort_into_cubes();
   void find_pairs();
   void refine_one(Index3 cube, const TriangleNumbers& triangles);
@@ -114,7 +115,7 @@ void RangeRefiner::find_pairs() {
   for (const std::uint32_t t : crossing_) fixed.push_back({t, false, is_own(t)});
   for (const auto& [cube, triangles] : populated_) {
     each_part(
-        mesh_, cubes_.box(morton_decode(cube.number)), triangles, [](const auto&, const auto&) {},
+        mesh_, room_of(morton_decode(cube.number)), triangles, [](const auto&, const auto&) {},
         [&](std::uint32_t t) {
           fixed.push_back({t, true, true});
         });
@@ -126,11 +127,11 @@ void RangeRefiner::find_pairs() {
 }
 
 void RangeRefiner::refine_one(Index3 cube, const TriangleNumbers& triangles) {
-  const LatticeBox box = cubes_.box(cube);
+  const Room room = room_of(cube);
   TriangleNumbers leaving;
   for (const std::uint32_t t : triangles)
-    if (places_.home(t) == cube && !lies_in(mesh_, t, box)) leaving.push_back(t);
-  refiner_.refine({box, triangles, leaving, fixed_});
+    if (places_.home(t) == cube && !lies_in(mesh_, t, room.box)) leaving.push_back(t);
+  refiner_.refine({room, triangles, leaving, fixed_});
 }
 
 }  // namespace

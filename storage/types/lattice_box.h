@@ -30,6 +30,15 @@ struct LatticeBox {
                                  static_cast<int>(other.hi[a] < lo[a]));
     return !apart;
   }
+  // Precondition: they meet.
+  LatticeBox common(const LatticeBox& other) const {
+    LatticeBox box = *this;
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (other.lo[a] > lo[a]) box.lo[a] = other.lo[a];
+      if (other.hi[a] < hi[a]) box.hi[a] = other.hi[a];
+    }
+    return box;
+  }
   bool contains(const LatticePoint& p) const { return meets({p, p}); }
   friend bool operator==(const LatticeBox&, const LatticeBox&) = default;
 };

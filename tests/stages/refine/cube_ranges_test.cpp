@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "stages/refine/cube_lattice.h"
+#include "stages/stitch/lattice_plan.h"
+
 namespace voxweld {
 namespace {
 
@@ -67,6 +70,27 @@ TEST(CubeRanges, AreCutUpBesideFullCubes) {
   // One half is less than a full one.
   const std::vector<PlannedTile> few = {tile(6, {1, 1, 1}, 1000), tile(7, {1, 0, 0}, 100)};
   EXPECT_EQ(cube_ranges(few, 0).size(), 2u);
+}
+
+// What a cube of a small volume is cut by does not depend on where the volume ends.
+TEST(CubeLattice, WholeCubesGoOnBeyondTheVolume) {
+  for (const int pass : {0, 1}) {
+    const RefineFrame small{plan_lattice({splat(100), {1, 1, 1}, 0.01}), {1, 1, 1}, {}, splat(100)};
+    RefineFrame large = small;
+    large.size = splat(1000);
+    const CubeLattice cubes(small, pass), others(large, pass);
+    each_index({{}, splat(2)}, [&](Index3 cube) {
+      const LatticeBox whole = cubes.whole(cube);
+      EXPECT_EQ(whole.common(cubes.bounds()), cubes.box(cube));
+      EXPECT_EQ(whole, others.whole(cube));
+      const double side = 64 / small.lattice.step;
+      for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(whole.hi[a] + 1 - whole.lo[a], side, 1);
+      if (pass == 1 && cube.x == 0) {
+        EXPECT_LT(whole.lo[0], 0);
+        EXPECT_EQ(cubes.box(cube).lo[0], 0);
+      }
+    });
+  }
 }
 
 }  // namespace

@@ -113,6 +113,34 @@ TEST(MendBoxes, AreApartAndHoldAllPlaces) {
   }
 }
 
+// Dense meshes: with all the room they would run together, and would have to be cut.
+TEST(MendBoxes, HaveLessRoomWhereTheyWouldHoldTooMuch) {
+  const RefineFrame frame = frame_of(40);
+  std::vector<IntersectionPlace> places;
+  for (std::int32_t i = 0; i < 27; ++i) {
+    const LatticePoint lo{cells(frame, 4 + 14 * (i % 3)), cells(frame, 4 + 14 * (i / 3 % 3)),
+                          cells(frame, 4 + 14 * (i / 9))};
+    places.push_back({{lo, lo}, 170000});
+  }
+  const auto boxes = mend_boxes(places, frame);
+  EXPECT_EQ(boxes.size(), 27u);
+  expect_apart(boxes);
+  const std::int32_t room = cells(frame, 1.5);
+  for (const IntersectionPlace& place : places) {
+    LatticeBox with_room = place.box;
+    for (std::size_t a = 0; a < 3; ++a) {
+      with_room.lo[a] -= room;
+      with_room.hi[a] += room;
+    }
+    EXPECT_EQ(std::ranges::count_if(boxes, [&](const auto& b) { return holds(b, with_room); }), 1);
+  }
+  std::ranges::reverse(places);
+  EXPECT_EQ(mend_boxes(places, frame), boxes);
+  // Few triangles: one box for all.
+  for (IntersectionPlace& place : places) place.around = 100;
+  EXPECT_EQ(mend_boxes(places, frame).size(), 1u);
+}
+
 // Everywhere, in a mesh of so many triangles that they cannot be done at once.
 TEST(MendBoxes, WhereManyRunTogetherTheyAreCut) {
   const RefineFrame frame = frame_of(512);

@@ -83,6 +83,15 @@ TEST(RefineVolume, WhatIsLeftIsCounted) {
   check({{24, true, 55}, 0.5, RefineMode::repair}, totals);
 }
 
+// Cubes of both passes hold all of it, and it is more than is done at once. (Cut in the same places
+// in both passes it kept 21 pairs.)
+TEST(RefineVolume, SmallButDense) {
+  Totals totals;
+  check({{30, true, 1}, 0.05, RefineMode::collapse}, totals);
+  EXPECT_GT(totals.before, 10000u);
+  EXPECT_LE(totals.left, 2u);
+}
+
 // What lies at borders of both passes is fixed in both. Small cubes have much of that.
 TEST(RefineVolume, MendReachesWhatThePassesMayNotChange) {
   testing::VolumeMesh made = testing::mesh_of_volume({34, true, 7}, 0.2);
