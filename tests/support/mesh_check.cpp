@@ -105,6 +105,28 @@ std::size_t connected_components(std::span<const Triangle> triangles) {
   return components;
 }
 
+std::vector<std::int64_t> component_eulers(std::span<const Triangle> triangles) {
+  std::map<std::uint32_t, std::uint32_t> parent;
+  const auto root = [&](std::uint32_t v) {
+    while (parent.at(v) != v) v = parent[v] = parent.at(parent.at(v));
+    return v;
+  };
+  for (const Triangle& t : triangles) {
+    for (const std::uint32_t v : t) parent.try_emplace(v, v);
+    for (std::size_t k = 1; k < 3; ++k) {
+      const std::uint32_t a = root(t[0]), b = root(t[k]);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  std::map<std::uint32_t, std::vector<Triangle>> components;
+  for (const Triangle& t : triangles) components[root(t[0])].push_back(t);
+  std::vector<std::int64_t> eulers;
+  for (const auto& [first, component] : components)
+    eulers.push_back(euler_characteristic(component));
+  std::sort(eulers.begin(), eulers.end());
+  return eulers;
+}
+
 double signed_volume(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
   double sum = 0;
   for (const Triangle& t : triangles)

@@ -42,6 +42,9 @@ std::int64_t euler_characteristic(std::span<const Triangle> triangles);
 // Pieces of the mesh that share no vertex.
 std::size_t connected_components(std::span<const Triangle> triangles);
 
+// The Euler characteristic of each of them, ascending.
+std::vector<std::int64_t> component_eulers(std::span<const Triangle> triangles);
+
 // Positive when a closed mesh's triangles are counter-clockwise seen from outside.
 double signed_volume(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
 

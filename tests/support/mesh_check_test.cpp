@@ -94,5 +94,17 @@ TEST(MeshCheck, WeldsOnExactCoordinates) {
   EXPECT_DOUBLE_EQ(signed_volume(welded.vertices, welded.triangles), 1.0 / 6);
 }
 
+// A sphere of four triangles, a torus of 18, and a disc.
+TEST(MeshCheck, TellsTheEulerNumberOfEachComponent) {
+  std::vector<Triangle> all = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}, {50, 51, 52}};
+  for (std::uint32_t i = 0; i < 3; ++i)
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const auto at = [](std::uint32_t a, std::uint32_t b) { return 10 + 3 * (a % 3) + b % 3; };
+      all.push_back({at(i, k), at(i + 1, k), at(i + 1, k + 1)});
+      all.push_back({at(i, k), at(i + 1, k + 1), at(i, k + 1)});
+    }
+  EXPECT_EQ(component_eulers(all), (std::vector<std::int64_t>{0, 1, 2}));
+}
+
 }  // namespace
 }  // namespace voxweld::testing

@@ -55,8 +55,10 @@ inline VolumeMesh mesh_of(const MemoryVolume& volume, ContourParameters paramete
   // One tile: so small a volume has no more. (join_tiles would lose the vertices' aims.)
   return {to_refine_mesh(contour.tiles.at(0)), {lattice, {1, 1, 1}, {}, volume.size}};
 }
-inline VolumeMesh mesh_of(const MemoryVolume& volume, double tolerance) {
+inline VolumeMesh mesh_of(const MemoryVolume& volume, double tolerance,
+                          Topology topology = Topology::safe) {
   ContourParameters parameters;
+  parameters.simplify.topology = topology;
   parameters.surface.isovalue = {0.0};
   parameters.surface.gradient = Gradient::subcell;
   parameters.simplify.tolerance = tolerance;
