@@ -121,6 +121,7 @@ std::vector<std::int64_t> component_eulers(std::span<const Triangle> triangles) 
   std::map<std::uint32_t, std::vector<Triangle>> components;
   for (const Triangle& t : triangles) components[root(t[0])].push_back(t);
   std::vector<std::int64_t> eulers;
+  eulers.reserve(components.size());
   for (const auto& [first, component] : components)
     eulers.push_back(euler_characteristic(component));
   std::sort(eulers.begin(), eulers.end());

@@ -117,11 +117,12 @@ TEST(MendBoxes, AreApartAndHoldAllPlaces) {
 TEST(MendBoxes, HaveLessRoomWhereTheyWouldHoldTooMuch) {
   const RefineFrame frame = frame_of(40);
   std::vector<IntersectionPlace> places;
-  for (std::int32_t i = 0; i < 27; ++i) {
-    const LatticePoint lo{cells(frame, 4 + 14 * (i % 3)), cells(frame, 4 + 14 * (i / 3 % 3)),
-                          cells(frame, 4 + 14 * (i / 9))};
+  each_index({{}, splat(3)}, [&](Index3 at) {
+    LatticePoint lo{};
+    for (int a = 0; a < 3; ++a)
+      lo[static_cast<std::size_t>(a)] = cells(frame, 4 + 14 * static_cast<double>(at[a]));
     places.push_back({{lo, lo}, 170000});
-  }
+  });
   const auto boxes = mend_boxes(places, frame);
   EXPECT_EQ(boxes.size(), 27u);
   expect_apart(boxes);
