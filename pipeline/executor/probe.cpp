@@ -1,6 +1,7 @@
 #include "pipeline/executor/probe.h"
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <exception>
 #include <mutex>
@@ -9,15 +10,22 @@
 namespace voxweld {
 namespace {
 
-constexpr std::size_t fewest_a_thread = 4;  // fewer are done sooner than a thread starts
+constexpr std::size_t fewest_a_thread = 4;
+// What a local disk answers within this time is done sooner than threads start.
+constexpr std::chrono::microseconds alone{500};
+
+using Clock = std::chrono::steady_clock;
 
 class Probing {
  public:
   Probing(std::size_t count, const std::function<void(std::size_t)>& probe)
       : count_(count), probe_(probe) {}
 
-  void work_through() {
-    for (std::size_t i = next_++; i < std::min(count_, failed_.load()); i = next_++) {
+  // Until none is left, or until then.
+  void work_through(Clock::time_point end = Clock::time_point::max()) {
+    while (Clock::now() < end) {
+      const std::size_t i = next_++;
+      if (i >= std::min(count_, failed_.load())) return;
       try {
         probe_(i);
       } catch (...) {
@@ -28,6 +36,9 @@ class Probing {
       }
     }
   }
+
+  // Those nobody has begun.
+  std::size_t left() const { return count_ - std::min(count_, next_.load()); }
 
   void finish() const {
     if (error_) std::rethrow_exception(error_);
@@ -47,8 +58,9 @@ class Probing {
 void probe_all(std::size_t count, const std::function<void(std::size_t)>& probe) {
   Probing probing(count, probe);
   {
+    probing.work_through(Clock::now() + alone);
     std::vector<std::jthread> threads;
-    const std::size_t most = std::min(probes_at_once, count / fewest_a_thread);
+    const std::size_t most = std::min(probes_at_once, probing.left() / fewest_a_thread);
     for (std::size_t t = 1; t < most; ++t)
       threads.emplace_back([&probing] { probing.work_through(); });
     probing.work_through();

@@ -27,10 +27,16 @@ bool runs_along(const Index3& normal, int axis) {
   return axis > 0 ? along > 0 : along < 0;
 }
 
+// Of arrays of this size compilers make a call of a function.
+bool same(const LatticePoint& p, const LatticePoint& q) {
+  return ((p[0] ^ q[0]) | (p[1] ^ q[1]) | (p[2] ^ q[2])) == 0;
+}
+bool is_corner(const LatticePoint& p, const LatticeTriangle& t) {
+  return same(p, t[0]) || same(p, t[1]) || same(p, t[2]);
+}
+
 bool share_a_place(const LatticeTriangle& a, const LatticeTriangle& b) {
-  for (const LatticePoint& p : a)
-    if (p == b[0] || p == b[1] || p == b[2]) return true;
-  return false;
+  return is_corner(a[0], b) || is_corner(a[1], b) || is_corner(a[2], b);
 }
 
 // All of b strictly on one side of a's plane.
@@ -45,7 +51,7 @@ bool on_one_side(const LatticeTriangle& a, const Index3& normal, const LatticeTr
 bool leaves_plane(const LatticeTriangle& a, const Index3& normal, const LatticeTriangle& b) {
   int side = 0;
   for (const LatticePoint& p : b) {
-    if (p == a[0] || p == a[1] || p == a[2]) continue;
+    if (is_corner(p, a)) continue;
     const int here = sign_of_dot(normal, lattice_vector(a[0], p));
     if (here == 0 || here == -side) return false;
     side = here;

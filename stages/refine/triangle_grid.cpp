@@ -14,16 +14,26 @@ int shift_for(std::int32_t extent, std::int32_t side) {
 
 TriangleGrid::TriangleGrid(const LatticeBox& box, std::size_t triangles) : lo_(box.lo), pack_(box) {
   slots_.reserve(triangles);
-  std::size_t first = 0;
-  for (std::int32_t side = triangles > 20000 ? 32 : 16; side >= 1; side /= 4) {
+  std::size_t first = 0, first_row = 0;
+  for (std::int32_t side = triangles > 20000 ? most_side : 16; side >= 1; side /= 4) {
     if (side == 2) side = 1;
-    Level level{side, {}, first, 0};
+    Level level{side, {}, first, first_row, 0};
     for (std::size_t a = 0; a < 3; ++a) level.shift[a] = shift_for(box.hi[a] - box.lo[a], side);
     const auto bins = static_cast<std::size_t>(side);
     first += bins * bins * bins;
+    first_row += bins * bins;
     levels_.push_back(level);
   }
   bins_.resize(first);
+  rows_.resize(first_row);
+}
+
+// Whether the bin holds something, which has just changed or not.
+void TriangleGrid::mark(const Level& level, std::uint32_t bin) {
+  const std::size_t inside = bin - level.first, side = static_cast<std::size_t>(level.side);
+  std::uint32_t& row = rows_[level.first_row + inside / side];
+  const std::uint32_t bit = 1u << (inside % side);
+  row = bins_[bin].empty() ? row & ~bit : row | bit;
 }
 
 std::size_t TriangleGrid::level_of(const LatticeBox& box) const {
@@ -50,6 +60,7 @@ void TriangleGrid::put(std::uint32_t triangle, const LatticeBox& box) {
   slot = {bin, static_cast<std::uint32_t>(bins_[bin].size())};
   bins_[bin].push_back(packed);
   ++level.count;
+  mark(level, bin);
 }
 
 void TriangleGrid::remove(std::uint32_t triangle) {
@@ -63,6 +74,7 @@ void TriangleGrid::remove(std::uint32_t triangle) {
   for (std::size_t l = levels_.size(); l-- > 0;)
     if (bin >= levels_[l].first) {
       --levels_[l].count;
+      mark(levels_[l], bin);
       break;
     }
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -76,11 +77,15 @@ class TriangleGrid {
     std::int32_t side = 1;       // bins a side
     std::array<int, 3> shift{};  // log2 of their sizes
     std::size_t first = 0;       // of its bins
+    std::size_t first_row = 0;   // of its rows of bins
     std::size_t count = 0;       // triangles in it
   };
+  static std::size_t row(const Level& level, const Place& at) {
+    return static_cast<std::size_t>(at[2] * level.side + at[1]);
+  }
   static std::size_t number(const Level& level, const Place& at) {
-    return level.first +
-           static_cast<std::size_t>((at[2] * level.side + at[1]) * level.side + at[0]);
+    return level.first + row(level, at) * static_cast<std::size_t>(level.side) +
+           static_cast<std::size_t>(at[0]);
   }
   template <class F>
   bool none_of_bins(const LatticeBox& box, F&& f) const {
@@ -89,11 +94,14 @@ class TriangleGrid {
       Place lo = place(level, box.lo);
       const Place hi = place(level, box.hi);
       for (std::int32_t& at : lo) at = std::max(at - 1, 0);
+      const std::uint32_t span = (~0u << lo[0]) & (~0u >> (most_side - 1 - hi[0]));
       for (std::int32_t z = lo[2]; z <= hi[2]; ++z)
         for (std::int32_t y = lo[1]; y <= hi[1]; ++y) {
-          const std::vector<PackedBox>* bin = &bins_[number(level, {lo[0], y, z})];
-          for (std::int32_t x = lo[0]; x <= hi[0]; ++x, ++bin)
-            for (const PackedBox& one : *bin)
+          const std::size_t row_here = row(level, {0, y, z});
+          const std::vector<PackedBox>* bins = &bins_[number(level, {0, y, z})];
+          for (std::uint32_t some = rows_[level.first_row + row_here] & span; some != 0;
+               some &= some - 1)
+            for (const PackedBox& one : bins[std::countr_zero(some)])
               if (f(one)) return false;
         }
     }
@@ -106,12 +114,15 @@ class TriangleGrid {
     return at;
   }
   std::size_t level_of(const LatticeBox& box) const;
+  void mark(const Level& level, std::uint32_t bin);
 
   static constexpr std::uint32_t none = 0xffffffffu;
   LatticePoint lo_;
   std::vector<Level> levels_;  // the smallest bins first; last one bin for all
   BoxPacker pack_;
   std::vector<std::vector<PackedBox>> bins_;
+  static constexpr std::int32_t most_side = 32;
+  std::vector<std::uint32_t> rows_;  // of each row of bins a bit for each that holds something
   struct Slot {
     std::uint32_t bin = none, place = 0;
   };

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <csignal>
@@ -19,11 +20,14 @@
 
 namespace voxweld {
 
-// "<name>.tmp-<host>-<process>-<16 random hexadecimal digits>"
+// "<name>.tmp-<host>-<process>-<16 hexadecimal digits>": the digits begin at random in each process and
+// count on from there. A random number a name would take as long as the rest of opening a small file.
 std::string temporary_name(const std::filesystem::path& path) {
-  std::random_device device;
-  const auto random = (static_cast<std::uint64_t>(device()) << 32) | device();
-  return fmt::format("{}.tmp-{}-{}-{:016x}", path.string(), host_name(), getpid(), random);
+  static std::atomic<std::uint64_t> next = [] {
+    std::random_device device;
+    return (static_cast<std::uint64_t>(device()) << 32) | device();
+  }();
+  return fmt::format("{}.tmp-{}-{}-{:016x}", path.string(), host_name(), getpid(), next++);
 }
 
 namespace {

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -30,6 +32,22 @@ TEST(Probe, WaitsForManyAnswersAtOnce) {
   });
   EXPECT_GT(most, 4u);
   EXPECT_LE(most, probes_at_once);
+}
+
+// A run with few ranges asks some twenty times: threads would take longer than the answers.
+TEST(Probe, StartsNoThreadsForQuickAnswers) {
+  const auto caller = std::this_thread::get_id();
+  std::size_t others = 0, least = 1000;
+  for (int turn = 0; turn < 50; ++turn) {  // the machine may be busy in one of them
+    others = 0;
+    std::mutex mutex;
+    probe_all(64, [&](std::size_t) {
+      const std::scoped_lock lock(mutex);
+      others += std::this_thread::get_id() != caller ? 1 : 0;
+    });
+    least = std::min(least, others);
+  }
+  EXPECT_EQ(least, 0u);
 }
 
 TEST(Probe, ThrowsTheErrorOfTheLowest) {

@@ -83,9 +83,9 @@ LatticeBox random_box(Random& random, const LatticeBox& around, std::int32_t bey
 // Cubes of few steps and of so many that their coordinates are rounded; boxes that lie far outside.
 TEST(TriangleGrid, FindsAllThatMeet) {
   Random random;
-  for (const std::int32_t side : {300, 20000, 3000000}) {
+  for (const std::int32_t side : {300, 20000, 20001, 3000000}) {
     const LatticeBox around{{500, 600, 700}, {500 + side, 600 + side, 700 + side}};
-    TriangleGrid grid(around, 100);
+    TriangleGrid grid(around, side == 20000 ? 100 : 100000);  // both make bins of their own sizes
     std::vector<LatticeBox> boxes(600);
     for (std::uint32_t t = 0; t < boxes.size(); ++t) grid.put(t, random_box(random, around, side));
     for (std::uint32_t t = 0; t < boxes.size(); ++t)  // they change, and some go
