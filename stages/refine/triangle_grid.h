@@ -81,7 +81,8 @@ class TriangleGrid {
     std::size_t count = 0;       // triangles in it
   };
   static std::size_t row(const Level& level, const Place& at) {
-    return static_cast<std::size_t>(at[2] * level.side + at[1]);
+    return static_cast<std::size_t>(at[2]) * static_cast<std::size_t>(level.side) +
+           static_cast<std::size_t>(at[1]);
   }
   static std::size_t number(const Level& level, const Place& at) {
     return level.first + row(level, at) * static_cast<std::size_t>(level.side) +
