@@ -56,14 +56,14 @@ std::optional<Bounds> box_of(const ExtractArguments& arguments) {
 
 // The format of the mesh that `output` is, or is converted from.
 std::string format_of(const fs::path& output) {
-  const MeshWriter* writer = writer_of_ending(mesh_writers(), lower(output.extension().string()));
+  const MeshWriter* writer = writer_of_file(mesh_writers(), lower(output.filename().string()));
   if (writer != nullptr) return std::string(writer->name);
   try {
     check_export_name(output);
   } catch (const InputError&) {
     throw InputError(fmt::format(
-        "{}: expected a mesh file, {}, .ply, .obj, .stl or .off; or an output folder, with the "
-        "ending .mesh or a / behind it",
+        "{}: expected a mesh file, {} or .off; or an output folder, with the ending .mesh or a / "
+        "behind it",
         output.string(), endings_text(mesh_writers(), ", ")));
   }
   return "drc";

@@ -7,6 +7,7 @@
 
 #include "pipeline/config/filter_settings.h"
 #include "pipeline/config/settings.h"
+#include "stages/encode/mesh_writers.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -119,6 +120,16 @@ class CrossChecks {
       fail({"simplify.topology", "labels.mode"},
            "labels keep their topology; set it to \"manifold\" or \"safe\", or remove this key");
     if (config_.labels.mode == LabelMode::each) each();
+    if (config_.labels.mode == LabelMode::shared) shared();
+  }
+
+  void shared() const {
+    for (const MeshWriter& format : writers_named(mesh_writers(), config_.output.formats))
+      if (!format.holds_labels)
+        fail({"output.formats", "labels.mode"},
+             fmt::format("\"{}\" has no place for the labels that triangles of labels.mode = "
+                         "\"shared\" separate; remove it, or set labels.mode = \"each\"",
+                         format.name));
   }
 
   // The meshes of neighbouring labels overlap: they are no one mesh.

@@ -52,7 +52,7 @@ Hash128 asset_key(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit
   return key.finish();
 }
 
-Hash128 merged_key(const EncodeJob& job, const UnitPlan& plan) {
+Hash128 merged_key(const EncodeJob& job, const UnitPlan& plan, MergedParts parts) {
   KeyHasher key;
   std::vector<Hash128> contents(plan.size());
   probe_all(plan.size(),
@@ -63,25 +63,40 @@ Hash128 merged_key(const EncodeJob& job, const UnitPlan& plan) {
     key.text("box");
     for (int a = 0; a < 3; ++a) key.real(job.box->lo[a]).real(job.box->hi[a]);
   }
+  if (parts != MergedParts::all) key.text("streamed");
   return key.finish();
 }
 
-// label: whose mesh it is, if of any.
-std::vector<FileRecord> write_formats(const RunContext& context, const EncodeJob& job,
-                                      const TileMesh& mesh, const std::string& stem, Material label,
-                                      const WorkerContext& worker) {
+AssetFacts facts_of(const RunContext& context, const EncodeJob& job, Material label) {
   AssetFacts facts;
   facts.encoding.normals = context.config.output.normals;
   facts.frame = job.frame;
   facts.materials = job.materials;
   facts.label = label;
+  return facts;
+}
+
+// write(sink)
+template <class Write>
+FileRecord write_file(const EncodeJob& job, const std::string& stem, const MeshWriter& writer,
+                      const Write& write) {
+  AssetFile file(job.output, stem + std::string(writer.ending));
+  write([&](std::span<const std::byte> bytes) { file.append(bytes); });
+  return file.finish(std::string(writer.name));
+}
+
+// takes(writer): whether it is written in that format.
+std::vector<FileRecord> write_formats(
+    const EncodeJob& job, const TileMesh& mesh, const std::string& stem, const AssetFacts& facts,
+    const WorkerContext& worker,
+    const std::function<bool(const MeshWriter&)>& takes = [](const MeshWriter&) { return true; }) {
   Asset asset(mesh, facts);
   std::vector<FileRecord> files;
   for (const MeshWriter& writer : job.formats) {
     worker.check_interrupt();
-    AssetFile file(job.output, stem + std::string(writer.ending));
-    writer.write(asset, [&](std::span<const std::byte> bytes) { file.append(bytes); });
-    files.push_back(file.finish(std::string(writer.name)));
+    if (!takes(writer)) continue;
+    files.push_back(
+        write_file(job, stem, writer, [&](const ByteSink& sink) { writer.write(asset, sink); }));
   }
   return files;
 }
@@ -128,15 +143,21 @@ void add_boundaries(AssetRecord& record, const TileMesh& mesh) {
       box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z));
 }
 
-TileMesh merged_mesh(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
-                     const WorkerContext& worker) {
+// The tiles that have triangles, as far as the box wants them.
+EachTile tiles_of(const EncodeJob& job, const UnitPlan& plan, const WorkerContext& worker) {
+  return [&](const std::function<void(const TileMesh&)>& f) {
+    for (std::uint64_t unit = 0; unit < plan.size(); ++unit) {
+      worker.check_interrupt();
+      TileMesh tile = tile_of(job, plan, unit).read();
+      if (job.box) tile = cropped(tile, job.box->lo, job.box->hi);
+      if (!tile.triangles.empty()) f(tile);
+    }
+  };
+}
+
+TileMesh merged_mesh(const RunContext& context, const EncodeJob& job, const EachTile& each_tile) {
   MeshAccumulator accumulator;
-  for (std::uint64_t unit = 0; unit < plan.size(); ++unit) {
-    worker.check_interrupt();
-    TileMesh tile = tile_of(job, plan, unit).read();
-    if (job.box) tile = cropped(tile, job.box->lo, job.box->hi);
-    if (!tile.triangles.empty()) accumulator.append(tile);
-  }
+  each_tile([&](const TileMesh& tile) { accumulator.append(tile); });
   TileMesh mesh = accumulator.take();
   const bool open = context.config.surface.border == SurfaceConfig::Border::open || job.box;
   if (open && mesh.pairs.empty()) split_fans(mesh);
@@ -170,6 +191,29 @@ std::vector<FileRecord> copies_of_only_tile(const EncodeJob& job, const UnitPlan
   return files;
 }
 
+// Where the mesh was not put together before, the record gets its counts too.
+void stream_merged(const EncodeJob& job, const EachTile& each_tile, const WorkerContext& worker,
+                   AssetRecord& record) {
+  const StreamTotals totals = totals_of(each_tile);
+  if (job.box && totals.triangles == 0) refuse_empty(*job.box);
+  if (record.triangles == 0) {
+    record.vertices = totals.vertices;
+    record.triangles = totals.triangles;
+    each_tile([&](const TileMesh& tile) {
+      record.quads += tile.quads;
+      record.polygon_triangles += tile.polygon_triangles;
+      record.collinear += tile.collinear;
+    });
+  }
+  for (const MeshWriter& writer : job.formats) {
+    worker.check_interrupt();
+    if (writer.stream == nullptr) continue;
+    record.files.push_back(write_file(job, "mesh", writer, [&](const ByteSink& sink) {
+      writer.stream(each_tile, totals, sink);
+    }));
+  }
+}
+
 }  // namespace
 
 TileArtifact tile_of(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit) {
@@ -191,8 +235,10 @@ void encode_unit(const RunContext& context, const EncodeJob& job, const UnitPlan
     std::vector<FileRecord> files;
     // A tile may own polygons none of which has three leaves: it has no mesh, and no files.
     if (!mesh.triangles.empty() && context.config.output.tiles)
-      files = write_formats(context, job, mesh, planned[i].stem,
-                            artifact.labels().empty() ? exterior : artifact.labels()[i], worker);
+      files = write_formats(
+          job, mesh, planned[i].stem,
+          facts_of(context, job, artifact.labels().empty() ? exterior : artifact.labels()[i]),
+          worker);
     add_mesh(record, mesh, files);
     if (!mesh.pairs.empty()) add_boundaries(record, mesh);
     if (!artifact.labels().empty())
@@ -203,17 +249,26 @@ void encode_unit(const RunContext& context, const EncodeJob& job, const UnitPlan
 }
 
 void encode_merged(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
-                   const WorkerContext& worker) {
-  const TileMesh mesh = merged_mesh(context, job, plan, worker);
+                   MergedParts parts, const WorkerContext& worker) {
   // Nobody but the process that leads may leave its other units at once.
   std::optional<PromptStop> prompt;
   if (context.lock != nullptr && worker.interrupt() != nullptr)
     prompt.emplace(*worker.interrupt(), 0.8);
-  std::vector<FileRecord> files = copies_of_only_tile(job, plan, mesh);
-  if (files.empty()) files = write_formats(context, job, mesh, "mesh", exterior, worker);
   AssetRecord record;
-  record.key = merged_key(job, plan);
-  add_mesh(record, mesh, files);
+  record.key = merged_key(job, plan, parts);
+  const EachTile each_tile = tiles_of(job, plan, worker);
+  const auto is_streamed = [](const MeshWriter& writer) { return writer.stream != nullptr; };
+  if (parts == MergedParts::all && !std::ranges::all_of(job.formats, is_streamed)) {
+    const TileMesh mesh = merged_mesh(context, job, each_tile);
+    std::vector<FileRecord> files = copies_of_only_tile(job, plan, mesh);
+    const bool copied = !files.empty();
+    if (!copied)
+      files = write_formats(job, mesh, "mesh", facts_of(context, job, exterior), worker,
+                            [&](const MeshWriter& writer) { return !is_streamed(writer); });
+    add_mesh(record, mesh, files);
+    if (copied) return write_asset_record(merged_record_path(job), record, job.output);
+  }
+  if (std::ranges::any_of(job.formats, is_streamed)) stream_merged(job, each_tile, worker, record);
   write_asset_record(merged_record_path(job), record, job.output);
 }
 
@@ -223,8 +278,8 @@ bool unit_is_current(const EncodeJob& job, const UnitPlan& plan, std::uint64_t u
   return asset_is_current(record, asset_key(job, plan, unit, tile_of(job, plan, unit)), job.output);
 }
 
-bool merged_is_current(const EncodeJob& job, const UnitPlan& plan) {
-  return asset_is_current(merged_record_path(job), merged_key(job, plan), job.output);
+bool merged_is_current(const EncodeJob& job, const UnitPlan& plan, MergedParts parts) {
+  return asset_is_current(merged_record_path(job), merged_key(job, plan, parts), job.output);
 }
 
 }  // namespace voxweld

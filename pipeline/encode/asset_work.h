@@ -8,16 +8,19 @@
 
 namespace voxweld {
 
+// Which of the formats have a merged mesh: all, or those that can be written without holding it.
+enum class MergedParts : std::uint8_t { all, streamed };
+
 TileArtifact tile_of(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit);
 
 // Whether the record is there, of these inputs, and the files are as it says.
 bool unit_is_current(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit);
-bool merged_is_current(const EncodeJob& job, const UnitPlan& plan);
+bool merged_is_current(const EncodeJob& job, const UnitPlan& plan, MergedParts parts);
 
 // Precondition: stitch is current. DamagedArtifact where a tile is not what was planned.
 void encode_unit(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
                  std::uint64_t unit, const WorkerContext& worker);
 void encode_merged(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
-                   const WorkerContext& worker);
+                   MergedParts parts, const WorkerContext& worker);
 
 }  // namespace voxweld

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "pipeline/encode/asset_work.h"
 #include "pipeline/encode/listing.h"
 #include "pipeline/encode/output_files.h"
 #include "pipeline/executor/probe.h"
@@ -25,12 +24,14 @@ LabelMode label_mode(const EncodeJob& job) {
 }
 
 // Calls f with the names of all that the run may write: the same for each of its tasks.
-void each_planned(const EncodeJob& job, const UnitPlan& plan, bool merged,
+void each_planned(const EncodeJob& job, const UnitPlan& plan, const MergedPlan& merged,
                   const std::function<void(const std::string&)>& f) {
   std::vector<std::string> endings;
-  for (const MeshWriter& writer : job.formats) endings.emplace_back(writer.ending);
-  for (const std::string& ending : endings)
-    if (merged) f("mesh" + ending);
+  for (const MeshWriter& writer : job.formats) {
+    const std::string& ending = endings.emplace_back(writer.ending);
+    if (merged.write && (merged.parts == MergedParts::all || writer.stream != nullptr))
+      f("mesh" + ending);
+  }
   if (label_mode(job) != LabelMode::off) f(labels_name);
   for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
     for (const PlannedMesh& mesh : plan.meshes(unit))
@@ -95,6 +96,38 @@ std::uint64_t sum(const std::vector<std::uint64_t>& values) {
   return std::accumulate(values.begin(), values.end(), std::uint64_t{0});
 }
 
+// What the merged mesh takes in memory, held as a whole or tile by tile.
+struct MergedSizes {
+  std::uint64_t triangles = 0, whole = 0, streamed = 0;
+};
+MergedSizes merged_sizes(const Config& config, const UnitPlan& units) {
+  const bool normals = config.output.normals, labels = config.labels.mode == LabelMode::shared;
+  MergedSizes sizes;
+  std::uint64_t vertices = 0, largest = 0, kept = 0;
+  for (std::uint64_t unit = 0; unit < units.size(); ++unit) {
+    const PlannedTile tile = units.total(unit);
+    vertices += tile.vertices;
+    sizes.triangles += 2 * tile.polygons;
+    largest = std::max(largest, stitch_bytes(tile.vertices, tile.polygons));
+    kept += TileWelder::kept_bytes(tile.vertices, labels);
+  }
+  sizes.whole = accumulator_memory_bytes(vertices, sizes.triangles, normals) +
+                encode_memory_bytes(vertices, sizes.triangles, normals);
+  sizes.streamed = largest + kept;
+  return sizes;
+}
+
+// How the message ends that something of the merged mesh is left out.
+std::string what_there_is(const MergedPlan& merged, const EncodeJob& job) {
+  std::string names;
+  for (const MeshWriter& writer : job.formats)
+    if (merged.write && writer.stream != nullptr)
+      names += fmt::format("{}mesh{}", names.empty() ? "" : ", ", writer.ending);
+  if (!names.empty()) return fmt::format("the tiles and {} are complete", names);
+  return "the tiles are complete, and output.formats may have \"ply\", which takes little memory "
+         "at any size";
+}
+
 // More than there is: the unit waits until nobody else has any.
 constexpr std::uint64_t all_memory = std::numeric_limits<std::uint64_t>::max();
 
@@ -121,7 +154,8 @@ class EncodeStage final : public StageWork {
   }
   std::vector<Unit> units(std::span<const std::uint64_t> numbers) const override;
   bool done(std::uint64_t unit) override {
-    return is_merged(unit) ? merged_is_current(job_, plan_) : unit_is_current(job_, plan_, unit);
+    return is_merged(unit) ? merged_is_current(job_, plan_, merged_.parts)
+                           : unit_is_current(job_, plan_, unit);
   }
   StageLook look(const UnitSelection& selection) override;
   std::string missing_text(const StageLook& look) const override;
@@ -136,7 +170,7 @@ class EncodeStage final : public StageWork {
   void run(const Unit& unit, WorkerContext& worker) override {
     if (context_->lock != nullptr) context_->lock->check();
     if (is_merged(unit.key))
-      encode_merged(*context_, job_, plan_, worker);
+      encode_merged(*context_, job_, plan_, merged_.parts, worker);
     else
       encode_unit(*context_, job_, plan_, unit.key, worker);
   }
@@ -219,14 +253,15 @@ void EncodeStage::check(const RunContext& context, const StageLook& look) const 
 
 void EncodeStage::open(RunContext& context, const StageLook& look) {
   if (!merged_.why_not.empty())
-    spdlog::warn("no merged mesh: {}; the tiles are complete", merged_.why_not);
+    spdlog::warn("no merged mesh{}: {}; {}", merged_.write ? " in some formats" : "",
+                 merged_.why_not, what_there_is(merged_, job_));
   if (look.missing.empty()) return;
   const Hash128 key = planned_key(job_, planned_, merged_.write);
   if (has_begun(job_.output, key)) return;
   check(context, look);
   FileNames names(job_.folder);
   begin_output(job_.output, {key, context.config_file.string()}, names, [&](FileNames& all) {
-    each_planned(job_, plan_, merged_.write, [&](const std::string& name) { all.add(name); });
+    each_planned(job_, plan_, merged_, [&](const std::string& name) { all.add(name); });
   });
 }
 
@@ -256,22 +291,25 @@ StageMemory encode_memory(const Config& config, std::uint64_t largest) {
 
 MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_t pair_bytes) {
   MergedPlan plan;
-  if (units.of_labels()) return plan;
-  std::uint64_t vertices = 0, triangles = 0;
-  for (std::uint64_t unit = 0; unit < units.size(); ++unit) {
-    const PlannedTile tile = units.total(unit);
-    vertices += tile.vertices;
-    triangles += 2 * tile.polygons;
-  }
-  if (config.output.merged == OutputConfig::Merged::never) return plan;
-  plan.bytes = accumulator_memory_bytes(vertices, triangles, config.output.normals) +
-               encode_memory_bytes(vertices, triangles, config.output.normals) + pair_bytes;
-  const std::uint64_t whole = program_bytes() + plan.bytes;
-  plan.write = whole <= config.run.memory;
-  if (plan.write) return plan;
+  if (units.of_labels() || config.output.merged == OutputConfig::Merged::never) return plan;
+  const MergedSizes sizes = merged_sizes(config, units);
+  const auto formats = writers_named(mesh_writers(), config.output.formats);
+  const auto is_streamed = [](const MeshWriter& writer) { return writer.stream != nullptr; };
+  const std::uint64_t program = program_bytes(), most = config.run.memory;
+  const bool any_streamed = std::ranges::any_of(formats, is_streamed);
+  const bool any_whole = !std::ranges::all_of(formats, is_streamed);
+  const bool streams = any_streamed && program + sizes.streamed <= most;
+  const bool whole = any_whole && program + sizes.whole + pair_bytes <= most;
+  plan.write = streams || (whole && !any_streamed);
+  plan.parts = any_whole && !whole ? MergedParts::streamed : MergedParts::all;
+  plan.bytes = std::max(whole ? sizes.whole + pair_bytes : 0, streams ? sizes.streamed : 0);
+  if (whole == any_whole && streams == any_streamed) return plan;
+  const std::uint64_t needed =
+      program + (whole == any_whole ? sizes.streamed : sizes.whole + pair_bytes);
   const std::string figures =
-      fmt::format("one mesh of {} triangles takes {} to encode, run.memory is {}", triangles,
-                  readable_bytes(static_cast<double>(whole)), exact_bytes(config.run.memory));
+      fmt::format("one mesh of {} triangles takes {} to {}, run.memory is {}", sizes.triangles,
+                  readable_bytes(static_cast<double>(needed)),
+                  whole == any_whole ? "write" : "encode", exact_bytes(most));
   if (config.output.merged == OutputConfig::Merged::always)
     throw InputError("output.merged = true: " + figures +
                      "; raise run.memory, or leave output.merged = \"auto\" and use the tiles");

@@ -1,18 +1,20 @@
 // Encode: tile meshes to compressed assets, the merged mesh where it fits, and the manifest.
 #pragma once
 
+#include "pipeline/encode/asset_work.h"
 #include "pipeline/stage/artifacts.h"
 #include "pipeline/stage/stage_work.h"
 #include "storage/manifest/manifest.h"
 
 namespace voxweld {
 
-// Whether the merged mesh is to be written: "auto" leaves it out when it does not fit run.memory.
-// Throws InputError where it is asked for and does not fit.
+// Whether the merged mesh is to be written, and in which formats: "auto" leaves out those that do not
+// fit run.memory. Throws InputError where it is asked for and does not fit.
 struct MergedPlan {
   bool write = false;
+  MergedParts parts = MergedParts::all;
   std::uint64_t bytes = 0;  // what it takes in memory, beside the program
-  std::string why_not;      // for the user, when auto leaves it out
+  std::string why_not;      // for the user, when auto leaves something out
 };
 // pair_bytes: what the pairs of its triangles take (labels.mode = "shared"), once stitch has found
 // them.

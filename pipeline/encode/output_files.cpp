@@ -92,9 +92,10 @@ void each_of_our_form(const std::filesystem::path& output,
   for (const char* folder : {"tiles", "labels"}) {
     if (!std::filesystem::is_directory(output / folder)) continue;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(output / folder)) {
-      const std::string stem = entry.path().stem().string();
-      if (stem.find_first_not_of("0123456789-") == std::string::npos &&
-          writer_of_ending(mesh_writers(), entry.path().extension().string()) != nullptr)
+      const std::string file = entry.path().filename().string();
+      const MeshWriter* const writer = writer_of_file(mesh_writers(), file);
+      if (writer != nullptr &&
+          file.find_first_not_of("0123456789-") >= file.size() - writer->ending.size())
         f(entry.path().lexically_relative(output).generic_string());
     }
   }

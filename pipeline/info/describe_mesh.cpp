@@ -108,7 +108,7 @@ void add_settings(InfoDocument& document, const Manifest& manifest) {
 InfoDocument describe_mesh(const fs::path& path) {
   const DecodedMesh mesh = load_mesh(path);
   InfoDocument document = file_document("mesh", path);
-  document["format"] = writer_of_ending(mesh_writers(), path.extension().string())->name;
+  document["format"] = writer_of_file(mesh_writers(), path.filename().string())->name;
   document["points"] = mesh.positions.size();
   document["vertices"] = distinct(mesh.positions);
   document["triangles"] = mesh.triangles.size();

@@ -21,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string known_kinds() {
-  return "info knows volumes (" + reader_names() + "), meshes (.stl, .off, .obj, .ply, " +
-         endings_text(mesh_writers(), ", ") + "), configs, and all that a run writes";
+  return "info knows volumes (" + reader_names() + "), meshes (" +
+         endings_text(mesh_writers(), ", ") + ", .off), configs, and all that a run writes";
 }
 
 [[noreturn]] void unknown(const std::string& path, const std::string& why) {
@@ -101,8 +101,9 @@ InfoDocument describe_directory(const fs::path& path, const InfoOptions& options
 // Files that their name and place tell, but no contents.
 std::optional<InfoDocument> describe_by_name(const fs::path& path, const InfoOptions& options) {
   const std::string name = path.filename().string(), extension = path.extension().string();
-  if (writer_of_ending(mesh_writers(), extension) != nullptr) return describe_mesh(path);
+  // Of the formats that others write too, what is said of an input serves both.
   if (options.input.format == "auto" && is_mesh_name(path)) return describe_input_mesh(options);
+  if (writer_of_file(mesh_writers(), name) != nullptr) return describe_mesh(path);
   if (name == manifest_name) return describe_output(path, options);
   if (name == tiles_name) return describe_tile_list(path, options);
   if (name == labels_name) return describe_label_list(path, options);

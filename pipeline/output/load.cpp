@@ -9,7 +9,7 @@ namespace voxweld {
 DecodedMesh load_mesh(const std::filesystem::path& path, MeshWriters formats) {
   const std::string name = path.string();
   if (!std::filesystem::exists(path)) throw InputError(name + ": no such file");
-  const MeshWriter* format = writer_of_ending(formats, path.extension().string());
+  const MeshWriter* format = writer_of_file(formats, path.filename().string());
   if (format != nullptr) return format->read(read_whole_file(path), name);
   if (std::filesystem::is_directory(path))
     throw InputError(name + ": is a directory; name one " + endings_text(formats) + " file");

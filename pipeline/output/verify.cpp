@@ -14,6 +14,7 @@
 #include "pipeline/output/openmesh_check.h"
 #include "pipeline/output/origin.h"
 #include "pipeline/output/seam_check.h"
+#include "pipeline/output/streamed_file.h"
 #include "pipeline/output/verify_tiles.h"
 #include "storage/manifest/manifest.h"
 
@@ -309,25 +310,46 @@ class Verifier {
 
   // Files that are no tile's: those of the merged mesh, and the lists.
   void check_merged() {
+    std::vector<FormatFile> held;
+    std::vector<const FileRecord*> streamed;
     Problems problems;
-    std::vector<FormatFile> merged;
     for (const FileRecord& file : manifest_.files) {
       check_interrupt();
       if (file.role != "merged") {
         check_file(directory_, file, problems);
         continue;
       }
-      auto bytes = checked_file(directory_, file, problems);
       ++report_.files;
-      report_.bytes += bytes.size();
-      if (!manifest_.merged || !options_.merged) continue;
-      const auto named = manifest_.merged->find(file.format);
-      const MeshWriter* format = writer_named(options_.formats, file.format);
-      if (format != nullptr && named != manifest_.merged->end() && named->second == file.path)
-        merged.push_back({format, file.path, std::move(bytes)});
+      report_.bytes += file.bytes;
+      const MeshWriter* const format = merged_format(file);
+      if (format == nullptr) {
+        check_file(directory_, file, problems);
+      } else if (format->stream != nullptr) {
+        check_file(directory_, file, problems);
+        streamed.push_back(&file);
+      } else {
+        held.push_back({format, file.path, checked_file(directory_, file, problems)});
+      }
     }
+    const bool sound = problems.empty();
     note_all(problems);
-    if (manifest_.merged && options_.merged) check_merged_mesh(merged);
+    if (!manifest_.merged || !options_.merged) return;
+    if (!held.empty() || streamed.empty()) check_merged_mesh(held);
+    for (const FileRecord* file : streamed) {
+      if (!sound) return;
+      note_all(compare_streamed(directory_, file->path, manifest_.lattice, triangles_,
+                                [&] { check_interrupt(); }));
+      report_.merged_checked = true;
+    }
+  }
+
+  // Null where its mesh is not to be looked at.
+  const MeshWriter* merged_format(const FileRecord& file) const {
+    if (!manifest_.merged || !options_.merged) return nullptr;
+    const auto named = manifest_.merged->find(file.format);
+    return named != manifest_.merged->end() && named->second == file.path
+               ? writer_named(options_.formats, file.format)
+               : nullptr;
   }
 
   void check_merged_mesh(const std::vector<FormatFile>& files) {

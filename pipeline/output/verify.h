@@ -6,7 +6,7 @@
 // One tile at a time is decoded and checked for each thread; of a tile only what touches others
 // stays: its seam vertices, the half-edges between them and the fans around them. So the memory
 // taken is a tile for each thread plus all seams (of one label), whatever the size of the mesh. The
-// merged mesh, where there is one, is held whole.
+// merged mesh, where there is one, is held whole; of files that were streamed only its vertices.
 #pragma once
 
 #include <cstdint>

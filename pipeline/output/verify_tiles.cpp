@@ -141,7 +141,7 @@ std::optional<LatticeMesh> TileReader::read(TileResult& result) const {
   if (files.empty())
     result.problems.push_back(
         {record_name(result.record),
-         "lists no " + endings_text(formats_) + " file: its mesh cannot be checked"});
+         "lists no file of a known format: its mesh cannot be checked"});
   return decode(files, manifest_.lattice, result.problems);
 }
 

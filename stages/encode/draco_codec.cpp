@@ -108,8 +108,8 @@ void set_bounds(EncodedMesh& out, const TileMesh& mesh) {
       }
     }
   }
-  out.lo = lattice_point(mesh.lattice, lo);
-  out.hi = lattice_point(mesh.lattice, hi);
+  out.lo = float_position(mesh.lattice, lo);
+  out.hi = float_position(mesh.lattice, hi);
 }
 
 // Text that reads back as exactly value: a multiple of step, itself a power of two. Without a

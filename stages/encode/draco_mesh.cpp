@@ -9,20 +9,14 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "stages/encode/corner_points.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
-std::array<float, 3> lattice_point(const OutputLattice& lattice, const LatticePoint& q) {
-  std::array<float, 3> p;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    p[axis] = static_cast<float>(lattice.coordinate(static_cast<int>(axis), q[axis]));
-  return p;
-}
-
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
-constexpr std::uint32_t no_point = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t no_value = std::numeric_limits<std::uint32_t>::max();
 
 // Of the generic attribute that says which labels a triangle separates: each value is a place in
 // the list "inside,outside;..." of its metadata, where "-" is outside all labels.
@@ -44,45 +38,6 @@ void set_face(draco::Mesh& out, std::size_t at, const Triangle& t) {
               {draco::PointIndex(t[0]), draco::PointIndex(t[1]), draco::PointIndex(t[2])});
 }
 
-// One point for each (vertex, normal) pair that a corner uses, numbered by first use.
-class CornerPoints {
- public:
-  explicit CornerPoints(const TileMesh& mesh) {
-    for (const auto& corners : mesh.corner_normals)
-      for (const CornerNormal normal : corners)
-        normals_ = std::max(normals_, std::size_t{normal.bits} + 1);
-    point_.assign(mesh.positions.size() * normals_, no_point);
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        std::uint32_t& point = point_[slot(mesh.triangles[i][k], mesh.corner_normals[i][k])];
-        if (point == no_point) point = count_++;
-      }
-    }
-  }
-  std::uint32_t count() const { return count_; }
-  std::uint32_t of(std::uint32_t vertex, CornerNormal normal) const {
-    return point_[slot(vertex, normal)];
-  }
-
-  // f(point, vertex, normal)
-  template <class F>
-  void each(F&& f) const {
-    for (std::size_t i = 0; i < point_.size(); ++i) {
-      if (point_[i] == no_point) continue;
-      f(point_[i], static_cast<std::uint32_t>(i / normals_),
-        CornerNormal{static_cast<std::uint8_t>(i % normals_)});
-    }
-  }
-
- private:
-  std::size_t slot(std::uint32_t vertex, CornerNormal normal) const {
-    return vertex * normals_ + normal.bits;
-  }
-  std::size_t normals_ = 1;           // the most that a vertex may have, by their bits
-  std::vector<std::uint32_t> point_;  // of each vertex and normal
-  std::uint32_t count_ = 0;
-};
-
 void set_normal(draco::PointAttribute& attribute, std::size_t at, const Vec3& n) {
   set_value(attribute, at,
             {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
@@ -92,7 +47,7 @@ int add_positions(draco::Mesh& out, const TileMesh& mesh, bool identity) {
   const int id =
       add_float_attribute(out, draco::GeometryAttribute::POSITION, identity, mesh.positions.size());
   for (std::size_t v = 0; v < mesh.positions.size(); ++v)
-    set_value(*out.attribute(id), v, lattice_point(mesh.lattice, mesh.positions[v]));
+    set_value(*out.attribute(id), v, float_position(mesh.lattice, mesh.positions[v]));
   return id;
 }
 
@@ -260,7 +215,7 @@ void read_pairs(const draco::Mesh& mesh, DecodedMesh& out, const std::string& wh
   out.pairs = PairsText(text, where).parse();
   out.triangle_pairs.resize(mesh.num_faces());
   const auto pair_of = [&](draco::PointIndex point) {
-    std::uint32_t value = no_point;
+    std::uint32_t value = no_value;
     const draco::AttributeValueIndex at = attribute->mapped_index(point);
     if (at.value() < attribute->size()) attribute->GetValue(at, &value);
     if (value >= out.pairs.size()) damaged("a triangle names a label pair that is not there");

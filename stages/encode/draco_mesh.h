@@ -24,8 +24,6 @@ struct DracoAttributes {
 // Precondition: the mesh is one that encode_draco takes.
 DracoAttributes fill_draco_mesh(const TileMesh& mesh, bool normals, draco::Mesh& out);
 
-std::array<float, 3> lattice_point(const OutputLattice& lattice, const LatticePoint& q);
-
 // Fills pairs and triangle_pairs where the mesh has them. FormatError, starting with `where`.
 void read_pairs(const draco::Mesh& mesh, DecodedMesh& out, const std::string& where);
 

@@ -22,6 +22,7 @@ namespace {
 using namespace glb;
 
 constexpr int component_float = 5126, component_uint32 = 5125;
+constexpr int target_vertices = 34962, target_indices = 34963;
 constexpr int mode_triangles = 4;
 
 constexpr std::size_t padded(std::size_t size) {
@@ -76,31 +77,8 @@ Json node(const GlbParameters& parameters) {
   return out;
 }
 
-Json vector_accessor(std::uint64_t count) {
-  return {{"componentType", component_float}, {"count", count}, {"type", "VEC3"}};
-}
-
-// Adds the primitive's accessors.
-Json primitive(const EncodedMesh& mesh, std::size_t view, Json& accessors) {
-  Json attributes = {{"POSITION", accessors.size()}}, draco_ids = {{"POSITION", mesh.position_id}};
-  Json position = vector_accessor(mesh.points);
-  position["min"] = mesh.lo;
-  position["max"] = mesh.hi;
-  accessors.push_back(position);
-  if (mesh.normal_id >= 0) {
-    attributes["NORMAL"] = accessors.size();
-    draco_ids["NORMAL"] = mesh.normal_id;
-    accessors.push_back(vector_accessor(mesh.points));
-  }
-  const std::size_t indices = accessors.size();
-  accessors.push_back(
-      Json{{"componentType", component_uint32}, {"count", 3 * mesh.triangles}, {"type", "SCALAR"}});
-  const Json extension = {{draco_extension, {{"bufferView", view}, {"attributes", draco_ids}}}};
-  return {{"attributes", attributes},
-          {"indices", indices},
-          {"material", view},
-          {"mode", mode_triangles},
-          {"extensions", extension}};
+Json accessor(int component, std::uint64_t count, const char* type) {
+  return {{"componentType", component}, {"count", count}, {"type", type}};
 }
 
 Json label_of(Material material) {
@@ -124,37 +102,119 @@ Json material(const std::optional<MaterialPair>& pair, const GlbParameters& para
           {"doubleSided", true}};
 }
 
-struct Part {
-  const EncodedMesh* mesh = nullptr;
-  std::optional<MaterialPair> pair = std::nullopt;
+std::pair<std::array<float, 3>, std::array<float, 3>> bounds(
+    const std::vector<std::array<float, 3>>& positions) {
+  std::array<float, 3> lo = positions.at(0), hi = lo;
+  for (const auto& p : positions)
+    for (std::size_t a = 0; a < 3; ++a) {
+      lo[a] = std::min(lo[a], p[a]);
+      hi[a] = std::max(hi[a], p[a]);
+    }
+  return {lo, hi};
+}
+
+// A file in the making: its JSON, and the pieces of its binary chunk, which have to outlive it.
+class GlbFile {
+ public:
+  explicit GlbFile(const GlbParameters& parameters) : parameters_(parameters) {}
+
+  void add(const EncodedMesh& mesh, const std::optional<MaterialPair>& pair);
+  void add(const DecodedMesh& mesh, const std::optional<MaterialPair>& pair);
+  void write(const ByteSink& sink) const;
+
+ private:
+  // Returns its number.
+  template <class T>
+  std::size_t add_view(std::span<const T> piece, int target = 0);
+  // Its indices are those of the last accessor.
+  void add_primitive(const Json& attributes, const std::optional<MaterialPair>& pair,
+                     const Json& extensions = nullptr);
+  Json document() const;
+
+  const GlbParameters& parameters_;
+  Json accessors_ = Json::array(), primitives_ = Json::array(), materials_ = Json::array(),
+       views_ = Json::array();
+  std::vector<std::span<const std::byte>> pieces_;
+  std::size_t size_ = 0;  // of the pieces, each but the last one padded
+  bool draco_ = false;
 };
 
-Json document(const std::vector<Part>& parts, const GlbParameters& parameters) {
-  Json accessors = Json::array(), primitives = Json::array(), materials = Json::array(),
-       views = Json::array();
-  std::size_t offset = 0;
-  for (const Part& part : parts) {
-    Json& added = primitives.emplace_back(primitive(*part.mesh, views.size(), accessors));
-    if (part.pair)
-      added["extras"] = {{"inside", label_of(part.pair->inside)},
-                         {"outside", label_of(part.pair->outside)}};
-    materials.push_back(material(part.pair, parameters));
-    const std::size_t size = part.mesh->bytes.size();
-    views.push_back({{"buffer", 0}, {"byteOffset", offset}, {"byteLength", size}});
-    offset += &part == &parts.back() ? size : padded(size);
+template <class T>
+std::size_t GlbFile::add_view(std::span<const T> piece, int target) {
+  const std::size_t begin = padded(size_);
+  Json& view = views_.emplace_back(
+      Json{{"buffer", 0}, {"byteOffset", begin}, {"byteLength", piece.size_bytes()}});
+  if (target != 0) view["target"] = target;
+  pieces_.push_back(std::as_bytes(piece));
+  size_ = begin + piece.size_bytes();
+  return views_.size() - 1;
+}
+
+void GlbFile::add_primitive(const Json& attributes, const std::optional<MaterialPair>& pair,
+                            const Json& extensions) {
+  Json& primitive = primitives_.emplace_back(Json{{"attributes", attributes},
+                                                  {"indices", accessors_.size() - 1},
+                                                  {"material", materials_.size()},
+                                                  {"mode", mode_triangles}});
+  if (!extensions.is_null()) primitive["extensions"] = extensions;
+  if (pair)
+    primitive["extras"] = {{"inside", label_of(pair->inside)},
+                           {"outside", label_of(pair->outside)}};
+  materials_.push_back(material(pair, parameters_));
+}
+
+void GlbFile::add(const EncodedMesh& mesh, const std::optional<MaterialPair>& pair) {
+  draco_ = true;
+  Json attributes = {{"POSITION", accessors_.size()}}, ids = {{"POSITION", mesh.position_id}};
+  Json& position = accessors_.emplace_back(accessor(component_float, mesh.points, "VEC3"));
+  position["min"] = mesh.lo;
+  position["max"] = mesh.hi;
+  if (mesh.normal_id >= 0) {
+    attributes["NORMAL"] = accessors_.size();
+    ids["NORMAL"] = mesh.normal_id;
+    accessors_.push_back(accessor(component_float, mesh.points, "VEC3"));
   }
+  accessors_.push_back(accessor(component_uint32, 3 * mesh.triangles, "SCALAR"));
+  const std::size_t view = add_view(std::span(mesh.bytes));
+  add_primitive(attributes, pair, {{draco_extension, {{"bufferView", view}, {"attributes", ids}}}});
+}
+
+void GlbFile::add(const DecodedMesh& mesh, const std::optional<MaterialPair>& pair) {
+  const auto add_accessor = [&](std::size_t view, Json added) -> Json& {
+    added["bufferView"] = view;
+    return accessors_.emplace_back(std::move(added));
+  };
+  Json attributes = {{"POSITION", accessors_.size()}};
+  const auto [lo, hi] = bounds(mesh.positions);
+  Json& position = add_accessor(add_view(std::span(mesh.positions), target_vertices),
+                                accessor(component_float, mesh.positions.size(), "VEC3"));
+  position["min"] = lo;
+  position["max"] = hi;
+  if (!mesh.normals.empty()) {
+    attributes["NORMAL"] = accessors_.size();
+    add_accessor(add_view(std::span(mesh.normals), target_vertices),
+                 accessor(component_float, mesh.normals.size(), "VEC3"));
+  }
+  add_accessor(add_view(std::span(mesh.triangles), target_indices),
+               accessor(component_uint32, 3 * mesh.triangles.size(), "SCALAR"));
+  add_primitive(attributes, pair);
+}
+
+Json GlbFile::document() const {
   Json out;
   out["asset"] = {{"version", "2.0"}, {"generator", "voxweld " VOXWELD_VERSION}};
-  out["extensionsUsed"] = {draco_extension};
-  out["extensionsRequired"] = {draco_extension};
+  if (draco_) {
+    out["extensionsUsed"] = {draco_extension};
+    out["extensionsRequired"] = {draco_extension};
+  }
   out["scene"] = 0;
   out["scenes"] = Json::array({{{"nodes", {0}}}});
-  out["nodes"] = Json::array({node(parameters)});
-  out["meshes"] = Json::array({{{"primitives", primitives}}});
-  out["materials"] = materials;
-  out["accessors"] = accessors;
-  out["bufferViews"] = views;
-  out["buffers"] = Json::array({{{"byteLength", offset}}});
+  out["nodes"] = Json::array({node(parameters_)});
+  out["meshes"] = Json::array({{{"primitives", primitives_}}});
+  out["materials"] = materials_;
+  out["accessors"] = accessors_;
+  out["bufferViews"] = views_;
+  out["buffers"] = Json::array({{{"byteLength", size_}}});
   return out;
 }
 
@@ -163,18 +223,16 @@ void put_u32(std::vector<std::byte>& out, std::uint64_t value) {
     out.push_back(static_cast<std::byte>(value >> shift & 0xff));
 }
 
-std::vector<std::byte> wrap(const std::vector<Part>& parts, const GlbParameters& parameters) {
-  std::string text = json_text(document(parts, parameters));
+void GlbFile::write(const ByteSink& sink) const {
+  std::string text = json_text(document());
   text.resize(padded(text.size()), ' ');
-  std::size_t bin = 0;
-  for (const Part& part : parts) bin += padded(part.mesh->bytes.size());
+  const std::uint64_t bin = padded(size_);
   const std::uint64_t total = header_size + 2 * chunk_header_size + text.size() + bin;
   if (total > std::numeric_limits<std::uint32_t>::max())
     throw InputError(fmt::format(
         "a glTF binary holds less than 4 GiB, the mesh takes {} bytes: write .drc or tiles",
         total));
   std::vector<std::byte> out;
-  out.reserve(total);
   for (const std::uint64_t v : {std::uint64_t{magic}, std::uint64_t{2}, total,
                                 std::uint64_t{text.size()}, std::uint64_t{json_chunk}})
     put_u32(out, v);
@@ -182,11 +240,20 @@ std::vector<std::byte> wrap(const std::vector<Part>& parts, const GlbParameters&
   out.insert(out.end(), json.begin(), json.end());
   put_u32(out, bin);
   put_u32(out, bin_chunk);
-  for (const Part& part : parts) {
-    out.insert(out.end(), part.mesh->bytes.begin(), part.mesh->bytes.end());
-    out.resize(padded(out.size()), std::byte{0});
+  sink(out);
+  constexpr std::array<std::byte, 4> zeros{};
+  for (const auto piece : pieces_) {
+    sink(piece);
+    sink(std::span(zeros).first(padded(piece.size()) - piece.size()));
   }
-  return out;
+}
+
+std::vector<std::byte> whole(const GlbFile& file) {
+  std::vector<std::byte> bytes;
+  file.write([&](std::span<const std::byte> piece) {
+    bytes.insert(bytes.end(), piece.begin(), piece.end());
+  });
+  return bytes;
 }
 
 }  // namespace
@@ -211,13 +278,22 @@ std::optional<double> metres_per(const std::string& unit) {
 }
 
 std::vector<std::byte> wrap_glb(const EncodedMesh& mesh, const GlbParameters& parameters) {
-  return wrap({Part{&mesh}}, parameters);
+  GlbFile file(parameters);
+  file.add(mesh, {});
+  return whole(file);
 }
 
 std::vector<std::byte> wrap_glb(std::span<const GlbPart> parts, const GlbParameters& parameters) {
-  std::vector<Part> all;
-  for (const GlbPart& part : parts) all.push_back({&part.mesh, part.pair});
-  return wrap(all, parameters);
+  GlbFile file(parameters);
+  for (const GlbPart& part : parts) file.add(part.mesh, part.pair);
+  return whole(file);
+}
+
+void write_plain_glb(std::span<const PlainGlbPart> parts, const GlbParameters& parameters,
+                     const ByteSink& sink) {
+  GlbFile file(parameters);
+  for (const PlainGlbPart& part : parts) file.add(part.mesh, part.pair);
+  file.write(sink);
 }
 
 }  // namespace voxweld

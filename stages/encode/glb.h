@@ -1,4 +1,4 @@
-// glTF 2.0 binaries around a Draco buffer (KHR_draco_mesh_compression), and back.
+// glTF 2.0 binaries, around Draco buffers (KHR_draco_mesh_compression) or plain, and back.
 #pragma once
 
 #include <cstddef>
@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "stages/encode/byte_sink.h"
 #include "stages/encode/draco_codec.h"
 #include "storage/types/material_table.h"
 #include "storage/types/volume.h"
@@ -44,8 +45,19 @@ std::vector<std::byte> wrap_glb(const EncodedMesh& mesh, const GlbParameters& pa
 // Precondition: at least one part.
 std::vector<std::byte> wrap_glb(std::span<const GlbPart> parts, const GlbParameters& parameters);
 
-// The mesh of a .glb of the kind wrap_glb writes: its Draco buffers decoded, and the accessors'
-// counts, minima and maxima compared with that. Primitives with labels in their extras are put
+// A primitive without compression, or the only one. pair: of a mesh between labels.
+struct PlainGlbPart {
+  DecodedMesh mesh;
+  std::optional<MaterialPair> pair = std::nullopt;
+};
+
+// The same with all that the accessors say as it is: positions and normals as floats, corners in 32
+// bits. Programs that know no extension open it. Precondition: at least one part, each with triangles.
+void write_plain_glb(std::span<const PlainGlbPart> parts, const GlbParameters& parameters,
+                     const ByteSink& sink);
+
+// The mesh of a .glb of the kinds above: its Draco buffers decoded or its accessors read, and the
+// accessors' counts, minima and maxima compared with that. Primitives with labels in their extras are put
 // together, one after another. FormatError, starting with `where`, for anything else.
 DecodedMesh decode_glb(std::span<const std::byte> glb, const std::string& where = "glTF binary");
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "stages/encode/glb.h"
 #include "stages/encode/glb_format.h"
@@ -73,19 +74,76 @@ const Json& primitives_of(const Json& json) {
   return json.at("meshes").at(0).at("primitives");
 }
 
-std::span<const std::byte> draco_view(const GlbChunks& chunks, std::size_t primitive,
-                                      const std::string& where) {
+std::span<const std::byte> view_of(const GlbChunks& chunks, std::size_t number,
+                                   const std::string& where) {
+  const Json& view = chunks.json.at("bufferViews").at(number);
+  const auto offset = view.value("byteOffset", std::uint64_t{0});
+  const auto length = view.at("byteLength").get<std::uint64_t>();
+  if (offset > chunks.bin.size() || length > chunks.bin.size() - offset)
+    throw FormatError(fmt::format("{}: glTF bufferView of {} bytes at {} in a buffer of {}", where,
+                                  length, offset, chunks.bin.size()));
+  return chunks.bin.subspan(offset, length);
+}
+
+// The accessor's items, each of three numbers: as write_plain_glb writes them, in a view of their own.
+template <class Item>
+std::vector<Item> items_of(const GlbChunks& chunks, const Json& accessor, std::uint64_t count,
+                           const std::string& where) {
+  const auto bytes = view_of(chunks, accessor.at("bufferView").get<std::size_t>(), where);
+  if (accessor.contains("byteOffset") || bytes.size() / sizeof(Item) != count ||
+      bytes.size() % sizeof(Item) != 0)
+    throw FormatError(
+        fmt::format("{}: a glTF accessor of {} items of {} bytes in a view of {} bytes", where,
+                    count, sizeof(Item), bytes.size()));
+  std::vector<Item> items(count);
+  std::memcpy(items.data(), bytes.data(), bytes.size());
+  return items;
+}
+
+void check_type(const Json& accessor, int component, const char* type, const std::string& where) {
+  const auto found = accessor.at("componentType").get<int>();
+  const auto shape = accessor.at("type").get<std::string>();
+  if (found != component || shape != type)
+    throw FormatError(
+        fmt::format("{}: a glTF accessor of component type {} and type {}, expected "
+                    "{} and {}",
+                    where, found, shape, component, type));
+}
+
+DecodedMesh read_plain(const GlbChunks& chunks, const Json& primitive, const std::string& where) {
+  const Json& accessors = chunks.json.at("accessors");
+  const auto read = [&](const Json& number) -> std::vector<std::array<float, 3>> {
+    const Json& accessor = accessors.at(number.get<std::size_t>());
+    check_type(accessor, 5126, "VEC3", where);
+    return items_of<std::array<float, 3>>(chunks, accessor,
+                                          accessor.at("count").get<std::uint64_t>(), where);
+  };
+  DecodedMesh mesh;
+  const Json& attributes = primitive.at("attributes");
+  mesh.positions = read(attributes.at("POSITION"));
+  if (attributes.contains("NORMAL")) mesh.normals = read(attributes.at("NORMAL"));
+  const Json& indices = accessors.at(primitive.at("indices").get<std::size_t>());
+  check_type(indices, 5125, "SCALAR", where);
+  const auto corners = indices.at("count").get<std::uint64_t>();
+  if (corners % 3 != 0)
+    throw FormatError(fmt::format("{}: {} corners of triangles in a glTF", where, corners));
+  mesh.triangles = items_of<std::array<std::uint32_t, 3>>(chunks, indices, corners / 3, where);
+  for (const auto& t : mesh.triangles)
+    for (const std::uint32_t v : t)
+      if (v >= mesh.positions.size())
+        throw FormatError(
+            fmt::format("{}: a triangle has vertex {} of {}", where, v, mesh.positions.size()));
+  if (mesh.positions.empty() || mesh.triangles.empty())
+    throw FormatError(where + ": a glTF primitive without triangles");
+  return mesh;
+}
+
+DecodedMesh read_mesh(const GlbChunks& chunks, std::size_t number, const std::string& where) {
   return with_json(where, [&] {
-    const Json& extension =
-        primitives_of(chunks.json).at(primitive).at("extensions").at(draco_extension);
-    const Json& view =
-        chunks.json.at("bufferViews").at(extension.at("bufferView").get<std::size_t>());
-    const auto offset = view.value("byteOffset", std::uint64_t{0});
-    const auto length = view.at("byteLength").get<std::uint64_t>();
-    if (offset > chunks.bin.size() || length > chunks.bin.size() - offset)
-      throw FormatError(fmt::format("{}: glTF bufferView of {} bytes at {} in a buffer of {}",
-                                    where, length, offset, chunks.bin.size()));
-    return chunks.bin.subspan(offset, length);
+    const Json& primitive = primitives_of(chunks.json).at(number);
+    if (!primitive.contains("extensions")) return read_plain(chunks, primitive, where);
+    const Json& draco = primitive.at("extensions").at(draco_extension);
+    return decode_draco(view_of(chunks, draco.at("bufferView").get<std::size_t>(), where), where);
   });
 }
 
@@ -112,7 +170,7 @@ void check_bounds(const Json& accessor, const DecodedMesh& mesh, const std::stri
 
 DecodedMesh decode_primitive(const GlbChunks& chunks, std::size_t number,
                              const std::string& where) {
-  DecodedMesh mesh = decode_draco(draco_view(chunks, number, where), where);
+  DecodedMesh mesh = read_mesh(chunks, number, where);
   with_json(where, [&] {
     const Json& primitive = primitives_of(chunks.json).at(number);
     const Json& accessors = chunks.json.at("accessors");

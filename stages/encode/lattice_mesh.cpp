@@ -10,8 +10,14 @@
 namespace voxweld {
 namespace {
 
-LatticePoint to_lattice(const std::array<float, 3>& p, const OutputLattice& lattice,
-                        const std::string& where) {
+std::size_t lowest_corner(const std::array<LatticePoint, 3>& p) {
+  return static_cast<std::size_t>(std::min_element(p.begin(), p.end()) - p.begin());
+}
+
+}  // namespace
+
+LatticePoint lattice_point(const std::array<float, 3>& p, const OutputLattice& lattice,
+                           const std::string& where) {
   LatticePoint q;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     // Exact: the step is a power of two, and both terms are small multiples of it.
@@ -26,12 +32,6 @@ LatticePoint to_lattice(const std::array<float, 3>& p, const OutputLattice& latt
   }
   return q;
 }
-
-std::size_t lowest_corner(const std::array<LatticePoint, 3>& p) {
-  return static_cast<std::size_t>(std::min_element(p.begin(), p.end()) - p.begin());
-}
-
-}  // namespace
 
 std::uint32_t PointIndex::add(const LatticePoint& q) {
   const std::uint64_t hash = hash_point(q);
@@ -64,7 +64,7 @@ LatticeMesh weld(const DecodedMesh& mesh, const OutputLattice& lattice, const st
     Triangle& corner = out.triangles.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) {
       std::uint32_t& w = welded[t[k]];
-      if (w == PointIndex::none) w = index.add(to_lattice(mesh.positions[t[k]], lattice, where));
+      if (w == PointIndex::none) w = index.add(lattice_point(mesh.positions[t[k]], lattice, where));
       corner[k] = w;
     }
   }
@@ -74,24 +74,27 @@ LatticeMesh weld(const DecodedMesh& mesh, const OutputLattice& lattice, const st
   return out;
 }
 
+TriangleDigest digest(const std::array<LatticePoint, 3>& p, const MaterialPair* pair) {
+  const std::size_t first = lowest_corner(p);
+  std::uint64_t a = 0x9e3779b97f4a7c15ULL, b = 0x2545f4914f6cdd1dULL;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint64_t h = hash_point(p[(first + k) % 3]);
+    a = mix_bits(a + h);
+    b = mix_bits((b ^ h) * 0x9fb21c651e98df25ULL);
+  }
+  if (pair != nullptr) {
+    a = mix_bits(a + mix_bits(pair->inside) * 3);
+    b = mix_bits(b ^ mix_bits(pair->outside + 1));
+  }
+  return {1, a, b};
+}
+
 TriangleDigest digest(const LatticeMesh& mesh) {
   TriangleDigest sum;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle& t = mesh.triangles[i];
-    const std::array<LatticePoint, 3> p{mesh.positions[t[0]], mesh.positions[t[1]],
-                                        mesh.positions[t[2]]};
-    const std::size_t first = lowest_corner(p);
-    std::uint64_t a = 0x9e3779b97f4a7c15ULL, b = 0x2545f4914f6cdd1dULL;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint64_t h = hash_point(p[(first + k) % 3]);
-      a = mix_bits(a + h);
-      b = mix_bits((b ^ h) * 0x9fb21c651e98df25ULL);
-    }
-    if (!mesh.pairs.empty()) {
-      a = mix_bits(a + mix_bits(mesh.pairs[i].inside) * 3);
-      b = mix_bits(b ^ mix_bits(mesh.pairs[i].outside + 1));
-    }
-    sum += {1, a, b};
+    sum += digest({mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]},
+                  mesh.pairs.empty() ? nullptr : &mesh.pairs[i]);
   }
   return sum;
 }

@@ -56,6 +56,10 @@ struct LatticeMesh {
   std::vector<MaterialPair> pairs = {};
 };
 
+// FormatError, starting with `where`, when a coordinate is no lattice point or out of its range.
+LatticePoint lattice_point(const std::array<float, 3>& position, const OutputLattice& lattice,
+                           const std::string& where);
+
 // Joins the points of equal position: exactly, by lattice coordinates. Unused points are dropped.
 // FormatError, starting with `where`, when a coordinate is no lattice point or out of its range.
 LatticeMesh weld(const DecodedMesh& mesh, const OutputLattice& lattice,
@@ -75,5 +79,7 @@ struct TriangleDigest {
   friend bool operator==(const TriangleDigest&, const TriangleDigest&) = default;
 };
 TriangleDigest digest(const LatticeMesh& mesh);
+// Of one triangle. pair: null where it separates no labels.
+TriangleDigest digest(const std::array<LatticePoint, 3>& corners, const MaterialPair* pair);
 
 }  // namespace voxweld

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "stages/encode/draco_codec.h"
+#include "stages/encode/mesh_streams.h"
 #include "storage/types/material_table.h"
 #include "storage/types/volume.h"
 
@@ -42,13 +43,11 @@ class Asset {
   std::optional<EncodedMesh> encoded_;
 };
 
-// Takes the next bytes of a file.
-using ByteSink = std::function<void(std::span<const std::byte>)>;
-
 struct MeshWriter {
-  std::string_view name;    // in output.formats, in the manifest and the lists
-  std::string_view ending;  // of its files, with the dot; no other format's
-  bool coloured = false;    // a file depends on the colours that labels are given
+  std::string_view name;  // in output.formats, in the manifest and the lists
+  std::string_view
+      ending;  // of its files, with the dot; may end as another's does: the longer counts
+  bool coloured = false;  // a file depends on the colours that labels are given
   // Between labels: memory that each pair of labels takes while its mesh is written.
   std::uint64_t pair_bytes = 0;
   // The same asset gives the same bytes. Errors as encode_draco's, and InputError for a mesh that
@@ -57,6 +56,11 @@ struct MeshWriter {
   // FormatError, starting with `where`, for what is no whole file of the format. The coordinates
   // are those that were written, to the bit.
   DecodedMesh (*read)(std::span<const std::byte> file, const std::string& where) = nullptr;
+  // The same file from the mesh's tiles, without holding the mesh. Null: the format needs all of it.
+  void (*stream)(const EachTile& each_tile, const StreamTotals& totals,
+                 const ByteSink& sink) = nullptr;
+  // Of a mesh between labels a file says which labels each triangle separates.
+  bool holds_labels = true;
 };
 using MeshWriters = std::span<const MeshWriter>;
 
@@ -65,7 +69,8 @@ MeshWriters mesh_writers();
 
 // Null where the table has none.
 const MeshWriter* writer_named(MeshWriters writers, std::string_view name);
-const MeshWriter* writer_of_ending(MeshWriters writers, std::string_view ending);
+// Of a file of this name: the one with the longest ending that the name has.
+const MeshWriter* writer_of_file(MeshWriters writers, std::string_view file);
 // Those of the names, in the table's order. Precondition: it has them.
 std::vector<MeshWriter> writers_named(MeshWriters writers, std::span<const std::string> names);
 // For messages: ".drc or .glb".

@@ -15,14 +15,18 @@ namespace {
 
 using Parser = void (*)(MeshStream&, MeshOutput&);
 
-// Null where the name is of no known format.
+// Null where it is no known format.
+Parser parser_of(std::string_view format) {
+  if (format == "stl") return parse_stl;
+  if (format == "off") return parse_off;
+  if (format == "obj") return parse_obj;
+  if (format == "ply") return parse_ply;
+  return nullptr;
+}
+
 Parser parser_by_name(const std::filesystem::path& path) {
   const std::string extension = lower(path.extension().string());
-  if (extension == ".stl") return parse_stl;
-  if (extension == ".off") return parse_off;
-  if (extension == ".obj") return parse_obj;
-  if (extension == ".ply") return parse_ply;
-  return nullptr;
+  return extension.empty() ? nullptr : parser_of(std::string_view(extension).substr(1));
 }
 
 Parser parser_for(const std::filesystem::path& path) {
@@ -105,17 +109,24 @@ std::span<const std::byte> MeshStream::peek(std::size_t count) {
   return std::span(held_).subspan(next_, std::min(count, held_.size() - next_));
 }
 
+void MeshStream::read(std::uint64_t at, std::span<std::byte> out) const {
+  if (file_)
+    file_->read(at, out);
+  else
+    std::ranges::copy(bytes_.subspan(at, out.size()), out.begin());
+}
+
 // Makes at least `count` bytes of the rest lie in one piece, where there are as many.
 void MeshStream::fill(std::size_t count) {
   constexpr std::size_t piece = std::size_t{1} << 20;
   held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(next_));
   next_ = 0;
-  while (held_.size() < count && read_ < file_.size()) {
+  while (held_.size() < count && read_ < size_) {
     if (between_) between_();
     const std::size_t begin = held_.size();
-    held_.resize(begin + std::min<std::uint64_t>(piece, file_.size() - read_));
+    held_.resize(begin + std::min<std::uint64_t>(piece, size_ - read_));
     const auto part = std::span(held_).subspan(begin);
-    file_.read(read_, part);
+    read(read_, part);
     hash_.update(part);
     read_ += part.size();
   }
@@ -131,7 +142,7 @@ std::optional<std::string_view> MeshStream::line() {
       next_ += end + 1;
       return held.substr(0, end);
     }
-    if (read_ == file_.size()) {
+    if (read_ == size_) {
       if (held.empty()) return std::nullopt;
       next_ = held_.size();
       return held;
@@ -145,17 +156,17 @@ std::optional<std::string_view> MeshStream::line() {
 
 bool MeshStream::holds_zero() const {
   std::vector<std::byte> piece;
-  for (std::uint64_t at = 0; at < file_.size(); at += piece.size()) {
+  for (std::uint64_t at = 0; at < size_; at += piece.size()) {
     if (between_) between_();
-    piece.resize(std::min<std::uint64_t>(std::uint64_t{1} << 20, file_.size() - at));
-    file_.read(at, piece);
+    piece.resize(std::min<std::uint64_t>(std::uint64_t{1} << 20, size_ - at));
+    read(at, piece);
     if (std::ranges::find(piece, std::byte{}) != piece.end()) return true;
   }
   return false;
 }
 
 Hash128 MeshStream::finish() {
-  while (read_ < file_.size()) {
+  while (read_ < size_) {
     next_ = held_.size();
     fill(1);
   }
@@ -246,6 +257,14 @@ MeshFacts read_mesh_file(const std::filesystem::path& path, MeshSink& sink,
   MeshOutput out(file, sink);
   parse(file, out);
   return {file.finish(), lower(path.extension().string()).substr(1), file.state()};
+}
+
+void read_mesh_bytes(std::span<const std::byte> bytes, const std::string& format,
+                     const std::string& where, MeshSink& sink) {
+  const std::function<void()> between;
+  MeshStream file(bytes, where, between);
+  MeshOutput out(file, sink);
+  parser_of(format)(file, out);
 }
 
 MeshFile read_mesh_file(const std::filesystem::path& path) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 
 #include "storage/support/file_io.h"
@@ -32,6 +33,8 @@ class MeshSink {
   virtual void triangle(const std::array<std::uint64_t, 3>& corners) = 0;
   // Of formats that do not. Finite.
   virtual void facet(const std::array<Vec3, 3>& corners) = 0;
+  // After the triangles of a polygon: what a .ply has as `label` and `label_outside`, where it has both.
+  virtual void labels(double /*inside*/, double /*outside*/) {}
 };
 
 // Whether the name ends as those of mesh files do.
@@ -50,6 +53,11 @@ struct MeshFacts {
 // that is not a finite number.
 MeshFacts read_mesh_file(const std::filesystem::path& path, MeshSink& sink,
                          const std::function<void()>& between = {});
+
+// The same of bytes that are in memory. format: as MeshFacts has it. where: what messages begin with.
+// Precondition: the format is one of those of is_mesh_name.
+void read_mesh_bytes(std::span<const std::byte> bytes, const std::string& format,
+                     const std::string& where, MeshSink& sink);
 
 // The same into memory; FormatError too where there are no triangles, or more than 2^29.
 MeshFile read_mesh_file(const std::filesystem::path& path);

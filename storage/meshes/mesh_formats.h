@@ -17,17 +17,20 @@
 
 namespace voxweld {
 
-// A file's bytes from the first to the last, hashed on the way, and the name its messages begin
-// with. Memory: 2 MiB, and as much again for the longest line.
+// The bytes of a file, or of what was one, from the first to the last, hashed on the way, and the name
+// its messages begin with. Memory: 2 MiB, and as much again for the longest line.
 class MeshStream {
  public:
   MeshStream(const std::filesystem::path& path, const std::function<void()>& between)
-      : file_(path), between_(between) {}
+      : file_(std::in_place, path), name_(file_->path()), size_(file_->size()), between_(between) {}
+  MeshStream(std::span<const std::byte> bytes, const std::string& name,
+             const std::function<void()>& between)
+      : bytes_(bytes), name_(name), size_(bytes.size()), between_(between) {}
 
-  std::uint64_t size() const { return file_.size(); }
-  const FileState& state() const { return file_.state(); }
+  std::uint64_t size() const { return size_; }
+  const FileState& state() const { return file_->state(); }  // of files
   [[noreturn]] void fail(const std::string& problem) const {
-    throw FormatError(fmt::format("{}: {}", file_.path(), problem));
+    throw FormatError(fmt::format("{}: {}", name_, problem));
   }
 
   // Views are good until the next call.
@@ -50,8 +53,12 @@ class MeshStream {
 
  private:
   void fill(std::size_t count);
+  void read(std::uint64_t at, std::span<std::byte> out) const;
 
-  ReadFile file_;
+  std::optional<ReadFile> file_;
+  std::span<const std::byte> bytes_;  // where there is no file
+  std::string name_;
+  std::uint64_t size_;
   const std::function<void()>& between_;
   StreamHasher hash_;
   std::vector<std::byte> held_;
@@ -73,6 +80,7 @@ class MeshOutput {
   void begin_polygon() { corners_ = 0; }
   // False when there is no such vertex (yet).
   bool corner(std::int64_t vertex);
+  void labels(double inside, double outside) { sink_.labels(inside, outside); }
 
  private:
   void check(Vec3 place, std::uint64_t vertex) const;

@@ -1,5 +1,5 @@
-// PLY, text and binary: the x, y, z of its vertices and the vertex lists of its faces; all other
-// elements and properties are passed over.
+// PLY, text and binary: the x, y, z of its vertices, the vertex lists of its faces and the labels of
+// those that have two; all other elements and properties are passed over.
 #include <algorithm>
 #include <array>
 
@@ -145,15 +145,19 @@ bool holds_corners(const Property& property) {
 
 void read_face(const MeshStream& file, const Element& element, Body& body, MeshOutput& out) {
   out.begin_polygon();
+  std::optional<double> inside, outside;
   for (const Property& property : element.properties) {
     for (std::uint32_t count = body.count(property); count > 0; --count) {
       const double value = body.next(property.type);
+      if (property.name == "label") inside = value;
+      if (property.name == "label_outside") outside = value;
       // The double of a number of 32 bits is the number; what is no number is out of any range.
       const bool fits = value >= 0 && value < 4294967296.0;
       if (holds_corners(property) && !out.corner(fits ? static_cast<std::int64_t>(value) : -1))
         file.fail(fmt::format("a face has vertex {}, and there is none of that number", value));
     }
   }
+  if (inside && outside) out.labels(*inside, *outside);
 }
 
 void require(const MeshStream& file, const Header& header) {

@@ -40,4 +40,12 @@ constexpr OutputLattice moved(OutputLattice lattice, Vec3 by) {
 
 using LatticePoint = std::array<std::int32_t, 3>;  // in [0, 2^bits)
 
+// Exact (see OutputLattice).
+constexpr std::array<float, 3> float_position(const OutputLattice& lattice, const LatticePoint& q) {
+  std::array<float, 3> p{};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    p[axis] = static_cast<float>(lattice.coordinate(static_cast<int>(axis), q[axis]));
+  return p;
+}
+
 }  // namespace voxweld

@@ -92,6 +92,18 @@ TEST(Labels, EditsGiveLabelsToOneComplex) {
             "replace; it is for labels.mode = \"each\" and \"shared\"");
 }
 
+TEST(Labels, FormatsWithoutAPlaceForThemAreRefused) {
+  EXPECT_EQ(
+      error_of(
+          least_config("[labels]\nmode = \"shared\"\n[output]\nformats = [\"ply\", \"stl\"]\n")),
+      "/data/scan.toml:6:11: output.formats = [\"ply\", \"stl\"]: \"stl\" has no place for the "
+      "labels that triangles of labels.mode = \"shared\" separate; remove it, or set "
+      "labels.mode = \"each\"");
+  const Config each = testing::parse(
+      least_config("[labels]\nmode = \"each\"\n[output]\nformats = [\"obj\", \"stl\"]\n"));
+  EXPECT_EQ(each.output.formats.size(), 2u);
+}
+
 TEST(Labels, WhatContradictsIsRefused) {
   EXPECT_EQ(error_of(least_config("[labels]\nselect = \"mapped\"\n")),
             "/data/scan.toml:4:10: labels.select = \"mapped\": there is no labels.map that names "

@@ -5,6 +5,8 @@
 #include <atomic>
 
 #include "pipeline/encode/asset_work.h"
+#include "pipeline/output/verify.h"
+#include "storage/manifest/manifest.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "tests/pipeline/encode/encoded_scene.h"
@@ -62,6 +64,78 @@ TEST(MergedMesh, IsMadeAloneWhereMemoryDoesNotHoldBoth) {
   EXPECT_EQ(merged_file(alone), merged_file(beside));
 }
 
+void take_formats(testing::EncodedScene& scene, EncodeJob& job,
+                  const std::vector<std::string>& names) {
+  scene.context().config.output.formats = names;
+  job.formats = writers_named(mesh_writers(), names);
+}
+
+// What the merged mesh takes written tile by tile, and not a megabyte more.
+std::uint64_t memory_for_a_stream(Config config, const EncodeJob& job) {
+  config.output.formats = {"ply"};
+  const TopArtifact top(job.stitch->merge->path());
+  return program_bytes() + plan_merged(config, *unit_plan(top, LabelMode::off)).bytes +
+         (std::uint64_t{1} << 20);
+}
+
+TEST(MergedMesh, IsStreamedWhereMemoryDoesNotHoldIt) {
+  testing::EncodedScene scene(many_tiles);
+  EncodeJob plenty = scene.job("plenty"), little = scene.job("little");
+  const std::vector<std::string> names = {"drc", "ply", "stl", "obj"};
+  take_formats(scene, plenty, names);
+  take_formats(scene, little, names);
+  Config& config = scene.context().config;
+  scene.encode(plenty);
+  const TopArtifact top(little.stitch->merge->path());
+  const auto plan = unit_plan(top, LabelMode::off);
+  config.run.memory = memory_for_a_stream(config, little);
+  const MergedPlan merged = plan_merged(config, *plan);
+  EXPECT_TRUE(merged.write);
+  EXPECT_EQ(merged.parts, MergedParts::streamed);
+  EXPECT_THAT(merged.why_not, HasSubstr("to encode, run.memory is"));
+  encode_merged(scene.context(), little, *plan, merged.parts, WorkerContext(0, {}));
+  for (const char* file : {"mesh.ply", "mesh.stl", "mesh.obj"})
+    EXPECT_EQ(read_whole_file(little.output / file), read_whole_file(plenty.output / file)) << file;
+  EXPECT_FALSE(std::filesystem::exists(little.output / "mesh.drc"));
+  EXPECT_TRUE(merged_is_current(little, *plan, MergedParts::streamed));
+  // With more memory the other format is to come too.
+  EXPECT_FALSE(merged_is_current(little, *plan, MergedParts::all));
+}
+
+TEST(MergedMesh, InAllFormatsIsListedAndSound) {
+  testing::EncodedScene scene(many_tiles);
+  EncodeJob job = scene.job("all");
+  take_formats(scene, job, {"drc", "glb", "glb-plain", "ply", "stl", "obj"});
+  scene.encode(job);
+  const Manifest manifest = read_manifest(job.output / "manifest.json");
+  EXPECT_EQ(*manifest.merged, (MergedFiles{{"drc", "mesh.drc"},
+                                           {"glb", "mesh.glb"},
+                                           {"glb-plain", "mesh.plain.glb"},
+                                           {"ply", "mesh.ply"},
+                                           {"stl", "mesh.stl"},
+                                           {"obj", "mesh.obj"}}));
+  const VerifyReport report = verify_output(job.output);
+  EXPECT_TRUE(report.good()) << to_text(report);
+  EXPECT_TRUE(report.merged_checked);
+}
+
+TEST(MergedMesh, IsLeftOutWhereNoFormatCanBeStreamed) {
+  testing::EncodedScene scene(many_tiles);
+  const EncodeJob job = scene.job("left_out");
+  Config& config = scene.context().config;
+  const TopArtifact top(job.stitch->merge->path());
+  const auto plan = unit_plan(top, LabelMode::off);
+  config.run.memory = memory_for_a_stream(config, job);
+  config.output.formats = {"drc", "glb", "glb-plain"};
+  const MergedPlan left_out = plan_merged(config, *plan);
+  EXPECT_FALSE(left_out.write);
+  EXPECT_THAT(left_out.why_not, HasSubstr("to encode, run.memory is"));
+  config.output.merged = OutputConfig::Merged::always;
+  EXPECT_THROW(plan_merged(config, *plan), InputError);
+  config.output.formats = {"ply", "stl"};
+  EXPECT_TRUE(plan_merged(config, *plan).write);
+}
+
 TEST(MergedMesh, OfOneTileIsNotEncodedAgain) {
   testing::EncodedScene scene;
   EncodeJob job = scene.job("one");
@@ -95,9 +169,11 @@ TEST(MergedMesh, StopsBetweenItsFormats) {
   RunOptions options;
   options.interrupt = &stop;
   calls = 0;
-  EXPECT_THROW(encode_merged(scene.context(), job, *plan, WorkerContext(0, options)), Interrupted);
+  EXPECT_THROW(
+      encode_merged(scene.context(), job, *plan, MergedParts::all, WorkerContext(0, options)),
+      Interrupted);
   EXPECT_EQ(calls, 0);
-  EXPECT_FALSE(merged_is_current(job, *plan));
+  EXPECT_FALSE(merged_is_current(job, *plan, MergedParts::all));
 }
 
 }  // namespace

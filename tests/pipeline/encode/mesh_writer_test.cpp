@@ -114,7 +114,7 @@ TEST_F(OwnFormat, LeavesNoFilesOfTheFormatsBefore) {
 
 TEST_F(OwnFormat, IsUnknownToTheTableOfTheProgram) {
   encode({soup});
-  EXPECT_THAT(to_text(verify_output(output())), HasSubstr("lists no .drc or .glb file"));
+  EXPECT_THAT(to_text(verify_output(output())), HasSubstr("lists no file of a known format"));
   EXPECT_THROW(load_mesh(output() / "mesh.tri"), InputError);
 }
 

@@ -36,6 +36,8 @@ struct OutputDirectory {
   std::function<void(LabelRecord&)> relabel;
   std::function<void(Manifest&)> restate;
   std::function<void(TileMesh&)> remerge;
+  bool streamed =
+      false;  // the merged mesh in the formats that need not hold it, in place of others
 
   void write(const std::filesystem::path& directory) const {
     Manifest manifest;
@@ -130,10 +132,28 @@ struct OutputDirectory {
   void write_merged(const std::filesystem::path& directory, TileMesh mesh,
                     Manifest& manifest) const {
     if (remerge) remerge(mesh);
+    if (streamed) return write_streams(directory, mesh, manifest);
     const EncodedMesh encoded = encode_draco(mesh, {});
     manifest.merged = MergedFiles{{"drc", "mesh.drc"}, {"glb", "mesh.glb"}};
     manifest.files.push_back(file(directory, "mesh.drc", "drc", "merged", encoded.bytes));
     manifest.files.push_back(file(directory, "mesh.glb", "glb", "merged", wrap_glb(encoded, {})));
+  }
+
+  static void write_streams(const std::filesystem::path& directory, const TileMesh& mesh,
+                            Manifest& manifest) {
+    const AssetFacts facts;
+    Asset asset(mesh, facts);
+    manifest.merged = MergedFiles{};
+    for (const MeshWriter& writer : mesh_writers()) {
+      if (writer.stream == nullptr) continue;
+      std::vector<std::byte> bytes;
+      writer.write(asset, [&](std::span<const std::byte> some) {
+        bytes.insert(bytes.end(), some.begin(), some.end());
+      });
+      const std::string name(writer.name), path = "mesh" + std::string(writer.ending);
+      manifest.merged->emplace(name, path);
+      manifest.files.push_back(file(directory, path, name, "merged", bytes));
+    }
   }
 };
 

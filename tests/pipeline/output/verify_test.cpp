@@ -1,5 +1,6 @@
 #include "pipeline/output/verify.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -76,6 +77,20 @@ TEST(Verify, TheMergedMeshMayBeAllThereIs) {
   EXPECT_EQ(report.intersections->pairs, 0U);
   output.remerge = without_last_triangle;
   expect_problem(output, "the mesh at (");
+}
+
+TEST(Verify, MergedMeshesThatWereStreamed) {
+  OutputDirectory output = torus_output();
+  output.streamed = true;
+  const VerifyReport report = verified(output);
+  EXPECT_TRUE(report.good()) << to_text(report);
+  EXPECT_TRUE(report.merged_checked);
+  EXPECT_EQ(report.files, 2 * output.tiles.size() + 3);
+  output.remerge = without_last_triangle;
+  for (const char* file : {"mesh.ply", "mesh.stl", "mesh.obj"})
+    expect_problem(output, fmt::format("{}: its 2303 triangles are not the 2304", file));
+  output.remerge = [](TileMesh& mesh) { mesh.lattice.step *= 3; };
+  expect_problem(output, "mesh.ply: ");
 }
 
 TEST(Verify, EndsWhereAStopIsAskedFor) {
@@ -189,7 +204,7 @@ TEST(Verify, WrongSizeHashOrMissingFileIsNamed) {
   output.relist = of_tile(2, [](TileRecord& record) { record.files[0].path = "tiles/none.drc"; });
   expect_problem(output, "none.drc");
   output.relist = of_tile(2, [](TileRecord& record) { record.files.clear(); });
-  expect_problem(output, "lists no .drc or .glb");
+  expect_problem(output, "lists no file of a known format");
 }
 
 TEST(Verify, DamagedFilesAreReportedNotThrown) {

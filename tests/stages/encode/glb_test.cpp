@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "stages/encode/corner_points.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "tests/support/shapes.h"
@@ -137,6 +138,64 @@ TEST(Glb, RefusesCountsThatDoNotDecode) {
   EXPECT_THROW(decode_glb(wrap_glb(mesh, {})), FormatError);
 }
 
+std::vector<std::byte> plain(bool normals, const GlbParameters& parameters = {}) {
+  const TileMesh mesh = testing::make_torus({}, testing::small_lattice());
+  const std::vector<PlainGlbPart> parts = {{corner_points(mesh, normals)}};
+  std::vector<std::byte> glb;
+  write_plain_glb(parts, parameters, [&](std::span<const std::byte> bytes) {
+    glb.insert(glb.end(), bytes.begin(), bytes.end());
+  });
+  return glb;
+}
+
+TEST(PlainGlb, NamesNoExtensionAndIsReadAsItWasWritten) {
+  const TileMesh mesh = testing::make_torus({}, testing::small_lattice());
+  for (const bool normals : {false, true}) {
+    const auto glb = plain(normals);
+    EXPECT_EQ(u32(glb, 8), glb.size());
+    EXPECT_EQ(glb.size() % 4, 0u);
+    const json doc = json_of(glb);
+    EXPECT_FALSE(doc.contains("extensionsUsed"));
+    EXPECT_FALSE(doc.contains("extensionsRequired"));
+    for (const json& accessor : doc["accessors"]) EXPECT_TRUE(accessor.contains("bufferView"));
+    const DecodedMesh read = decode_glb(glb), points = corner_points(mesh, normals);
+    EXPECT_EQ(read.positions, points.positions);
+    EXPECT_EQ(read.normals, points.normals);
+    EXPECT_EQ(read.triangles, points.triangles);
+  }
+}
+
+TEST(PlainGlb, PartsKeepTheirLabels) {
+  const TileMesh mesh = testing::make_torus({}, testing::small_lattice());
+  const DecodedMesh points = corner_points(mesh, true);
+  const std::vector<PlainGlbPart> parts = {{points, MaterialPair{1, 2}},
+                                           {points, MaterialPair{2, exterior}}};
+  std::vector<std::byte> glb;
+  write_plain_glb(parts, {}, [&](std::span<const std::byte> bytes) {
+    glb.insert(glb.end(), bytes.begin(), bytes.end());
+  });
+  const DecodedMesh read = decode_glb(glb);
+  EXPECT_EQ(read.triangles.size(), 2 * points.triangles.size());
+  EXPECT_EQ(read.pairs, (std::vector<MaterialPair>{{1, 2}, {2, exterior}}));
+  EXPECT_EQ(read.triangle_pairs.front(), 0u);
+  EXPECT_EQ(read.triangle_pairs.back(), 1u);
+}
+
+TEST(PlainGlb, RefusesDamage) {
+  const auto glb = plain(true);
+  for (std::size_t size = 0; size < glb.size(); size += 7)
+    EXPECT_THROW(decode_glb(std::span(glb).first(size)), FormatError) << size;
+  for (std::size_t at = 0; at < glb.size(); ++at) {
+    auto flipped = glb;
+    flipped[at] ^= std::byte{32};
+    try {
+      decode_glb(flipped, "a.glb");
+    } catch (const FormatError& error) {
+      EXPECT_EQ(std::string(error.what()).rfind("a.glb: ", 0), 0u);
+    }
+  }
+}
+
 // The Khronos validator, where tests/npm_packages.sh has installed it.
 TEST(Glb, PassesTheKhronosValidator) {
   const std::string script = VOXWELD_GLTF_VALIDATE;
@@ -150,6 +209,9 @@ TEST(Glb, PassesTheKhronosValidator) {
       const auto path = directory / fmt::format("a{}.glb", files.size());
       write_whole_file(path, wrap_glb(torus(normals), variant), Durability::rename_only);
       files += fmt::format(" {}", path.string());
+      const auto other = directory / fmt::format("b{}.glb", files.size());
+      write_whole_file(other, plain(normals, variant), Durability::rename_only);
+      files += fmt::format(" {}", other.string());
     }
   }
   EXPECT_EQ(std::system(fmt::format("node {}{}", script, files).c_str()), 0);

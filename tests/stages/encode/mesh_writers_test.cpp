@@ -53,7 +53,18 @@ TEST(MeshWriters, AreChosenInTheOrderOfTheTable) {
   EXPECT_EQ(chosen[0].name, "drc");
   EXPECT_EQ(chosen[1].name, "glb");
   EXPECT_EQ(writer_named(mesh_writers(), "gltf"), nullptr);
-  EXPECT_EQ(writer_of_ending(mesh_writers(), "drc"), nullptr);
+}
+
+TEST(MeshWriters, AreKnownByTheLongestEndingOfAFile) {
+  const auto named = [](std::string_view file) {
+    const MeshWriter* const writer = writer_of_file(mesh_writers(), file);
+    return writer == nullptr ? "none" : writer->name;
+  };
+  EXPECT_EQ(named("mesh.glb"), "glb");
+  EXPECT_EQ(named("mesh.plain.glb"), "glb-plain");
+  EXPECT_EQ(named("plain.glb"), "glb");
+  EXPECT_EQ(named("a.b.ply"), "ply");
+  EXPECT_EQ(named("drc"), "none");
 }
 
 }  // namespace
