@@ -70,13 +70,25 @@ Image draw(const RenderArguments& arguments, const InterruptFlag& interrupt) {
   return renderer.finish();
 }
 
+std::vector<std::uint8_t> with_alpha(const Image& image) {
+  std::vector<std::uint8_t> pixels;
+  pixels.reserve(4 * image.alpha.size());
+  for (std::size_t i = 0; i < image.alpha.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) pixels.push_back(image.rgb[3 * i + k]);
+    pixels.push_back(image.alpha[i]);
+  }
+  return pixels;
+}
+
 int render(const RenderArguments& arguments, const Program& program) {
   const std::string& output = arguments.output.path;
   check_ending(output, std::vector<std::string>{".png"}, "a picture");
   check_output(arguments.output, arguments.input);
   const Image image = draw(arguments, program.interrupt);
   program.interrupt.check();
-  write_png(output, {image.width, image.height, 3}, std::as_bytes(std::span(image.rgb)));
+  const bool opaque = image.alpha.empty();
+  const std::vector<std::uint8_t> pixels = opaque ? image.rgb : with_alpha(image);
+  write_png(output, {image.width, image.height, opaque ? 3 : 4}, std::as_bytes(std::span(pixels)));
   fmt::print("{}: {} x {}\n", output, image.width, image.height);
   return 0;
 }
@@ -155,7 +167,9 @@ void add_render_command(CLI::App& app, Program& program) {
       "z points up; one mesh is in memory at a time, so an output directory may be of any size.");
   add_examples(*command, {{"voxweld render scan.mesh -o scan.png", ""},
                           {"voxweld render scan.mesh -o inside.png --azimuth 120 --cut-y 80",
-                           "from another side, without what lies beyond y = 80"}});
+                           "from another side, without what lies beyond y = 80"},
+                          {"voxweld render scan.mesh -o net.png --edges --transparent",
+                           "how large the triangles are, to be laid over something else"}});
   RenderOptions& o = arguments->options;
   add_file(*command, "input", arguments->input,
            "An output directory, or a mesh file: " + endings_text(mesh_writers()));
@@ -172,6 +186,8 @@ void add_render_command(CLI::App& app, Program& program) {
   command->add_option("--cut-x", o.cut[0], "Leaves out what lies above this x, to look inside");
   command->add_option("--cut-y", o.cut[1], "The same for y");
   command->add_option("--cut-z", o.cut[2], "The same for z");
+  command->add_flag("--edges", o.edges, "Draws the edges of triangles");
+  command->add_flag("--transparent", o.transparent, "Leaves the background transparent");
   when_chosen(*command, program, [&program, arguments] { return render(*arguments, program); });
 }
 

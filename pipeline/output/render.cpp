@@ -70,6 +70,7 @@ struct Renderer::Projected {
 
 struct Renderer::Corner {
   Projected at;
+  Vec3 place;             // in the mesh's frame
   Vec3 position, normal;  // in the eye's frame
 };
 
@@ -128,9 +129,26 @@ Renderer::Projected Renderer::project(const std::array<float, 3>& p) const {
 
 bool Renderer::is_cut(const DecodedMesh& mesh, const std::array<std::uint32_t, 3>& triangle) const {
   for (std::size_t a = 0; a < 3; ++a)
-    for (const std::uint32_t v : triangle)
-      if (options_.cut[a] && static_cast<double>(mesh.positions[v][a]) > *options_.cut[a])
-        return true;
+    if (options_.cut[a] && std::ranges::all_of(triangle, [&](std::uint32_t v) {
+          return static_cast<double>(mesh.positions[v][a]) > *options_.cut[a];
+        }))
+      return true;
+  return false;
+}
+
+bool Renderer::is_cut(const std::array<Corner, 3>& c, const std::array<double, 3>& w) const {
+  for (int a = 0; a < 3; ++a) {
+    const auto& cut = options_.cut[static_cast<std::size_t>(a)];
+    if (!cut) continue;
+    // In perspective what is linear on the screen is a coordinate times the nearness.
+    double sum = 0, weights = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double weight = distance_ > 0 ? w[k] * c[k].at.nearness : w[k];
+      sum += weight * c[k].place[a];
+      weights += weight;
+    }
+    if (sum > *cut * weights) return true;
+  }
   return false;
 }
 
@@ -151,7 +169,8 @@ void Renderer::draw(const DecodedMesh& mesh, std::optional<Material> label) {
     for (std::size_t k = 0; k < 3; ++k) {
       Corner& c = corners[k];
       c.at = project(mesh.positions[t[k]]);
-      const Vec3 d = to_vec(mesh.positions[t[k]]) - centre_;
+      c.place = to_vec(mesh.positions[t[k]]);
+      const Vec3 d = c.place - centre_;
       c.position = {dot(d, right_), dot(d, up_), dot(d, back_)};
       if (mesh.normals.empty()) continue;
       const Vec3 n = to_vec(mesh.normals[t[k]]);
@@ -181,6 +200,11 @@ void Renderer::fill(const std::array<Corner, 3>& c, const Facing& facing, const 
   const int x0 = clamp_sample(std::floor(x_lo), width_), x1 = clamp_sample(x_hi + 1, width_);
   const int y0 = clamp_sample(std::floor(y_lo), height_), y1 = clamp_sample(y_hi + 1, height_);
   const bool smooth = dot(c[0].normal, c[0].normal) > 0;
+  std::array<double, 3> heights{};  // of the corners over the edges opposite to them
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Projected &p = c[(k + 1) % 3].at, &q = c[(k + 2) % 3].at;
+    heights[k] = std::abs(facing.area) / std::max(std::hypot(q.x - p.x, q.y - p.y), 1e-12);
+  }
   for (int y = y0; y < y1; ++y) {
     for (int x = x0; x < x1; ++x) {
       const double px = x + 0.5, py = y + 0.5;
@@ -194,32 +218,49 @@ void Renderer::fill(const std::array<Corner, 3>& c, const Facing& facing, const 
                                                w[2] * c[2].at.nearness);
       const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                              static_cast<std::size_t>(x);
-      if (!(nearness > depth_[at])) continue;
+      if (!(nearness > depth_[at]) || is_cut(c, w)) continue;
       depth_[at] = nearness;
       Vec3 n = facing.normal;
       if (smooth) n = unit(c[0].normal * w[0] + c[1].normal * w[1] + c[2].normal * w[2]);
       if (facing.back) n = n * -1;
-      colour_[at] = encoded((facing.back ? colours.back : colours.front) * light(n));
+      const Vec3 colour = facing.back ? colours.back : colours.front;
+      colour_[at] = encoded(colour * (light(n) * edge_shade(w, heights)));
     }
   }
+}
+
+double Renderer::edge_shade(const std::array<double, 3>& w,
+                            const std::array<double, 3>& heights) const {
+  if (!options_.edges) return 1;
+  const double away = std::min({w[0] * heights[0], w[1] * heights[1], w[2] * heights[2]});
+  // Half a line lies on each side of an edge.
+  return away < 0.5 * options_.supersample ? 0.12 : 1;
 }
 
 Image Renderer::finish() const {
   Image image{options_.width, options_.height, {}};
   const int s = options_.supersample;
-  image.rgb.reserve(3 * static_cast<std::size_t>(image.width) *
-                    static_cast<std::size_t>(image.height));
+  const std::size_t pixels =
+      static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  image.rgb.reserve(3 * pixels);
+  if (options_.transparent) image.alpha.reserve(pixels);
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
       std::array<int, 3> sum{};
+      int covered = 0;  // samples that count
       for (int i = 0; i < s * s; ++i) {
         const std::size_t at =
             static_cast<std::size_t>(y * s + i / s) * static_cast<std::size_t>(width_) +
             static_cast<std::size_t>(x * s + i % s);
+        if (options_.transparent && std::isinf(depth_[at])) continue;
+        ++covered;
         for (std::size_t k = 0; k < 3; ++k) sum[k] += colour_[at][k];
       }
       for (const int v : sum)
-        image.rgb.push_back(static_cast<std::uint8_t>((v + s * s / 2) / (s * s)));
+        image.rgb.push_back(
+            static_cast<std::uint8_t>(covered > 0 ? (v + covered / 2) / covered : 0));
+      if (options_.transparent)
+        image.alpha.push_back(static_cast<std::uint8_t>((255 * covered + s * s / 2) / (s * s)));
     }
   }
   return image;

@@ -24,12 +24,15 @@ struct RenderOptions {
   int supersample = 2;                        // samples a side of a pixel, 1 to 4
   // Only what lies at or below this on an axis is drawn: to look inside.
   std::array<std::optional<double>, 3> cut = {};
+  bool edges = false;        // of triangles, as dark lines about a pixel wide
+  bool transparent = false;  // where there is no mesh, in place of a sky
 };
 
 // RGB, 8 bits each, rows from the top.
 struct Image {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;
+  std::vector<std::uint8_t> alpha = {};  // one a pixel, or empty: all is opaque
 };
 
 struct MeshBounds {
@@ -59,7 +62,10 @@ class Renderer {
     Vec3 front, back;
   };
   Vec3 colour_of(Material label) const;
+  // All of it.
   bool is_cut(const DecodedMesh& mesh, const std::array<std::uint32_t, 3>& triangle) const;
+  // At one sample of a triangle: its weights, barycentric on the screen.
+  bool is_cut(const std::array<Corner, 3>& corners, const std::array<double, 3>& weights) const;
   void draw_triangle(const std::array<Corner, 3>& corners, const Colours& colours);
   struct Facing {
     double area;
@@ -67,6 +73,9 @@ class Renderer {
     bool back;
   };
   void fill(const std::array<Corner, 3>& corners, const Facing& facing, const Colours& colours);
+  // How much of its light a sample keeps, by the distance to the nearest edge.
+  double edge_shade(const std::array<double, 3>& weights,
+                    const std::array<double, 3>& heights) const;
 
   RenderOptions options_;
   MaterialTable given_;

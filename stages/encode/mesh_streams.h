@@ -28,7 +28,8 @@ void stream_ply(const EachTile& each_tile, const StreamTotals& totals, const Byt
 void stream_stl(const EachTile& each_tile, const StreamTotals& totals, const ByteSink& sink);
 
 // Vertices are welded; each corner of a face has its own normal, so edges are as sharp as in the other
-// formats.
+// formats. Each tile's vertices, normals and faces come together: so the bytes depend on where the mesh
+// is cut, other than those of the two above.
 void stream_obj(const EachTile& each_tile, const StreamTotals& totals, const ByteSink& sink);
 
 // Reads what these write, and any other file of the formats: "ply", "stl" or "obj". Polygons become

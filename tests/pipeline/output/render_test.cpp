@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <set>
 
@@ -146,6 +147,71 @@ TEST(Render, LabelsHaveTheirColours) {
   EXPECT_NE(brightest(red, 8), brightest(red, 9));
   EXPECT_NE(brightest(red, 8), brightest(red, {}));
   EXPECT_EQ(brightest({}, {}), brightest(red, {}));
+}
+
+// The cut goes through triangles: with perspective too it lies where it is asked for.
+TEST(Render, CutsLieAtTheirPlace) {
+  const OutputLattice lattice = testing::small_lattice();
+  const DecodedMesh cube = decoded(testing::make_cube(lattice, {4, 4, 4}, 16), true);
+  const auto rows = [&](std::optional<double> top, double view) {
+    RenderOptions options = small;
+    options.azimuth = options.elevation = 0;
+    options.field_of_view = view;
+    options.cut[2] = top;
+    const Image image = render_mesh(std::span(&cube, 1), options);
+    keep(image, "cut");
+    std::size_t drawn = 0;
+    for (std::size_t y = 0; y < 240; ++y) {
+      const std::size_t at = 3 * (y * 320 + 160);
+      drawn += image.rgb[at + 2] > image.rgb[at] ? 0 : 1;
+    }
+    return static_cast<double>(drawn);
+  };
+  EXPECT_NEAR(rows(4.0 + 16 * 0.75, 0) / rows({}, 0), 0.75, 0.02);
+  // From in front a quarter of the near side goes, and what is behind it shows the inside, red.
+  EXPECT_NEAR(rows(4.0 + 16 * 0.75, 40) / rows({}, 40), 0.75, 0.15);
+  EXPECT_EQ(rows(3.9, 0), 0);
+}
+
+TEST(Render, EdgesAreDarkLinesWhereTrianglesMeet) {
+  const DecodedMesh cube =
+      decoded(testing::make_cube(testing::small_lattice(), {4, 4, 4}, 16), true);
+  RenderOptions options = small;
+  options.azimuth = options.elevation = options.field_of_view = 0;
+  const Image plain = render_mesh(std::span(&cube, 1), options);
+  options.edges = true;
+  const Image edges = render_mesh(std::span(&cube, 1), options);
+  keep(edges, "edges");
+  std::size_t darker = 0, same = 0;
+  for (std::size_t i = 0; i < plain.rgb.size(); i += 3) {
+    if (plain.rgb[i + 2] > plain.rgb[i]) continue;  // sky
+    if (edges.rgb[i] + 40 < plain.rgb[i])
+      ++darker;
+    else
+      same += edges.rgb[i] == plain.rgb[i] ? 1 : 0;
+  }
+  // The outline of a square and a diagonal of it.
+  const double side = std::sqrt(static_cast<double>(darker + same));
+  EXPECT_GT(static_cast<double>(darker), 3 * side);
+  EXPECT_LT(static_cast<double>(darker), 8 * side);
+}
+
+TEST(Render, TransparentWhereThereIsNoMesh) {
+  const DecodedMesh mesh = torus();
+  RenderOptions options = small;
+  EXPECT_TRUE(render_mesh(std::span(&mesh, 1), options).alpha.empty());
+  const Image opaque = render_mesh(std::span(&mesh, 1), options);
+  options.transparent = true;
+  const Image image = render_mesh(std::span(&mesh, 1), options);
+  ASSERT_EQ(image.alpha.size(), 320u * 240);
+  EXPECT_EQ(image.alpha.front(), 0);
+  std::set<int> levels;
+  for (std::size_t i = 0; i < image.alpha.size(); ++i) {
+    levels.insert(image.alpha[i]);
+    if (image.alpha[i] < 255) continue;
+    for (std::size_t k = 0; k < 3; ++k) ASSERT_EQ(image.rgb[3 * i + k], opaque.rgb[3 * i + k]);
+  }
+  EXPECT_EQ(levels, (std::set<int>{0, 64, 128, 191, 255}));  // of 2 x 2 samples
 }
 
 TEST(Render, RefusesOptionsOutOfRange) {
