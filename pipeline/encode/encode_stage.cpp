@@ -96,6 +96,16 @@ std::uint64_t sum(const std::vector<std::uint64_t>& values) {
   return std::accumulate(values.begin(), values.end(), std::uint64_t{0});
 }
 
+// A tile also refers to vertices beyond its border.
+std::uint64_t vertices_with_border(const PlannedTile& tile) {
+  return tile.vertices + tile.vertices / 4;
+}
+
+std::uint64_t streaming_bytes(const PlannedTile& tile) {
+  const std::uint64_t vertices = vertices_with_border(tile);
+  return stitch_bytes(vertices, tile.polygons) / 2 + stream_bytes(vertices);
+}
+
 // What the merged mesh takes in memory, held as a whole or tile by tile.
 struct MergedSizes {
   std::uint64_t triangles = 0, whole = 0, streamed = 0;
@@ -108,7 +118,7 @@ MergedSizes merged_sizes(const Config& config, const UnitPlan& units) {
     const PlannedTile tile = units.total(unit);
     vertices += tile.vertices;
     sizes.triangles += 2 * tile.polygons;
-    largest = std::max(largest, stitch_bytes(tile.vertices, tile.polygons));
+    largest = std::max(largest, streaming_bytes(tile));
     kept += TileWelder::kept_bytes(tile.vertices, labels);
   }
   sizes.whole = accumulator_memory_bytes(vertices, sizes.triangles, normals) +
@@ -278,8 +288,7 @@ void EncodeStage::close(RunContext& context) {
 }  // namespace
 
 std::uint64_t encode_bytes(const Config& config, const PlannedTile& tile) {
-  // A tile also refers to vertices beyond its border.
-  const std::uint64_t v = tile.vertices + tile.vertices / 4, t = 2 * tile.polygons;
+  const std::uint64_t v = vertices_with_border(tile), t = 2 * tile.polygons;
   return stitch_bytes(v, tile.polygons) / 2 + encode_memory_bytes(v, t, config.output.normals);
 }
 

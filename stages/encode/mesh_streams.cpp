@@ -255,6 +255,13 @@ void stream_obj(const EachTile& each_tile, const StreamTotals& totals, const Byt
   out.flush();
 }
 
+std::uint64_t stream_bytes(std::uint64_t vertices) {
+  // Numbers, turns and fresh places of a welder; points by vertex and normal, and their list, which is
+  // as long as a vertex has normals; the next bytes.
+  constexpr std::uint64_t welder = 8 + 8 + 2 * 4, points = CornerNormal::values * 4 + 6 * 8;
+  return vertices * (welder + points) + (std::uint64_t{1} << 20);
+}
+
 DecodedMesh decode_mesh_file(std::span<const std::byte> file, const std::string& format,
                              const std::string& where) {
   MeshSinkInMemory sink(where);

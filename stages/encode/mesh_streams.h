@@ -32,6 +32,10 @@ void stream_stl(const EachTile& each_tile, const StreamTotals& totals, const Byt
 // is cut, other than those of the two above.
 void stream_obj(const EachTile& each_tile, const StreamTotals& totals, const ByteSink& sink);
 
+// What each takes at most beside the tile at hand, of so many vertices, and what a TileWelder keeps of
+// those before.
+std::uint64_t stream_bytes(std::uint64_t vertices);
+
 // Reads what these write, and any other file of the formats: "ply", "stl" or "obj". Polygons become
 // triangles, normals are passed over; points are as the file has them. FormatError, starting with
 // `where`, for what is no such file.

@@ -8,6 +8,7 @@
 
 #include "stages/encode/draco_codec.h"
 #include "stages/encode/mesh_accumulator.h"
+#include "stages/encode/mesh_writers.h"
 #include "tests/support/allocation_count.h"
 #include "tests/support/shapes.h"
 
@@ -44,6 +45,35 @@ void measure(const TileMesh& mesh, const EncodeParameters& parameters) {
       t, parameters.normals, parameters.encode_speed, each(encoded.bytes.size()), encode_seconds,
       each(encode_peak), decode_seconds, each(decode_peak));
   EXPECT_LE(encode_peak, encode_memory_bytes(v, t, parameters.normals));
+}
+
+TEST(EncodeMemory, OfStreamsStaysUnderTheFigureTheBudgetUses) {
+  const OutputLattice lattice{1.0 / 4096, 20, {-2, -2, -2}};
+  TileMesh mesh = testing::make_torus({.around = 300, .across = 150}, lattice);
+  std::mt19937 random(1);
+  for (auto& corners : mesh.corner_normals)
+    for (auto& c : corners)
+      c = CornerNormal::make(static_cast<int>(random() % max_clusters), random() % 2 != 0);
+  const std::vector<TileMesh> tiles = testing::cut_into_tiles(mesh, 4);
+  std::uint64_t most = 0, kept = 0;
+  for (const TileMesh& tile : tiles) {
+    most = std::max<std::uint64_t>(most, tile.positions.size());
+    kept += TileWelder::kept_bytes(tile.positions.size(), false);
+  }
+  const EachTile each_tile = [&](const auto& f) {
+    for (const TileMesh& tile : tiles) f(tile);
+  };
+  const StreamTotals totals = totals_of(each_tile);
+  for (const MeshWriter& writer : mesh_writers()) {
+    if (writer.stream == nullptr) continue;
+    std::uint64_t bytes = 0;
+    const std::uint64_t peak = peak_of([&] {
+      writer.stream(each_tile, totals,
+                    [&](std::span<const std::byte> some) { bytes += some.size(); });
+    });
+    EXPECT_LE(peak, stream_bytes(most) + kept) << writer.name;
+    EXPECT_GT(bytes, 50 * mesh.triangles.size() / 4) << writer.name;
+  }
 }
 
 TEST(EncodeMemory, StaysUnderTheFigureTheBudgetUses) {
