@@ -36,6 +36,7 @@ Tree output_tree(const fs::path& output) {
   for (const auto& entry : fs::recursive_directory_iterator(output)) {
     if (!entry.is_regular_file()) continue;
     const std::string name = fs::relative(entry.path(), output).string();
+    if (name == "report.html") continue;  // it has times in it
     if (name == "manifest.json")
       tree["manifest"] = essence(nlohmann::json::parse(text_of_file(entry.path())));
     else
@@ -93,7 +94,8 @@ void Scene::write_config(const std::string& input, const std::string& surface) c
   std::ofstream out(config());
   out << "[input]\npath = \"" << volume_.filename().string() << "\"\n"
       << input << "\n[surface]\n"
-      << surface << "\n[simplify]\nrefine = \"off\"\n\n[run]\nthreads = 2\n";
+      << surface
+      << "\n[simplify]\nrefine = \"off\"\n\n[output]\nreport = false\n\n[run]\nthreads = 2\n";
 }
 
 fs::path Scene::work(const std::string& name) const {
