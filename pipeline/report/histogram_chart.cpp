@@ -48,8 +48,8 @@ std::string ticks_html(const Along& along) {
 std::string mark_html(const Along& along, double isovalue) {
   const double at = along.percent(isovalue);
   // The text stands on the side with more room.
-  return fmt::format("<span class=\"mark{}\" style=\"left:{:.2f}%\">isovalue {}</span>",
-                     at > 50 ? " left" : "", at, short_number(isovalue));
+  return fmt::format("<span class=\"mark{}\" style=\"left:{:.2f}%\">isovalue {:.7g}</span>",
+                     at > 50 ? " left" : "", at, isovalue);
 }
 
 }  // namespace

@@ -19,6 +19,7 @@
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "storage/support/hash.h"
+#include "storage/support/json_text.h"
 
 namespace voxweld {
 namespace {
@@ -49,11 +50,14 @@ Run read_run(const fs::path& directory) {
   return run;
 }
 
-// Of all that the page depends on and that can change without a new run: meshes do not.
+// Of all that the page depends on and that can change. Not of the times: where a run finds all done
+// those of the run that did it are what is worth a look, and they are in the page that is there.
 std::string report_key(const fs::path& directory, const Run& run) {
+  nlohmann::json manifest = nlohmann::json::parse(read_text_file(directory / manifest_name));
+  manifest.erase("stages");
+  manifest.erase("made_by");
   KeyHasher key;
-  key.integer(report_version).text(directory.filename().string());
-  key.text(read_text_file(directory / manifest_name));
+  key.integer(report_version).text(directory.filename().string()).text(json_text(manifest));
   key.text(why_no_volume(run.manifest, run.config));
   return to_hex(key.finish());
 }
