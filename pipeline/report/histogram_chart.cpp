@@ -9,6 +9,7 @@
 #include "pipeline/report/html_text.h"
 #include "stages/ingest/histogram_cells.h"
 #include "stages/ingest/histogram_values.h"
+#include "stages/ingest/threshold.h"
 
 namespace voxweld {
 namespace {
@@ -52,6 +53,15 @@ std::string mark_html(const Along& along, double isovalue) {
                      at > 50 ? " left" : "", at, isovalue);
 }
 
+// What scanners write outside their field of view would leave few greys for the rest.
+std::vector<ValueCount> without_padding(std::vector<ValueCount> values, const Histogram& histogram,
+                                        const ValueScale& scale) {
+  const auto suggestion = suggest_isovalue(histogram, scale);
+  if (suggestion && suggestion->padding)
+    std::erase_if(values, [&](const ValueCount& v) { return v.value == *suggestion->padding; });
+  return values;
+}
+
 }  // namespace
 
 std::vector<double> round_ticks(double lo, double hi, int most) {
@@ -72,8 +82,9 @@ HistogramChart histogram_chart(const Histogram& histogram, const ChartOptions& o
   const auto values = finite_values(histogram, options.scale);
   if (values.empty()) return chart;
   CellRange range = usual_range(values, options.bars);
-  chart.lo = range.lo;
-  chart.hi = range.hi;
+  const CellRange shown = usual_range(without_padding(values, histogram, options.scale), 2);
+  chart.lo = shown.lo;
+  chart.hi = shown.hi;
   if (options.isovalue && std::isfinite(*options.isovalue)) {
     range.lo = std::min(range.lo, *options.isovalue);
     range.hi = std::max(range.hi, *options.isovalue);

@@ -18,7 +18,7 @@ struct ChartOptions {
 
 struct HistogramChart {
   std::string html;       // empty where there is no finite sample
-  double lo = 0, hi = 0;  // the values that nearly all samples lie between
+  double lo = 0, hi = 0;  // nearly all samples lie between, padding left out
 };
 
 // Bars on a logarithmic scale. Numbers stand beside the drawing as text of the page, so that they

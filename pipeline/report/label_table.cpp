@@ -31,10 +31,10 @@ std::string row_of(const LabelRecord& record, const std::string& unit) {
   const std::string extent =
       record.bounds ? extent_text(record.bounds->hi - record.bounds->lo, unit) : "";
   return fmt::format(
-      "<tr><th scope=\"row\"><span class=\"swatch\" style=\"background:{}\"></span>{}</th>"
-      "<td>{}</td><td class=\"num\">{}</td><td class=\"num\">{}</td><td class=\"num\">{}</td>"
+      "<tr><th scope=\"row\"><span class=\"swatch\" style=\"background:{}\"></span>{}{}</th>"
+      "<td class=\"num\">{}</td><td class=\"num\">{}</td><td class=\"num\">{}</td>"
       "<td class=\"num\">{}</td></tr>\n",
-      colour_of(record), record.label, escaped(record.name),
+      colour_of(record), record.label, record.name.empty() ? "" : " " + escaped(record.name),
       record.volume ? escaped(with_unit(*record.volume, cube)) : "",
       escaped(with_unit(record.area, square)), grouped(record.triangles), escaped(extent));
 }
@@ -53,7 +53,7 @@ std::string label_table(const std::filesystem::path& directory, const Manifest& 
   }
   if (largest.empty()) return {};
   std::string html =
-      "<table class=\"wide\">\n<thead><tr><th scope=\"col\">Label</th><th scope=\"col\">Name</th>"
+      "<table class=\"wide\">\n<thead><tr><th scope=\"col\">Label</th>"
       "<th scope=\"col\" class=\"num\">Volume</th><th scope=\"col\" class=\"num\">Area</th>"
       "<th scope=\"col\" class=\"num\">Triangles</th><th scope=\"col\" class=\"num\">Size</th>"
       "</tr></thead>\n<tbody>\n";

@@ -104,11 +104,16 @@ void add_error(const OutputFacts& facts, FactRows& rows) {
   const json* error = facts.manifest.error.get();
   if (error == nullptr) return;
   const std::string unit = error->value("unit", "");
-  rows.add("Tolerance", fmt::format("{} ({}); reached where cells were merged: {}",
-                                    with_unit(error->value("tolerance", 0.0), unit),
-                                    error->value("metric", "") == "sum" ? "root of summed squares"
-                                                                        : "root mean square",
-                                    with_unit(error->value("reached", 0.0), unit)));
+  const SimplifyConfig& simplify = facts.config.simplify;
+  const std::string length = with_unit(error->value("tolerance", 0.0), unit);
+  const std::string voxels = short_number(simplify.tolerance) + " voxels";
+  const bool by_voxel = simplify.tolerance_unit == SimplifyConfig::Unit::voxel;
+  rows.add("Tolerance",
+           fmt::format(
+               "{}{} ({}); reached where cells were merged: {}", by_voxel ? voxels : length,
+               by_voxel && !unit.empty() ? ", " + length : "",
+               error->value("metric", "") == "sum" ? "root of summed squares" : "root mean square",
+               with_unit(error->value("reached", 0.0), unit)));
 }
 
 void add_refine(const OutputFacts& facts, FactRows& rows) {

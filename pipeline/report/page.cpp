@@ -16,6 +16,7 @@ constexpr std::string_view page_style = R"css(
 @media (prefers-color-scheme: dark) {
   :root { --paper: #16191d; --ink: #e4e6e9; --soft: #99a3ad; --line: #333a42; --card: #1e2328;
     --bar: #6f8cb8; --second: #a58a5f; --faint: #4b535c; --iso: #ff7a3d; }
+  figure img { filter: brightness(.88); }
 }
 * { box-sizing: border-box; }
 html { -webkit-text-size-adjust: 100%; print-color-adjust: exact; -webkit-print-color-adjust: exact; }
@@ -32,7 +33,8 @@ header p, .intro, figcaption, footer { color: var(--soft); }
 .three { display: grid; grid-template-columns: repeat(3, minmax(0, 1fr)); gap: 1rem;
   align-items: end; }
 figure { margin: 0; }
-figure img, svg.slice { display: block; width: 100%; height: auto; border-radius: 6px; }
+figure img, svg.slice { display: block; width: 100%; height: auto; border-radius: 6px;
+  border: 1px solid var(--line); }
 svg.slice { max-height: 34rem; background: #000; }
 figcaption { font-size: .8rem; line-height: 1.4; margin-top: .4rem; }
 figcaption b { color: var(--ink); }

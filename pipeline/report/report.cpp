@@ -138,7 +138,7 @@ void add_volume(const ReportOptions& options, const Run& run, Page& page,
       request.interrupt = options.interrupt;
       const VolumeLook look = look_at_volume(run.manifest, run.config, request);
       add_volume_sections(run, look, options.directory, page);
-      notes.insert(notes.end(), look.info.warnings.begin(), look.info.warnings.end());
+      notes.insert(notes.end(), look.warnings.begin(), look.warnings.end());
       return;
     } catch (const Interrupted&) {
       throw;

@@ -62,7 +62,7 @@ VolumeLook look_at_volume(const Manifest& manifest, const Config& config, Sample
                                  info.geometry.size.y, info.geometry.size.z, manifest.frame.size.x,
                                  manifest.frame.size.y, manifest.frame.size.z));
   request.labels = is_of_labels(config);
-  return {info, look_at_samples(*source, request)};
+  return {info, look_at_samples(*source, request), jobs.ingest().info.warnings};
 }
 
 }  // namespace voxweld

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pipeline/config/config.h"
 #include "pipeline/report/volume_samples.h"
@@ -13,6 +14,7 @@ namespace voxweld {
 struct VolumeLook {
   VolumeInfo info;
   VolumeSamples samples;
+  std::vector<std::string> warnings;  // of its reader
 };
 
 // Why the volume cannot be shown, as a sentence: the input is none, is gone or has changed. Empty

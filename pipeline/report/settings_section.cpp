@@ -25,7 +25,8 @@ bool is_default(const Setting& setting, const ConfigValue& value, const Config& 
       return config.simplify.refine == refine_mode(open);
     }
   }
-  return setting.table == "labels" && config.labels.mode == LabelMode::off;
+  const bool of_labels = config.surface.label || config.labels.mode != LabelMode::off;
+  return of_labels ? setting.name() == "surface.isovalue" : setting.table == "labels";
 }
 
 std::string changed_table(const Config& config) {

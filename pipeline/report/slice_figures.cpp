@@ -45,7 +45,7 @@ Pixels grey_picture(const Slice& slice, const SliceStyle& style) {
 
 // Label 0 and what is outside is dark; all other labels too where one alone is meshed.
 Pixels label_picture(const Slice& slice, const SliceStyle& style) {
-  constexpr Colour background{24, 26, 30}, other{84, 88, 96};
+  constexpr Colour background{12, 13, 16}, other{84, 88, 96};
   Pixels pixels{static_cast<int>(slice.columns.count), static_cast<int>(slice.rows.count), 3, {}};
   pixels.data.reserve(3 * slice.labels.size());
   for (std::int64_t row = slice.rows.count - 1; row >= 0; --row)

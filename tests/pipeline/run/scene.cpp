@@ -94,8 +94,7 @@ void Scene::write_config(const std::string& input, const std::string& surface) c
   std::ofstream out(config());
   out << "[input]\npath = \"" << volume_.filename().string() << "\"\n"
       << input << "\n[surface]\n"
-      << surface
-      << "\n[simplify]\nrefine = \"off\"\n\n[output]\nreport = false\n\n[run]\nthreads = 2\n";
+      << surface << "\n[simplify]\nrefine = \"off\"\n\n[run]\nthreads = 2\n";
 }
 
 fs::path Scene::work(const std::string& name) const {
@@ -112,8 +111,11 @@ Settings Scene::in(const std::string& name) const {
 
 ProgramResult Scene::command(const std::string& command, const Settings& settings,
                              std::optional<Stop> stop) const {
-  return run_voxweld(
-      Arguments{command, config().string(), "--log-level", "info"} + set_options(settings), stop);
+  // Reports have tests of their own.
+  const Settings without = command == "run" ? Settings{"output.report=false"} : Settings{};
+  return run_voxweld(Arguments{command, config().string(), "--log-level", "info"} +
+                         set_options(without + settings),
+                     stop);
 }
 
 Tree Scene::clean_tree(const Settings& settings) const {
