@@ -31,7 +31,7 @@ p { margin: 0 0 .75rem; max-width: 46rem; }
 header p, .intro, figcaption, footer { color: var(--soft); }
 .intro, footer { font-size: .9rem; }
 .three { display: grid; grid-template-columns: repeat(3, minmax(0, 1fr)); gap: 1rem;
-  align-items: end; }
+  align-items: start; }
 figure { margin: 0; }
 figure img, svg.slice { display: block; width: 100%; height: auto; border-radius: 6px;
   border: 1px solid var(--line); }

@@ -19,10 +19,13 @@ constexpr std::size_t most_points = 30'000;
 
 using Colour = std::array<std::uint8_t, 3>;
 
-// As the pictures of the mesh have it (pipeline/output/render.h), which so are alike.
+// The one that is given; else as pictures of the mesh have it (pipeline/output/render.cpp).
 Colour colour_of(const MaterialTable& colours, Material label) {
+  const MaterialEntry* entry = colours.find(label);
+  if (entry != nullptr && entry->color)
+    return {entry->color->red, entry->color->green, entry->color->blue};
   Colour out{};
-  const auto linear = given_colour(colours, label).value_or(label_colour(label));
+  const auto linear = label_colour(label);
   for (std::size_t i = 0; i < 3; ++i)
     out[i] =
         static_cast<std::uint8_t>(std::lround(255 * std::sqrt(std::clamp(linear[i], 0.0, 1.0))));
@@ -95,11 +98,10 @@ std::string slice_figure(const Slice& slice, const SliceStyle& style) {
   // In tenths of a sample, stretched to the lengths of the sides.
   const std::int64_t wide = 10 * slice.columns.count, high = 10 * slice.rows.count;
   const double across = length_of(slice.columns, style), up = length_of(slice.rows, style);
-  const std::string title =
-      fmt::format("{} = {}", names[slice.axis],
-                  with_unit(style.first[slice.axis] +
-                                style.spacing[slice.axis] * static_cast<double>(slice.index),
-                            style.unit));
+  const double place =
+      style.first[slice.axis] + style.spacing[slice.axis] * static_cast<double>(slice.index);
+  const std::string title = fmt::format("{} = {:.6g}{}{}", names[slice.axis], place,
+                                        style.unit.empty() ? "" : " ", style.unit);
   std::string html = fmt::format(
       "<figure><svg class=\"slice\" viewBox=\"0 0 {} {}\" preserveAspectRatio=\"none\" "
       "style=\"aspect-ratio:{:.5g}\" role=\"img\" aria-label=\"Slice at {}\">"

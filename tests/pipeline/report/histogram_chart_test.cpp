@@ -26,8 +26,16 @@ TEST(HistogramChart, HasABarForEachValue) {
   EXPECT_THAT(chart.html, HasSubstr("d=\"M0 1000v-1000h1v1000zM1 1000v-500h1v500zM3 1000v-"));
   EXPECT_THAT(chart.html, HasSubstr("M2.000 0V1000"));  // the isovalue: from 9.5 halfway to 13.5
   EXPECT_THAT(chart.html, HasSubstr("left:50.00%\">isovalue 11.5<"));
-  EXPECT_EQ(chart.lo, 10);
-  EXPECT_EQ(chart.hi, 13);
+}
+
+TEST(HistogramChart, LeavesPaddingOutOfTheGreys) {
+  std::vector<std::uint8_t> samples(100, 0);
+  for (const int value : {90, 91, 92, 93, 140, 141, 142, 143})
+    samples.insert(samples.end(), 50, static_cast<std::uint8_t>(value));
+  const auto chart = histogram_chart(histogram_of(samples), {});
+  EXPECT_EQ(chart.lo, 90);
+  EXPECT_EQ(chart.hi, 143);
+  EXPECT_THAT(chart.html, HasSubstr("d=\"M0 1000v-"));  // but not of the bars
 }
 
 TEST(HistogramChart, IsOfRealValues) {

@@ -1,4 +1,5 @@
 // The report as the program writes it.
+#include <cstdlib>
 #include <fstream>
 #include <set>
 
@@ -181,20 +182,54 @@ TEST(Report, RefusesWhatIsNoOutput) {
 TEST(Report, OfLabelsHasTheirNamesAndColours) {
   const Workplace place;
   place.run(
-      {"phantom", "labels", "--size", "32", "--type", "uint16", "-o", place.at("scene.nrrd")});
+      {"phantom", "junctions", "--size", "24", "--type", "uint16", "-o", place.at("scene.nrrd")});
   place.run({"init", place.at("scene.nrrd"), "--labels", "-o", place.at("scene.toml")});
-  write_bytes(place.at("map.json"), "");
+  write_bytes(place.at("map.csv"), "label,name,color\n1,\"<b>&co\",#ff8000\n2,two,#0080ff\n");
   for (const char* mode : {"each", "shared"}) {
-    place.run({"run", place.at("scene.toml"), "--set", std::string("labels.mode=") + mode});
+    place.run({"run", place.at("scene.toml"), "--set", std::string("labels.mode=") + mode, "--set",
+               "labels.map=" + place.at("map.csv")});
     const std::string html = report_of(place);
     EXPECT_THAT(html, HasSubstr("<h2>Largest labels</h2>"));
-    EXPECT_THAT(html, HasSubstr("class=\"swatch\""));
+    EXPECT_THAT(html, HasSubstr("background:#ff8000\"></span>1 &lt;b&gt;&amp;co</th>"));
+    EXPECT_THAT(html, HasSubstr("background:#0080ff\"></span>2 two</th>"));
     EXPECT_THAT(html, HasSubstr("in the colours of the labels"));
     EXPECT_THAT(html, Not(HasSubstr("<h2>Histogram")));
     EXPECT_EQ(times(html, "class=\"iso\""), 0u);
     expect_balanced(html);
     expect_self_contained(html);
   }
+}
+
+// The copy in the work directory has the name of the rule, the manifest the number it chose.
+TEST(Report, FindsTheCopyThatAFilterLeft) {
+  const Workplace place;
+  place.run({"init", place.phantom("scene.nrrd"), "-o", place.at("scene.toml")});
+  std::ofstream(place.at("scene.toml"), std::ios::app)
+      << "[[filter]]\ntype = \"gaussian\"\nsigma = 1.0\n"
+      << "[[filter]]\ntype = \"keep\"\nmin_voxels = 3\n";
+  place.run({"run", place.at("scene.toml"), "--set", "surface.isovalue=otsu"});
+  EXPECT_THAT(report_of(place), HasSubstr("<h2>Slices"));
+  fs::remove_all(place.at("scene.work"));
+  place.run({"report", place.at("scene.mesh")});
+  EXPECT_THAT(report_of(place),
+              AllOf(HasSubstr("the filtered copy of it in "), Not(HasSubstr("<h2>Slices"))));
+}
+
+// Its samples come from the copy that was made of them, or, where that is gone, from the stream.
+TEST(Report, ReadsAStreamOnceMoreWhereItsCopyIsGone) {
+  const Workplace place;
+  place.run({"phantom", "gyroid", "--size", "24", "--type", "uint8", "-o", place.at("scene.raw")});
+  ASSERT_EQ(std::system(("gzip -f " + place.at("scene.raw")).c_str()), 0);
+  write_bytes(place.at("scene.nhdr"),
+              "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 24 24 24\nencoding: gzip\n"
+              "data file: scene.raw.gz\n");
+  place.run({"init", place.at("scene.nhdr"), "-o", place.at("scene.toml")});
+  place.run({"run", place.at("scene.toml")});
+  const std::string html = report_of(place);
+  EXPECT_THAT(html, HasSubstr("<h2>Slices"));
+  fs::remove_all(place.at("scene.work"));
+  place.run({"report", place.at("scene.mesh")});
+  EXPECT_TRUE(html == report_of(place));  // so small that all samples are taken either way
 }
 
 TEST(Report, OfAMeshAsInputHasNoSlices) {
