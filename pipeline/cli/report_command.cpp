@@ -11,6 +11,7 @@
 #include "pipeline/report/report.h"
 #include "storage/manifest/manifest.h"
 #include "storage/manifest/report_file.h"
+#include "storage/support/file_io.h"
 
 namespace voxweld {
 namespace {
@@ -34,11 +35,14 @@ int report(const ReportArguments& arguments, const Program& program) {
   const fs::path file =
       arguments.output.path.empty() ? directory / report_name : fs::path(arguments.output.path);
   check_report_file(file, arguments);
+  std::string text;
   {
     const PromptStop prompt(program.interrupt);
-    write_report({directory, file, true, &program.interrupt});
+    text = report_text({directory, file, true, &program.interrupt});
   }
-  fmt::print("{}: {}\n", file.string(), readable_bytes(static_cast<double>(fs::file_size(file))));
+  program.interrupt.check();
+  write_whole_file(file, as_bytes(text), Durability::rename_only);
+  fmt::print("{}: {}\n", file.string(), readable_bytes(static_cast<double>(text.size())));
   return 0;
 }
 

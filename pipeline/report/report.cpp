@@ -225,12 +225,14 @@ auto of_manifest(const fs::path& directory, F&& f) {
 
 }  // namespace
 
-void write_report(const ReportOptions& asked) {
+std::string report_text(const ReportOptions& asked) {
   const ReportOptions options = resolved(asked);
-  of_manifest(options.directory, [&] {
-    const Page page = make_page(options, read_run(options.directory));
-    write_whole_file(options.file, as_bytes(page_html(page)), Durability::rename_only);
-  });
+  return of_manifest(options.directory,
+                     [&] { return page_html(make_page(options, read_run(options.directory))); });
+}
+
+void write_report(const ReportOptions& options) {
+  write_whole_file(options.file, as_bytes(report_text(options)), Durability::rename_only);
 }
 
 bool report_is_current(const ReportOptions& asked) {

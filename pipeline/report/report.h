@@ -19,6 +19,7 @@ struct ReportOptions {
 // same of these give the same bytes. Throws InputError where the directory is no output of a run,
 // what readers throw where its files are damaged; Interrupted. A volume that cannot be read is no
 // error: the page says so.
+std::string report_text(const ReportOptions& options);
 void write_report(const ReportOptions& options);
 
 // Whether the file is a report of the directory as it is.
