@@ -86,6 +86,7 @@ MeshViews draw_views(const std::filesystem::path& directory, const ViewOptions& 
     view.supersample = options.supersample;
     view.azimuth = azimuth;
     view.elevation = view_elevation;
+    view.backs = !options.closed;
     view.zoom = fitting_zoom(views.bounds, view);
     renderers.emplace_back(views.bounds, view).set_colours(colours);
   }

@@ -16,6 +16,7 @@ struct ViewOptions {
   // Meshes of a run with fewer triangles are kept in memory and so read once.
   std::uint64_t most_kept = 1'000'000;
   std::uint64_t triangles = 0;  // there are, as the manifest says
+  bool closed = false;          // the mesh hides its own back sides
   const InterruptFlag* interrupt = nullptr;
 };
 

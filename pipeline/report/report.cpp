@@ -67,6 +67,8 @@ PageSection view_section(const ReportOptions& options, const Run& run,
   ViewOptions view;
   view.threads = options.threads;
   view.triangles = run.manifest.counts.output_triangles;
+  // A triangle between labels is the front of one of them and the back of the other.
+  view.closed = !run.manifest.open_border && run.manifest.labels != LabelMode::shared;
   view.interrupt = options.interrupt;
   const MeshViews views = draw_views(options.directory, view);
   bounds = views.bounds;
