@@ -96,6 +96,7 @@ void add_commands(CLI::App& app, Program& program) {
   add_run_command(app, program);
   add_verify_command(app, program);
   add_render_command(app, program);
+  add_report_command(app, program);
   add_export_command(app, program);
   add_extract_command(app, program);
   add_info_command(app, program);

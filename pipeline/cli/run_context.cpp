@@ -1,6 +1,7 @@
 #include "pipeline/cli/run_context.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -8,11 +9,13 @@
 #include <optional>
 #include <thread>
 
+#include "pipeline/report/report.h"
 #include "pipeline/run/jobs.h"
 #include "pipeline/run/run.h"
 #include "pipeline/slurm/slurm_run.h"
 #include "stages/contouring/qef.h"
 #include "storage/manifest/manifest.h"
+#include "storage/manifest/report_file.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "storage/support/provenance.h"
@@ -111,6 +114,32 @@ RunContext make_context(Program& program, const RunArguments& arguments, Executo
   return context;
 }
 
+namespace {
+
+// The page about the run. That there is none is no failure of the run.
+void report_run(const RunContext& context) {
+  const OutputConfig& output = context.config.output;
+  if (!output.report) return;
+  const std::filesystem::path file = output.directory / report_name;
+  const ReportOptions options{output.directory, file, context.threads > 1, context.interrupt};
+  try {
+    if (std::filesystem::exists(file) && !is_report(file) && !context.force)
+      throw InputError(fmt::format(
+          "{}: is there and voxweld did not write it; rename it, or set output.report = false",
+          file.string()));
+    if (report_is_current(options)) return;
+    remove_file(file);  // it is of an earlier run
+    write_report(options);
+    spdlog::info("report: {}", file.string());
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const std::exception& error) {
+    spdlog::warn("no report is written: {}", error.what());
+  }
+}
+
+}  // namespace
+
 void run_where_asked(Program& program, RunContext& context) {
   SlurmClientOptions patience;
   patience.interrupt = &program.interrupt;
@@ -121,7 +150,7 @@ void run_where_asked(Program& program, RunContext& context) {
     cluster.emplace(set_up_slurm(context.config, client), client);
     context.executor = &*cluster;
   }
-  run_all(context);
+  run_all(context, [&] { report_run(context); });
   context.executor = here;
 }
 

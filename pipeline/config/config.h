@@ -155,6 +155,7 @@ struct OutputConfig {
   std::int64_t tile_vertices = 0;  // 0: 500000, fewer where run.memory is small
   double precision = 0.01;         // voxels (the smallest spacing)
   bool normals = true;
+  bool report = true;  // a page about the run, beside the manifest
 
   friend bool operator==(const OutputConfig&, const OutputConfig&) = default;
 };

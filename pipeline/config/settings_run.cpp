@@ -102,6 +102,10 @@ std::vector<Setting> output_settings() {
           binding::member(output, &Output::precision, PositiveNumberRule{}), stitch),
       row({"output", "normals", "Write normals."},
           binding::member(output, &Output::normals, FlagRule{}), stitch),
+      row({"output", "report",
+           "Write report.html: a page about the run, with pictures of the mesh and slices of the "
+           "volume."},
+          binding::member(output, &Output::report, FlagRule{}), none),
   };
 }
 

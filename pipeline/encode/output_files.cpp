@@ -8,6 +8,7 @@
 #include "stages/encode/mesh_writers.h"
 #include "storage/artifact/unfinished_note.h"
 #include "storage/manifest/manifest.h"
+#include "storage/manifest/report_file.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "storage/support/hash_file.h"
@@ -159,6 +160,7 @@ void begin_output(const std::filesystem::path& output, const UnfinishedHead& hea
   add_files_of_earlier_runs(output, names);
   planned(names);
   write_unfinished_note(note_path(output), head, names);
+  if (is_report(output / report_name)) remove_file(output / report_name);
   std::filesystem::remove(output / manifest_name);
 }
 

@@ -32,8 +32,8 @@ bool has_run(const std::filesystem::path& output);
 // Whether a task of the same run, which plans the same, has been at begin_output before this one.
 bool has_begun(const std::filesystem::path& output, Hash128 key);
 // Before anything in the directory changes: notes for later runs the names of earlier ones and the
-// `planned`, and takes the manifest away, which is about to stop being true. names: empty; where
-// they are put together.
+// `planned`, and takes the manifest and the report away, which are about to stop being true. names:
+// empty; where they are put together.
 void begin_output(const std::filesystem::path& output, const UnfinishedHead& head, FileNames& names,
                   const std::function<void(FileNames&)>& planned);
 // After the new manifest: the note has done its work.

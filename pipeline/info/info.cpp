@@ -8,6 +8,7 @@
 #include "stages/encode/mesh_writers.h"
 #include "storage/image/slice_files.h"
 #include "storage/manifest/manifest.h"
+#include "storage/manifest/report_file.h"
 #include "storage/meshes/mesh_file.h"
 #include "storage/spool/spool_record.h"
 #include "storage/store/zarr_metadata.h"
@@ -105,6 +106,7 @@ std::optional<InfoDocument> describe_by_name(const fs::path& path, const InfoOpt
   if (options.input.format == "auto" && is_mesh_name(path)) return describe_input_mesh(options);
   if (writer_of_file(mesh_writers(), name) != nullptr) return describe_mesh(path);
   if (name == manifest_name) return describe_output(path, options);
+  if (is_report(path)) return file_document("report", path);
   if (name == tiles_name) return describe_tile_list(path, options);
   if (name == labels_name) return describe_label_list(path, options);
   if (extension == ".toml") return describe_config(path);

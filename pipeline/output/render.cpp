@@ -186,7 +186,7 @@ void Renderer::draw_triangle(const std::array<Corner, 3>& c, const Colours& colo
   // one.
   const double area = (c[1].at.x - c[0].at.x) * (c[2].at.y - c[0].at.y) -
                       (c[2].at.x - c[0].at.x) * (c[1].at.y - c[0].at.y);
-  if (area == 0 || !std::isfinite(area)) return;
+  if (area == 0 || !std::isfinite(area) || (area > 0 && !options_.backs)) return;
   const Vec3 face = unit(cross(c[1].position - c[0].position, c[2].position - c[0].position));
   fill(c, {area, face, area > 0}, colours);
 }

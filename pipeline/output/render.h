@@ -22,6 +22,7 @@ struct RenderOptions {
   std::optional<Vec3> centre = std::nullopt;  // looked at; the middle of the bounds by default
   double field_of_view = 30;                  // degrees, of the height; 0: orthographic
   int supersample = 2;                        // samples a side of a pixel, 1 to 4
+  bool backs = true;  // false: not drawn, as of a closed mesh that hides them anyway
   // Only what lies at or below this on an axis is drawn: to look inside.
   std::array<std::optional<double>, 3> cut = {};
   bool edges = false;        // of triangles, as dark lines about a pixel wide

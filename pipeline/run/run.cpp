@@ -164,7 +164,7 @@ std::string would_run(StageWork& work, const StageLook& look, const std::string&
 
 }  // namespace
 
-void run_all(RunContext& context) {
+void run_all(RunContext& context, const std::function<void()>& at_end) {
   const Config asked = context.config;
   std::set<std::string> mended;
   check_directories(asked);
@@ -182,6 +182,7 @@ void run_all(RunContext& context) {
       mend(error, mended);
     }
   }
+  if (at_end) at_end();
 }
 
 // Of a config that does not refine.

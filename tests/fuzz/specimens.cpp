@@ -209,6 +209,7 @@ class Maker {
         {"export", "@", "-o", "new.ply"},
         {"render", "@", "-o", "new.png", "--width", "24", "--height", "24"},
         {"render", "case.mesh", "-o", "new.png", "--width", "24", "--height", "24"},
+        {"report", "case.mesh", "-o", "new.html"},
         {"run", "case.toml"}};
     specimens_.push_back(std::move(specimen));
   }
@@ -224,7 +225,7 @@ std::map<std::string, std::string> output_files(const fs::path& output) {
   if (!fs::is_directory(output)) return files;
   for (const auto& entry : fs::recursive_directory_iterator(output)) {
     const std::string name = fs::relative(entry.path(), output).string();
-    if (entry.is_regular_file() && name != "manifest.json")
+    if (entry.is_regular_file() && name != "manifest.json" && name != "report.html")
       files[name] = bytes_of_file(entry.path());
   }
   return files;

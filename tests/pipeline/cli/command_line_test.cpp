@@ -12,9 +12,9 @@ TEST(CommandLine, EverySubcommandExplainsItself) {
   const ProgramResult all = run_voxweld({"--help"});
   EXPECT_EQ(all.exit_code, 0);
   for (const char* name :
-       {"run",     "ingest", "build",  "merge",  "stitch",  "survey",   "refine",
-        "recount", "seams",  "mend",   "retile", "encode",  "edit",     "init",
-        "info",    "verify", "render", "export", "phantom", "settings", "clean"}) {
+       {"run",    "ingest", "build",  "merge",   "stitch",   "survey", "refine", "recount",
+        "seams",  "mend",   "retile", "encode",  "edit",     "init",   "info",   "verify",
+        "render", "report", "export", "phantom", "settings", "clean"}) {
     EXPECT_THAT(all.out, HasSubstr(std::string("\n  ") + name + " "));
     const ProgramResult help = run_voxweld({name, "--help"});
     EXPECT_EQ(help.exit_code, 0) << name;
@@ -48,7 +48,8 @@ TEST(CommandLine, NamesWhatWasProbablyMeant) {
 }
 
 TEST(CommandLine, HelpFitsATerminalAndShowsHow) {
-  for (const char* name : {"run", "init", "info", "edit", "verify", "render", "phantom"}) {
+  for (const char* name :
+       {"run", "init", "info", "edit", "verify", "render", "report", "phantom"}) {
     const std::string help = run_voxweld({name, "--help"}).out;
     EXPECT_THAT(help, HasSubstr(std::string("Usage: voxweld ") + name + " [OPTIONS] "));
     EXPECT_THAT(help, HasSubstr(std::string("\nExamples:\n  voxweld ") + name));

@@ -41,7 +41,8 @@ TEST(Info, RecognisesEveryFileThatARunLeaves) {
   EXPECT_GT(output.at("mesh"), 3);
   EXPECT_EQ(output.at("output"), 1);
   EXPECT_EQ(output.at("tile_list"), 1);
-  EXPECT_EQ(output.size(), 3u);
+  EXPECT_EQ(output.at("report"), 1);
+  EXPECT_EQ(output.size(), 4u);
 }
 
 TEST(Info, OfAnOutputWithoutTilesFitsWhatVerifyFinds) {

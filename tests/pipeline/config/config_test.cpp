@@ -68,6 +68,7 @@ tiles = false
 tile_vertices = 2048
 precision = 0.5
 normals = false
+report = false
 [run]
 executor = "slurm"
 threads = 3
@@ -117,7 +118,8 @@ prologue = ["module load gcc/12", "", "export A='b c'"]
                      .tiles = false,
                      .tile_vertices = 2048,
                      .precision = 0.5,
-                     .normals = false};
+                     .normals = false,
+                     .report = false};
   expected.run = {.executor = RunConfig::Executor::slurm, .threads = 3, .memory = 512U << 20};
   expected.slurm = {.partition = "long,short",
                     .account = "imaging",

@@ -139,6 +139,7 @@ OutputConfig any_output() {
   output.tile_vertices = *rc::gen::inRange<std::int64_t>(1024, 1000000000);
   output.precision = any_positive();
   output.normals = chance();
+  output.report = chance();
   return output;
 }
 

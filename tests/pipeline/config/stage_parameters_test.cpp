@@ -86,6 +86,7 @@ const std::map<std::string, KeyChange>& key_changes() {
       {"output.tile_vertices", {"4096", {merge}}},
       {"output.precision", {"0.02", {stitch}}},
       {"output.normals", {"false", {stitch}}},
+      {"output.report", {"false", {}}},
       {"run.executor", {"\"slurm\"", {}}},
       {"run.threads", {"2", {}}},
       {"run.memory", {"\"1GiB\"", {}}},

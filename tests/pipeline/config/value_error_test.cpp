@@ -111,6 +111,7 @@ input.follow: true or false (default: false)
 simplify.enabled: true or false (default: true)
 output.tiles: true or false (default: true)
 output.normals: true or false (default: true)
+output.report: true or false (default: true)
   1 | "yes" (a string) | "true" (a string); write true without quotes | {} => a table
 simplify.tolerance: a finite number above 0 (default: 0.1)
 output.precision: a finite number above 0 (default: 0.01)

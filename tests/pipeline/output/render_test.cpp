@@ -77,6 +77,21 @@ TEST(Render, ShowsTheOutsideOfAClosedMeshOnly) {
   }
 }
 
+TEST(Render, BacksOfAClosedMeshAreHiddenAnyway) {
+  const DecodedMesh mesh = torus();
+  RenderOptions without = small;
+  without.backs = false;
+  EXPECT_TRUE(render_mesh(std::span(&mesh, 1), small).rgb ==
+              render_mesh(std::span(&mesh, 1), without).rgb);
+  // Of one that is cut open they are missing.
+  RenderOptions cut = small;
+  const MeshBounds bounds = bounds_of(std::span(&mesh, 1));
+  cut.cut[2] = (bounds.lo.z + bounds.hi.z) / 2;
+  EXPECT_GT(count(render_mesh(std::span(&mesh, 1), cut)).back, 0u);
+  cut.backs = false;
+  EXPECT_EQ(count(render_mesh(std::span(&mesh, 1), cut)).back, 0u);
+}
+
 TEST(Render, InsideOutAndHolesShowRed) {
   DecodedMesh mesh = torus();
   for (auto& t : mesh.triangles) std::swap(t[0], t[1]);

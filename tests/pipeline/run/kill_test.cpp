@@ -241,6 +241,7 @@ TEST(Interrupted, WhatReadsMeshesEndsSoonAndLeavesNothing) {
   for (const Arguments& command :
        {Arguments{"verify", scene.output().string()},
         {"render", scene.output().string(), "-o", in("a.png"), "--width", "2000"},
+        {"report", scene.output().string(), "-o", in("a.html")},
         {"export", (scene.output() / "mesh.drc").string(), "-o", in("a.obj")},
         {"export", scene.output().string(), "--weld", "-o", in("a.ply")}}) {
     SCOPED_TRACE(command.front() + command.back());

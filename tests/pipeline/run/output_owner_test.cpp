@@ -113,9 +113,9 @@ TEST(OutputOwner, RunsWithOtherEditsWaitForTheShardsTheyShare) {
   const auto edited = [&](const std::string& name, Vec3 at) {
     fs::path path = scene.directory() / (name + ".toml");
     fs::copy_file(scene.config(), path);
-    std::ofstream(path, std::ios::app)
-        << fmt::format("\n[work]\ndirectory = '{}'\n[output]\ndirectory = '{}.mesh'\n{}",
-                       scene.work().string(), name, ball("subtract", at, 6));
+    std::ofstream(path, std::ios::app) << fmt::format(
+        "\n[work]\ndirectory = '{}'\n[output]\nreport = false\ndirectory = '{}.mesh'\n{}",
+        scene.work().string(), name, ball("subtract", at, 6));
     return path;
   };
   const fs::path one = edited("one", {22, 16, 16}), other = edited("other", {10, 16, 16});

@@ -22,7 +22,7 @@ namespace voxweld::testing {
 using Settings = std::vector<std::string>;  // "table.key=value"
 
 // What a run leaves for the user, as name -> hash: every file of the output directory but the
-// manifest, whose times differ; of that, as "manifest", what depends on the volume and the
+// report and the manifest, whose times differ; of that, as "manifest", what depends on the volume and the
 // contouring parameters alone.
 using Tree = std::map<std::string, std::string>;
 Tree output_tree(const std::filesystem::path& output);
