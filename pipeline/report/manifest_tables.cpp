@@ -141,6 +141,7 @@ void add_refine(const OutputFacts& facts, FactRows& rows) {
 
 struct StageSums {
   double seconds = 0, slowest = 0, memory = 0;
+  std::uint64_t ran = 0;
 };
 StageSums sums_of(const json& stages) {
   StageSums sums;
@@ -148,6 +149,7 @@ StageSums sums_of(const json& stages) {
     const double seconds = stage.at("seconds");
     sums.seconds += seconds;
     sums.slowest = std::max(sums.slowest, seconds);
+    sums.ran += stage.at("ran").get<std::uint64_t>();
     sums.memory = std::max(sums.memory, stage.at("peak_resident_bytes").get<double>());
   }
   return sums;
@@ -156,6 +158,7 @@ StageSums sums_of(const json& stages) {
 void add_time(const OutputFacts& facts, FactRows& rows) {
   if (facts.manifest.stages == nullptr || facts.manifest.stages->empty()) return;
   const StageSums sums = sums_of(*facts.manifest.stages);
+  if (sums.ran == 0) return;  // it found all done
   rows.add("Time of the last run", readable_seconds(sums.seconds));
   rows.add("Peak memory", readable_bytes(sums.memory));
 }
@@ -198,12 +201,12 @@ std::string stage_table(const Manifest& manifest) {
       "<th scope=\"col\" class=\"num\">Peak memory</th><td></td></tr></thead>\n<tbody>\n";
   for (const json& stage : *manifest.stages) {
     const double seconds = stage.at("seconds"), memory = stage.at("peak_resident_bytes");
-    html +=
-        fmt::format("<tr><th scope=\"row\">{}</th>{}{}{}{}{}{}</tr>\n",
-                    escaped(stage.at("stage").get<std::string>()),
-                    number_cell(grouped(stage.at("units"))), number_cell(grouped(stage.at("ran"))),
-                    number_cell(readable_seconds(seconds)), bar(seconds / sums.slowest),
-                    number_cell(readable_bytes(memory)), bar(memory / sums.memory, "second"));
+    html += fmt::format(
+        "<tr><th scope=\"row\">{}</th>{}{}{}{}{}{}</tr>\n",
+        escaped(stage.at("stage").get<std::string>()), number_cell(grouped(stage.at("units"))),
+        number_cell(grouped(stage.at("ran"))), number_cell(readable_seconds(seconds)),
+        bar(sums.ran > 0 ? seconds / sums.slowest : 0), number_cell(readable_bytes(memory)),
+        bar(memory / sums.memory, "second"));
   }
   return html + "</tbody>\n</table>\n";
 }

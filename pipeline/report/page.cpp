@@ -73,6 +73,8 @@ footer { margin-top: 2.5rem; padding-top: .75rem; border-top: 1px solid var(--li
   .facts, .facts tbody, .facts tr, .facts th, .facts td { display: block; width: auto; }
   .facts th { border: 0; padding-bottom: 0; font-size: .85rem; }
   .facts td { padding-top: 0; }
+  .wide th, .wide td { padding-right: .5rem; }
+  td.bar { min-width: 1.5rem; }
 }
 @media print {
   :root { --paper: #fff; --ink: #000; --soft: #444; --line: #ccc; --card: #fff; --bar: #7d94b5;

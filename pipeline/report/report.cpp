@@ -192,8 +192,7 @@ Page make_page(const ReportOptions& options, const Run& run) {
   page.sections.push_back({"What was made", "", summary_table(facts)});
   std::vector<std::string> notes = notes_of(run.manifest, run.config);
   add_volume(options, run, page, notes);
-  page.sections.push_back({"Stages",
-                           "What the last run did. Stages that were done already ran none.",
+  page.sections.push_back({"Stages", "What the last run did. Of what was done already nothing ran.",
                            scrolled(stage_table(run.manifest))});
   page.sections.push_back(
       {"Cells and errors",

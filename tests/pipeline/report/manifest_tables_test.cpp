@@ -54,6 +54,8 @@ TEST(ManifestTables, StagesHaveBarsOfTheLongest) {
   EXPECT_THAT(html, HasSubstr(">12,345</td><td class=\"num\">7</td>"));
   EXPECT_THAT(html, HasSubstr("width:25.0%"));
   EXPECT_THAT(html, HasSubstr("1.0 MiB"));
+  for (json& stage : *manifest.stages) stage["ran"] = 0;
+  EXPECT_THAT(stage_table(manifest), ::testing::Not(HasSubstr("width:25.0%")));  // looks alone
 }
 
 TEST(ManifestTables, NotesTellWhatIsNotAsItShouldBe) {
