@@ -139,9 +139,8 @@ std::optional<LatticeMesh> TileReader::read(TileResult& result) const {
     if (format != nullptr) files.push_back({format, file.path, std::move(bytes)});
   }
   if (files.empty())
-    result.problems.push_back(
-        {record_name(result.record),
-         "lists no file of a known format: its mesh cannot be checked"});
+    result.problems.push_back({record_name(result.record),
+                               "lists no file of a known format: its mesh cannot be checked"});
   return decode(files, manifest_.lattice, result.problems);
 }
 
