@@ -126,11 +126,18 @@ TEST(Extract, WritesOneFile) {
     EXPECT_EQ(text_of_file(scene.directory() / name),
               text_of_file(scene.output("alone") / ("mesh" + fs::path(name).extension().string())));
   }
-  VOXWELD_EXPECT_DONE(extract(scene, fine, 0.3, scene.directory() / "cut.ply"));
+  // A format that runs do not write is converted to.
+  VOXWELD_EXPECT_DONE(extract(scene, fine, 0.3, scene.directory() / "cut.off"));
   VOXWELD_EXPECT_DONE(run_voxweld({"export", (scene.output("alone") / "mesh.drc").string(), "-o",
-                                   (scene.directory() / "other.ply").string()}));
+                                   (scene.directory() / "other.off").string()}));
+  EXPECT_EQ(text_of_file(scene.directory() / "cut.off"),
+            text_of_file(scene.directory() / "other.off"));
+  VOXWELD_EXPECT_DONE(extract(scene, fine, 0.3, scene.directory() / "cut.ply"));
+  Settings ply = with(fine, 0.3);
+  ply.emplace_back("output.formats=[\"ply\"]");
+  VOXWELD_EXPECT_DONE(scene.run_in("ply", ply));
   EXPECT_EQ(text_of_file(scene.directory() / "cut.ply"),
-            text_of_file(scene.directory() / "other.ply"));
+            text_of_file(scene.output("ply") / "mesh.ply"));
   EXPECT_EQ(files_of(scene.work()), before);
   expect_refused(extract(scene, fine, 0.3, scene.directory() / "cut.ply"), "exists already");
   VOXWELD_EXPECT_DONE(extract(scene, fine, 0.5, scene.directory() / "cut.ply", {"--force"}));
@@ -183,7 +190,7 @@ TEST(Extract, RefusesWhatItCannotCut) {
   VOXWELD_EXPECT_DONE(scene.run(fine));
   expect_refused(extract(scene, fine, 0.01, cut), "give 0.05 or more");
   expect_refused(extract(scene, fine, 0.2, scene.directory() / "cut.txt"),
-                 "expected a mesh file, .drc, .glb, .ply");
+                 "expected a mesh file, .drc, .glb, .plain.glb, .ply");
   expect_refused(extract(scene, fine + Settings{"simplify.topology=safe"}, 0.2, cut),
                  "voxweld run CONFIG --set simplify.tolerance=0.2");
   EXPECT_FALSE(fs::exists(cut));
