@@ -101,13 +101,18 @@ std::vector<FileRecord> write_formats(
   return files;
 }
 
-// One more mesh of the record.
-void add_mesh(AssetRecord& record, const TileMesh& mesh, const std::vector<FileRecord>& files) {
-  record.vertices += mesh.positions.size();
+// All but vertices, of which meshes may have some in common.
+void add_counts(AssetRecord& record, const TileMesh& mesh) {
   record.triangles += mesh.triangles.size();
   record.quads += mesh.quads;
   record.polygon_triangles += mesh.polygon_triangles;
   record.collinear += mesh.collinear;
+}
+
+// One more mesh of the record.
+void add_mesh(AssetRecord& record, const TileMesh& mesh, const std::vector<FileRecord>& files) {
+  record.vertices += mesh.positions.size();
+  add_counts(record, mesh);
   record.files.insert(record.files.end(), files.begin(), files.end());
 }
 
@@ -194,20 +199,18 @@ std::vector<FileRecord> copies_of_only_tile(const EncodeJob& job, const UnitPlan
 // Where the mesh was not put together before, the record gets its counts too.
 void stream_merged(const EncodeJob& job, const EachTile& each_tile, const WorkerContext& worker,
                    AssetRecord& record) {
-  const StreamTotals totals = totals_of(each_tile);
-  if (job.box && totals.triangles == 0) refuse_empty(*job.box);
-  if (record.triangles == 0) {
-    record.vertices = totals.vertices;
-    record.triangles = totals.triangles;
+  const bool counted = record.triangles > 0;
+  const StreamTotals totals = totals_of([&](const auto& f) {
     each_tile([&](const TileMesh& tile) {
-      record.quads += tile.quads;
-      record.polygon_triangles += tile.polygon_triangles;
-      record.collinear += tile.collinear;
+      if (!counted) add_counts(record, tile);
+      f(tile);
     });
-  }
+  });
+  if (job.box && totals.triangles == 0) refuse_empty(*job.box);
+  if (!counted) record.vertices = totals.vertices;  // tiles have some in common
   for (const MeshWriter& writer : job.formats) {
     worker.check_interrupt();
-    if (writer.stream == nullptr) continue;
+    if (!writer.is_streamed()) continue;
     record.files.push_back(write_file(job, "mesh", writer, [&](const ByteSink& sink) {
       writer.stream(each_tile, totals, sink);
     }));
@@ -257,18 +260,18 @@ void encode_merged(const RunContext& context, const EncodeJob& job, const UnitPl
   AssetRecord record;
   record.key = merged_key(job, plan, parts);
   const EachTile each_tile = tiles_of(job, plan, worker);
-  const auto is_streamed = [](const MeshWriter& writer) { return writer.stream != nullptr; };
-  if (parts == MergedParts::all && !std::ranges::all_of(job.formats, is_streamed)) {
+  if (parts == MergedParts::all && !std::ranges::all_of(job.formats, &MeshWriter::is_streamed)) {
     const TileMesh mesh = merged_mesh(context, job, each_tile);
     std::vector<FileRecord> files = copies_of_only_tile(job, plan, mesh);
     const bool copied = !files.empty();
     if (!copied)
       files = write_formats(job, mesh, "mesh", facts_of(context, job, exterior), worker,
-                            [&](const MeshWriter& writer) { return !is_streamed(writer); });
+                            [&](const MeshWriter& writer) { return !writer.is_streamed(); });
     add_mesh(record, mesh, files);
     if (copied) return write_asset_record(merged_record_path(job), record, job.output);
   }
-  if (std::ranges::any_of(job.formats, is_streamed)) stream_merged(job, each_tile, worker, record);
+  if (std::ranges::any_of(job.formats, &MeshWriter::is_streamed))
+    stream_merged(job, each_tile, worker, record);
   write_asset_record(merged_record_path(job), record, job.output);
 }
 

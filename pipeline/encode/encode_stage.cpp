@@ -29,7 +29,7 @@ void each_planned(const EncodeJob& job, const UnitPlan& plan, const MergedPlan& 
   std::vector<std::string> endings;
   for (const MeshWriter& writer : job.formats) {
     const std::string& ending = endings.emplace_back(writer.ending);
-    if (merged.write && (merged.parts == MergedParts::all || writer.stream != nullptr))
+    if (merged.write && (merged.parts == MergedParts::all || writer.is_streamed()))
       f("mesh" + ending);
   }
   if (label_mode(job) != LabelMode::off) f(labels_name);
@@ -131,7 +131,7 @@ MergedSizes merged_sizes(const Config& config, const UnitPlan& units) {
 std::string what_there_is(const MergedPlan& merged, const EncodeJob& job) {
   std::string names;
   for (const MeshWriter& writer : job.formats)
-    if (merged.write && writer.stream != nullptr)
+    if (merged.write && writer.is_streamed())
       names += fmt::format("{}mesh{}", names.empty() ? "" : ", ", writer.ending);
   if (!names.empty()) return fmt::format("the tiles and {} are complete", names);
   return "the tiles are complete, and output.formats may have \"ply\", which takes little memory "
@@ -303,10 +303,9 @@ MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_
   if (units.of_labels() || config.output.merged == OutputConfig::Merged::never) return plan;
   const MergedSizes sizes = merged_sizes(config, units);
   const auto formats = writers_named(mesh_writers(), config.output.formats);
-  const auto is_streamed = [](const MeshWriter& writer) { return writer.stream != nullptr; };
   const std::uint64_t program = program_bytes(), most = config.run.memory;
-  const bool any_streamed = std::ranges::any_of(formats, is_streamed);
-  const bool any_whole = !std::ranges::all_of(formats, is_streamed);
+  const bool any_streamed = std::ranges::any_of(formats, &MeshWriter::is_streamed);
+  const bool any_whole = !std::ranges::all_of(formats, &MeshWriter::is_streamed);
   const bool streams = any_streamed && program + sizes.streamed <= most;
   const bool whole = any_whole && program + sizes.whole + pair_bytes <= most;
   plan.write = streams || (whole && !any_streamed);

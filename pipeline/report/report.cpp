@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/output/load.h"
@@ -16,6 +14,7 @@
 #include "pipeline/report/report_volume.h"
 #include "pipeline/report/settings_section.h"
 #include "pipeline/report/slice_figures.h"
+#include "storage/manifest/report_file.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 #include "storage/support/hash.h"
@@ -238,11 +237,7 @@ void write_report(const ReportOptions& options) {
 
 bool report_is_current(const ReportOptions& asked) {
   const ReportOptions options = resolved(asked);
-  std::array<char, 512> beginning{};
-  std::ifstream file(options.file, std::ios::binary);
-  file.read(beginning.data(), beginning.size());
-  const std::string key =
-      key_of_page(std::string(beginning.data(), static_cast<std::size_t>(file.gcount())));
+  const std::string key = key_of_page(beginning_of_page(options.file));
   return !key.empty() && of_manifest(options.directory, [&] {
     return key == report_key(options.directory, read_run(options.directory));
   });

@@ -7,6 +7,7 @@
 
 #include "pipeline/config/settings.h"
 #include "pipeline/report/html_text.h"
+#include "pipeline/report/report_volume.h"
 #include "pipeline/run/jobs.h"
 #include "storage/support/error.h"
 
@@ -25,8 +26,7 @@ bool is_default(const Setting& setting, const ConfigValue& value, const Config& 
       return config.simplify.refine == refine_mode(open);
     }
   }
-  const bool of_labels = config.surface.label || config.labels.mode != LabelMode::off;
-  return of_labels ? setting.name() == "surface.isovalue" : setting.table == "labels";
+  return is_of_labels(config) ? setting.name() == "surface.isovalue" : setting.table == "labels";
 }
 
 std::string changed_table(const Config& config) {

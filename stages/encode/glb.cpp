@@ -21,7 +21,6 @@ namespace {
 
 using namespace glb;
 
-constexpr int component_float = 5126, component_uint32 = 5125;
 constexpr int target_vertices = 34962, target_indices = 34963;
 constexpr int mode_triangles = 4;
 
@@ -102,17 +101,6 @@ Json material(const std::optional<MaterialPair>& pair, const GlbParameters& para
           {"doubleSided", true}};
 }
 
-std::pair<std::array<float, 3>, std::array<float, 3>> bounds(
-    const std::vector<std::array<float, 3>>& positions) {
-  std::array<float, 3> lo = positions.at(0), hi = lo;
-  for (const auto& p : positions)
-    for (std::size_t a = 0; a < 3; ++a) {
-      lo[a] = std::min(lo[a], p[a]);
-      hi[a] = std::max(hi[a], p[a]);
-    }
-  return {lo, hi};
-}
-
 // A file in the making: its JSON, and the pieces of its binary chunk, which have to outlive it.
 class GlbFile {
  public:
@@ -185,7 +173,7 @@ void GlbFile::add(const DecodedMesh& mesh, const std::optional<MaterialPair>& pa
     return accessors_.emplace_back(std::move(added));
   };
   Json attributes = {{"POSITION", accessors_.size()}};
-  const auto [lo, hi] = bounds(mesh.positions);
+  const auto [lo, hi] = bounds_of(mesh.positions);
   Json& position = add_accessor(add_view(std::span(mesh.positions), target_vertices),
                                 accessor(component_float, mesh.positions.size(), "VEC3"));
   position["min"] = lo;

@@ -1,7 +1,6 @@
 // Based on: as glb.cpp.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstring>
 
 #include "stages/encode/glb.h"
@@ -114,7 +113,7 @@ DecodedMesh read_plain(const GlbChunks& chunks, const Json& primitive, const std
   const Json& accessors = chunks.json.at("accessors");
   const auto read = [&](const Json& number) -> std::vector<std::array<float, 3>> {
     const Json& accessor = accessors.at(number.get<std::size_t>());
-    check_type(accessor, 5126, "VEC3", where);
+    check_type(accessor, component_float, "VEC3", where);
     return items_of<std::array<float, 3>>(chunks, accessor,
                                           accessor.at("count").get<std::uint64_t>(), where);
   };
@@ -123,7 +122,7 @@ DecodedMesh read_plain(const GlbChunks& chunks, const Json& primitive, const std
   mesh.positions = read(attributes.at("POSITION"));
   if (attributes.contains("NORMAL")) mesh.normals = read(attributes.at("NORMAL"));
   const Json& indices = accessors.at(primitive.at("indices").get<std::size_t>());
-  check_type(indices, 5125, "SCALAR", where);
+  check_type(indices, component_uint32, "SCALAR", where);
   const auto corners = indices.at("count").get<std::uint64_t>();
   if (corners % 3 != 0)
     throw FormatError(fmt::format("{}: {} corners of triangles in a glTF", where, corners));
@@ -156,13 +155,7 @@ void check_count(const Json& accessor, std::uint64_t expected, const char* what,
 }
 
 void check_bounds(const Json& accessor, const DecodedMesh& mesh, const std::string& where) {
-  std::array<float, 3> lo = mesh.positions.at(0), hi = lo;
-  for (const auto& p : mesh.positions) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      lo[axis] = std::min(lo[axis], p[axis]);
-      hi[axis] = std::max(hi[axis], p[axis]);
-    }
-  }
+  const auto [lo, hi] = bounds_of(mesh.positions);
   if (accessor.at("min").get<std::array<float, 3>>() != lo ||
       accessor.at("max").get<std::array<float, 3>>() != hi)
     throw FormatError(where + ": the glTF accessor's min and max differ from the decoded ones");

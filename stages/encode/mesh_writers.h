@@ -59,6 +59,7 @@ struct MeshWriter {
   // The same file from the mesh's tiles, without holding the mesh. Null: the format needs all of it.
   void (*stream)(const EachTile& each_tile, const StreamTotals& totals,
                  const ByteSink& sink) = nullptr;
+  bool is_streamed() const { return stream != nullptr; }
   // Of a mesh between labels a file says which labels each triangle separates.
   bool holds_labels = true;
 };
