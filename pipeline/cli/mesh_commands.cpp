@@ -1,9 +1,6 @@
 // verify, render and export: what is done with an output directory or a mesh file.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <limits>
-
 #include "pipeline/cli/command_text.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/number_option.h"
@@ -51,17 +48,12 @@ Image draw(const RenderArguments& arguments, const InterruptFlag& interrupt) {
   if (!arguments.centre.empty())
     options.centre = Vec3{arguments.centre[0], arguments.centre[1], arguments.centre[2]};
   // Two passes over the files, one mesh in memory at a time: bounds, then the picture.
-  constexpr double far = std::numeric_limits<double>::infinity();
-  MeshBounds bounds{{far, far, far}, {-far, -far, -far}};
+  GrowingBounds bounds;
   for_each_mesh(arguments.input, [&](const DecodedMesh& mesh, std::optional<Material>) {
     interrupt.check();
-    const MeshBounds own = bounds_of(std::span(&mesh, 1));
-    for (int a = 0; a < 3; ++a) {
-      bounds.lo[a] = std::min(bounds.lo[a], own.lo[a]);
-      bounds.hi[a] = std::max(bounds.hi[a], own.hi[a]);
-    }
+    bounds.add(mesh);
   });
-  Renderer renderer(bounds, options);
+  Renderer renderer(bounds.bounds(), options);
   renderer.set_colours(listed_colours(arguments.input));
   for_each_mesh(arguments.input, [&](const DecodedMesh& mesh, std::optional<Material> label) {
     interrupt.check();

@@ -75,19 +75,16 @@ struct Renderer::Corner {
 };
 
 MeshBounds bounds_of(std::span<const DecodedMesh> meshes) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  MeshBounds b{{inf, inf, inf}, {-inf, -inf, -inf}};
-  for (const DecodedMesh& mesh : meshes) {
-    for (const auto& p : mesh.positions) {
-      for (int axis = 0; axis < 3; ++axis) {
-        const double v = p[static_cast<std::size_t>(axis)];
-        b.lo[axis] = std::min(b.lo[axis], v);
-        b.hi[axis] = std::max(b.hi[axis], v);
-      }
-    }
+  GrowingBounds all;
+  for (const DecodedMesh& mesh : meshes) all.add(mesh);
+  return all.bounds();
+}
+
+void GrowingBounds::add(const DecodedMesh& mesh) {
+  for (const auto& position : mesh.positions) {
+    const Vec3 p = to_vec(position);
+    bounds_ = bounds_ ? MeshBounds{min(bounds_->lo, p), max(bounds_->hi, p)} : MeshBounds{p, p};
   }
-  if (b.lo.x > b.hi.x) return {};
-  return b;
 }
 
 Renderer::Renderer(const MeshBounds& bounds, const RenderOptions& options) : options_(options) {

@@ -41,6 +41,16 @@ struct MeshBounds {
 };
 MeshBounds bounds_of(std::span<const DecodedMesh> meshes);
 
+// Of meshes that are in memory one after the other.
+class GrowingBounds {
+ public:
+  void add(const DecodedMesh& mesh);
+  MeshBounds bounds() const { return bounds_.value_or(MeshBounds{}); }
+
+ private:
+  std::optional<MeshBounds> bounds_;
+};
+
 // A picture in the making: for each sample depth and colour, 7 bytes times width, height and
 // supersample squared. InputError for a size, sample count or zoom out of range.
 // Fronts are warm grey, lit from the eye and from the upper left; backs are red, so that an

@@ -7,7 +7,6 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -20,13 +19,6 @@ struct LabelledMesh {
   DecodedMesh mesh;
   std::optional<Material> label;
 };
-
-void extend(MeshBounds& bounds, const DecodedMesh& mesh) {
-  if (mesh.positions.empty()) return;
-  const MeshBounds own = bounds_of(std::span(&mesh, 1));
-  bounds.lo = min(bounds.lo, own.lo);
-  bounds.hi = max(bounds.hi, own.hi);
-}
 
 // f(i) of each picture.
 void each_picture(bool threads, const std::function<void(std::size_t)>& f) {
@@ -66,17 +58,17 @@ double fitting_zoom(const MeshBounds& bounds, const RenderOptions& view) {
 }  // namespace
 
 MeshViews draw_views(const std::filesystem::path& directory, const ViewOptions& options) {
-  constexpr double far = std::numeric_limits<double>::infinity();
-  MeshViews views{{{far, far, far}, {-far, -far, -far}}, {}};
+  MeshViews views;
+  GrowingBounds bounds;
   std::vector<LabelledMesh> kept;
   const bool keep = options.triangles <= options.most_kept;
   each_mesh_file(directory, [&](const std::filesystem::path& file, std::optional<Material> label) {
     if (options.interrupt != nullptr) options.interrupt->check();
     DecodedMesh mesh = load_mesh(file);
-    extend(views.bounds, mesh);
+    bounds.add(mesh);
     if (keep) kept.push_back({std::move(mesh), label});
   });
-  if (!(views.bounds.lo.x <= views.bounds.hi.x)) views.bounds = {};
+  views.bounds = bounds.bounds();
   const MaterialTable colours = listed_colours(directory);
   std::vector<Renderer> renderers;
   for (const double azimuth : view_azimuths) {
