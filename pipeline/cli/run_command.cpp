@@ -127,6 +127,7 @@ void add_stage_commands(CLI::App& app, Program& program) {
       "Unless simplify.refine is off: the same in shifted cubes, where the first had their borders",
       "Unless simplify.refine is off: mends what intersects where both had their borders",
       "Unless simplify.refine is off: plans tiles of the refined mesh and cuts it into them",
+      "Unless output.levels is 1: makes the coarser levels of detail",
       "Stage 5: writes the compressed mesh files and the manifest"};
   for (const Stage stage : all_stages) {
     auto one = std::make_shared<RunArguments>();

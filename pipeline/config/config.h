@@ -153,6 +153,7 @@ struct OutputConfig {
   Merged merged = Merged::automatic;
   bool tiles = true;               // false only where merged is not `never`
   std::int64_t tile_vertices = 0;  // 0: 500000, fewer where run.memory is small
+  std::int64_t levels = 1;         // of detail, the mesh itself among them; 0: as many as there are
   double precision = 0.01;         // voxels (the smallest spacing)
   bool normals = true;
   bool report = true;  // a page about the run, beside the manifest

@@ -220,6 +220,21 @@ class CrossChecks {
          "with output.merged = false there is nothing to write; set one of the two to true");
   }
 
+  void levels() const {
+    if (!has_levels(config_)) return;
+    if (refine_mode(config_) == SimplifyConfig::Refine::off)
+      fail({"output.levels", "simplify.refine"},
+           "levels of detail are made of a mesh that is refined, and simplify.refine is \"off\" "
+           "here; set it to \"repair\" or \"collapse\", or output.levels to 1");
+    if (config_.labels.mode == LabelMode::each)
+      fail({"output.levels", "labels.mode"},
+           "with labels.mode = \"each\" every label has a mesh of its own, and there are no levels "
+           "of detail of these; set labels.mode to \"shared\", or output.levels to 1");
+    if (!config_.output.tiles)
+      fail({"output.levels", "output.tiles"},
+           "levels of detail are tiles; set output.tiles to true, or output.levels to 1");
+  }
+
   // What a run writes lies in no folder of the user's own files.
   void directories() const {
     const auto normal = [](const std::filesystem::path& path) {
@@ -329,6 +344,7 @@ void check_across(const Config& config, const Places& places, const std::string&
   checks.edits_of_labels();
   checks.work();
   checks.output();
+  checks.levels();
   checks.directories();
   checks.slurm();
 }

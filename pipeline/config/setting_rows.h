@@ -18,6 +18,7 @@ inline constexpr Stages ingest = {Stage::ingest};
 inline constexpr Stages build = {Stage::build};
 inline constexpr Stages merge = {Stage::merge};
 inline constexpr Stages stitch = {Stage::stitch};
+inline constexpr Stages levels = {Stage::levels};
 inline constexpr Stages encode = {Stage::encode};
 // What ingest lays out and build reads: the layout of raw samples (build reads them itself where
 // there is no copy) and the shape of shards.

@@ -57,7 +57,7 @@ std::vector<Setting> make_settings() {
 std::string_view stage_name(Stage stage) {
   constexpr std::array<std::string_view, all_stages.size()> names = {
       "ingest",  "build", "merge", "stitch", "survey", "refine",
-      "recount", "seams", "mend",  "retile", "encode"};
+      "recount", "seams", "mend",  "retile", "levels", "encode"};
   return names[static_cast<std::size_t>(stage)];
 }
 
@@ -67,6 +67,7 @@ std::vector<Stage> stages_of(const Config& config) {
     std::erase_if(stages,
                   [](Stage stage) { return Stage::stitch < stage && stage < Stage::encode; });
   if (!mends(config)) std::erase(stages, Stage::mend);
+  if (!has_levels(config)) std::erase(stages, Stage::levels);
   if (!has_target(config))
     std::erase_if(stages,
                   [](Stage stage) { return stage == Stage::survey || stage == Stage::recount; });
@@ -84,6 +85,10 @@ bool refines(const Config& config) {
 
 bool mends(const Config& config) {
   return refines(config) && config.simplify.intersections == SimplifyConfig::Intersections::none;
+}
+
+bool has_levels(const Config& config) {
+  return config.output.levels != 1;
 }
 
 bool Setting::read_by(Stage stage) const {

@@ -28,19 +28,22 @@ enum class Stage : std::uint8_t {
   seams,
   mend,
   retile,
+  levels,
   encode
 };
-inline constexpr std::array<Stage, 11> all_stages = {
+inline constexpr std::array<Stage, 12> all_stages = {
     Stage::ingest,  Stage::build, Stage::merge, Stage::stitch, Stage::survey, Stage::refine,
-    Stage::recount, Stage::seams, Stage::mend,  Stage::retile, Stage::encode};
+    Stage::recount, Stage::seams, Stage::mend,  Stage::retile, Stage::levels, Stage::encode};
 std::string_view stage_name(Stage stage);
 // Those a run of the config has, in their order: refine, seams, mend and retile where simplify.refine asks
-// for them (mend where triangles that intersect are mended), survey and recount where a number of triangles is asked for.
+// for them (mend where triangles that intersect are mended), survey and recount where a number of triangles is asked for,
+// levels where there is to be more than one.
 std::vector<Stage> stages_of(const Config& config);
 // As in the config file.
 std::string_view refine_name(SimplifyConfig::Refine mode);
 bool refines(const Config& config);
 bool mends(const Config& config);
+bool has_levels(const Config& config);  // of detail, beside the mesh itself
 
 // What is told of a key, whatever it is bound to.
 struct KeyFacts {

@@ -18,6 +18,13 @@
 namespace voxweld {
 namespace {
 
+// Precondition: it has one.
+void add_colour(KeyHasher& key, const MaterialEntry& entry) {
+  key.integer(static_cast<std::int64_t>(entry.material));
+  for (const std::uint8_t level : {entry.color->red, entry.color->green, entry.color->blue})
+    key.integer(level);
+}
+
 // What files are made of beside the parameters: the mesh, and the colours its labels are given.
 Hash128 content_of(const EncodeJob& job, const TileArtifact& tile) {
   if (!job.coloured) return tile.content_hash();
@@ -32,9 +39,7 @@ Hash128 content_of(const EncodeJob& job, const TileArtifact& tile) {
     const MaterialEntry* entry = job.materials->find(label);
     if (entry == nullptr || !entry->color) continue;
     any = true;
-    key.integer(static_cast<std::int64_t>(label));
-    for (const std::uint8_t level : {entry->color->red, entry->color->green, entry->color->blue})
-      key.integer(level);
+    add_colour(key, *entry);
   }
   return any ? key.finish() : tile.content_hash();
 }
@@ -49,6 +54,15 @@ Hash128 asset_key(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit
   if (!tile.labels().empty())
     for (const PlannedMesh& mesh : plan.meshes(unit))
       key.integer(static_cast<std::int64_t>(mesh.vertices));
+  return key.finish();
+}
+
+Hash128 level_key(const EncodeJob& job, const LevelMeshes& levels, std::uint64_t node) {
+  KeyHasher key;
+  key.hash(job.key).text("level").hash(levels.content(node));
+  if (job.coloured)  // a coarse tile may have a part of any label
+    for (const MaterialEntry& entry : job.materials->entries)
+      if (entry.color) add_colour(key, entry);
   return key.finish();
 }
 
@@ -113,6 +127,11 @@ void add_counts(AssetRecord& record, const TileMesh& mesh) {
 void add_mesh(AssetRecord& record, const TileMesh& mesh, const std::vector<FileRecord>& files) {
   record.vertices += mesh.positions.size();
   add_counts(record, mesh);
+  if (!mesh.positions.empty()) {
+    const LatticeBox box = LatticeBox::around(mesh.positions);
+    if (!record.box) record.box = box;
+    record.box->extend(box);
+  }
   record.files.insert(record.files.end(), files.begin(), files.end());
 }
 
@@ -251,6 +270,19 @@ void encode_unit(const RunContext& context, const EncodeJob& job, const UnitPlan
   write_asset_record(asset_record_path(job, plan, unit), record, job.output);
 }
 
+void encode_level(const RunContext& context, const EncodeJob& job, const LevelMeshes& levels,
+                  std::uint64_t node, const WorkerContext& worker) {
+  const LevelNode& at = levels.tree().nodes()[node];
+  const TileMesh mesh = levels.read(node);
+  AssetRecord record;
+  record.key = level_key(job, levels, node);
+  std::vector<FileRecord> files;
+  if (!mesh.triangles.empty())
+    files = write_formats(job, mesh, level_stem(at), facts_of(context, job, exterior), worker);
+  add_mesh(record, mesh, files);
+  write_asset_record(level_record_path(job.folder, at), record, job.output);
+}
+
 void encode_merged(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
                    MergedParts parts, const WorkerContext& worker) {
   // Nobody but the process that leads may leave its other units at once.
@@ -279,6 +311,13 @@ bool unit_is_current(const EncodeJob& job, const UnitPlan& plan, std::uint64_t u
   const std::filesystem::path record = asset_record_path(job, plan, unit);
   if (!std::filesystem::exists(record)) return false;
   return asset_is_current(record, asset_key(job, plan, unit, tile_of(job, plan, unit)), job.output);
+}
+
+bool level_is_current(const EncodeJob& job, const LevelMeshes& levels, std::uint64_t node) {
+  const std::filesystem::path record =
+      level_record_path(job.folder, levels.tree().nodes()[node]);
+  if (!std::filesystem::exists(record)) return false;
+  return asset_is_current(record, level_key(job, levels, node), job.output);
 }
 
 bool merged_is_current(const EncodeJob& job, const UnitPlan& plan, MergedParts parts) {

@@ -2,6 +2,7 @@
 // which says what they were made of.
 #pragma once
 
+#include "pipeline/refine/levels_stage.h"
 #include "pipeline/stage/artifacts.h"
 #include "pipeline/stage/context.h"
 #include "storage/artifact/tile_artifact.h"
@@ -15,11 +16,15 @@ TileArtifact tile_of(const EncodeJob& job, const UnitPlan& plan, std::uint64_t u
 
 // Whether the record is there, of these inputs, and the files are as it says.
 bool unit_is_current(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit);
+bool level_is_current(const EncodeJob& job, const LevelMeshes& levels, std::uint64_t node);
 bool merged_is_current(const EncodeJob& job, const UnitPlan& plan, MergedParts parts);
 
 // Precondition: stitch is current. DamagedArtifact where a tile is not what was planned.
 void encode_unit(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
                  std::uint64_t unit, const WorkerContext& worker);
+// A tile of a coarser level.
+void encode_level(const RunContext& context, const EncodeJob& job, const LevelMeshes& levels,
+                  std::uint64_t node, const WorkerContext& worker);
 void encode_merged(const RunContext& context, const EncodeJob& job, const UnitPlan& plan,
                    MergedParts parts, const WorkerContext& worker);
 

@@ -8,8 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "pipeline/encode/level_listing.h"
 #include "pipeline/encode/listing.h"
 #include "pipeline/encode/output_files.h"
+#include "pipeline/encode/tileset.h"
 #include "pipeline/executor/probe.h"
 #include "stages/encode/draco_codec.h"
 #include "stages/encode/mesh_accumulator.h"
@@ -24,8 +26,8 @@ LabelMode label_mode(const EncodeJob& job) {
 }
 
 // Calls f with the names of all that the run may write: the same for each of its tasks.
-void each_planned(const EncodeJob& job, const UnitPlan& plan, const MergedPlan& merged,
-                  const std::function<void(const std::string&)>& f) {
+void each_planned(const EncodeJob& job, const UnitPlan& plan, const LevelMeshes* levels,
+                  const MergedPlan& merged, const std::function<void(const std::string&)>& f) {
   std::vector<std::string> endings;
   for (const MeshWriter& writer : job.formats) {
     const std::string& ending = endings.emplace_back(writer.ending);
@@ -36,6 +38,13 @@ void each_planned(const EncodeJob& job, const UnitPlan& plan, const MergedPlan& 
   for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
     for (const PlannedMesh& mesh : plan.meshes(unit))
       for (const std::string& ending : endings) f(mesh.stem + ending);
+  if (levels == nullptr) return;
+  f(tileset_name);
+  const LevelTree& tree = levels->tree();
+  for (std::uint64_t n = 0; n < tree.nodes().size(); ++n) {
+    for (const std::string& ending : endings) f(level_stem(tree.nodes()[n]) + ending);
+    if (has_own_tileset(tree, n)) f(tileset_name_of(tree.nodes()[n]));
+  }
 }
 
 // That nothing is in the way which no run is known to have written. Precondition: none of the units
@@ -50,8 +59,11 @@ void check_strangers(const EncodeJob& job) {
   });
 }
 
-Hash128 planned_key(const EncodeJob& job, Hash128 planned, bool merged) {
-  return KeyHasher().hash(job.key).hash(planned).integer(merged ? 1 : 0).finish();
+Hash128 planned_key(const EncodeJob& job, Hash128 planned, bool merged, std::uint64_t nodes) {
+  KeyHasher key;
+  key.hash(job.key).hash(planned).integer(merged ? 1 : 0);
+  if (nodes > 0) key.text("levels").integer(static_cast<std::int64_t>(nodes));
+  return key.finish();
 }
 
 nlohmann::json stages_json(const RunContext& context) {
@@ -65,8 +77,9 @@ nlohmann::json stages_json(const RunContext& context) {
   return stages;
 }
 
-void write_listing(const EncodeJob& job, const UnitPlan& plan, bool merged, FileNames& earlier,
-                   Manifest manifest, const InterruptFlag* interrupt) {
+void write_listing(const EncodeJob& job, const UnitPlan& plan, const LevelMeshes* levels,
+                   bool merged, FileNames& earlier, Manifest manifest,
+                   const InterruptFlag* interrupt) {
   Listing listing;
   listing.interrupt = interrupt;
   for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
@@ -76,6 +89,10 @@ void write_listing(const EncodeJob& job, const UnitPlan& plan, bool merged, File
   listing.materials = job.materials;
   listing.output = job.output;
   listing.scratch = job.folder;
+  if (levels != nullptr)
+    listing.levels = [&](Manifest& out, FileNames& leftovers) {
+      list_levels({job, *levels, listing}, out, leftovers);
+    };
   write_listing(listing, earlier, std::move(manifest));
 }
 
@@ -143,7 +160,7 @@ constexpr std::uint64_t all_memory = std::numeric_limits<std::uint64_t>::max();
 
 // The tiles as the plan has them, then the merged mesh where there is to be one: as long as all
 // tiles together, so it begins first, and tiles get what it leaves of run.memory. Of one tile alone
-// it has the same files: then it comes after it.
+// it has the same files: then it comes after it. Last the tiles of coarser levels.
 class EncodeStage final : public StageWork {
  public:
   explicit EncodeStage(EncodeInputs inputs)
@@ -151,6 +168,7 @@ class EncodeStage final : public StageWork {
         job_(inputs.job),
         planned_(inputs.planned),
         plan_(inputs.plan),
+        levels_(inputs.levels),
         manifest_(std::move(inputs.manifest)),
         pairs_(label_pairs_of(job_, plan_)),
         merged_(plan_merged(config_, plan_, pair_bytes(sum(pairs_)))) {}
@@ -158,12 +176,15 @@ class EncodeStage final : public StageWork {
   Stage stage() const override { return Stage::encode; }
   std::string noun() const override { return plan_.of_labels() ? "groups" : "tiles"; }
   std::string identity() const override { return job_.folder.filename().string(); }
-  std::uint64_t size() const override { return plan_.size() + (merged_.write ? 1 : 0); }
+  std::uint64_t size() const override {
+    return first_node() + (levels_ == nullptr ? 0 : levels_->tree().nodes().size());
+  }
   std::optional<std::uint64_t> apart() const override {
     return merged_.write ? std::optional(plan_.size()) : std::nullopt;
   }
   std::vector<Unit> units(std::span<const std::uint64_t> numbers) const override;
   bool done(std::uint64_t unit) override {
+    if (is_node(unit)) return level_is_current(job_, *levels_, unit - first_node());
     return is_merged(unit) ? merged_is_current(job_, plan_, merged_.parts)
                            : unit_is_current(job_, plan_, unit);
   }
@@ -179,7 +200,9 @@ class EncodeStage final : public StageWork {
   }
   void run(const Unit& unit, WorkerContext& worker) override {
     if (context_->lock != nullptr) context_->lock->check();
-    if (is_merged(unit.key))
+    if (is_node(unit.key))
+      encode_level(*context_, job_, *levels_, unit.key - first_node(), worker);
+    else if (is_merged(unit.key))
       encode_merged(*context_, job_, plan_, merged_.parts, worker);
     else
       encode_unit(*context_, job_, plan_, unit.key, worker);
@@ -187,16 +210,27 @@ class EncodeStage final : public StageWork {
   void close(RunContext& context) override;
 
  private:
-  bool is_merged(std::uint64_t unit) const { return unit == plan_.size(); }
+  bool is_merged(std::uint64_t unit) const { return merged_.write && unit == plan_.size(); }
+  std::uint64_t first_node() const { return plan_.size() + (merged_.write ? 1 : 0); }
+  bool is_node(std::uint64_t unit) const { return unit >= first_node(); }
+  // With half as many polygons as triangles.
+  PlannedTile largest(std::uint64_t unit) const {
+    return is_node(unit) ? levels_->size(unit - first_node()) : plan_.largest(unit);
+  }
   std::uint64_t pair_bytes(std::uint64_t pairs) const {
     return pairs * costliest_of_pairs(job_).pair_bytes;
   }
-  std::uint64_t pairs_in(std::uint64_t unit) const { return pairs_.empty() ? 0 : pairs_[unit]; }
+  // Of a coarse tile at most.
+  std::uint64_t pairs_in(std::uint64_t unit) const {
+    if (pairs_.empty()) return 0;
+    return is_node(unit) ? sum(pairs_) : pairs_[unit];
+  }
 
   const Config& config_;
   const EncodeJob& job_;
   const Hash128 planned_;
   const UnitPlan& plan_;
+  const LevelMeshes* const levels_;
   const std::function<Manifest()> manifest_;
   const std::vector<std::uint64_t> pairs_;  // of labels, in each tile
   const MergedPlan merged_;
@@ -211,6 +245,10 @@ std::vector<Unit> EncodeStage::units(std::span<const std::uint64_t> numbers) con
   for (const std::uint64_t number : numbers)
     if (is_merged(number))
       units.push_back({number, "merged mesh", plan_.size() > 1 ? polygons : 0, 0, true});
+    else if (is_node(number))
+      units.push_back(
+          {number, "tile of level " + levels_->tree().nodes()[number - first_node()].name(),
+           static_cast<double>(largest(number).polygons)});
     else
       units.push_back(
           {number, plan_.name(number), static_cast<double>(plan_.total(number).polygons)});
@@ -226,14 +264,15 @@ StageLook EncodeStage::look(const UnitSelection& selection) {
 
 std::string EncodeStage::missing_text(const StageLook& look) const {
   if (look.missing.empty()) return look.rest;
-  const bool merged = is_merged(look.missing.back());
+  const bool merged =
+      merged_.write && std::ranges::binary_search(look.missing, std::uint64_t{plan_.size()});
   return fmt::format("{} of {} tiles{} missing", look.missing.size() - (merged ? 1 : 0),
-                     plan_.size(), merged ? " and the merged mesh" : "");
+                     size() - (merged_.write ? 1 : 0), merged ? " and the merged mesh" : "");
 }
 
 std::uint64_t EncodeStage::bytes(std::uint64_t unit) {
   if (is_merged(unit)) return plan_.size() > 1 ? merged_.bytes : all_memory;
-  return encode_bytes(config_, plan_.largest(unit)) + pair_bytes(pairs_in(unit));
+  return encode_bytes(config_, largest(unit)) + pair_bytes(pairs_in(unit));
 }
 
 StageMemory EncodeStage::memory(std::span<const std::uint64_t> numbers) {
@@ -266,12 +305,12 @@ void EncodeStage::open(RunContext& context, const StageLook& look) {
     spdlog::warn("no merged mesh{}: {}; {}", merged_.write ? " in some formats" : "",
                  merged_.why_not, what_there_is(merged_, job_));
   if (look.missing.empty()) return;
-  const Hash128 key = planned_key(job_, planned_, merged_.write);
+  const Hash128 key = planned_key(job_, planned_, merged_.write, size() - first_node());
   if (has_begun(job_.output, key)) return;
   check(context, look);
   FileNames names(job_.folder);
   begin_output(job_.output, {key, context.config_file.string()}, names, [&](FileNames& all) {
-    each_planned(job_, plan_, merged_, [&](const std::string& name) { all.add(name); });
+    each_planned(job_, plan_, levels_, merged_, [&](const std::string& name) { all.add(name); });
   });
 }
 
@@ -282,7 +321,8 @@ void EncodeStage::close(RunContext& context) {
   manifest.stages = std::make_unique<nlohmann::json>(stages_json(context));
   FileNames earlier(job_.folder);
   add_files_of_earlier_runs(job_.output, earlier);
-  write_listing(job_, plan_, merged_.write, earlier, std::move(manifest), context.interrupt);
+  write_listing(job_, plan_, levels_, merged_.write, earlier, std::move(manifest),
+                context.interrupt);
 }
 
 }  // namespace

@@ -31,11 +31,12 @@ struct EncodeInputs {
   const EncodeJob& job;
   Hash128 planned;  // content of what the plan is made from
   const UnitPlan& plan;
+  const LevelMeshes* levels = nullptr;  // the coarser ones, where there are some
   // The manifest but for what encode adds, once all units are there.
   std::function<Manifest()> manifest;
 };
 
-// Units as the plan has them, then the merged mesh. Afterwards, where all are selected, the lists
+// Units as the plan has them, then the merged mesh, then tiles of coarser levels. Afterwards, where all are selected, the lists
 // of files and the manifest.
 std::unique_ptr<StageWork> encode_stage(EncodeInputs inputs);
 

@@ -16,12 +16,6 @@ namespace {
 constexpr std::size_t records_ahead = 256;
 constexpr std::uintmax_t records_bytes = std::uintmax_t{64} << 20;  // of those held at once
 
-AssetRecord whole_record(const std::filesystem::path& path) {
-  auto record = read_asset_record(path);
-  if (!record) throw DamagedArtifact(path.string(), "is not a whole record");
-  return std::move(*record);
-}
-
 void count_file(const FileRecord& file, ManifestCounts& counts, FileNames& leftovers) {
   ++counts.files;
   counts.bytes += file.bytes;
@@ -164,6 +158,7 @@ template <class F>
 void each_mesh(const Listing& listing, const CellKey& tile, AssetRecord& record, F&& f) {
   if (listing.labels != LabelMode::each) {
     f(TileRecord{{},
+                 0,
                  tile,
                  record.vertices,
                  record.triangles,
@@ -177,6 +172,7 @@ void each_mesh(const Listing& listing, const CellKey& tile, AssetRecord& record,
   for (const LabelAsset& mesh : record.labels) {
     const auto end = file + static_cast<std::ptrdiff_t>(mesh.files);
     f(TileRecord{mesh.label,
+                 0,
                  mesh.tile,
                  mesh.vertices,
                  mesh.triangles,
@@ -230,6 +226,12 @@ void list_tiles(const Listing& listing, Manifest& manifest, FileNames& leftovers
 
 }  // namespace
 
+AssetRecord whole_record(const std::filesystem::path& path) {
+  auto record = read_asset_record(path);
+  if (!record) throw DamagedArtifact(path.string(), "is not a whole record");
+  return std::move(*record);
+}
+
 void write_listing(const Listing& listing, FileNames& earlier, Manifest manifest) {
   list_tiles(listing, manifest, earlier);
   if (listing.merged) {
@@ -241,6 +243,7 @@ void write_listing(const Listing& listing, FileNames& earlier, Manifest manifest
       manifest.files.push_back(file);
     }
   }
+  if (listing.levels) listing.levels(manifest, earlier);
   for (const FileRecord& file : manifest.files) earlier.leave_out(file.path);
   earlier.each([&](const std::string& name) {
     listing.check_interrupt();

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "pipeline/executor/interrupt.h"
+#include "storage/artifact/asset_record.h"
 #include "storage/manifest/manifest.h"
 #include "storage/support/file_names.h"
 #include "storage/types/material_table.h"
@@ -19,6 +21,9 @@ struct ListedTile {
   std::filesystem::path record;  // storage/artifact/asset_record.h
 };
 
+// DamagedArtifact where it is not one.
+AssetRecord whole_record(const std::filesystem::path& path);
+
 struct Listing {
   std::vector<ListedTile> tiles;
   const MaterialTable* materials = nullptr;  // names and colours of labels, where there are some
@@ -28,6 +33,8 @@ struct Listing {
   std::optional<std::filesystem::path> merged;  // the merged mesh's record, where there is one
   std::filesystem::path output;
   std::filesystem::path scratch;             // a folder for what does not fit memory
+  // Of coarser levels: adds their files and section to the manifest.
+  std::function<void(Manifest&, FileNames&)> levels = {};
   const InterruptFlag* interrupt = nullptr;  // asked between records; the manifest comes last
 
   void check_interrupt() const {

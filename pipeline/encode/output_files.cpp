@@ -1,5 +1,7 @@
 #include "pipeline/encode/output_files.h"
 
+#include "pipeline/stage/level_tree.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,9 +18,21 @@
 namespace voxweld {
 namespace {
 
+// Of digits and dashes, as a cube's name is, and then the ending.
+bool is_of_cube(std::string_view file, std::string_view ending) {
+  return file.ends_with(ending) &&
+         file.find_first_not_of("0123456789-") >= file.size() - ending.size();
+}
+
+bool is_nested_tileset(const std::string& name) {
+  const std::filesystem::path path = name;
+  return path.begin()->string() == levels_folder && is_of_cube(path.filename().string(), ".json");
+}
+
 // Whether a run gives a file such a name that its manifest lists.
 bool is_beside_manifest(const std::string& name) {
-  return name == tiles_name || name == labels_name ||
+  return name == tiles_name || name == labels_name || name == levels_name ||
+         name == tileset_name || is_nested_tileset(name) ||
          std::ranges::any_of(mesh_writers(), [&](const MeshWriter& writer) {
            return name == "mesh" + std::string(writer.ending);
          });
@@ -32,13 +46,16 @@ bool add_listed(const std::filesystem::path& output, FileNames& names) {
     names.add(file.path);
     sound = sound && is_beside_manifest(file.path);
   }
-  const auto list = std::ranges::find(manifest.files, tiles_name, &FileRecord::path);
-  if (list == manifest.files.end() || !std::filesystem::exists(output / tiles_name) ||
-      to_hex(hash_file(ReadFile(output / tiles_name))) != list->xxh3_128)
-    return false;
-  TileListReader tiles(output / tiles_name);
-  while (const auto tile = tiles.next())
-    for (const FileRecord& file : tile->files) names.add(file.path);
+  for (const char* name : {tiles_name, levels_name}) {
+    const auto list = std::ranges::find(manifest.files, name, &FileRecord::path);
+    if (list == manifest.files.end() && name != tiles_name) continue;
+    if (list == manifest.files.end() || !std::filesystem::exists(output / name) ||
+        to_hex(hash_file(ReadFile(output / name))) != list->xxh3_128)
+      return false;
+    TileListReader tiles(output / name);
+    while (const auto tile = tiles.next())
+      for (const FileRecord& file : tile->files) names.add(file.path);
+  }
   return sound;
 }
 
@@ -89,14 +106,14 @@ void each_of_our_form(const std::filesystem::path& output,
   };
   for (const MeshWriter& writer : mesh_writers()) offer("mesh" + std::string(writer.ending));
   offer(tiles_name);
-  offer(labels_name);
-  for (const char* folder : {"tiles", "labels"}) {
+  for (const char* name : {labels_name, levels_name, tileset_name}) offer(name);
+  for (const char* folder : {"tiles", "labels", levels_folder}) {
     if (!std::filesystem::is_directory(output / folder)) continue;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(output / folder)) {
       const std::string file = entry.path().filename().string();
       const MeshWriter* const writer = writer_of_file(mesh_writers(), file);
-      if (writer != nullptr &&
-          file.find_first_not_of("0123456789-") >= file.size() - writer->ending.size())
+      const bool nested = std::string_view(folder) == levels_folder && is_of_cube(file, ".json");
+      if (nested || (writer != nullptr && is_of_cube(file, writer->ending)))
         f(entry.path().lexically_relative(output).generic_string());
     }
   }

@@ -75,6 +75,20 @@ std::shared_ptr<const CubeMeshArtifact> CubeMeshes::open(std::size_t artifact) {
                    [&] { return std::make_shared<const CubeMeshArtifact>(paths_[artifact]); });
 }
 
+void CubeMeshes::find_patched() {
+  for (std::size_t i = 0; i < size(); ++i)
+    if (is_patch(i))
+      for (const CubePieceRecord& piece : open(i)->pieces())
+        patched_cubes_.emplace_back(piece.label, piece.cube);
+  std::ranges::sort(patched_cubes_);
+}
+
+bool CubeMeshes::is_replaced(std::size_t artifact, const CubePieceRecord& piece) {
+  if (!patched_ || is_patch(artifact)) return false;
+  std::call_once(looked_for_patches_, [&] { find_patched(); });
+  return std::ranges::binary_search(patched_cubes_, std::pair(piece.label, piece.cube));
+}
+
 RangeReads::RangeReads(CubeMeshes& meshes, const CubeLattice& cubes, Material label,
                        const CubeRange& own)
     : meshes_(meshes), label_(label) {

@@ -65,6 +65,8 @@ class CubeMeshes {
              const std::vector<std::filesystem::path>& patches);
 
   bool is_patch(std::size_t artifact) const { return patched_ && artifact % 2 == 1; }
+  // Whether a patch stands in place of this piece of the artifact.
+  bool is_replaced(std::size_t artifact, const CubePieceRecord& piece);
   std::size_t size() const { return paths_.size(); }
   const std::filesystem::path& path(std::size_t artifact) const { return paths_[artifact]; }
   // InputError where an artifact is missing.
@@ -80,6 +82,8 @@ class CubeMeshes {
  private:
   static constexpr std::size_t most_open = 64;
 
+  void find_patched();
+
   Stage maker_;
   std::vector<std::filesystem::path> paths_;
   bool patched_ = false;
@@ -87,6 +91,8 @@ class CubeMeshes {
   std::vector<Entry> entries_;
   PieceSpans spans_;
   BoundedCache<CubeMeshArtifact> open_{most_open};
+  std::once_flag looked_for_patches_;
+  std::vector<std::pair<Material, std::uint64_t>> patched_cubes_;  // in order
 };
 
 // A piece to read: all of it, or of those triangles that leave its cube the ones near enough.

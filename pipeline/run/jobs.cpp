@@ -150,6 +150,8 @@ void Jobs::plan_refine(const Config& config, const OutputFrame& output) {
              config.output.normals,
              {},
              {}};
+  levels_ = {frame, parameters, retile_.lattice, config.output.normals, config.output.levels,
+             {},    {}};
 }
 
 void Jobs::place_stages(const StagePaths& paths) {
@@ -164,6 +166,7 @@ void Jobs::place_stages(const StagePaths& paths) {
   place(seams_, paths.seams, paths.seams_key);
   place(mend_, paths.mend, paths.mend_key);
   place(retile_, paths.retile, paths.retile_key);
+  place(levels_, paths.levels, paths.levels_key);
   place(encode_, paths.encode, paths.encode_key);
   encode_.refined = paths.retile;
 }
@@ -176,7 +179,7 @@ void Jobs::fit_cubes(const Config& config, std::uint64_t vertices) {
   const int level = target_cube_level(part, vertices, build_->grid.size());
   stitch_.cubes->level = level;
   for (RefineFrame* const frame : {&survey_.frame, &refine_.frame, &recount_.frame, &seams_.frame,
-                                   &mend_.frame, &retile_.frame})
+                                   &mend_.frame, &retile_.frame, &levels_.frame})
     frame->level = level;
   place_stages(stage_paths(config, output_info_, labels_, level));
 }
@@ -185,6 +188,7 @@ void Jobs::set_tolerance(Stage stage, double tolerance) {
   RefineJob& job = stage == Stage::refine ? refine_ : seams_;
   job.parameters.tolerance = tolerance;
   if (stage == Stage::refine) recount_.parameters.tolerance = tolerance;
+  if (stage == Stage::seams) levels_.parameters.tolerance = tolerance;
 }
 
 std::vector<std::filesystem::path> Jobs::later_folders() const {
@@ -192,6 +196,7 @@ std::vector<std::filesystem::path> Jobs::later_folders() const {
   if (stitch_.cubes) folders.insert(folders.end(), {refine_.folder, seams_.folder, retile_.folder});
   if (!mend_.folder.empty()) folders.push_back(mend_.folder);
   if (refine_.target) folders.insert(folders.end(), {survey_.folder, recount_.folder});
+  if (!levels_.folder.empty()) folders.push_back(levels_.folder);
   folders.push_back(encode_.folder);
   return folders;
 }

@@ -56,6 +56,8 @@ class Jobs {
   // Once it is chosen: that of refine, and recount after it, or of seams.
   void set_tolerance(Stage stage, double tolerance);
   const RetileJob& retile() const { return retile_; }
+  // Of a config that has levels of detail.
+  const LevelsJob& levels() const { return levels_; }
   const EncodeJob& encode() const { return encode_; }
   // Where the stages after ingest, as many as the config has, leave their artifacts.
   std::vector<std::filesystem::path> later_folders() const;
@@ -73,6 +75,7 @@ class Jobs {
   StitchJob stitch_;
   RefineJob refine_, seams_, mend_, survey_, recount_;
   RetileJob retile_;
+  LevelsJob levels_;
   EncodeJob encode_;
 };
 

@@ -56,7 +56,8 @@ void ingest_or_build_the_rest(RunContext& context, Stages& stages) {
 void clear_temporaries_of_tasks(const Config& config, const Jobs& jobs) {
   std::vector<std::filesystem::path> folders = jobs.later_folders();
   folders.insert(folders.end(), {jobs.ingest().folder, config.output.directory / "tiles",
-                                 config.output.directory / "labels"});
+                                 config.output.directory / "labels",
+                                 config.output.directory / levels_folder});
   for (const std::filesystem::path& folder : folders) remove_needless_temporaries(folder, true);
   remove_needless_temporaries(config.output.directory, false);
 }
@@ -95,8 +96,8 @@ void on_steady_input(RunContext& context, Stages& stages, F&& work) {
   }
 }
 
-// ingest -> build -> merge -> stitch -> (refine -> seams -> mend -> retile ->) encode; where a number of
-// triangles is asked for, survey before refine and recount before seams
+// ingest -> build -> merge -> stitch -> (refine -> seams -> mend -> retile -> (levels ->)) encode; where a
+// number of triangles is asked for, survey before refine and recount before seams
 void run_stages(RunContext& context) {
   Stages stages(context);
   check_budget(context, stages.jobs());
@@ -120,7 +121,7 @@ void run_stages(RunContext& context) {
 void clear_temporaries(const Config& config) {
   for (const std::filesystem::path& folder : {config.work.directory, config.output.directory})
     remove_stale_temporaries(folder, false);
-  for (const char* folder : {"tiles", "labels"})
+  for (const char* folder : {"tiles", "labels", levels_folder})
     remove_stale_temporaries(config.output.directory / folder, true);
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(config.work.directory, error))
@@ -208,6 +209,8 @@ InputError no_such_stage(const Config& config, Stage stage) {
     return error(fmt::format("simplify.intersections = {}",
                              to_toml(*find_setting("simplify", "intersections")->get(config))),
                  "remove that key");
+  if (stage == Stage::levels)
+    return error("output.levels = 1", "give more of them, or \"auto\"");
   return error("neither simplify.triangles nor simplify.ratio is given", "give one of them");
 }
 

@@ -46,11 +46,13 @@ std::unique_ptr<StageWork> Stages::make(Stage stage) {
       return make_refine(stage);
     case Stage::retile:
       return retile_stage(jobs_.retile(), refined(), retile_plan());
+    case Stage::levels:
+      return levels_stage(level_sources());
     case Stage::encode:
       return encode_stage(
           {context_.config, jobs_.encode(),
            refines(context_.config) ? retile_plan().content() : top().content_hash(), plan(),
-           [this] { return manifest(); }});
+           level_meshes(), [this] { return manifest(); }});
     case Stage::ingest:
       break;
   }
@@ -169,6 +171,23 @@ CubeMeshes& Stages::refined() {
   const auto meshes = refined_meshes(jobs_.seams(), refine_units());
   if (!mends(context_.config)) return refined_.emplace(Stage::seams, meshes);
   return refined_.emplace(Stage::mend, meshes, refined_meshes(jobs_.mend(), refine_units()));
+}
+
+NodeSources Stages::level_sources() {
+  choice(Stage::seams);  // of the tolerance
+  if (!level_tree_) {
+    std::vector<CellKey> tiles;
+    for (const PlannedTile& tile : plan().largest_tiles()) tiles.push_back(tile.key());
+    const LevelsJob& job = jobs_.levels();
+    level_tree_.emplace(tiles, job.levels, job.frame.level);
+  }
+  return {jobs_.levels(), *level_tree_, refined()};
+}
+
+const LevelMeshes* Stages::level_meshes() {
+  if (!has_levels(context_.config)) return nullptr;
+  if (!level_meshes_) level_meshes_.emplace(level_sources());
+  return &*level_meshes_;
 }
 
 RetilePlan& Stages::retile_plan() {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "pipeline/refine/collapse_choice.h"
+#include "pipeline/refine/levels_stage.h"
 #include "pipeline/refine/retile_plan.h"
 #include "pipeline/run/jobs.h"
 #include "pipeline/stage/stage_work.h"
@@ -49,6 +50,9 @@ class Stages {
   // What the last pass left, and the tiles planned of it.
   CubeMeshes& refined();
   RetilePlan& retile_plan();
+  // What levels are made of, and what is made. Of a config that has some.
+  NodeSources level_sources();
+  const LevelMeshes* level_meshes();
   Manifest manifest();
 
   RunContext& context_;
@@ -60,6 +64,8 @@ class Stages {
   std::optional<CubeMeshes> refined_;
   std::unique_ptr<CollapseChoice> refine_choice_, seams_choice_;
   std::optional<RetilePlan> retile_plan_;
+  std::optional<LevelTree> level_tree_;
+  std::optional<LevelMeshes> level_meshes_;
   std::array<std::unique_ptr<StageWork>, all_stages.size()> works_;
 };
 

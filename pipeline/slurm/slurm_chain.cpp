@@ -115,9 +115,13 @@ void add_refine(Chain& chain, const Config& config, const std::vector<std::strin
   std::string before = "stitch";
   for (const Stage stage : stages_of(config)) {
     if (stage <= Stage::stitch || stage == Stage::encode) continue;
-    chain.job(before + "-rest", {chain.command(before)});
+    if (before != stage_name(Stage::levels)) chain.job(before + "-rest", {chain.command(before)});
     before = stage_name(stage);
-    chain.array(before, lines);
+    // Its rounds wait for each other: one job does all.
+    if (stage == Stage::levels)
+      chain.job(before, {chain.command(before)});
+    else
+      chain.array(before, lines);
   }
 }
 

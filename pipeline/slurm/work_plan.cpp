@@ -139,6 +139,10 @@ WorkPlan plan_work(const RunContext& context, const Jobs& jobs, std::int64_t slo
     }
     add(Stage::retile, tiles, tiles + 1, tile_bytes * plan.vertices,
         usual_cost("retile", polygons));
+    // Each level has a quarter of the one before, and takes what collapsing that one takes.
+    if (has_levels(config))
+      add(Stage::levels, rounded_up(tiles / 3), rounded_up(tiles / 3),
+          cubes_bytes * plan.vertices / 3, usual_cost("refine", plan.vertices + polygons) * 4 / 3);
   }
   const auto formats = static_cast<double>(config.output.formats.size());
   add(Stage::encode, tiles, tiles * (formats + 1) + 2, asset_bytes * formats * plan.vertices,

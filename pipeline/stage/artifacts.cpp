@@ -123,6 +123,15 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info, const Label
     paths.seams = work / ("seams-" + short_hex(paths.seams_key));
     paths.retile = work / ("retile-" + short_hex(paths.retile_key));
     meshes = paths.retile_key;
+    if (has_levels(config)) {
+      // What is asked for says which tiles there are, not what is in them.
+      paths.levels_key = KeyHasher()
+                             .hash(last)
+                             .text(stage_name(Stage::levels))
+                             .integer(levels_version << 16 | version)
+                             .finish();
+      paths.levels = work / ("levels-" + short_hex(paths.levels_key));
+    }
   }
   paths.stitch = work / ("stitch-" + short_hex(paths.stitch_key));
   KeyHasher encode;

@@ -34,14 +34,16 @@ namespace voxweld {
 inline constexpr std::uint32_t encode_version = 2;
 // And whenever those of refine change.
 inline constexpr std::uint32_t refine_version = 8;
+// And those of levels, beside what refine does.
+inline constexpr std::uint32_t levels_version = 1;
 
 // Folders of a run's artifacts, each named for what its stage and those before it read.
 struct StagePaths {
   std::filesystem::path ingest, build, merge, stitch, survey, refine, recount, seams, mend, retile,
-      encode;
+      levels, encode;
   // Of the parameters, all stages before included.
   Hash128 build_key, merge_key, stitch_key, survey_key, refine_key, recount_key, seams_key,
-      mend_key, retile_key, encode_key;
+      mend_key, retile_key, levels_key, encode_key;
 };
 // Of stages that the config has not: nothing.
 // info: with output_geometry; for the ingest folder alone it is not looked at.

@@ -98,6 +98,17 @@ struct RetileJob {
   std::filesystem::path plan_path() const { return folder / "tile.plan"; }
 };
 
+// The coarser levels of detail.
+struct LevelsJob {
+  RefineFrame frame;
+  RefineParameters parameters;  // of the mesh itself; the tolerance as the last pass has it
+  OutputLattice lattice;        // of the files
+  bool normals = true;          // of the files
+  std::int64_t levels = 1;      // as output.levels; 0: until one tile holds all
+  std::filesystem::path folder;
+  Hash128 key;
+};
+
 struct EncodeJob {
   const StitchJob* stitch = nullptr;
   VolumeGeometry frame;

@@ -44,13 +44,14 @@ std::uint64_t StageWork::largest_bytes(std::span<const std::uint64_t> numbers) {
 
 namespace {
 
-void do_units(RunContext& context, StageWork& work, std::uint64_t units,
+// reused: how many units are there already.
+void do_units(RunContext& context, StageWork& work, std::uint64_t reused,
               const std::vector<std::uint64_t>& numbers) {
   const bool here = context.executor->in_process();
   StageRun stage;
   stage.stage = std::string(stage_name(work.stage()));
   stage.noun = work.noun();
-  stage.reused = context.selection.count(units) - numbers.size();
+  stage.reused = reused;
   const std::optional<std::uint64_t> apart = work.apart();
   stage.apart_reused = apart && context.selection.contains(*apart) &&
                        !std::binary_search(numbers.begin(), numbers.end(), *apart);
@@ -79,7 +80,16 @@ void do_stage(RunContext& context, StageWork& work) {
   const std::vector<std::uint64_t> numbers = look.to_do();
   work.open(context, look);
   context.nans = {};
-  if (look.units > 0) do_units(context, work, look.units, numbers);
+  std::uint64_t before = 0;
+  auto first = numbers.begin();
+  for (const std::uint64_t end : work.rounds()) {
+    if (end == before) continue;
+    const auto last = std::lower_bound(first, numbers.end(), end);
+    const std::uint64_t asked = context.selection.count(end) - context.selection.count(before);
+    do_units(context, work, asked - static_cast<std::uint64_t>(last - first), {first, last});
+    first = last;
+    before = end;
+  }
   warn_of_nans(context.config, context.nans);
   if (context.selection.all()) work.close(context);
 }

@@ -40,6 +40,8 @@ class StageWork {
 
   // Units are numbered from 0 in an order that depends on the volume and the config alone.
   virtual std::uint64_t size() const = 0;
+  // Ascending numbers, the last of them size(): units below each are done before the others are begun.
+  virtual std::vector<std::uint64_t> rounds() const { return {size()}; }
   // The one that people do not count among them, as Unit::apart, where there is one.
   virtual std::optional<std::uint64_t> apart() const { return std::nullopt; }
   // Their names and weights, in the order of the numbers. Precondition: these ascend.

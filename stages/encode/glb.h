@@ -61,6 +61,10 @@ void write_plain_glb(std::span<const PlainGlbPart> parts, const GlbParameters& p
 // together, one after another. FormatError, starting with `where`, for anything else.
 DecodedMesh decode_glb(std::span<const std::byte> glb, const std::string& where = "glTF binary");
 
+// Where what lies at a point of the files lies in the world: column-major, metres, z up. Axes that are
+// not at right angles are left out, as in the files.
+std::array<double, 16> world_matrix(const VolumeGeometry& frame);
+
 // Metres in one `unit` ("mm", "micrometer" ...), nothing where it is not known.
 std::optional<double> metres_per(const std::string& unit);
 

@@ -66,6 +66,12 @@ void BoxRefiner::refine(const Work& work) {
   put_out();
 }
 
+void BoxRefiner::keep(const TriangleNumbers& triangles, const TriangleNumbers& bad) {
+  for (const std::uint32_t t : triangles)
+    add_done(0, t, std::binary_search(bad.begin(), bad.end(), t));
+  put_out();
+}
+
 RefineMesh BoxRefiner::take() {
   RefineMesh result = out_.take();
   result.checked = parameters_.intersections != IntersectionRule::ignore;

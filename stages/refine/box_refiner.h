@@ -53,6 +53,8 @@ class BoxRefiner {
   };
   // Triangles come out by their ids.
   void refine(const Work& work);
+  // Of a box in which nothing may change. bad: as of Work.
+  void keep(const TriangleNumbers& triangles, const TriangleNumbers& bad);
   RefineMesh take();
 
  private:

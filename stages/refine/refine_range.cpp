@@ -52,8 +52,10 @@ class RangeRefiner {
     }
     Extract extract(mesh_);
     for (const auto& [cube, triangles] : populated_) {
+      const auto room = room_of(morton_decode(cube.number));
+      if (!room) continue;
       each_part(
-          mesh_, room_of(morton_decode(cube.number)), triangles,
+          mesh_, *room, triangles,
           [&](const LatticeBox& part, const TriangleNumbers& inside) {
             const RefineMesh mesh = extract.of(inside);
             sum.add(survey_cube(mesh, part, parameters_, tolerances));
@@ -67,7 +69,14 @@ class RangeRefiner {
   bool is_own(std::size_t triangle) const {
     return own_.contains(cubes_.code(places_.home(triangle)));
   }
-  Room room_of(Index3 cube) const { return {cubes_.box(cube), cubes_.whole(cube)}; }
+  // Nothing where no point of the cube may move.
+  std::optional<Room> room_of(Index3 cube) const {
+    Room room{cubes_.box(cube), cubes_.whole(cube)};
+    if (!parameters_.within) return room;
+    if (!room.box.meets(*parameters_.within)) return std::nullopt;
+    room.box = room.box.common(*parameters_.within);
+    return room;
+  }
   void sort_into_cubes();
   void find_pairs();
   void refine_one(Index3 cube, const TriangleNumbers& triangles);
@@ -114,8 +123,10 @@ void RangeRefiner::find_pairs() {
   std::vector<FixedTriangle> fixed;
   for (const std::uint32_t t : crossing_) fixed.push_back({t, false, is_own(t)});
   for (const auto& [cube, triangles] : populated_) {
+    const auto room = room_of(morton_decode(cube.number));
+    if (!room) continue;
     each_part(
-        mesh_, room_of(morton_decode(cube.number)), triangles, [](const auto&, const auto&) {},
+        mesh_, *room, triangles, [](const auto&, const auto&) {},
         [&](std::uint32_t t) {
           fixed.push_back({t, true, true});
         });
@@ -127,11 +138,14 @@ void RangeRefiner::find_pairs() {
 }
 
 void RangeRefiner::refine_one(Index3 cube, const TriangleNumbers& triangles) {
-  const Room room = room_of(cube);
-  TriangleNumbers leaving;
+  const auto room = room_of(cube);
+  TriangleNumbers staying;
   for (const std::uint32_t t : triangles)
-    if (places_.home(t) == cube && !lies_in(mesh_, t, room.box)) leaving.push_back(t);
-  refiner_.refine({room, triangles, leaving, fixed_});
+    if (places_.home(t) == cube && !(room && lies_in(mesh_, t, room->box))) staying.push_back(t);
+  if (room)
+    refiner_.refine({*room, triangles, staying, fixed_});
+  else
+    refiner_.keep(staying, fixed_);
 }
 
 }  // namespace

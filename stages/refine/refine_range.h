@@ -26,6 +26,8 @@ struct RefineParameters {
   double reach = 0;
   // And where a vertex goes where it best lies, if not the tolerance.
   std::optional<double> places = {};
+  // What leaves this box is fixed too, and all beyond it.
+  std::optional<LatticeBox> within = {};
 };
 
 // What was done and what came of it; sums over cubes. Plain data: artifacts hold it as it is.

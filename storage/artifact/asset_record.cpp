@@ -14,7 +14,7 @@ namespace {
 // section 2: LabelAssetRecord, only where it has labels. Its input stamp is of the files' sizes and
 // times.
 constexpr std::array<char, 4> asset_kind = {'a', 's', 's', 't'};
-constexpr std::uint32_t asset_version = 2;
+constexpr std::uint32_t asset_version = 3;
 constexpr std::uint64_t body_section = 1, labels_section = 2;
 
 // Sizes and times of the files: as long as they are the same nobody has to read the files, which
@@ -109,6 +109,7 @@ void write_asset_record(const std::filesystem::path& path, const AssetRecord& re
       {"vertices", record.vertices},   {"triangles", record.triangles},
       {"quads", record.quads},         {"polygon_triangles", record.polygon_triangles},
       {"collinear", record.collinear}, {"files", files}};
+  if (record.box) body["box"] = {record.box->lo, record.box->hi};
   const std::string text = json_text(body);
   ArtifactWriter writer(path, {asset_kind, asset_version, record.key});
   writer.section(body_section, as_bytes(text));
@@ -140,6 +141,7 @@ std::optional<AssetRecord> read_asset_record(const std::filesystem::path& path, 
     for (const auto& file : body.at("files"))
       record.files.push_back(
           {file.at("path"), file.at("format"), "", file.at("bytes"), file.at("hash")});
+    if (body.contains("box")) record.box = {body["box"].at(0), body["box"].at(1)};
     if (parts == RecordParts::all) read_labels(reader, record.labels);
     return record;
   } catch (const DamagedArtifact&) {

@@ -10,6 +10,7 @@
 #include "storage/support/file_io.h"
 #include "storage/support/hash.h"
 #include "storage/types/file_record.h"
+#include "storage/types/lattice_box.h"
 #include "storage/types/material.h"
 #include "storage/types/mesh_measure.h"
 
@@ -31,6 +32,7 @@ struct AssetRecord {
   std::uint64_t vertices = 0, triangles = 0, quads = 0, polygon_triangles = 0, collinear = 0;
   std::vector<FileRecord> files;   // paths relative to the output directory
   std::vector<LabelAsset> labels;  // of label volumes; the counts above are of all of them
+  std::optional<LatticeBox> box;   // around its vertices, where it has some
   Hash128 files_stamp;             // as read: of their sizes and times when they were last compared
 };
 

@@ -19,7 +19,7 @@
 //                vertices: of the octree, less those that refine took; with a closed border and
 //                safe topology those of the welded mesh, else some of them are in no polygon
 //   merged       {"drc": path, "glb": path ...}, by the name of the format, or null
-//   files        [{path, format, role "list", "labels" or "merged", bytes, xxh3_128}]: the list of
+//   files        [{path, format, role "list", "labels", "levels", "tileset" or "merged", bytes, xxh3_128}]: the list of
 //                tiles, that of labels, and the merged mesh; a tile's files are in its line
 //   input, config, stages, error, refine, made_by   free-form; input: slope and intercept where they
 //                are not 1 and 0 (real values are slope * stored + intercept); made_by: program, host, time,
@@ -30,10 +30,19 @@
 //                refine (unless simplify.refine is off): {mode, collapses, moves, flips, cubes (of all
 //                passes), intersecting_before (the first pass), intersecting_left (after the last),
 //                worst, p99 (distances of what the mesh was from what it is), unit}
+//   levels (free-form, with output.levels): of each level of detail, the mesh itself first, {level,
+//                tolerance (of collapsing edges), tiles, triangles, bytes, intersecting_left, worst, p99
+//                (distances of what the mesh was; of coarser ones at a sample of its points)}: of the
+//                whole mesh as it is at that level. bytes are of files that it does not share with
+//                the level before
 // tiles.jsonl, one object a line:
 //   {label (with "labels" = "each"), tile {level, at [x, y, z]}, vertices, triangles, quads,
 //    polygon_triangles, files [{format, path, bytes, xxh3_128}]}
 //   of each label those of one stand together, and labels ascend
+// levels.jsonl, with "levels", the same of the tiles of coarser levels, by height and in Morton order:
+//   {lod (1 or more), tile, vertices, triangles, quads, polygon_triangles, files}
+//   Such a tile stands for all tiles, of the mesh and of less height, whose cubes lie in its own. Of
+//   equal cubes the one of more height stands for the other.
 // labels.jsonl, with "labels", one object a line, ascending:
 //   {label, name (optional), color (optional, [r, g, b] of 0 .. 255), vertices, triangles,
 //    volume (enclosed, output units; null with an open border), area, bounds [lo [x, y, z],
@@ -68,6 +77,7 @@ namespace voxweld {
 
 struct TileRecord {
   std::optional<Material> label;
+  int lod = 0;  // of a coarser level of detail its height above the tiles of the mesh itself
   CellKey tile;
   std::uint64_t vertices = 0;   // of the tile's own mesh
   std::uint64_t triangles = 0;  // output triangles: 2 quads + polygon_triangles
@@ -126,12 +136,14 @@ struct Manifest {
   std::optional<MergedFiles> merged;
   std::vector<FileRecord> files;
   // Free-form sections: null when absent.
-  std::unique_ptr<nlohmann::json> input, config, stages, error, refine, made_by;
+  std::unique_ptr<nlohmann::json> input, config, stages, error, refine, levels, made_by;
 };
 
 inline constexpr const char* manifest_name = "manifest.json";
 inline constexpr const char* tiles_name = "tiles.jsonl";
 inline constexpr const char* labels_name = "labels.jsonl";
+inline constexpr const char* levels_name = "levels.jsonl";
+inline constexpr const char* tileset_name = "tileset.json";
 
 void write_manifest(const Manifest& manifest, const std::filesystem::path& path,
                     Durability durability = Durability::fsync);

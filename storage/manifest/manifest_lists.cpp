@@ -57,6 +57,7 @@ nlohmann::json parse_text(const std::string& text, const std::string& where) {
 std::string to_json_line(const TileRecord& record) {
   ordered_json out;
   if (record.label) out["label"] = *record.label;
+  if (record.lod > 0) out["lod"] = record.lod;
   out["tile"] = {{"level", record.tile.level}, {"at", to_json(record.tile.at)}};
   out["vertices"] = record.vertices;
   out["triangles"] = record.triangles;
@@ -72,6 +73,7 @@ TileRecord parse_tile_record(const std::string& line, const std::string& where) 
   const JsonValue value(parsed, where, "");
   TileRecord record;
   if (value.has("label")) record.label = value.at("label").count();
+  if (value.has("lod")) record.lod = static_cast<int>(value.at("lod").integer(0, 255));
   const JsonValue tile = value.at("tile");
   record.tile.level = static_cast<int>(tile.at("level").integer(0, max_levels));
   const auto at = tile.at("at").items(3);

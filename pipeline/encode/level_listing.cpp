@@ -1,0 +1,123 @@
+#include "pipeline/encode/level_listing.h"
+
+#include <nlohmann/json.hpp>
+
+#include "pipeline/encode/tileset.h"
+#include "storage/artifact/asset_record.h"
+
+namespace voxweld {
+namespace {
+
+class LevelLister {
+ public:
+  LevelLister(const LevelListing& listing, Manifest& manifest)
+      : listing_(listing), tree_(listing.levels.tree()), manifest_(manifest) {}
+
+  void list(FileNames& leftovers) {
+    AssetFile list(listing_.job.output, levels_name);
+    for (std::uint64_t n = 0; n < tree_.nodes().size(); ++n) {
+      listing_.tiles.check_interrupt();
+      const AssetRecord record = node(n);
+      if (record.files.empty()) continue;
+      for (const FileRecord& file : record.files) leftovers.leave_out(file.path);
+      const LevelNode& at = tree_.nodes()[n];
+      const std::string line =
+          to_json_line(TileRecord{{}, at.height, at.cell, record.vertices, record.triangles,
+                                  record.quads, record.polygon_triangles, record.files});
+      list.append(as_bytes(line));
+    }
+    manifest_.files.push_back(list.finish("jsonl"));
+    manifest_.files.back().role = "levels";
+    add_tileset();
+    manifest_.levels = std::make_unique<nlohmann::json>(section());
+  }
+
+ private:
+  AssetRecord node(std::uint64_t number) const {
+    return whole_record(level_record_path(listing_.job.folder, tree_.nodes()[number]));
+  }
+  AssetRecord tile(std::uint64_t number) const {
+    return whole_record(listing_.tiles.tiles[number].record);
+  }
+
+  void add_tileset() {
+    const std::string format = tileset_format(listing_.job);
+    if (format.empty()) return;
+    const TilesetInputs inputs{listing_.levels,
+                               manifest_.lattice,
+                               manifest_.frame,
+                               listing_.job.output,
+                               format,
+                               [&](std::uint64_t n) { return tile(n); },
+                               [&](std::uint64_t n) { return node(n); }};
+    for (FileRecord& file : write_tileset(inputs)) manifest_.files.push_back(std::move(file));
+  }
+
+  nlohmann::json section() const {
+    nlohmann::json levels = nlohmann::json::array();
+    nlohmann::json finest = {{"level", 0},
+                             {"tiles", manifest_.counts.tiles},
+                             {"triangles", manifest_.counts.output_triangles},
+                             {"bytes", bytes_of_tiles()}};
+    if (manifest_.refine != nullptr)
+      for (const char* key : {"tolerance", "worst", "p99", "intersecting_left"})
+        if (manifest_.refine->contains(key)) finest[key] = (*manifest_.refine)[key];
+    levels.push_back(finest);
+    for (int height = 1; height <= tree_.top(); ++height) levels.push_back(of_level(height));
+    return levels;
+  }
+  std::uint64_t bytes_of_tiles() const {
+    std::uint64_t bytes = 0;
+    for (std::uint64_t t = 0; t < listing_.tiles.tiles.size(); ++t)
+      for (const FileRecord& file : tile(t).files) bytes += file.bytes;
+    return bytes;
+  }
+
+  nlohmann::json of_level(int height) const {
+    std::uint64_t tiles = 0, triangles = 0, bytes = 0;
+    RefineCounts counts;
+    const auto add = [&](const AssetRecord& record) {
+      if (record.files.empty()) return;
+      ++tiles;
+      triangles += record.triangles;
+    };
+    tree_.cut(
+        height,
+        [&](std::uint64_t n) {
+          const AssetRecord record = node(n);
+          add(record);
+          counts.add(listing_.levels.counts(n));
+          if (tree_.nodes()[n].height == height)
+            for (const FileRecord& file : record.files) bytes += file.bytes;
+        },
+        [&](std::uint64_t t) { add(tile(t)); });
+    const double step = manifest_.lattice.step;
+    return {{"level", height},
+            {"tolerance", listing_.levels.tolerance(height) * step},
+            {"tiles", tiles},
+            {"triangles", triangles},
+            {"bytes", bytes},
+            {"worst", counts.worst * step},
+            {"p99", counts.quantile(0.99) * step},
+            {"intersecting_left", counts.pairs_left}};
+  }
+
+  const LevelListing& listing_;
+  const LevelTree& tree_;
+  Manifest& manifest_;
+};
+
+}  // namespace
+
+std::string tileset_format(const EncodeJob& job) {
+  for (const char* name : {"glb", "meshopt", "glb-plain"})
+    for (const MeshWriter& writer : job.formats)
+      if (writer.name == name) return name;
+  return {};
+}
+
+void list_levels(const LevelListing& listing, Manifest& manifest, FileNames& leftovers) {
+  LevelLister(listing, manifest).list(leftovers);
+}
+
+}  // namespace voxweld

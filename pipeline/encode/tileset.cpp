@@ -1,0 +1,186 @@
+#include "pipeline/encode/tileset.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "stages/encode/glb.h"
+#include "stages/refine/coarsen.h"
+#include "storage/manifest/manifest.h"
+#include "storage/support/json_text.h"
+
+namespace voxweld {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// A nested file holds a tree of so many heights: up to 8 + 64 + 512 + 4096 tiles.
+constexpr int heights_a_file = 4;
+// One file is enough for fewer.
+constexpr std::uint64_t few_tiles = 1000;
+
+// A part of the tree, as it stands in its parent's list of children.
+struct Part {
+  Json json;
+  std::optional<LatticeBox> box;  // nothing where it has no triangle
+  double error = 0;
+};
+
+class TilesetWriter {
+ public:
+  explicit TilesetWriter(const TilesetInputs& inputs)
+      : inputs_(inputs), tree_(inputs.levels.tree()), matrix_(world_matrix(inputs.frame)) {
+    for (std::size_t r = 0; r < 3; ++r) scale_ += matrix_[r] * matrix_[r];
+    scale_ = std::sqrt(scale_);
+  }
+
+  std::vector<FileRecord> write() {
+    std::vector<Part> roots;
+    for (const std::uint64_t node : tree_.root_nodes()) keep(roots, of_node(node, ""));
+    for (const std::uint64_t tile : tree_.root_tiles()) keep(roots, of_tile(tile, ""));
+    const double error = error_of(tree_.top() + 1);
+    Json root;
+    if (roots.size() == 1)
+      root = std::move(roots.front().json);
+    else
+      root = without_content(roots, error);
+    files_.insert(files_.begin(), put(tileset_name, root, error));
+    return std::move(files_);
+  }
+
+ private:
+  // Of the tolerance alone.
+  double error_of(int height) const {
+    return inputs_.levels.tolerance(height) * inputs_.lattice.step * scale_;
+  }
+  static void keep(std::vector<Part>& parts, Part part) {
+    if (part.box) parts.push_back(std::move(part));
+  }
+
+  Json bounding_volume(const LatticeBox& box) const {
+    std::array<double, 3> middle{}, half{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const int axis = static_cast<int>(a);
+      const double lo = inputs_.lattice.coordinate(axis, box.lo[a]);
+      const double hi = inputs_.lattice.coordinate(axis, box.hi[a]);
+      middle[a] = (lo + hi) / 2;
+      half[a] = (hi - lo) / 2;
+    }
+    Json numbers = Json::array();
+    for (std::size_t r = 0; r < 3; ++r) {
+      double at = matrix_[12 + r];
+      for (std::size_t a = 0; a < 3; ++a) at += matrix_[4 * a + r] * middle[a];
+      numbers.push_back(at + 0.0);
+    }
+    for (std::size_t a = 0; a < 3; ++a)
+      for (std::size_t r = 0; r < 3; ++r) numbers.push_back(matrix_[4 * a + r] * half[a] + 0.0);
+    return {{"box", numbers}};
+  }
+
+  // up: from the file that it stands in to the output directory.
+  Part of_mesh(const AssetRecord& record, const std::string& up) const {
+    Part part;
+    part.box = record.box;
+    const auto file = std::ranges::find(record.files, inputs_.format, &FileRecord::format);
+    if (file == record.files.end()) return part;
+    part.json["refine"] = "REPLACE";
+    part.json["content"]["uri"] = up + file->path;
+    return part;
+  }
+  void finish(Part& part) const {
+    part.json["boundingVolume"] = bounding_volume(*part.box);
+    part.json["geometricError"] = part.error;
+  }
+
+  Part of_tile(std::uint64_t tile, const std::string& up) const {
+    Part part = of_mesh(inputs_.tile(tile), up);
+    if (part.box) finish(part);
+    return part;
+  }
+
+  Part of_node(std::uint64_t number, const std::string& up) {
+    const LevelNode& node = tree_.nodes()[number];
+    const bool nested = has_own_tileset(tree_, number);
+    const std::string below = nested ? "../../" : up;
+    Part part = of_mesh(inputs_.node(number), below);
+    part.error = std::max(error_of(node.height), measured_error(number));
+    Json children = Json::array();
+    const auto add = [&](Part child) {
+      if (!child.box) return;
+      if (part.box)
+        part.box->extend(*child.box);
+      else
+        part.box = child.box;
+      part.error = std::max(part.error, child.error);
+      children.push_back(std::move(child.json));
+    };
+    for (const std::uint64_t child : node.nodes) add(of_node(child, below));
+    for (const std::uint64_t child : node.tiles) add(of_tile(child, below));
+    if (!part.box) return part;
+    finish(part);
+    part.json["children"] = std::move(children);
+    if (!nested) return part;
+    const std::string name = tileset_name_of(node);
+    files_.push_back(put(name, part.json, part.error));
+    Part link{{{"refine", "REPLACE"}, {"content", {{"uri", up + name}}}}, part.box, part.error};
+    finish(link);
+    return link;
+  }
+
+  double measured_error(std::uint64_t node) const {
+    return inputs_.levels.counts(node).worst * inputs_.lattice.step * scale_;
+  }
+
+  Json without_content(std::vector<Part>& parts, double error) const {
+    Part all;
+    Json children = Json::array();
+    for (Part& part : parts) {
+      if (!all.box) all.box = part.box;
+      all.box->extend(*part.box);
+      all.error = std::max({all.error, part.error, error});
+      children.push_back(std::move(part.json));
+    }
+    if (!all.box) all.box.emplace();
+    all.json["refine"] = "REPLACE";
+    finish(all);
+    all.json["children"] = std::move(children);
+    return std::move(all.json);
+  }
+
+  FileRecord put(const std::string& name, const Json& root, double error) const {
+    const Json document = {
+        {"asset", {{"version", "1.1"}, {"generator", "voxweld " VOXWELD_VERSION}}},
+        {"geometricError", std::max(error, root.at("geometricError").get<double>())},
+        {"root", root}};
+    AssetFile file(inputs_.output, name);
+    const std::string text = json_text(document) + "\n";
+    file.append(as_bytes(text));
+    FileRecord record = file.finish("3dtiles");
+    record.role = "tileset";
+    return record;
+  }
+
+  const TilesetInputs& inputs_;
+  const LevelTree& tree_;
+  const std::array<double, 16> matrix_;
+  double scale_ = 0;  // metres in a unit of the files
+  std::vector<FileRecord> files_;
+};
+
+}  // namespace
+
+std::string tileset_name_of(const LevelNode& node) {
+  return level_stem(node) + ".json";
+}
+
+bool has_own_tileset(const LevelTree& tree, std::uint64_t number) {
+  const LevelNode& node = tree.nodes()[number];
+  return tree.size() > few_tiles && node.height < tree.top() &&
+         (tree.top() - node.height) % heights_a_file == 0;
+}
+
+std::vector<FileRecord> write_tileset(const TilesetInputs& inputs) {
+  return TilesetWriter(inputs).write();
+}
+
+}  // namespace voxweld

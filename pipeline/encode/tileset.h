@@ -1,0 +1,41 @@
+// The levels of detail as a tileset of 3D Tiles 1.1: tileset.json, and nested files where there are
+// many tiles. Tiles are the .glb files that are there anyway.
+//
+// Based on: Open Geospatial Consortium, "3D Tiles Specification" 1.1 (OGC 22-025r4, 2023).
+//
+// A coarser tile takes the place of its children (REPLACE), in any order and at any mix of levels: their
+// borders are the same triangles, so there is neither crack nor skirt. A tile's geometric error is in
+// metres, as 3D Tiles has it: its tolerance or the largest distance that was measured, whichever is
+// more; of the mesh itself 0, since nothing finer is there. Boxes hold what is in a tile and in all
+// its children, and lie as the volume does in the world.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "pipeline/refine/levels_stage.h"
+#include "pipeline/stage/artifacts.h"
+#include "storage/artifact/asset_record.h"
+#include "storage/types/file_record.h"
+
+namespace voxweld {
+
+struct TilesetInputs {
+  const LevelMeshes& levels;
+  OutputLattice lattice;  // of the files
+  VolumeGeometry frame;
+  std::filesystem::path output;
+  std::string format;  // by its name: whose files are the tiles' contents
+  // Of a tile of the plan, and of a node.
+  std::function<AssetRecord(std::uint64_t)> tile, node;
+};
+
+// The name of the nested file that begins with this node.
+std::string tileset_name_of(const LevelNode& node);
+// Whether there is one, in a tree of so many tiles and nodes.
+bool has_own_tileset(const LevelTree& tree, std::uint64_t node);
+
+// Writes them and returns what they are, the file to open first.
+std::vector<FileRecord> write_tileset(const TilesetInputs& inputs);
+
+}  // namespace voxweld

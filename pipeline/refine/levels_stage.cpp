@@ -1,0 +1,126 @@
+#include "pipeline/refine/levels_stage.h"
+
+#include <fmt/format.h>
+
+#include "pipeline/stage/cube_mesh.h"
+#include "stages/refine/coarsen.h"
+#include "stages/refine/mesh_part.h"
+#include "stages/refine/retile.h"
+
+namespace voxweld {
+namespace {
+
+MeshSize size_of(const PartCounts& counts) {
+  return {counts.vertices, counts.triangles, counts.samples, counts.sided};
+}
+
+class LevelsStage final : public StageWork {
+ public:
+  explicit LevelsStage(const NodeSources& sources) : sources_(sources) {}
+
+  Stage stage() const override { return Stage::levels; }
+  std::string noun() const override { return "tiles"; }
+  std::string identity() const override { return job().folder.filename().string(); }
+  std::uint64_t size() const override { return sources_.tree.nodes().size(); }
+  std::vector<std::uint64_t> rounds() const override { return sources_.tree.ends(); }
+  std::vector<Unit> units(std::span<const std::uint64_t> numbers) const override {
+    std::vector<Unit> units;
+    for (const std::uint64_t number : numbers) {
+      const LevelNode& node = node_of(number);
+      const auto children = static_cast<double>(node.nodes.size() + node.tiles.size());
+      units.push_back({number, "tile of level " + node.name(), children});
+    }
+    return units;
+  }
+  bool done(std::uint64_t unit) override {
+    const std::filesystem::path path = path_of(unit);
+    return is_current(path, [&] { return CubeMeshArtifact(path).key() == key(unit); });
+  }
+
+  StageMemory memory(std::span<const std::uint64_t> numbers) override {
+    return {"levels", 0, largest_bytes(numbers), "one tile of a coarser level",
+            "raise run.memory, lower output.tile_vertices, or set output.levels to 1"};
+  }
+  std::uint64_t bytes(std::uint64_t unit) override {
+    const NodeReads reads(sources_, unit);
+    const PartCounts all = reads.counts();
+    const std::uint64_t mesh = mesh_bytes(all.vertices, all.triangles, all.samples, all.sided);
+    return std::max(gather_bytes(all.vertices, all.triangles, all.samples, all.sided) +
+                        reads.largest_part_bytes(),
+                    mesh + coarsen_bytes(size_of(all)));
+  }
+
+  void run(const Unit& unit, WorkerContext& worker) override {
+    const LevelNode& node = node_of(unit.key);
+    CubeMeshWriter file(path_of(unit.key), key(unit.key));
+    RefineCounts counts;
+    const RefineMesh mesh =
+        coarsen(NodeReads(sources_, unit.key).read([&] { worker.check_interrupt(); }), job().frame,
+                {node.cell, node.all, node.height}, job().parameters, counts);
+    worker.check_interrupt();
+    add_pieces(file, 0, mesh, CubeLattice(job().frame, 0, node.cell.level));
+    file.finish({as_record(counts)});
+  }
+
+ private:
+  const LevelsJob& job() const { return sources_.job; }
+  const LevelNode& node_of(std::uint64_t unit) const { return sources_.tree.nodes()[unit]; }
+  std::filesystem::path path_of(std::uint64_t unit) const {
+    return level_artifact_path(job().folder, node_of(unit));
+  }
+  Hash128 key(std::uint64_t unit) const {
+    KeyHasher key;
+    key.hash(job().key).real(job().parameters.tolerance);
+    sources_.tree.add_shape(key, unit);
+    NodeReads(sources_, unit).add_hashes(key);
+    return key.finish();
+  }
+
+  const NodeSources sources_;
+};
+
+}  // namespace
+
+std::unique_ptr<StageWork> levels_stage(const NodeSources& sources) {
+  return std::make_unique<LevelsStage>(sources);
+}
+
+double LevelMeshes::tolerance(int height) const {
+  return level_tolerance(sources_.job.parameters.tolerance, height);
+}
+
+CubeMeshArtifact LevelMeshes::open(std::uint64_t node) const {
+  return CubeMeshArtifact(level_artifact_path(sources_.job.folder, tree().nodes()[node]));
+}
+
+Hash128 LevelMeshes::content(std::uint64_t node) const {
+  return open(node).content_hash();
+}
+
+PlannedTile LevelMeshes::size(std::uint64_t node) const {
+  const PartCounts all = open(node).summary().all;
+  const CellKey cell = tree().nodes()[node].cell;
+  return {cell.code(), static_cast<std::uint32_t>(cell.level), 0, all.vertices,
+          (all.triangles + 1) / 2};
+}
+
+TileMesh LevelMeshes::read(std::uint64_t node) const {
+  const CubeMeshArtifact artifact = open(node);
+  MeshGather mesh;
+  for (std::size_t p = 0; p < artifact.pieces().size(); ++p) {
+    mesh.add(artifact.read(p, CubePart::inside));
+    mesh.add(artifact.read(p, CubePart::leaving));
+  }
+  TileMesh tile = to_tile_mesh(mesh.mesh(), tree().nodes()[node].cell, sources_.job.lattice,
+                               tile_blocks(sources_.job.frame));
+  if (sources_.job.normals) return tile;
+  tile.normals.clear();
+  tile.corner_normals.clear();
+  return tile;
+}
+
+RefineCounts LevelMeshes::counts(std::uint64_t node) const {
+  return open(node).counted<RefineCounts>();
+}
+
+}  // namespace voxweld

@@ -1,0 +1,43 @@
+// Coarser versions of parts of a mesh, for levels of detail that fit each other at any mix.
+//
+// A node is a cube of cells. What of the mesh lies in it is collapsed with a larger tolerance, and what
+// leaves it stays as it is, to the bit. So does the part of the next node, at whatever level that is
+// shown: both keep the same triangles between them, and there is no crack to patch. Borders stay fine:
+// what that costs is small beside what lies inside, as long as a node has many triangles.
+//
+// Simplifying groups with locked borders, and those borders inside of the next group, is the way of
+// Karis, Stubbe and Wihlidal ("A Deep Dive into Nanite Virtualized Geometry", SIGGRAPH 2021). Groups
+// here are nodes of one octree, so that what replaces what is a tree, as clients of 3D Tiles need it.
+#pragma once
+
+#include <optional>
+
+#include "stages/refine/refine_range.h"
+
+namespace voxweld {
+
+// How much larger the tolerance is at each level. Edges of a smooth surface get twice as long with four
+// times the tolerance, and tiles are twice as wide: so they have about as many triangles at each level.
+inline constexpr double level_tolerance_factor = 4;
+// The most samples that stay with a triangle, so that there are no more of them at coarse levels.
+inline constexpr std::size_t level_samples = 2;
+
+struct CoarseNode {
+  CellKey cell;      // a triangle is at home in it as in a tile: belongs_to()
+  bool all = false;  // it holds the whole mesh: then nothing is locked
+  int height = 1;    // of the levels below it
+};
+
+// The tolerance of a level, from that of the mesh itself.
+double level_tolerance(double finest, int height);
+
+// mesh: all triangles at home in the node, and of others those whose boxes meet its box.
+// parameters: those of the mesh itself; its mode is taken for collapse. Returns the triangles at home,
+// refined. counts: what was done, and how far samples lie off.
+RefineMesh coarsen(const RefineMesh& mesh, const RefineFrame& frame, const CoarseNode& node,
+                   const RefineParameters& parameters, RefineCounts& counts);
+
+// Bytes it takes at most, its result included, beside the mesh.
+std::uint64_t coarsen_bytes(const MeshSize& all);
+
+}  // namespace voxweld
