@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
-#include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +14,8 @@
 #include "pipeline/output/origin.h"
 #include "pipeline/output/seam_check.h"
 #include "pipeline/output/streamed_file.h"
+#include "pipeline/output/tile_stream.h"
+#include "pipeline/output/verify_levels.h"
 #include "pipeline/output/verify_tiles.h"
 #include "storage/manifest/manifest.h"
 
@@ -22,32 +23,6 @@ namespace voxweld {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Calls work(record, its place in the list) for each listed tile on many threads, and then fold for
-// each result, in the list's order.
-template <class Result, class Work, class Fold>
-void for_each_tile(const fs::path& list, int threads, Work work, Fold fold) {
-  TileListReader reader(list);
-  std::size_t number = 0;
-  using Numbered = std::pair<TileRecord, std::size_t>;
-  const auto next = [&](tbb::flow_control& control) {
-    std::optional<TileRecord> record = reader.next();
-    if (!record) control.stop();
-    return record ? std::make_shared<Numbered>(std::move(*record), number++) : nullptr;
-  };
-  using In = std::shared_ptr<Numbered>;
-  using Out = std::shared_ptr<Result>;
-  const auto serial = tbb::filter_mode::serial_in_order;
-  tbb::parallel_pipeline(
-      static_cast<std::size_t>(threads),
-      tbb::make_filter<void, In>(serial, next) &
-          tbb::make_filter<In, Out>(tbb::filter_mode::parallel,
-                                    [&](const In& in) {
-                                      return std::make_shared<Result>(
-                                          work(std::move(in->first), in->second));
-                                    }) &
-          tbb::make_filter<Out, void>(serial, [&](const Out& result) { fold(*result); }));
-}
 
 // The tiles of one surface: all of them, or with labels.mode = "each" those of one label.
 struct Surface {
@@ -94,6 +69,7 @@ class Verifier {
     if (each_) check_labels_to_end();
     check_totals();
     check_merged();
+    if (lists_levels()) check_levels();
     if (options_.origin) note_all(check_origin(manifest_));
     return std::move(report_);
   }
@@ -341,6 +317,20 @@ class Verifier {
                                 [&] { check_interrupt(); }));
       report_.merged_checked = true;
     }
+  }
+
+  bool lists_levels() const {
+    return std::ranges::find(manifest_.files, levels_name, &FileRecord::path) !=
+           manifest_.files.end();
+  }
+  void check_levels() {
+    const SeamRules rules{manifest_.open_border, manifest_.free_topology, shared_, {}};
+    const LevelTotals totals = verify_levels(
+        {directory_, tiles_, frame_, rules, threads_, [&] { check_interrupt(); },
+         [&](Problem problem) { note(std::move(problem)); }});
+    report_.levels = totals.levels;
+    report_.files += totals.files;
+    report_.bytes += totals.bytes;
   }
 
   // Null where its mesh is not to be looked at.

@@ -45,6 +45,7 @@ struct VerifyReport {
   std::uint64_t boundary_edges = 0;                // of the welded mesh
   std::optional<IntersectionCount> intersections;  // where asked for; of labels within each
   std::uint64_t labels = 0;  // with a mesh of their own, all of the above their sum
+  std::uint64_t levels = 0;  // of detail, beside the mesh itself, each as closed as it
   bool merged_checked = false;
   std::uint64_t problem_count = 0;
   std::vector<Problem> problems;  // the first of them

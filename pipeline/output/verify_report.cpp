@@ -10,10 +10,11 @@ namespace voxweld {
 
 std::string to_text(const VerifyReport& r) {
   std::string out = fmt::format(
-      "{} ({} bytes), {}{}, {} ({} on seams), {}, {}{}\n", counted(r.files, "files"), r.bytes,
+      "{} ({} bytes), {}{}, {} ({} on seams), {}, {}{}{}\n", counted(r.files, "files"), r.bytes,
       r.labels > 0 ? counted(r.labels, "labels") + ", " : "", counted(r.tiles, "tiles"),
       counted(r.vertices, "vertices"), r.seam_vertices, counted(r.triangles, "triangles"),
-      counted(r.boundary_edges, "boundary edges"), r.merged_checked ? ", merged mesh checked" : "");
+      counted(r.boundary_edges, "boundary edges"),
+      r.levels > 0 ? ", " + counted(r.levels, "coarser levels") : "", r.merged_checked ? ", merged mesh checked" : "");
   if (r.intersections) {
     out += fmt::format("{} intersect, {} without an area\n",
                        counted(r.intersections->pairs, "pairs of triangles"),
@@ -44,6 +45,7 @@ std::string to_json_text(const VerifyReport& r) {
                                 {"problem_count", r.problem_count},
                                 {"problems", std::move(problems)}};
   if (r.labels > 0) out["labels"] = r.labels;
+  if (r.levels > 0) out["levels"] = r.levels;
   if (r.intersections) {
     out["intersecting_pairs"] = r.intersections->pairs;
     out["degenerate_triangles"] = r.intersections->degenerate;

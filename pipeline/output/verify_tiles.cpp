@@ -88,7 +88,8 @@ std::optional<LatticeMesh> decode(const std::vector<FormatFile>& files,
 }
 
 std::string record_name(const TileRecord& record) {
-  const std::string tile = tile_name(record.tile);
+  std::string tile = tile_name(record.tile);
+  if (record.lod > 0) tile = fmt::format("level {} {}", record.lod, tile);
   return record.label ? fmt::format("label {} {}", *record.label, tile) : tile;
 }
 
