@@ -10,6 +10,7 @@
 #             simplify.enabled is false or simplify.topology "free" (1)
 #   mend      0 where simplify.intersections is "report" or "ignore" (1)
 #   target    1 where the config has simplify.triangles or simplify.ratio: adds survey and recount (0)
+#   levels    1 where output.levels is given and more than 1: adds levels (0)
 #   voxweld   the program (the one on PATH)
 #   done      the folder of the done-marks, one file a command (CONFIG without .toml, and .done)
 #   threads   of a command (4)
@@ -42,6 +43,7 @@ def is_set(name, default):
 TARGET = is_set("target", 0)
 REFINE = TARGET or is_set("refine", 1)
 MEND = is_set("mend", 1)
+LEVELS = is_set("levels", 0)
 
 if PARTS < 1:
     raise WorkflowError("parts is {}: at least 1 is needed".format(PARTS))
@@ -83,10 +85,14 @@ if TARGET:
             "seams": parts_of("recount"),
         }
     )
+# Levels wait for each other: one command does them all.
+if LEVELS:
+    BEFORE["encode"] = mark("levels")
 # What the closing command of a stage waits for.
 CLOSES = {
     "ingest": parts_of("ingest"),
     "merge": parts_of("build"),
+    "levels": parts_of("retile"),
     "encode": parts_of("encode"),
 }
 
@@ -119,14 +125,14 @@ rule part:
 
 
 # What belongs to the whole of a stage: ingest closes the brick store, encode writes the manifest
-# and the merged mesh, merge is one piece anyway.
+# and the merged mesh, merge is one piece anyway, and so is levels.
 rule whole:
     input:
         lambda wildcards: CLOSES[wildcards.stage],
     output:
         touch(mark("{stage}")),
     wildcard_constraints:
-        stage="ingest|merge|encode",
+        stage="ingest|merge|levels|encode",
     threads: THREADS
     resources:
         mem_mb=int(config.get("mem_mb", 4608)),

@@ -44,9 +44,9 @@ make_scratch() {
 }
 
 # tree_hash DIRECTORY [FIND_TEST...]: of all bytes of an output directory but the manifest and the
-# report, which have times and hosts in them, and but what the tests of find leave out.
+# report, which have times and hosts in them, the lock, and what the tests of find leave out.
 tree_hash() {
-  (cd "$1" && shift && find . -type f ! -name manifest.json ! -name report.html "$@" -print0 | sort -z |
+  (cd "$1" && shift && find . -type f ! -name manifest.json ! -name report.html ! -name voxweld.lock "$@" -print0 | sort -z |
     xargs -0 sha256sum) | sha256sum | cut -d' ' -f1
 }
 

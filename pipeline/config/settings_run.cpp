@@ -98,7 +98,8 @@ std::vector<Setting> output_settings() {
           binding::integer_or_auto(output, &Output::tile_vertices, IntegerRule{1024, 1000000000}),
           merge),
       row({"output", "levels",
-           "Levels of detail: each has tiles twice as wide, and four times the tolerance, of the one "
+           "Levels of detail: each has tiles twice as wide, and four times the tolerance, of the "
+           "one "
            "before. 1: the mesh alone; \"auto\": until one tile holds all of it."},
           binding::integer_or_auto(output, &Output::levels, IntegerRule{1, 12}), levels),
       row({"output", "precision",

@@ -314,8 +314,7 @@ bool unit_is_current(const EncodeJob& job, const UnitPlan& plan, std::uint64_t u
 }
 
 bool level_is_current(const EncodeJob& job, const LevelMeshes& levels, std::uint64_t node) {
-  const std::filesystem::path record =
-      level_record_path(job.folder, levels.tree().nodes()[node]);
+  const std::filesystem::path record = level_record_path(job.folder, levels.tree().nodes()[node]);
   if (!std::filesystem::exists(record)) return false;
   return asset_is_current(record, level_key(job, levels, node), job.output);
 }

@@ -246,9 +246,9 @@ std::vector<Unit> EncodeStage::units(std::span<const std::uint64_t> numbers) con
     if (is_merged(number))
       units.push_back({number, "merged mesh", plan_.size() > 1 ? polygons : 0, 0, true});
     else if (is_node(number))
-      units.push_back(
-          {number, "tile of level " + levels_->tree().nodes()[number - first_node()].name(),
-           static_cast<double>(largest(number).polygons)});
+      units.push_back({number,
+                       "tile of level " + levels_->tree().nodes()[number - first_node()].name(),
+                       static_cast<double>(largest(number).polygons)});
     else
       units.push_back(
           {number, plan_.name(number), static_cast<double>(plan_.total(number).polygons)});

@@ -21,9 +21,14 @@ class LevelLister {
       if (record.files.empty()) continue;
       for (const FileRecord& file : record.files) leftovers.leave_out(file.path);
       const LevelNode& at = tree_.nodes()[n];
-      const std::string line =
-          to_json_line(TileRecord{{}, at.height, at.cell, record.vertices, record.triangles,
-                                  record.quads, record.polygon_triangles, record.files});
+      const std::string line = to_json_line(TileRecord{{},
+                                                       at.cell,
+                                                       record.vertices,
+                                                       record.triangles,
+                                                       record.quads,
+                                                       record.polygon_triangles,
+                                                       record.files,
+                                                       at.height});
       list.append(as_bytes(line));
     }
     manifest_.files.push_back(list.finish("jsonl"));

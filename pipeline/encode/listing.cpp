@@ -158,7 +158,6 @@ template <class F>
 void each_mesh(const Listing& listing, const CellKey& tile, AssetRecord& record, F&& f) {
   if (listing.labels != LabelMode::each) {
     f(TileRecord{{},
-                 0,
                  tile,
                  record.vertices,
                  record.triangles,
@@ -172,7 +171,6 @@ void each_mesh(const Listing& listing, const CellKey& tile, AssetRecord& record,
   for (const LabelAsset& mesh : record.labels) {
     const auto end = file + static_cast<std::ptrdiff_t>(mesh.files);
     f(TileRecord{mesh.label,
-                 0,
                  mesh.tile,
                  mesh.vertices,
                  mesh.triangles,

@@ -32,7 +32,7 @@ struct Listing {
   LabelMode labels = LabelMode::off;
   std::optional<std::filesystem::path> merged;  // the merged mesh's record, where there is one
   std::filesystem::path output;
-  std::filesystem::path scratch;             // a folder for what does not fit memory
+  std::filesystem::path scratch;  // a folder for what does not fit memory
   // Of coarser levels: adds their files and section to the manifest.
   std::function<void(Manifest&, FileNames&)> levels = {};
   const InterruptFlag* interrupt = nullptr;  // asked between records; the manifest comes last

@@ -31,8 +31,8 @@ bool is_nested_tileset(const std::string& name) {
 
 // Whether a run gives a file such a name that its manifest lists.
 bool is_beside_manifest(const std::string& name) {
-  return name == tiles_name || name == labels_name || name == levels_name ||
-         name == tileset_name || is_nested_tileset(name) ||
+  return name == tiles_name || name == labels_name || name == levels_name || name == tileset_name ||
+         is_nested_tileset(name) ||
          std::ranges::any_of(mesh_writers(), [&](const MeshWriter& writer) {
            return name == "mesh" + std::string(writer.ending);
          });

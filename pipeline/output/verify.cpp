@@ -325,9 +325,9 @@ class Verifier {
   }
   void check_levels() {
     const SeamRules rules{manifest_.open_border, manifest_.free_topology, shared_, {}};
-    const LevelTotals totals = verify_levels(
-        {directory_, tiles_, frame_, rules, threads_, [&] { check_interrupt(); },
-         [&](Problem problem) { note(std::move(problem)); }});
+    const LevelTotals totals =
+        verify_levels({directory_, tiles_, frame_, rules, threads_, [&] { check_interrupt(); },
+                       [&](Problem problem) { note(std::move(problem)); }});
     report_.levels = totals.levels;
     report_.files += totals.files;
     report_.bytes += totals.bytes;

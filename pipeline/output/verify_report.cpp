@@ -9,12 +9,13 @@
 namespace voxweld {
 
 std::string to_text(const VerifyReport& r) {
-  std::string out = fmt::format(
-      "{} ({} bytes), {}{}, {} ({} on seams), {}, {}{}{}\n", counted(r.files, "files"), r.bytes,
-      r.labels > 0 ? counted(r.labels, "labels") + ", " : "", counted(r.tiles, "tiles"),
-      counted(r.vertices, "vertices"), r.seam_vertices, counted(r.triangles, "triangles"),
-      counted(r.boundary_edges, "boundary edges"),
-      r.levels > 0 ? ", " + counted(r.levels, "coarser levels") : "", r.merged_checked ? ", merged mesh checked" : "");
+  std::string out =
+      fmt::format("{} ({} bytes), {}{}, {} ({} on seams), {}, {}{}{}\n", counted(r.files, "files"),
+                  r.bytes, r.labels > 0 ? counted(r.labels, "labels") + ", " : "",
+                  counted(r.tiles, "tiles"), counted(r.vertices, "vertices"), r.seam_vertices,
+                  counted(r.triangles, "triangles"), counted(r.boundary_edges, "boundary edges"),
+                  r.levels > 0 ? ", " + counted(r.levels, "coarser levels") : "",
+                  r.merged_checked ? ", merged mesh checked" : "");
   if (r.intersections) {
     out += fmt::format("{} intersect, {} without an area\n",
                        counted(r.intersections->pairs, "pairs of triangles"),

@@ -43,6 +43,7 @@ class LevelsStage final : public StageWork {
   }
   std::uint64_t bytes(std::uint64_t unit) override {
     const NodeReads reads(sources_, unit);
+    if (!reads.children_are_there()) return 0;  // run() says so
     const PartCounts all = reads.counts();
     const std::uint64_t mesh = mesh_bytes(all.vertices, all.triangles, all.samples, all.sided);
     return std::max(gather_bytes(all.vertices, all.triangles, all.samples, all.sided) +

@@ -1,8 +1,11 @@
 #include "pipeline/refine/node_reads.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "stages/refine/mesh_part.h"
+#include "storage/support/error.h"
 
 namespace voxweld {
 
@@ -65,9 +68,22 @@ void NodeReads::find_others() {
 
 template <class F>
 void NodeReads::each_child(F&& f) const {
-  for (const std::uint64_t child : node_.nodes)
-    f(CubeMeshArtifact(
-        level_artifact_path(sources_.job.folder, sources_.tree.nodes()[child])));
+  for (const std::uint64_t child : node_.nodes) {
+    const auto path = level_artifact_path(sources_.job.folder, sources_.tree.nodes()[child]);
+    if (!std::filesystem::exists(path))
+      throw InputError(fmt::format(
+          "{}: is missing, which tile {} of the next level is made of; run `voxweld levels CONFIG` "
+          "again once the shares that others do of it are done",
+          path.string(), node_.name()));
+    f(CubeMeshArtifact(path));
+  }
+}
+
+bool NodeReads::children_are_there() const {
+  return std::ranges::all_of(node_.nodes, [&](std::uint64_t child) {
+    return std::filesystem::exists(
+        level_artifact_path(sources_.job.folder, sources_.tree.nodes()[child]));
+  });
 }
 
 void NodeReads::add_hashes(KeyHasher& key) const {

@@ -21,7 +21,8 @@ class NodeReads {
 
   // Of all that the node stands for. Children need not be there: they are made of the same.
   void add_hashes(KeyHasher& key) const;
-  // The most that is read, and the largest part of it. Children are there.
+  bool children_are_there() const;
+  // The most that is read, and the largest part of it. InputError where a child is missing.
   PartCounts counts() const;
   std::uint64_t largest_part_bytes() const;
   // between: called before each piece.

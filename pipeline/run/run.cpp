@@ -55,9 +55,9 @@ void ingest_or_build_the_rest(RunContext& context, Stages& stages) {
 // are complete, so nobody needs them.
 void clear_temporaries_of_tasks(const Config& config, const Jobs& jobs) {
   std::vector<std::filesystem::path> folders = jobs.later_folders();
-  folders.insert(folders.end(), {jobs.ingest().folder, config.output.directory / "tiles",
-                                 config.output.directory / "labels",
-                                 config.output.directory / levels_folder});
+  folders.insert(folders.end(),
+                 {jobs.ingest().folder, config.output.directory / "tiles",
+                  config.output.directory / "labels", config.output.directory / levels_folder});
   for (const std::filesystem::path& folder : folders) remove_needless_temporaries(folder, true);
   remove_needless_temporaries(config.output.directory, false);
 }
@@ -209,8 +209,7 @@ InputError no_such_stage(const Config& config, Stage stage) {
     return error(fmt::format("simplify.intersections = {}",
                              to_toml(*find_setting("simplify", "intersections")->get(config))),
                  "remove that key");
-  if (stage == Stage::levels)
-    return error("output.levels = 1", "give more of them, or \"auto\"");
+  if (stage == Stage::levels) return error("output.levels = 1", "give more of them, or \"auto\"");
   return error("neither simplify.triangles nor simplify.ratio is given", "give one of them");
 }
 

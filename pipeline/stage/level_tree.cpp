@@ -98,9 +98,8 @@ LevelTree::LevelTree(std::span<const CellKey> tiles, std::int64_t levels, int le
   std::vector<std::uint64_t> order(built.size());
   std::iota(order.begin(), order.end(), std::uint64_t{0});
   std::erase_if(order, [&](std::uint64_t n) { return levels > 0 && built[n].height >= levels; });
-  std::ranges::sort(order, {}, [&](std::uint64_t n) {
-    return std::pair(built[n].height, built[n].cell.code());
-  });
+  std::ranges::sort(
+      order, {}, [&](std::uint64_t n) { return std::pair(built[n].height, built[n].cell.code()); });
   std::vector<std::uint64_t> number(built.size(), none);
   for (std::uint64_t n = 0; n < order.size(); ++n) number[order[n]] = n;
   parents_.assign(order.size(), none);

@@ -51,7 +51,8 @@ class LevelTree {
   template <class Node, class Tile>
   void cut(int height, Node&& f, Tile&& g) const {
     for (std::uint64_t n = 0; n < nodes_.size(); ++n)
-      if (nodes_[n].height <= height && (parents_[n] == none || nodes_[parents_[n]].height > height))
+      if (nodes_[n].height <= height &&
+          (parents_[n] == none || nodes_[parents_[n]].height > height))
         f(n);
     for (std::uint64_t t = 0; t < tile_parents_.size(); ++t)
       if (tile_parents_[t] == none || nodes_[tile_parents_[t]].height > height) g(t);

@@ -84,9 +84,8 @@ RefineMesh coarsen(const RefineMesh& mesh, const RefineFrame& frame, const Coars
   refined = refine_range(refined, CubeLattice(frame, 1, level), {}, parameters, second);
   const CubeLattice blocks = tile_blocks(frame);
   MeshGather own;
-  own.add(refined, [&](std::size_t t) {
-    return node.all || belongs_to(refined, t, blocks, node.cell);
-  });
+  own.add(refined,
+          [&](std::size_t t) { return node.all || belongs_to(refined, t, blocks, node.cell); });
   RefineMesh result = own.take();
   counts = first;
   counts.add(second);

@@ -101,8 +101,9 @@ std::optional<MergedFiles> merged_of(const Value& value) {
 
 // Free-form.
 constexpr std::pair<const char*, std::unique_ptr<json> Manifest::*> sections[] = {
-    {"input", &Manifest::input}, {"config", &Manifest::config}, {"stages", &Manifest::stages},
-    {"error", &Manifest::error}, {"refine", &Manifest::refine}, {"levels", &Manifest::levels}, {"made_by", &Manifest::made_by}};
+    {"input", &Manifest::input},    {"config", &Manifest::config}, {"stages", &Manifest::stages},
+    {"error", &Manifest::error},    {"refine", &Manifest::refine}, {"levels", &Manifest::levels},
+    {"made_by", &Manifest::made_by}};
 
 }  // namespace
 

@@ -77,13 +77,13 @@ namespace voxweld {
 
 struct TileRecord {
   std::optional<Material> label;
-  int lod = 0;  // of a coarser level of detail its height above the tiles of the mesh itself
   CellKey tile;
   std::uint64_t vertices = 0;   // of the tile's own mesh
   std::uint64_t triangles = 0;  // output triangles: 2 quads + polygon_triangles
   std::uint64_t quads = 0;
   std::uint64_t polygon_triangles = 0;
   std::vector<FileRecord> files;
+  int lod = 0;  // of a coarser level of detail its height above the tiles of the mesh itself
   friend bool operator==(const TileRecord&, const TileRecord&) = default;
 };
 

@@ -24,9 +24,9 @@ same() { # same NAME [HASH]: as the local run
   [ "$(tree_hash "$data/$1.mesh")" = "${2:-$expected}" ] || fail "$1: other bytes than the local run"
   "$voxweld" verify "$data/$1.mesh" >"$data/$1.verify.log" 2>&1 || fail "$1: verify finds faults"
 }
-wait_until_finished() { # wait_until_finished NAME
+wait_until_finished() { # wait_until_finished NAME [OPTION...]
   local deadline=$((SECONDS + 120))
-  until on "$1" status; do
+  until on "$1" status "${@:2}"; do
     [ "$SECONDS" -lt "$deadline" ] || fail "$1: not finished: $(cat "$data/$1.status.log")"
     sleep 1
   done
@@ -85,6 +85,18 @@ for stage in refine seams mend retile; do
   grep -q "$stage: job [0-9]* of" "$data/refined.run.log" || fail "no task did $stage"
 done
 step "refined: the same bytes"
+
+# A level after the other.
+levels=(--set simplify.refine=auto --set output.levels=auto --set output.tile_vertices=2000)
+on leveled run "${levels[@]}" || fail "the local run with levels"
+coarse=$(tree_hash "$data/leveled.mesh")
+on levels run "${levels[@]}" --set run.executor=slurm || fail "the run with levels"
+same levels "$coarse"
+[ "$(grep -c "levels: job [0-9]* of" "$data/levels.run.log")" -gt 1 ] || fail "tasks did not do several levels"
+on stacked submit "${levels[@]}" || fail "submit with levels"
+wait_until_finished stacked "${levels[@]}"
+same stacked "$coarse"
+step "levels of detail: the same bytes"
 
 on broken submit || fail "submit"
 sleep 2

@@ -78,6 +78,13 @@ echo "an edited config: the files of voxweld run"
 edited 'ratio = 0.3' 33 target=1
 echo "a number of triangles: two stages more, the files of voxweld run"
 sed -i '/^ratio/d' scan.toml ../reference/scan.toml
+sed -i '/^\[output\]/a levels = "auto"' scan.toml ../reference/scan.toml
+"$voxweld" --log-level warning run ../reference/scan.toml >"$folder/log" 2>&1 || fail "voxweld run"
+workflow levels=1 || fail "the workflow with levels of detail"
+[ "$(commands_run)" -eq 28 ] || fail "$(commands_run) commands were run, not 28, with levels of detail"
+same_as_reference "other files with levels of detail"
+echo "levels of detail: a stage more, the files of voxweld run"
+sed -i '/^levels/d' scan.toml ../reference/scan.toml
 edited 'refine = "off"' 15 refine=0
 echo "without refine: four stages fewer, the files of voxweld run"
 sed -i '/^refine/d' scan.toml ../reference/scan.toml

@@ -227,6 +227,8 @@ Config any_config() {
   if (config.labels.mode == LabelMode::each) {
     config.output.merged = OutputConfig::Merged::automatic;
     config.output.tiles = true;
+  } else if (refines(config) && config.output.tiles) {
+    config.output.levels = *rc::gen::inRange<std::int64_t>(0, 13);
   }
   config.run.executor = any_of<RunConfig::Executor>(2);
   config.slurm = any_slurm();

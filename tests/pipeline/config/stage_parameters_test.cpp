@@ -84,6 +84,7 @@ const std::map<std::string, KeyChange>& key_changes() {
       {"output.merged", {"true", {encode}}},
       {"output.tiles", {"false", {encode}}},
       {"output.tile_vertices", {"4096", {merge}}},
+      {"output.levels", {"3", {Stage::levels}}},
       {"output.precision", {"0.02", {stitch}}},
       {"output.normals", {"false", {stitch}}},
       {"output.report", {"false", {}}},

@@ -142,6 +142,7 @@ output.formats: a list of one or more of "drc", "glb", "glb-plain", "ply", "stl"
 output.merged: "auto", true or false (default: "auto")
   "never" (a string) | 1
 output.tile_vertices: "auto" or an integer from 1024 to 1000000000 (default: "auto")
+output.levels: "auto" or an integer from 1 to 12 (default: 1)
   1023 | 5000000000 | 5e5 => 500000.0 | "many" (a string)
 run.executor: "local" or "slurm" (default: "local")
   "locl" (a string); did you mean "local"? | "SLURM" (a string); did you mean "slurm"? | 1

@@ -47,7 +47,7 @@ class EncodedScene {
     shown_.clear();
     const TopArtifact top(job.stitch->merge->path());
     const auto plan = unit_plan(top, context_.config.labels.mode);
-    const auto work = encode_stage({context_.config, job, top.content_hash(), *plan,
+    const auto work = encode_stage({context_.config, job, top.content_hash(), *plan, nullptr,
                                     [&] { return make_manifest(context_, *jobs_, top, {}); }});
     do_stage(context_, *work);
   }

@@ -1,0 +1,274 @@
+// Coarser levels of detail: closed at any mix, the same however the work is cut, near the mesh.
+#include <cmath>
+#include <random>
+
+#include "pipeline/stage/level_tree.h"
+#include "stages/encode/mesh_writers.h"
+#include "storage/manifest/manifest.h"
+#include "tests/pipeline/refine/refine_work.h"
+#include "tests/support/mesh_check.h"
+
+namespace voxweld::testing {
+namespace {
+
+const Settings levels = {
+    "simplify.refine=collapse",  "work.brick=16",           "work.shard=2",
+    "output.tile_vertices=1024", "simplify.tolerance=0.05", "output.levels=\"auto\""};
+
+struct ListedMesh {
+  TileRecord record;
+  DecodedMesh mesh;
+};
+
+// Those of the mesh itself and of all levels.
+std::vector<ListedMesh> all_meshes(const std::filesystem::path& output) {
+  std::vector<ListedMesh> all;
+  for (const char* name : {tiles_name, levels_name}) {
+    TileListReader reader(output / name);
+    while (auto record = reader.next()) {
+      const FileRecord& file = record->files.front();
+      const MeshWriter* const format = writer_named(mesh_writers(), file.format);
+      all.push_back({*record, format->read(read_whole_file(output / file.path), file.path)});
+    }
+  }
+  return all;
+}
+
+bool holds(const TileRecord& a, const TileRecord& b) {
+  const auto end = [](const CellKey& c) { return c.code() + (std::uint64_t{1} << (3 * c.level)); };
+  return a.lod > b.lod && a.tile.code() <= b.tile.code() && end(b.tile) <= end(a.tile);
+}
+
+// Meshes that stand for the whole, each level here or there as the dice have it.
+std::vector<const ListedMesh*> any_mix(const std::vector<ListedMesh>& all, std::mt19937& random) {
+  std::vector<const ListedMesh*> order, shown;
+  for (const ListedMesh& one : all) order.push_back(&one);
+  std::ranges::stable_sort(order, {}, [](const ListedMesh* one) { return -one->record.lod; });
+  for (const ListedMesh* one : order) {
+    const bool covered = std::ranges::any_of(
+        shown, [&](const ListedMesh* above) { return holds(above->record, one->record); });
+    const bool taken = one->record.lod == 0 || random() % 3 == 0;
+    if (!covered && taken) shown.push_back(one);
+  }
+  return shown;
+}
+
+WeldedMesh welded(const std::vector<const ListedMesh*>& shown) {
+  std::vector<Vec3> vertices;
+  std::vector<Triangle> triangles;
+  for (const ListedMesh* one : shown) {
+    const auto first = static_cast<std::uint32_t>(vertices.size());
+    for (const auto& p : one->mesh.positions) vertices.push_back({p[0], p[1], p[2]});
+    for (const auto& t : one->mesh.triangles)
+      triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+  return weld(vertices, triangles);
+}
+
+class Levels : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Levels, AnyMixIsClosedAndOfOneTopology) {
+  const Scene scene(GetParam(), 128);
+  VOXWELD_EXPECT_DONE(scene.run(levels));
+  EXPECT_GE(expect_good(scene.output()).levels, 2u);
+  const auto all = all_meshes(scene.output());
+  std::mt19937 random(5);
+  std::vector<const ListedMesh*> finest;
+  for (const ListedMesh& one : all)
+    if (one.record.lod == 0) finest.push_back(&one);
+  const auto eulers = component_eulers(welded(finest).triangles);
+  std::size_t mixed = 0;
+  for (int mix = 0; mix < 12; ++mix) {
+    const auto shown = any_mix(all, random);
+    std::set<int> lods;
+    for (const ListedMesh* one : shown) lods.insert(one->record.lod);
+    mixed += lods.size() > 1 ? 1 : 0;
+    const WeldedMesh mesh = welded(shown);
+    EXPECT_TRUE(check_edges(mesh.triangles).closed()) << mix;
+    EXPECT_EQ(nonmanifold_vertices(mesh.triangles).size(), 0u) << mix;
+    EXPECT_EQ(component_eulers(mesh.triangles), eulers) << mix;
+  }
+  EXPECT_GT(mixed, 6u);
+}
+
+TEST_P(Levels, EachHasFewerTrianglesAndKeepsItsTolerance) {
+  const Scene scene(GetParam(), 128);
+  VOXWELD_EXPECT_DONE(scene.run(levels));
+  const auto listed = manifest_of(scene.output()).at("levels");
+  ASSERT_GE(listed.size(), 3u);
+  for (std::size_t level = 1; level < listed.size(); ++level) {
+    const auto& one = listed[level];
+    SCOPED_TRACE(one.dump());
+    EXPECT_LT(one.at("triangles"), listed[level - 1].at("triangles").get<double>() * 0.8);
+    EXPECT_LE(one.at("tiles"), listed[level - 1].at("tiles"));
+    EXPECT_NEAR(one.at("tolerance").get<double>(), 0.05 * std::pow(4, level), 1e-9);
+    // To the end of a bin, which is a quarter of an octave.
+    EXPECT_LE(one.at("p99"), one.at("tolerance").get<double>() * 1.19);
+    EXPECT_EQ(one.at("intersecting_left"), 0);
+  }
+}
+
+TEST_P(Levels, AreTheSameWhateverThePartition) {
+  const Scene scene(GetParam(), 96);
+  const Tree tree = scene.expect_one_tree(
+      levels, {{"work.brick=32", "work.shard=1", "run.threads=3"},
+               {"work.brick=128", "work.shard=1", "work.copy=true", "run.memory=64GiB"}});
+  EXPECT_TRUE(tree.contains("tileset.json"));
+  EXPECT_TRUE(tree.contains("levels.jsonl"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Phantoms, Levels, ::testing::Values("gyroid", "porous"),
+                         [](const auto& each) { return each.param; });
+
+// Of an earlier run with other levels nothing stays behind.
+TEST(LevelsWork, FollowsItsNumber) {
+  const Scene scene("gyroid", 96);
+  const Tree none = scene.clean_tree(levels + Settings{"output.levels=1"});
+  const Tree two = scene.clean_tree(levels + Settings{"output.levels=2"});
+  VOXWELD_EXPECT_DONE(scene.run(levels));
+  EXPECT_GT(output_tree(scene.output()).size(), two.size());
+  VOXWELD_EXPECT_DONE(scene.run(levels + Settings{"output.levels=2"}));
+  EXPECT_EQ(difference(two, output_tree(scene.output())), "");
+  EXPECT_EQ(units_run(scene.output()).at("encode"), 0u);  // all of it was there
+  VOXWELD_EXPECT_DONE(scene.run(levels + Settings{"output.levels=1"}));
+  EXPECT_EQ(difference(none, output_tree(scene.output())), "");
+}
+
+// One tile is all there is: coarser ones have the same cube.
+TEST(LevelsWork, OfOneTile) {
+  const Scene scene("gyroid", 64);
+  VOXWELD_EXPECT_DONE(
+      scene.run({"simplify.refine=collapse", "output.levels=3", "simplify.tolerance=0.05"}));
+  EXPECT_EQ(expect_good(scene.output()).levels, 2u);
+  const auto listed = manifest_of(scene.output()).at("levels");
+  ASSERT_EQ(listed.size(), 3u);
+  EXPECT_LT(listed[2].at("triangles"), listed[1].at("triangles"));
+}
+
+TEST(LevelsWork, BetweenLabelsAreClosed) {
+  const Scene scene(volume_of({96, 90, 80}, [](Index3 at) {
+    return 1 + (at.x + at.z / 3) / 23 + 10 * ((at.y + at.x / 5) / 19);
+  }));
+  const Settings shared = levels + Settings{"labels.mode=shared"};
+  VOXWELD_EXPECT_DONE(scene.run(shared));
+  EXPECT_GE(expect_good(scene.output()).levels, 1u);
+  scene.expect_one_tree(shared, {{"work.brick=32", "work.shard=1"}});
+}
+
+TEST(LevelsWork, OfAnOpenBorder) {
+  const Scene scene("gyroid", 96);
+  VOXWELD_EXPECT_DONE(scene.run(levels + Settings{"surface.border=open"}));
+  EXPECT_GE(expect_good(scene.output()).levels, 1u);
+}
+
+TEST(LevelsWork, StageByStageAndGoesOn) {
+  const Scene scene("porous", 96);
+  const Tree clean = scene.clean_tree(levels);
+  for (const char* stage : {"ingest", "build", "merge", "stitch", "refine", "seams", "mend",
+                            "retile", "levels", "encode"})
+    VOXWELD_EXPECT_DONE(scene.command(stage, levels));
+  EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
+  expect_goes_on(scene, levels, clean, {"levels", "retile"});
+}
+
+TEST(LevelsWork, DamageIsFoundAndMended) {
+  expect_damage_is_mended(Scene("porous", 96), levels, 3,
+                          {{"levels", ".cubes", "encode"}, {"levels", ".cubes", "levels"}});
+}
+
+TEST(LevelsWork, KillsLoseNothing) {
+  expect_kills_lose_nothing(Scene("porous", 96), levels, 3, 0.5);
+}
+
+// A share needs what others make of the level before.
+TEST(LevelsWork, AShareThatComesTooEarlySaysSo) {
+  const Scene scene("gyroid", 128);
+  VOXWELD_EXPECT_DONE(scene.run(levels));
+  const Tree clean = output_tree(scene.output());
+  scene.forget_stages({"levels"});
+  const std::size_t last = manifest_of(scene.output()).at("levels").size();
+  ASSERT_GE(last, 3u);
+  // The root comes last.
+  const auto listed = std::ranges::count(read_text_file(scene.output() / levels_name), '\n');
+  expect_refused(scene.command_with("levels", levels, {"--tiles", std::to_string(listed - 1)}),
+                 "run `voxweld levels CONFIG` again");
+  for (const char* part : {"0/2", "1/2"}) scene.command_with("levels", levels, {"--part", part});
+  VOXWELD_EXPECT_DONE(scene.run(levels));
+  EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
+}
+
+TEST(LevelsWork, AreRefusedWhereThereCanBeNone) {
+  const Scene scene("gyroid", 48);
+  expect_refused(scene.run({"simplify.refine=off", "output.levels=2"}), "set it to \"repair\"");
+  expect_refused(scene.run({"simplify.refine=collapse", "output.levels=2", "output.tiles=false"}),
+                 "levels of detail are tiles");
+  expect_refused(scene.command("levels", {"simplify.refine=collapse"}), "no stage levels");
+}
+
+// Where a tile of a level is another one, there is a crack, and verify sees it.
+TEST(LevelsWork, ACrackIsFound) {
+  const Scene scene("gyroid", 128);
+  VOXWELD_EXPECT_DONE(
+      scene.run(levels + Settings{"output.formats=[\"ply\"]", "output.merged=false"}));
+  TileListReader reader(scene.output() / levels_name);
+  const auto first = reader.next(), second = reader.next();
+  ASSERT_TRUE(first && second);
+  const auto path = scene.output() / second->files.front().path;
+  std::filesystem::copy_file(scene.output() / first->files.front().path, path,
+                             std::filesystem::copy_options::overwrite_existing);
+  const VerifyReport report = verify_output(scene.output());
+  EXPECT_FALSE(report.good());
+}
+
+std::vector<CellKey> cells(std::initializer_list<CellKey> list) {
+  return {list};
+}
+
+TEST(LevelTree, OneNodeForEachCubeOfSeveral) {
+  // Two tiles in one cube of level 8, one in another.
+  const auto tiles = cells({{7, {0, 0, 0}}, {7, {1, 0, 0}}, {8, {1, 1, 0}}});
+  const LevelTree tree(tiles, 0, 6);
+  ASSERT_EQ(tree.nodes().size(), 2u);
+  EXPECT_EQ(tree.nodes()[0].name(), "1/8-0-0-0");
+  EXPECT_EQ(tree.nodes()[0].tiles, (std::vector<std::uint64_t>{0, 1}));
+  EXPECT_FALSE(tree.nodes()[0].all);
+  EXPECT_EQ(tree.nodes()[1].name(), "2/9-0-0-0");
+  EXPECT_EQ(tree.nodes()[1].nodes, std::vector<std::uint64_t>{0});
+  EXPECT_EQ(tree.nodes()[1].tiles, std::vector<std::uint64_t>{2});
+  EXPECT_TRUE(tree.nodes()[1].all);
+  EXPECT_EQ(tree.ends(), (std::vector<std::uint64_t>{1, 2}));
+  std::vector<std::uint64_t> nodes, left;
+  tree.cut(
+      1, [&](auto n) { nodes.push_back(n); }, [&](auto t) { left.push_back(t); });
+  EXPECT_EQ(nodes, std::vector<std::uint64_t>{0});
+  EXPECT_EQ(left, std::vector<std::uint64_t>{2});
+}
+
+TEST(LevelTree, NoNodeIsSmallerThanACubeOfRefine) {
+  const auto tiles = cells({{4, {0, 0, 0}}, {4, {1, 0, 0}}, {5, {1, 1, 1}}});
+  const LevelTree tree(tiles, 0, 6);
+  ASSERT_EQ(tree.nodes().size(), 1u);
+  EXPECT_EQ(tree.nodes()[0].name(), "1/6-0-0-0");
+  EXPECT_EQ(tree.nodes()[0].tiles.size(), 3u);
+}
+
+TEST(LevelTree, HasAsManyLevelsAsAreAskedFor) {
+  const auto tiles = cells({{6, {0, 0, 0}}, {6, {1, 0, 0}}, {7, {1, 1, 0}}, {8, {1, 0, 0}}});
+  EXPECT_EQ(LevelTree(tiles, 0, 6).top(), 3);
+  EXPECT_EQ(LevelTree(tiles, 1, 6).top(), 0);
+  const LevelTree two(tiles, 2, 6);
+  EXPECT_EQ(two.top(), 1);
+  EXPECT_EQ(two.root_tiles(), (std::vector<std::uint64_t>{2, 3}));
+  EXPECT_EQ(two.root_nodes(), std::vector<std::uint64_t>{0});
+  const LevelTree many(tiles, 6, 6);
+  EXPECT_EQ(many.top(), 5);
+  EXPECT_EQ(many.nodes().back().cell, many.nodes()[2].cell);
+  EXPECT_TRUE(many.nodes().back().all && many.nodes()[2].all);
+  EXPECT_FALSE(many.nodes()[1].all);
+  EXPECT_EQ(LevelTree(cells({{5, {3, 0, 0}}}), 0, 6).top(), 0);
+  EXPECT_EQ(LevelTree(cells({{5, {3, 0, 0}}}), 2, 6).nodes()[0].name(), "1/6-1-0-0");
+  EXPECT_EQ(LevelTree({}, 4, 6).top(), 0);
+}
+
+}  // namespace
+}  // namespace voxweld::testing
