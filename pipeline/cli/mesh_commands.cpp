@@ -24,6 +24,7 @@ struct RenderArguments {
   OutputFile output;
   RenderOptions options;
   std::vector<double> centre;
+  int level = 0;
 };
 
 struct ExportArguments {
@@ -49,16 +50,20 @@ Image draw(const RenderArguments& arguments, const InterruptFlag& interrupt) {
     options.centre = Vec3{arguments.centre[0], arguments.centre[1], arguments.centre[2]};
   // Two passes over the files, one mesh in memory at a time: bounds, then the picture.
   GrowingBounds bounds;
-  for_each_mesh(arguments.input, [&](const DecodedMesh& mesh, std::optional<Material>) {
-    interrupt.check();
-    bounds.add(mesh);
-  });
+  using Draw = std::function<void(const DecodedMesh&, std::optional<Material>)>;
+  const auto each = [&](const Draw& f) {
+    for_each_mesh(
+        arguments.input,
+        [&](const DecodedMesh& mesh, std::optional<Material> label) {
+          interrupt.check();
+          f(mesh, label);
+        },
+        mesh_writers(), arguments.level);
+  };
+  each([&](const DecodedMesh& mesh, std::optional<Material>) { bounds.add(mesh); });
   Renderer renderer(bounds.bounds(), options);
   renderer.set_colours(listed_colours(arguments.input));
-  for_each_mesh(arguments.input, [&](const DecodedMesh& mesh, std::optional<Material> label) {
-    interrupt.check();
-    renderer.draw(mesh, label);
-  });
+  each([&](const DecodedMesh& mesh, std::optional<Material> label) { renderer.draw(mesh, label); });
   return renderer.finish();
 }
 
@@ -83,6 +88,11 @@ int render(const RenderArguments& arguments, const Program& program) {
   write_png(output, {image.width, image.height, opaque ? 3 : 4}, std::as_bytes(std::span(pixels)));
   fmt::print("{}: {} x {}\n", output, image.width, image.height);
   return 0;
+}
+
+void add_level(CLI::App& command, int& level) {
+  add_value(command, "--level", level,
+            "The level of detail, of an output directory that has some; 0: the mesh itself");
 }
 
 int export_one(const ExportArguments& arguments, const Program& program) {
@@ -178,6 +188,7 @@ void add_render_command(CLI::App& app, Program& program) {
   command->add_option("--cut-x", o.cut[0], "Leaves out what lies above this x, to look inside");
   command->add_option("--cut-y", o.cut[1], "The same for y");
   command->add_option("--cut-z", o.cut[2], "The same for z");
+  add_level(*command, arguments->level);
   command->add_flag("--edges", o.edges, "Draws the edges of triangles");
   command->add_flag("--transparent", o.transparent, "Leaves the background transparent");
   when_chosen(*command, program, [&program, arguments] { return render(*arguments, program); });
@@ -199,6 +210,7 @@ void add_export_command(CLI::App& app, Program& program) {
   command->add_flag("--weld", arguments->options.weld,
                     "One vertex for each position, without normals; else a vertex at a crease "
                     "appears once for each of its normals");
+  add_level(*command, arguments->options.level);
   command->add_flag("--world", arguments->options.world,
                     "The coordinates of the scanner's world, as frame in manifest.json has them; "
                     "doubles, but for .stl");

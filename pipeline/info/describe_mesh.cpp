@@ -60,10 +60,12 @@ InfoDocument count_facts(const ManifestCounts& counts, bool labels) {
 template <class F>
 void for_each_file(const fs::path& directory, const Manifest& manifest, F&& f) {
   for (const FileRecord& file : manifest.files) f(file);
-  if (!fs::exists(directory / tiles_name)) return;  // said of the list itself
-  TileListReader tiles(directory / tiles_name);
-  while (const auto tile = tiles.next())
-    for (const FileRecord& file : tile->files) f(file);
+  for (const char* list : {tiles_name, levels_name}) {
+    if (!fs::exists(directory / list)) continue;  // said of the list itself
+    TileListReader tiles(directory / list);
+    while (const auto tile = tiles.next())
+      for (const FileRecord& file : tile->files) f(file);
+  }
 }
 
 // Sizes and hashes of the files; whether they weld is for `voxweld verify` to say.
@@ -164,6 +166,7 @@ InfoDocument describe_output(const fs::path& manifest_path, const InfoOptions& o
   }
   if (manifest.error) document["error"] = *manifest.error;
   if (manifest.refine) document["refine"] = *manifest.refine;
+  if (manifest.levels) document["levels"] = *manifest.levels;
   if (manifest.input) document["input"] = *manifest.input;
   add_settings(document, manifest);
   if (options.verbose) {

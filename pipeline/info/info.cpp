@@ -107,7 +107,7 @@ std::optional<InfoDocument> describe_by_name(const fs::path& path, const InfoOpt
   if (writer_of_file(mesh_writers(), name) != nullptr) return describe_mesh(path);
   if (name == manifest_name) return describe_output(path, options);
   if (is_report(path)) return file_document("report", path);
-  if (name == tiles_name) return describe_tile_list(path, options);
+  if (name == tiles_name || name == levels_name) return describe_tile_list(path, options);
   if (name == labels_name) return describe_label_list(path, options);
   if (extension == ".toml") return describe_config(path);
   if (fs::exists(spool_record_path(path))) return describe_spool(path, options);

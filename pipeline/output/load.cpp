@@ -1,10 +1,29 @@
 #include "pipeline/output/load.h"
 
+#include <fmt/format.h>
+
+#include "pipeline/output/level_cut.h"
 #include "storage/manifest/manifest.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
 
 namespace voxweld {
+namespace {
+
+// What is shown of the directory's lists at that level.
+LevelCut cut_of(const std::filesystem::path& output, int level) {
+  if (level == 0) return LevelCut({}, 0);
+  const std::vector<LevelTile> tiles = listed_levels(output);
+  if (level < 0 || level > top_of(tiles))
+    throw InputError(fmt::format(
+        "level {}: {} has {}; give a smaller number, or set output.levels and run again", level,
+        output.string(),
+        tiles.empty() ? std::string("no levels of detail")
+                      : fmt::format("levels 0 to {}", top_of(tiles))));
+  return LevelCut(tiles, level);
+}
+
+}  // namespace
 
 DecodedMesh load_mesh(const std::filesystem::path& path, MeshWriters formats) {
   const std::string name = path.string();
@@ -18,15 +37,24 @@ DecodedMesh load_mesh(const std::filesystem::path& path, MeshWriters formats) {
 
 void each_mesh_file(
     const std::filesystem::path& path,
-    const std::function<void(const std::filesystem::path&, std::optional<Material> label)>& f) {
-  if (!std::filesystem::is_directory(path)) return f(path, std::nullopt);
+    const std::function<void(const std::filesystem::path&, std::optional<Material> label)>& f,
+    int level) {
+  if (!std::filesystem::is_directory(path)) {
+    if (level != 0)
+      throw InputError(path.string() + ": is one mesh; only output directories have levels");
+    return f(path, std::nullopt);
+  }
   require_output(path);
   bool any = false;
-  TileListReader tiles(path / tiles_name);
-  while (const auto tile = tiles.next()) {
-    if (tile->files.empty()) continue;
-    f(path / tile->files.front().path, tile->label);
-    any = true;
+  const LevelCut cut = cut_of(path, level);
+  for (const char* list : {tiles_name, levels_name}) {
+    if (list != tiles_name && level == 0) continue;
+    TileListReader tiles(path / list);
+    while (const auto tile = tiles.next()) {
+      if (tile->files.empty() || !cut.takes(*tile)) continue;
+      f(path / tile->files.front().path, tile->label);
+      any = true;
+    }
   }
   if (any) return;
   const Manifest manifest = read_manifest(path / manifest_name);
@@ -37,10 +65,13 @@ void each_mesh_file(
 
 void for_each_mesh(const std::filesystem::path& path,
                    const std::function<void(const DecodedMesh&, std::optional<Material> label)>& f,
-                   MeshWriters formats) {
-  each_mesh_file(path, [&](const std::filesystem::path& file, std::optional<Material> label) {
-    f(load_mesh(file, formats), label);
-  });
+                   MeshWriters formats, int level) {
+  each_mesh_file(
+      path,
+      [&](const std::filesystem::path& file, std::optional<Material> label) {
+        f(load_mesh(file, formats), label);
+      },
+      level);
 }
 
 MaterialTable listed_colours(const std::filesystem::path& path) {

@@ -232,7 +232,7 @@ WideMesh load_wide_mesh(const fs::path& path, const ExportOptions& options, Mesh
   for_each_mesh(
       path,
       [&](const DecodedMesh& mesh, std::optional<Material> label) { collector.add(mesh, label); },
-      formats);
+      formats, options.level);
   WideMesh mesh = collector.take();
   if (!options.world) return mesh;
   const fs::path manifest = fs::is_directory(path) ? path / manifest_name : manifest_near(path);

@@ -24,6 +24,7 @@ struct WideMesh {
 struct ExportOptions {
   bool weld = false;   // one vertex a position (and label); normals are dropped
   bool world = false;  // the manifest's frame applied
+  int level = 0;       // of detail
 };
 
 // Of a mesh file, or all of an output directory. With `world` a file needs the manifest of the

@@ -234,6 +234,28 @@ std::string level_table(const Manifest& manifest) {
   return html + "</tbody>\n</table>\n";
 }
 
+std::string detail_table(const Manifest& manifest) {
+  if (manifest.levels == nullptr || manifest.levels->size() < 2) return {};
+  const std::string unit = manifest.frame.unit;
+  const double most = manifest.levels->front().at("triangles");
+  std::string html =
+      "<table class=\"wide\">\n<thead><tr><th scope=\"col\">Level</th>"
+      "<th scope=\"col\" class=\"num\">Tiles</th><th scope=\"col\" class=\"num\">Triangles</th>"
+      "<td></td><th scope=\"col\" class=\"num\">Size</th>"
+      "<th scope=\"col\" class=\"num\">Tolerance</th>"
+      "<th scope=\"col\" class=\"num\">99 % within</th></tr></thead>\n<tbody>\n";
+  for (const json& level : *manifest.levels) {
+    const std::uint64_t triangles = level.at("triangles");
+    html += fmt::format("<tr><th scope=\"row\">{}</th>{}{}{}{}{}{}</tr>\n",
+                        level.at("level").get<int>(), number_cell(grouped(level.at("tiles"))),
+                        number_cell(grouped(triangles)), bar(static_cast<double>(triangles) / most),
+                        number_cell(readable_bytes(level.at("bytes").get<double>())),
+                        number_cell(with_unit(level.value("tolerance", 0.0), unit)),
+                        number_cell(with_unit(level.value("p99", 0.0), unit)));
+  }
+  return html + "</tbody>\n</table>\n";
+}
+
 std::vector<std::string> notes_of(const Manifest& manifest, const Config& config) {
   std::vector<std::string> notes;
   if (const json* refine = manifest.refine.get()) {

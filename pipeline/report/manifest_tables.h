@@ -31,6 +31,7 @@ std::map<std::string, FileSum> sums_by_format(const std::filesystem::path& direc
 std::string summary_table(const OutputFacts& facts);
 std::string stage_table(const Manifest& manifest);
 std::string level_table(const Manifest& manifest);
+std::string detail_table(const Manifest& manifest);  // of coarser levels of detail
 // The labels with the most volume, or, with an open border, triangles.
 std::string label_table(const std::filesystem::path& directory, const Manifest& manifest);
 

@@ -191,6 +191,11 @@ Page make_page(const ReportOptions& options, const Run& run) {
   page.sections.push_back({"What was made", "", summary_table(facts)});
   std::vector<std::string> notes = notes_of(run.manifest, run.config);
   add_volume(options, run, page, notes);
+  page.sections.push_back({"Levels of detail",
+                           "Each as the whole mesh. Distances are from the mesh of the finest "
+                           "cells for level 0, and from "
+                           "the levels before, at some of their points, for the others.",
+                           scrolled(detail_table(run.manifest))});
   page.sections.push_back({"Stages", "What the last run did. Of what was done already nothing ran.",
                            scrolled(stage_table(run.manifest))});
   page.sections.push_back(
