@@ -8,21 +8,25 @@
 #include "pipeline/executor/prompt_stop.h"
 #include "stages/encode/adjacency.h"
 #include "stages/encode/crop_mesh.h"
+#include "stages/encode/label_boundary.h"
 #include "stages/encode/mesh_accumulator.h"
 #include "stages/encode/mesh_measure.h"
 #include "stages/encode/mesh_writers.h"
-#include "stages/encode/pair_meshes.h"
 #include "storage/artifact/asset_record.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
 namespace {
 
-// What files are made of beside the parameters: the mesh, and the colours its labels are given.
+// What files are made of beside the parameters: the mesh, and the names and colours its labels are
+// given.
 Hash128 content_of(const EncodeJob& job, const TileArtifact& tile) {
-  if (!job.coloured) return tile.content_hash();
+  if (!job.describes) return tile.content_hash();
   std::vector<Material> labels = tile.labels();
-  for (const MaterialPair& pair : tile.read_label_pairs()) labels.push_back(pair.inside);
+  for (const MaterialPair& pair : tile.read_label_pairs()) {
+    labels.push_back(pair.inside);
+    labels.push_back(pair.outside);
+  }
   std::sort(labels.begin(), labels.end());
   labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
   KeyHasher key;
@@ -30,9 +34,11 @@ Hash128 content_of(const EncodeJob& job, const TileArtifact& tile) {
   bool any = false;
   for (const Material label : labels) {
     const MaterialEntry* entry = job.materials->find(label);
-    if (entry == nullptr || !entry->color) continue;
+    if (entry == nullptr || (!entry->color && entry->name.empty())) continue;
     any = true;
-    key.integer(static_cast<std::int64_t>(label));
+    key.integer(static_cast<std::int64_t>(label)).text(entry->name);
+    key.integer(entry->color ? 1 : 0);
+    if (!entry->color) continue;
     for (const std::uint8_t level : {entry->color->red, entry->color->green, entry->color->blue})
       key.integer(level);
   }
