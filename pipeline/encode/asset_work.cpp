@@ -8,28 +8,34 @@
 #include "pipeline/executor/prompt_stop.h"
 #include "stages/encode/adjacency.h"
 #include "stages/encode/crop_mesh.h"
+#include "stages/encode/label_boundary.h"
 #include "stages/encode/mesh_accumulator.h"
 #include "stages/encode/mesh_measure.h"
 #include "stages/encode/mesh_writers.h"
-#include "stages/encode/pair_meshes.h"
 #include "storage/artifact/asset_record.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
 namespace {
 
-// Precondition: it has one.
-void add_colour(KeyHasher& key, const MaterialEntry& entry) {
-  key.integer(static_cast<std::int64_t>(entry.material));
+// What files say of a label.
+void add_entry(KeyHasher& key, const MaterialEntry& entry) {
+  key.integer(static_cast<std::int64_t>(entry.material)).text(entry.name);
+  key.integer(entry.color ? 1 : 0);
+  if (!entry.color) return;
   for (const std::uint8_t level : {entry.color->red, entry.color->green, entry.color->blue})
     key.integer(level);
 }
 
-// What files are made of beside the parameters: the mesh, and the colours its labels are given.
+// What files are made of beside the parameters: the mesh, and the names and colours its labels are
+// given.
 Hash128 content_of(const EncodeJob& job, const TileArtifact& tile) {
-  if (!job.coloured) return tile.content_hash();
+  if (!job.describes) return tile.content_hash();
   std::vector<Material> labels = tile.labels();
-  for (const MaterialPair& pair : tile.read_label_pairs()) labels.push_back(pair.inside);
+  for (const MaterialPair& pair : tile.read_label_pairs()) {
+    labels.push_back(pair.inside);
+    labels.push_back(pair.outside);
+  }
   std::sort(labels.begin(), labels.end());
   labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
   KeyHasher key;
@@ -37,9 +43,9 @@ Hash128 content_of(const EncodeJob& job, const TileArtifact& tile) {
   bool any = false;
   for (const Material label : labels) {
     const MaterialEntry* entry = job.materials->find(label);
-    if (entry == nullptr || !entry->color) continue;
+    if (entry == nullptr || (!entry->color && entry->name.empty())) continue;
     any = true;
-    add_colour(key, *entry);
+    add_entry(key, *entry);
   }
   return any ? key.finish() : tile.content_hash();
 }
@@ -60,9 +66,8 @@ Hash128 asset_key(const EncodeJob& job, const UnitPlan& plan, std::uint64_t unit
 Hash128 level_key(const EncodeJob& job, const LevelMeshes& levels, std::uint64_t node) {
   KeyHasher key;
   key.hash(job.key).text("level").hash(levels.content(node));
-  if (job.coloured)  // a coarse tile may have a part of any label
-    for (const MaterialEntry& entry : job.materials->entries)
-      if (entry.color) add_colour(key, entry);
+  if (job.describes)  // a coarse tile may have a part of any label
+    for (const MaterialEntry& entry : job.materials->entries) add_entry(key, entry);
   return key.finish();
 }
 

@@ -96,11 +96,8 @@ void Jobs::open_volume(Config& config) {
   encode_.formats = writers_named(mesh_writers(), config.output.formats);
   if (refines(config)) plan_refine(config, output);
   place_stages(paths);
-  const auto& entries = map_.materials.entries;
-  encode_.coloured = std::ranges::any_of(encode_.formats, &MeshWriter::coloured) &&
-                     std::any_of(entries.begin(), entries.end(), [](const MaterialEntry& entry) {
-                       return entry.color.has_value();
-                     });
+  encode_.describes = std::ranges::any_of(encode_.formats, &MeshWriter::describes) &&
+                      !map_.materials.entries.empty();
 }
 
 void Jobs::cut(const Config& config, const Extraction& extraction) {

@@ -115,8 +115,8 @@ struct EncodeJob {
   std::filesystem::path folder;  // of the sidecar records
   std::filesystem::path output;
   Hash128 key;
-  const MaterialTable* materials = nullptr;  // for the list of labels, and colours
-  bool coloured = false;                     // there are files with colours, and colours for them
+  const MaterialTable* materials = nullptr;  // for the list of labels, and files that describe them
+  bool describes = false;                    // there are such files
   std::vector<MeshWriter> formats = {};      // to write, in this order
   // Of the merged mesh only the triangles that reach into it, in the coordinates of the files.
   std::optional<Bounds> box = {};

@@ -1,8 +1,9 @@
-// The points that formats have which keep a normal with each point: a vertex is as many as it has
-// normals.
+// The points that formats have which keep a normal or a pair of labels with each point: a vertex is as
+// many as it has of those.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -52,7 +53,30 @@ class CornerPoints {
   std::uint32_t count_ = 0;
 };
 
-// The mesh's points as a format has them; without normals they are its vertices. Pairs are left out.
+// Of a mesh between labels: one point for each vertex, normal and pair that corners have together,
+// numbered by first use. A vertex in which several pairs meet is as many points.
+class PairPoints {
+ public:
+  struct Point {
+    std::uint32_t vertex = 0, pair = 0;
+    CornerNormal normal;
+    friend bool operator==(const Point&, const Point&) = default;
+  };
+  PairPoints(const TileMesh& mesh, bool normals);
+  const std::vector<Point>& points() const { return points_; }
+  const std::vector<std::array<std::uint32_t, 3>>& corners() const { return corners_; }
+
+ private:
+  std::uint32_t number_of(const Point& point);
+
+  static constexpr std::uint32_t no_point = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> first_;  // of each vertex
+  std::vector<std::uint32_t> next_;   // the next point of the same vertex
+  std::vector<Point> points_;
+  std::vector<std::array<std::uint32_t, 3>> corners_;
+};
+
+// The mesh's points as a format has them; without normals and pairs they are its vertices.
 DecodedMesh corner_points(const TileMesh& mesh, bool normals);
 
 }  // namespace voxweld

@@ -134,8 +134,20 @@ draco::Options lattice_quantization(const OutputLattice& lattice) {
   return options;
 }
 
+// So that whole numbers stay what they are: a step of 1.
+draco::Options whole_numbers() {
+  draco::Options options;
+  options.SetInt("quantization_bits", feature_id_bits);
+  options.SetString("quantization_range",
+                    exact_text(static_cast<double>((1 << feature_id_bits) - 1), 1));
+  options.SetString("quantization_origin", "0");
+  return options;
+}
+
 void set_options(draco::ExpertEncoder& encoder, const OutputLattice& lattice,
-                 const DracoAttributes& ids, const EncodeParameters& parameters) {
+                 const DracoAttributes& ids, const EncodeParameters& parameters,
+                 bool pairs_are_floats) {
+  if (pairs_are_floats) encoder.options().SetAttributeOptions(ids.pair, whole_numbers());
   encoder.SetSpeedOptions(parameters.encode_speed, parameters.decode_speed);
   encoder.options().SetAttributeOptions(ids.position, lattice_quantization(lattice));
   if (ids.normal >= 0) encoder.SetAttributeQuantization(ids.normal, parameters.normal_bits);
@@ -190,15 +202,15 @@ void read_attribute(const draco::PointAttribute& attribute, std::uint32_t points
   }
 }
 
-}  // namespace
-
-EncodedMesh encode_draco(const TileMesh& mesh, const EncodeParameters& parameters) {
+EncodedMesh encode_with(const TileMesh& mesh, const EncodeParameters& parameters,
+                        const std::vector<PairColour>* colours) {
   check_mesh(mesh, parameters);
   draco::Mesh source;
-  const DracoAttributes ids = fill_draco_mesh(mesh, parameters.normals, source);
+  const DracoAttributes ids = fill_draco_mesh(mesh, parameters.normals, colours, source);
 
   draco::ExpertEncoder encoder(source);
-  set_options(encoder, mesh.lattice, ids, parameters);
+  set_options(encoder, mesh.lattice, ids, parameters,
+              colours != nullptr && feature_id_type(mesh.pairs.size()) == FeatureIdType::f32);
   draco::EncoderBuffer buffer;
   const draco::Status status = encoder.EncodeToBuffer(&buffer);
   if (!status.ok()) refuse("Draco: " + status.error_msg_string());
@@ -207,14 +219,19 @@ EncodedMesh encode_draco(const TileMesh& mesh, const EncodeParameters& parameter
   out.bytes = copy_bytes(buffer);
   out.points = encoder.num_encoded_points();
   out.triangles = encoder.num_encoded_faces();
-  out.position_id = static_cast<int>(source.attribute(ids.position)->unique_id());
-  if (ids.normal >= 0) out.normal_id = static_cast<int>(source.attribute(ids.normal)->unique_id());
-  if (ids.pair >= 0) out.pair_id = static_cast<int>(source.attribute(ids.pair)->unique_id());
+  const auto unique = [&](int id) {
+    return id < 0 ? -1 : static_cast<int>(source.attribute(id)->unique_id());
+  };
+  out.position_id = unique(ids.position);
+  out.normal_id = unique(ids.normal);
+  out.pair_id = unique(ids.pair);
+  out.colour_id = unique(ids.colour);
   set_bounds(out, mesh);
   return out;
 }
 
-DecodedMesh decode_draco(std::span<const std::byte> bytes, const std::string& where) {
+DecodedMesh decode_with(std::span<const std::byte> bytes, const PairList* features,
+                        const std::string& where) {
   const std::unique_ptr<draco::Mesh> mesh = decode_mesh(bytes, where);
   const auto* position = float3_attribute(*mesh, draco::GeometryAttribute::POSITION);
   if (position == nullptr)
@@ -226,7 +243,7 @@ DecodedMesh decode_draco(std::span<const std::byte> bytes, const std::string& wh
     out.normal_id = static_cast<int>(normal->unique_id());
     read_attribute(*normal, mesh->num_points(), out.normals, where);
   }
-  read_pairs(*mesh, out, where);
+  read_pairs(*mesh, features, out, where);
   out.triangles.resize(mesh->num_faces());
   for (std::uint32_t i = 0; i < mesh->num_faces(); ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -240,6 +257,29 @@ DecodedMesh decode_draco(std::span<const std::byte> bytes, const std::string& wh
     }
   }
   return out;
+}
+
+}  // namespace
+
+EncodedMesh encode_draco(const TileMesh& mesh, const EncodeParameters& parameters) {
+  return encode_with(mesh, parameters, nullptr);
+}
+
+EncodedMesh encode_draco_features(const TileMesh& mesh, const EncodeParameters& parameters,
+                                  const std::vector<PairColour>& colours) {
+  if (mesh.pairs.size() > std::size_t{1} << feature_id_bits)
+    refuse(fmt::format("{} pairs of labels, glTF takes at most {}; write tiles instead of one mesh",
+                       mesh.pairs.size(), std::size_t{1} << feature_id_bits));
+  return encode_with(mesh, parameters, &colours);
+}
+
+DecodedMesh decode_draco(std::span<const std::byte> bytes, const std::string& where) {
+  return decode_with(bytes, nullptr, where);
+}
+
+DecodedMesh decode_draco_features(std::span<const std::byte> bytes, const PairList& features,
+                                  const std::string& where) {
+  return decode_with(bytes, &features, where);
 }
 
 // From test_encode_memory (Draco 1.5.5, speeds 0 to 10, meshes of 0.1 to 1.0 M triangles, every

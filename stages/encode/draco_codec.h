@@ -38,7 +38,21 @@ struct EncodedMesh {
   int position_id = 0;              // Draco unique ids
   int normal_id = -1;               // -1: no normals
   int pair_id = -1;                 // -1: not between labels
+  int colour_id = -1;
 };
+
+// Red, green, blue (linear) and opacity of the points that one pair of labels has.
+using PairColour = std::array<std::uint8_t, 4>;
+
+// How glTF numbers pairs: vertices have no integers of 32 bits there. Floats are whole numbers.
+enum class FeatureIdType : std::uint8_t { u8, u16, f32 };
+constexpr FeatureIdType feature_id_type(std::size_t pairs) {
+  return pairs <= 1u << 8    ? FeatureIdType::u8
+         : pairs <= 1u << 16 ? FeatureIdType::u16
+                             : FeatureIdType::f32;
+}
+// Draco rounds floats by adding a half, which keeps whole numbers below this.
+inline constexpr int feature_id_bits = 23;
 
 // A mesh between labels (labels.mode = "shared") has one more attribute: which pair of labels each
 // triangle separates. Its edges and vertices of more than two sheets Draco splits; welding on exact
@@ -48,6 +62,11 @@ struct EncodedMesh {
 // mesh.corner_normals are filled. InputError for what is outside these. The same mesh gives the
 // same bytes.
 EncodedMesh encode_draco(const TileMesh& mesh, const EncodeParameters& parameters);
+
+// The same for glTF: pairs are numbers of feature_id_type without a list, and points have the colour of
+// their pair, one each. Precondition: a mesh between labels. InputError past 2^feature_id_bits pairs.
+EncodedMesh encode_draco_features(const TileMesh& mesh, const EncodeParameters& parameters,
+                                  const std::vector<PairColour>& colours);
 
 // Upper bound of the memory encode_draco takes beyond the mesh it is given, for meshes that are
 // surfaces (about two triangles a vertex).
@@ -68,5 +87,13 @@ struct DecodedMesh {
 // FormatError, starting with `where` (a path), for anything that is not a whole Draco mesh with
 // three float coordinates a point. A flipped bit may well decode: files carry hashes for that.
 DecodedMesh decode_draco(std::span<const std::byte> bytes, const std::string& where = "Draco mesh");
+
+// What the feature ids of a glTF number, and the unique id of Draco's attribute that has them.
+struct PairList {
+  int id = -1;
+  std::vector<MaterialPair> pairs;
+};
+DecodedMesh decode_draco_features(std::span<const std::byte> bytes, const PairList& features,
+                                  const std::string& where);
 
 }  // namespace voxweld

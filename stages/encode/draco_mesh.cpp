@@ -7,7 +7,6 @@
 #include <limits>
 #include <memory>
 #include <string_view>
-#include <unordered_map>
 
 #include "stages/encode/corner_points.h"
 #include "storage/support/error.h"
@@ -82,36 +81,6 @@ DracoAttributes fill_with_normals(draco::Mesh& out, const TileMesh& mesh) {
   return ids;
 }
 
-// One point for each vertex, normal and pair that corners have together, numbered by first use.
-class LabelPoints {
- public:
-  struct Point {
-    std::uint32_t vertex, pair;
-    CornerNormal normal;
-  };
-  LabelPoints(const TileMesh& mesh, bool normals) : corners_(mesh.triangles.size()) {
-    const std::uint64_t pairs = mesh.pairs.size();
-    std::unordered_map<std::uint64_t, std::uint32_t> known;
-    known.reserve(mesh.positions.size() * 2);
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t vertex = mesh.triangles[i][k], pair = mesh.triangle_pairs[i];
-        const CornerNormal normal = normals ? mesh.corner_normals[i][k] : CornerNormal{};
-        const auto [at, is_new] = known.try_emplace(
-            (vertex * std::uint64_t{CornerNormal::values} + normal.bits) * pairs + pair,
-            static_cast<std::uint32_t>(points_.size()));
-        if (is_new) points_.push_back({vertex, pair, normal});
-        corners_[i][k] = at->second;
-      }
-  }
-  const std::vector<Point>& points() const { return points_; }
-  const std::vector<Triangle>& corners() const { return corners_; }
-
- private:
-  std::vector<Point> points_;
-  std::vector<Triangle> corners_;
-};
-
 std::string pairs_text(const std::vector<MaterialPair>& pairs) {
   std::string text;
   const auto name = [](Material m) { return m == exterior ? "-" : fmt::to_string(m); };
@@ -119,6 +88,7 @@ std::string pairs_text(const std::vector<MaterialPair>& pairs) {
   return text;
 }
 
+// As .drc has it: numbers of 32 bits, with the list.
 int add_pairs(draco::Mesh& out, const TileMesh& mesh) {
   draco::GeometryAttribute attribute;
   attribute.Init(draco::GeometryAttribute::GENERIC, nullptr, 1, draco::DT_UINT32, false,
@@ -132,21 +102,69 @@ int add_pairs(draco::Mesh& out, const TileMesh& mesh) {
   return id;
 }
 
-DracoAttributes fill_with_pairs(draco::Mesh& out, const TileMesh& mesh, bool normals) {
-  const LabelPoints points(mesh, normals);
+template <class T>
+int add_feature_ids(draco::Mesh& out, std::size_t pairs, draco::DataType type) {
+  draco::GeometryAttribute attribute;
+  attribute.Init(draco::GeometryAttribute::GENERIC, nullptr, 1, type, false, sizeof(T), 0);
+  const int id = out.AddAttribute(attribute, false, static_cast<std::uint32_t>(pairs));
+  for (std::uint32_t i = 0; i < pairs; ++i) {
+    const auto value = static_cast<T>(i);
+    out.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(i), &value);
+  }
+  return id;
+}
+
+int add_feature_ids(draco::Mesh& out, std::size_t pairs) {
+  switch (feature_id_type(pairs)) {
+    case FeatureIdType::u8:
+      return add_feature_ids<std::uint8_t>(out, pairs, draco::DT_UINT8);
+    case FeatureIdType::u16:
+      return add_feature_ids<std::uint16_t>(out, pairs, draco::DT_UINT16);
+    default:
+      return add_feature_ids<float>(out, pairs, draco::DT_FLOAT32);
+  }
+}
+
+int add_colours(draco::Mesh& out, const std::vector<PairColour>& colours) {
+  draco::GeometryAttribute attribute;
+  attribute.Init(draco::GeometryAttribute::COLOR, nullptr, 4, draco::DT_UINT8, true,
+                 sizeof(PairColour), 0);
+  const int id = out.AddAttribute(attribute, false, static_cast<std::uint32_t>(colours.size()));
+  for (std::uint32_t i = 0; i < colours.size(); ++i)
+    out.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(i), colours[i].data());
+  return id;
+}
+
+// Sets each point's place in the values of an attribute.
+template <class Place>
+void map_points(draco::PointAttribute& attribute, const PairPoints& points, Place place) {
+  for (std::uint32_t i = 0; i < points.points().size(); ++i)
+    attribute.SetPointMapEntry(draco::PointIndex(i),
+                               draco::AttributeValueIndex(place(points.points()[i])));
+}
+
+DracoAttributes fill_with_pairs(draco::Mesh& out, const TileMesh& mesh, bool normals,
+                                const std::vector<PairColour>* colours) {
+  const PairPoints points(mesh, normals);
   const auto count = static_cast<std::uint32_t>(points.points().size());
+  const auto pair_of = [](const PairPoints::Point& point) { return point.pair; };
   out.set_num_points(count);
   DracoAttributes ids;
   ids.position = add_positions(out, mesh, false);
-  if (normals) ids.normal = add_float_attribute(out, draco::GeometryAttribute::NORMAL, true, count);
-  ids.pair = add_pairs(out, mesh);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const LabelPoints::Point& point = points.points()[i];
-    const draco::PointIndex at(i);
-    out.attribute(ids.position)->SetPointMapEntry(at, draco::AttributeValueIndex(point.vertex));
-    out.attribute(ids.pair)->SetPointMapEntry(at, draco::AttributeValueIndex(point.pair));
-    if (!normals) continue;
-    set_normal(*out.attribute(ids.normal), i, point.normal.of(mesh.normals[point.vertex]));
+  map_points(*out.attribute(ids.position), points,
+             [](const PairPoints::Point& point) { return point.vertex; });
+  if (normals) {
+    ids.normal = add_float_attribute(out, draco::GeometryAttribute::NORMAL, true, count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const PairPoints::Point& point = points.points()[i];
+      set_normal(*out.attribute(ids.normal), i, point.normal.of(mesh.normals[point.vertex]));
+    }
+  }
+  ids.pair = colours == nullptr ? add_pairs(out, mesh) : add_feature_ids(out, mesh.pairs.size());
+  map_points(*out.attribute(ids.pair), points, pair_of);
+  if (colours != nullptr) {
+    ids.colour = add_colours(out, *colours);
+    map_points(*out.attribute(ids.colour), points, pair_of);
   }
   out.SetNumFaces(mesh.triangles.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) set_face(out, i, points.corners()[i]);
@@ -189,36 +207,43 @@ class PairsText {
 
 }  // namespace
 
-DracoAttributes fill_draco_mesh(const TileMesh& mesh, bool normals, draco::Mesh& out) {
-  if (!mesh.pairs.empty()) return fill_with_pairs(out, mesh, normals);
+DracoAttributes fill_draco_mesh(const TileMesh& mesh, bool normals,
+                                const std::vector<PairColour>* colours, draco::Mesh& out) {
+  if (!mesh.pairs.empty()) return fill_with_pairs(out, mesh, normals, colours);
   if (normals) return fill_with_normals(out, mesh);
   DracoAttributes ids;
   ids.position = fill_plain(out, mesh);
   return ids;
 }
 
-void read_pairs(const draco::Mesh& mesh, DecodedMesh& out, const std::string& where) {
+void read_pairs(const draco::Mesh& mesh, const PairList* features, DecodedMesh& out,
+                const std::string& where) {
   const draco::PointAttribute* attribute = nullptr;
   std::string text;
-  for (std::int32_t i = 0; i < mesh.num_attributes() && attribute == nullptr; ++i) {
+  if (features != nullptr && features->id >= 0)
+    attribute = mesh.GetAttributeByUniqueId(static_cast<std::uint32_t>(features->id));
+  for (std::int32_t i = 0; features == nullptr && i < mesh.num_attributes(); ++i) {
     const draco::AttributeMetadata* metadata = mesh.GetAttributeMetadataByAttributeId(i);
-    if (metadata != nullptr && metadata->GetEntryString(pairs_entry, &text))
+    if (attribute == nullptr && metadata != nullptr && metadata->GetEntryString(pairs_entry, &text))
       attribute = mesh.attribute(i);
   }
-  if (attribute == nullptr) return;
   const auto damaged = [&](const char* what) {
     throw FormatError(where + ": damaged Draco data: " + what);
   };
-  if (attribute->num_components() != 1 || attribute->data_type() != draco::DT_UINT32)
-    damaged("its label pairs are not numbers");
+  if (attribute == nullptr) {
+    if (features != nullptr) damaged("the attribute of its feature ids is not there");
+    return;
+  }
+  if (attribute->num_components() != 1) damaged("its label pairs are not numbers");
   out.pair_id = static_cast<int>(attribute->unique_id());
-  out.pairs = PairsText(text, where).parse();
+  out.pairs = features != nullptr ? features->pairs : PairsText(text, where).parse();
   out.triangle_pairs.resize(mesh.num_faces());
   const auto pair_of = [&](draco::PointIndex point) {
     std::uint32_t value = no_value;
     const draco::AttributeValueIndex at = attribute->mapped_index(point);
-    if (at.value() < attribute->size()) attribute->GetValue(at, &value);
-    if (value >= out.pairs.size()) damaged("a triangle names a label pair that is not there");
+    if (at.value() >= attribute->size() || !attribute->ConvertValue(at, 1, &value) ||
+        value >= out.pairs.size())
+      damaged("a triangle names a label pair that is not there");
     return value;
   };
   for (std::uint32_t i = 0; i < mesh.num_faces(); ++i) {

@@ -4,6 +4,7 @@
 #include <draco/mesh/mesh.h>
 
 #include <string>
+#include <vector>
 
 #include "stages/encode/draco_codec.h"
 #include "storage/types/tile_mesh.h"
@@ -19,12 +20,16 @@ struct DracoAttributes {
   int position = 0;
   int normal = -1;  // -1: none
   int pair = -1;
+  int colour = -1;
 };
 
-// Precondition: the mesh is one that encode_draco takes.
-DracoAttributes fill_draco_mesh(const TileMesh& mesh, bool normals, draco::Mesh& out);
+// colours: null unless encode_draco has them. Precondition: the mesh is one that encode_draco takes.
+DracoAttributes fill_draco_mesh(const TileMesh& mesh, bool normals,
+                                const std::vector<PairColour>* colours, draco::Mesh& out);
 
-// Fills pairs and triangle_pairs where the mesh has them. FormatError, starting with `where`.
-void read_pairs(const draco::Mesh& mesh, DecodedMesh& out, const std::string& where);
+// Fills pairs and triangle_pairs where the mesh has them. features: as of decode_draco. FormatError,
+// starting with `where`.
+void read_pairs(const draco::Mesh& mesh, const PairList* features, DecodedMesh& out,
+                const std::string& where);
 
 }  // namespace voxweld

@@ -1,5 +1,5 @@
 // Based on: Khronos Group, "glTF 2.0 Specification" (2021), section "GLB File Format", and the
-// extension specification KHR_draco_mesh_compression.
+// extension specification KHR_draco_mesh_compression; for labels as glb_pairs.cpp.
 #include "stages/encode/glb.h"
 
 #include <fmt/format.h>
@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <deque>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "stages/encode/glb_format.h"
+#include "stages/encode/glb_pairs.h"
 #include "stages/encode/label_colour.h"
 #include "storage/support/error.h"
 #include "storage/support/json_text.h"
@@ -24,9 +26,11 @@ using namespace glb;
 constexpr int target_vertices = 34962, target_indices = 34963;
 constexpr int mode_triangles = 4;
 
-constexpr std::size_t padded(std::size_t size) {
-  return (size + 3) / 4 * 4;
+constexpr std::size_t padded(std::size_t size, std::size_t to = 4) {
+  return (size + to - 1) / to * to;
 }
+// Of the columns of tables, which may be of 64 bits: in the file, and so of the chunks too.
+constexpr std::size_t table_alignment = 8;
 
 bool orthogonal(const VolumeGeometry& frame) {
   for (std::size_t a = 0; a < 3; ++a) {
@@ -80,25 +84,26 @@ Json accessor(int component, std::uint64_t count, const char* type) {
   return {{"componentType", component}, {"count", count}, {"type", type}};
 }
 
-Json label_of(Material material) {
-  return material == exterior ? Json(nullptr) : Json(material);
+// What the label is called, if it has a name: else the file is that of a run for this label alone.
+std::string label_name(const GlbParameters& parameters) {
+  const MaterialTable* table = parameters.materials;
+  const MaterialEntry* entry = table == nullptr ? nullptr : table->find(parameters.label);
+  return entry == nullptr ? "" : entry->name;
 }
 
-std::string label_name(Material material) {
-  return material == exterior ? "outside" : fmt::to_string(material);
-}
-
-Json material(const std::optional<MaterialPair>& pair, const GlbParameters& parameters) {
+// Between labels both sides are seen, in the colours of the points.
+Json material(const GlbParameters& parameters, bool between_labels) {
   Json surface = {{"metallicFactor", 0.0}, {"roughnessFactor", 0.7}};
-  const Material label = pair ? pair->inside : parameters.label;
-  std::optional<std::array<double, 3>> colour;
-  if (parameters.materials != nullptr) colour = given_colour(*parameters.materials, label);
-  if (pair && !colour) colour = label_colour(label);
-  if (colour) surface["baseColorFactor"] = {(*colour)[0], (*colour)[1], (*colour)[2], 1.0};
-  if (!pair) return {{"pbrMetallicRoughness", surface}, {"doubleSided", false}};
-  return {{"name", label_name(pair->inside) + " | " + label_name(pair->outside)},
-          {"pbrMetallicRoughness", surface},
-          {"doubleSided", true}};
+  if (parameters.materials != nullptr && !between_labels)
+    if (const auto colour = given_colour(*parameters.materials, parameters.label))
+      surface["baseColorFactor"] = {(*colour)[0], (*colour)[1], (*colour)[2], 1.0};
+  return {{"pbrMetallicRoughness", surface}, {"doubleSided", between_labels}};
+}
+
+int component_of(FeatureIdType type) {
+  return type == FeatureIdType::u8    ? component_uint8
+         : type == FeatureIdType::u16 ? component_uint16
+                                      : component_float;
 }
 
 // A file in the making: its JSON, and the pieces of its binary chunk, which have to outlive it.
@@ -106,100 +111,171 @@ class GlbFile {
  public:
   explicit GlbFile(const GlbParameters& parameters) : parameters_(parameters) {}
 
-  void add(const EncodedMesh& mesh, const std::optional<MaterialPair>& pair);
-  void add(const DecodedMesh& mesh, const std::optional<MaterialPair>& pair);
-  void write(const ByteSink& sink) const;
+  void add(const EncodedMesh& mesh, std::span<const MaterialPair> pairs);
+  void add(const DecodedMesh& mesh);
+  void write(const ByteSink& sink);
 
  private:
   // Returns its number.
   template <class T>
-  std::size_t add_view(std::span<const T> piece, int target = 0);
-  // Its indices are those of the last accessor.
-  void add_primitive(const Json& attributes, const std::optional<MaterialPair>& pair,
-                     const Json& extensions = nullptr);
+  std::size_t add_view(std::span<const T> piece, int target = 0, std::size_t alignment = 4);
+  // An accessor without a view, or of an attribute of points in a view of its own.
+  Json& add_accessor(const char* attribute, int component, std::uint64_t count, const char* type);
+  template <class T>
+  Json& add_attribute(const char* attribute, std::span<const T> values, int component,
+                      const char* type);
+  void add_feature_ids(const DecodedMesh& mesh);
+  void add_table(std::span<const MaterialPair> pairs);
+  // Its corners are those of the last accessor.
+  void finish_primitive();
   Json document() const;
 
   const GlbParameters& parameters_;
-  Json accessors_ = Json::array(), primitives_ = Json::array(), materials_ = Json::array(),
-       views_ = Json::array();
+  Json accessors_ = Json::array(), views_ = Json::array();
+  Json primitive_ = Json::object(), metadata_ = nullptr;
   std::vector<std::span<const std::byte>> pieces_;
+  std::vector<std::size_t> places_;  // where each piece begins
+  std::deque<std::vector<std::byte>> own_;
   std::size_t size_ = 0;  // of the pieces, each but the last one padded
-  bool draco_ = false;
 };
 
 template <class T>
-std::size_t GlbFile::add_view(std::span<const T> piece, int target) {
-  const std::size_t begin = padded(size_);
+std::size_t GlbFile::add_view(std::span<const T> piece, int target, std::size_t alignment) {
+  const std::size_t begin = padded(size_, alignment);
   Json& view = views_.emplace_back(
       Json{{"buffer", 0}, {"byteOffset", begin}, {"byteLength", piece.size_bytes()}});
   if (target != 0) view["target"] = target;
   pieces_.push_back(std::as_bytes(piece));
+  places_.push_back(begin);
   size_ = begin + piece.size_bytes();
   return views_.size() - 1;
 }
 
-void GlbFile::add_primitive(const Json& attributes, const std::optional<MaterialPair>& pair,
-                            const Json& extensions) {
-  Json& primitive = primitives_.emplace_back(Json{{"attributes", attributes},
-                                                  {"indices", accessors_.size() - 1},
-                                                  {"material", materials_.size()},
-                                                  {"mode", mode_triangles}});
-  if (!extensions.is_null()) primitive["extensions"] = extensions;
-  if (pair)
-    primitive["extras"] = {{"inside", label_of(pair->inside)},
-                           {"outside", label_of(pair->outside)}};
-  materials_.push_back(material(pair, parameters_));
+Json& GlbFile::add_accessor(const char* attribute, int component, std::uint64_t count,
+                            const char* type) {
+  primitive_["attributes"][attribute] = accessors_.size();
+  return accessors_.emplace_back(accessor(component, count, type));
 }
 
-void GlbFile::add(const EncodedMesh& mesh, const std::optional<MaterialPair>& pair) {
-  draco_ = true;
-  Json attributes = {{"POSITION", accessors_.size()}}, ids = {{"POSITION", mesh.position_id}};
-  Json& position = accessors_.emplace_back(accessor(component_float, mesh.points, "VEC3"));
+template <class T>
+Json& GlbFile::add_attribute(const char* attribute, std::span<const T> values, int component,
+                             const char* type) {
+  Json& added = add_accessor(attribute, component, values.size(), type);
+  added["bufferView"] = add_view(values, target_vertices);
+  return added;
+}
+
+void GlbFile::add(const EncodedMesh& mesh, std::span<const MaterialPair> pairs) {
+  Json ids;
+  const auto add_of_draco = [&](const char* attribute, int id, int component,
+                                const char* type) -> Json& {
+    ids[attribute] = id;
+    return add_accessor(attribute, component, mesh.points, type);
+  };
+  Json& position = add_of_draco("POSITION", mesh.position_id, component_float, "VEC3");
   position["min"] = mesh.lo;
   position["max"] = mesh.hi;
-  if (mesh.normal_id >= 0) {
-    attributes["NORMAL"] = accessors_.size();
-    ids["NORMAL"] = mesh.normal_id;
-    accessors_.push_back(accessor(component_float, mesh.points, "VEC3"));
+  if (mesh.normal_id >= 0) add_of_draco("NORMAL", mesh.normal_id, component_float, "VEC3");
+  if (!pairs.empty()) {
+    add_of_draco("COLOR_0", mesh.colour_id, component_uint8, "VEC4")["normalized"] = true;
+    add_of_draco(feature_attribute, mesh.pair_id, component_of(feature_id_type(pairs.size())),
+                 "SCALAR");
   }
   accessors_.push_back(accessor(component_uint32, 3 * mesh.triangles, "SCALAR"));
+  finish_primitive();
   const std::size_t view = add_view(std::span(mesh.bytes));
-  add_primitive(attributes, pair, {{draco_extension, {{"bufferView", view}, {"attributes", ids}}}});
+  primitive_["extensions"][draco_extension] = {{"bufferView", view}, {"attributes", ids}};
+  if (!pairs.empty()) add_table(pairs);
 }
 
-void GlbFile::add(const DecodedMesh& mesh, const std::optional<MaterialPair>& pair) {
-  const auto add_accessor = [&](std::size_t view, Json added) -> Json& {
-    added["bufferView"] = view;
-    return accessors_.emplace_back(std::move(added));
-  };
-  Json attributes = {{"POSITION", accessors_.size()}};
+void GlbFile::add(const DecodedMesh& mesh) {
   const auto [lo, hi] = bounds_of(mesh.positions);
-  Json& position = add_accessor(add_view(std::span(mesh.positions), target_vertices),
-                                accessor(component_float, mesh.positions.size(), "VEC3"));
+  Json& position = add_attribute("POSITION", std::span(mesh.positions), component_float, "VEC3");
   position["min"] = lo;
   position["max"] = hi;
-  if (!mesh.normals.empty()) {
-    attributes["NORMAL"] = accessors_.size();
-    add_accessor(add_view(std::span(mesh.normals), target_vertices),
-                 accessor(component_float, mesh.normals.size(), "VEC3"));
+  if (!mesh.normals.empty())
+    add_attribute("NORMAL", std::span(mesh.normals), component_float, "VEC3");
+  if (!mesh.pairs.empty()) add_feature_ids(mesh);
+  const std::size_t view = add_view(std::span(mesh.triangles), target_indices);
+  accessors_.push_back(accessor(component_uint32, 3 * mesh.triangles.size(), "SCALAR"));
+  accessors_.back()["bufferView"] = view;
+  finish_primitive();
+  if (!mesh.pairs.empty()) add_table(mesh.pairs);
+}
+
+// As floats: what is less than 32 bits would have to be padded to that.
+void GlbFile::add_feature_ids(const DecodedMesh& mesh) {
+  const std::vector<PairColour> colours = pair_colours(mesh.pairs, parameters_.materials);
+  std::vector<std::byte>& of_points = own_.emplace_back(mesh.positions.size() * sizeof(PairColour));
+  std::vector<std::byte>& ids = own_.emplace_back(mesh.positions.size() * sizeof(float));
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::uint32_t pair = mesh.triangle_pairs[t];
+    const auto id = static_cast<float>(pair);
+    for (const std::uint32_t point : mesh.triangles[t]) {
+      std::memcpy(of_points.data() + point * sizeof(PairColour), colours[pair].data(),
+                  sizeof(PairColour));
+      std::memcpy(ids.data() + point * sizeof id, &id, sizeof id);
+    }
   }
-  add_accessor(add_view(std::span(mesh.triangles), target_indices),
-               accessor(component_uint32, 3 * mesh.triangles.size(), "SCALAR"));
-  add_primitive(attributes, pair);
+  const auto add_own = [&](const char* attribute, const std::vector<std::byte>& values,
+                           int component, const char* type) -> Json& {
+    Json& added = add_accessor(attribute, component, mesh.positions.size(), type);
+    added["bufferView"] = add_view(std::span(values), target_vertices);
+    return added;
+  };
+  add_own("COLOR_0", of_points, component_uint8, "VEC4")["normalized"] = true;
+  add_own(feature_attribute, ids, component_float, "SCALAR");
+}
+
+void GlbFile::add_table(std::span<const MaterialPair> pairs) {
+  Json properties, table;
+  for (PairColumn& column : pair_columns(pairs, parameters_.materials)) {
+    const auto add_own = [&](std::vector<std::byte>& bytes) {
+      const std::vector<std::byte>& kept = own_.emplace_back(std::move(bytes));
+      return add_view(std::span(kept), 0, table_alignment);
+    };
+    properties[column.name] = column.property;
+    table[column.name]["values"] = add_own(column.values);
+    if (!column.offsets.empty()) table[column.name]["stringOffsets"] = add_own(column.offsets);
+  }
+  metadata_["schema"] = {
+      {"id", "voxweld"},
+      {"classes",
+       {{pair_class, {{"name", "What a triangle separates"}, {"properties", properties}}}}}};
+  metadata_["propertyTables"] =
+      Json::array({{{"class", pair_class}, {"count", pairs.size()}, {"properties", table}}});
+  primitive_["extensions"][features_extension]["featureIds"] =
+      Json::array({{{"featureCount", pairs.size()}, {"attribute", 0}, {"propertyTable", 0}}});
+}
+
+void GlbFile::finish_primitive() {
+  primitive_["indices"] = accessors_.size() - 1;
+  primitive_["material"] = 0;
+  primitive_["mode"] = mode_triangles;
 }
 
 Json GlbFile::document() const {
-  Json out;
+  Json out, mesh = {{"primitives", Json::array({primitive_})}}, placed = node(parameters_);
   out["asset"] = {{"version", "2.0"}, {"generator", "voxweld " VOXWELD_VERSION}};
-  if (draco_) {
-    out["extensionsUsed"] = {draco_extension};
-    out["extensionsRequired"] = {draco_extension};
+  if (primitive_.contains("extensions")) {
+    for (const auto& [name, what] : primitive_["extensions"].items())
+      out["extensionsUsed"].push_back(name);
+    if (primitive_["extensions"].contains(draco_extension))
+      out["extensionsRequired"] = {draco_extension};
+  }
+  if (!metadata_.is_null()) {
+    out["extensionsUsed"].push_back(metadata_extension);
+    out["extensions"][metadata_extension] = metadata_;
+  }
+  if (const std::string name = label_name(parameters_); !name.empty()) {
+    mesh["name"] = placed["name"] = name;
+    placed["extras"]["label"] = parameters_.label;
   }
   out["scene"] = 0;
   out["scenes"] = Json::array({{{"nodes", {0}}}});
-  out["nodes"] = Json::array({node(parameters_)});
-  out["meshes"] = Json::array({{{"primitives", primitives_}}});
-  out["materials"] = materials_;
+  out["nodes"] = Json::array({placed});
+  out["meshes"] = Json::array({mesh});
+  out["materials"] = Json::array({material(parameters_, !metadata_.is_null())});
   out["accessors"] = accessors_;
   out["bufferViews"] = views_;
   out["buffers"] = Json::array({{{"byteLength", size_}}});
@@ -211,9 +287,12 @@ void put_u32(std::vector<std::byte>& out, std::uint64_t value) {
     out.push_back(static_cast<std::byte>(value >> shift & 0xff));
 }
 
-void GlbFile::write(const ByteSink& sink) const {
+void GlbFile::write(const ByteSink& sink) {
+  const std::size_t alignment = metadata_.is_null() ? 4 : table_alignment;
+  if (!metadata_.is_null()) size_ = padded(size_, alignment);
   std::string text = json_text(document());
-  text.resize(padded(text.size()), ' ');
+  const std::size_t before = header_size + chunk_header_size;
+  text.resize(padded(before + text.size(), alignment) - before, ' ');
   const std::uint64_t bin = padded(size_);
   const std::uint64_t total = header_size + 2 * chunk_header_size + text.size() + bin;
   if (total > std::numeric_limits<std::uint32_t>::max())
@@ -229,14 +308,15 @@ void GlbFile::write(const ByteSink& sink) const {
   put_u32(out, bin);
   put_u32(out, bin_chunk);
   sink(out);
-  constexpr std::array<std::byte, 4> zeros{};
-  for (const auto piece : pieces_) {
-    sink(piece);
-    sink(std::span(zeros).first(padded(piece.size()) - piece.size()));
+  constexpr std::array<std::byte, table_alignment> zeros{};
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    sink(pieces_[i]);
+    const std::size_t end = i + 1 < pieces_.size() ? places_[i + 1] : bin;
+    sink(std::span(zeros).first(end - places_[i] - pieces_[i].size()));
   }
 }
 
-std::vector<std::byte> whole(const GlbFile& file) {
+std::vector<std::byte> whole(GlbFile& file) {
   std::vector<std::byte> bytes;
   file.write([&](std::span<const std::byte> piece) {
     bytes.insert(bytes.end(), piece.begin(), piece.end());
@@ -272,22 +352,17 @@ std::array<double, 16> world_matrix(const VolumeGeometry& frame) {
   return node_matrix(parameters);
 }
 
-std::vector<std::byte> wrap_glb(const EncodedMesh& mesh, const GlbParameters& parameters) {
+std::vector<std::byte> wrap_glb(const EncodedMesh& mesh, const GlbParameters& parameters,
+                                std::span<const MaterialPair> pairs) {
   GlbFile file(parameters);
-  file.add(mesh, {});
+  file.add(mesh, pairs);
   return whole(file);
 }
 
-std::vector<std::byte> wrap_glb(std::span<const GlbPart> parts, const GlbParameters& parameters) {
-  GlbFile file(parameters);
-  for (const GlbPart& part : parts) file.add(part.mesh, part.pair);
-  return whole(file);
-}
-
-void write_plain_glb(std::span<const PlainGlbPart> parts, const GlbParameters& parameters,
+void write_plain_glb(const DecodedMesh& mesh, const GlbParameters& parameters,
                      const ByteSink& sink) {
   GlbFile file(parameters);
-  for (const PlainGlbPart& part : parts) file.add(part.mesh, part.pair);
+  file.add(mesh);
   file.write(sink);
 }
 

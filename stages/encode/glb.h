@@ -23,42 +23,27 @@ struct GlbParameters {
   bool y_up = true;  // turn z-up data to glTF's y-up: (x, y, z) -> (x, z, -y)
   // Colours of labels, where they have one; null: none has.
   const MaterialTable* materials = nullptr;
-  Material label = exterior;  // whose surface a mesh of one part is, if of any
-};
-
-// A primitive of a mesh between labels: its triangles separate `pair`.
-struct GlbPart {
-  EncodedMesh mesh;
-  MaterialPair pair;
+  Material label = exterior;  // whose surface the mesh is, if of any: named for it
 };
 
 // The file holds `mesh.bytes` as it is, one node, one mesh, one primitive of mode TRIANGLES with
 // uncompressed accessors left out, in the colour of its label where it has one. Positions stay in
 // the mesh's frame and unit, so tiles agree to the bit. The same input gives the same bytes.
 // InputError past 4 GiB, the format's limit.
-std::vector<std::byte> wrap_glb(const EncodedMesh& mesh, const GlbParameters& parameters);
-
-// The same with a primitive for each part, each with a material of its own: named for its labels
-// ("7 | 12", "7 | outside"), visible from both sides, of the colour that `inside` has, or one that
-// tells it from others.
-// The primitive's extras have "inside" and "outside" (null: outside all labels).
-// Precondition: at least one part.
-std::vector<std::byte> wrap_glb(std::span<const GlbPart> parts, const GlbParameters& parameters);
-
-// A primitive without compression, or the only one. pair: of a mesh between labels.
-struct PlainGlbPart {
-  DecodedMesh mesh;
-  std::optional<MaterialPair> pair = std::nullopt;
-};
+// pairs: of a mesh of encode_draco_features. The file has them as a table, which the points' feature
+// ids number (glb_pairs.h).
+std::vector<std::byte> wrap_glb(const EncodedMesh& mesh, const GlbParameters& parameters,
+                                std::span<const MaterialPair> pairs = {});
 
 // The same with all that the accessors say as it is: positions and normals as floats, corners in 32
-// bits. Programs that know no extension open it. Precondition: at least one part, each with triangles.
-void write_plain_glb(std::span<const PlainGlbPart> parts, const GlbParameters& parameters,
+// bits. Programs that know no extension open it. Of a mesh between labels no point has two pairs.
+// Precondition: there are triangles.
+void write_plain_glb(const DecodedMesh& mesh, const GlbParameters& parameters,
                      const ByteSink& sink);
 
-// The mesh of a .glb of the kinds above: its Draco buffers decoded or its accessors read, and the
-// accessors' counts, minima and maxima compared with that. Primitives with labels in their extras are put
-// together, one after another. FormatError, starting with `where`, for anything else.
+// The mesh of a .glb of the kinds above: its Draco buffer decoded or its accessors read, and the
+// accessors' counts, minima and maxima compared with that. FormatError, starting with `where`, for
+// anything else.
 DecodedMesh decode_glb(std::span<const std::byte> glb, const std::string& where = "glTF binary");
 
 // Where what lies at a point of the files lies in the world: column-major, metres, z up. Axes that are

@@ -1,10 +1,12 @@
 // Based on: as glb.cpp.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "stages/encode/glb.h"
 #include "stages/encode/glb_format.h"
+#include "stages/encode/glb_pairs.h"
 #include "storage/support/byte_order.h"
 #include "storage/support/error.h"
 #include "storage/support/refused_text.h"
@@ -69,8 +71,14 @@ auto with_json(const std::string& where, Read read) {
   }
 }
 
-const Json& primitives_of(const Json& json) {
-  return json.at("meshes").at(0).at("primitives");
+// The only one.
+const Json& primitive_of(const Json& json, const std::string& where) {
+  const Json& primitives = json.at("meshes").at(0).at("primitives");
+  if (primitives.size() != 1)
+    throw FormatError(fmt::format(
+        "{}: {} glTF primitives, expected one; if an older voxweld wrote it, run it again", where,
+        primitives.size()));
+  return primitives.at(0);
 }
 
 std::span<const std::byte> view_of(const GlbChunks& chunks, std::size_t number,
@@ -84,7 +92,7 @@ std::span<const std::byte> view_of(const GlbChunks& chunks, std::size_t number,
   return chunks.bin.subspan(offset, length);
 }
 
-// The accessor's items, each of three numbers: as write_plain_glb writes them, in a view of their own.
+// The accessor's items, as write_plain_glb writes them: in a view of their own.
 template <class Item>
 std::vector<Item> items_of(const GlbChunks& chunks, const Json& accessor, std::uint64_t count,
                            const std::string& where) {
@@ -107,6 +115,31 @@ void check_type(const Json& accessor, int component, const char* type, const std
         fmt::format("{}: a glTF accessor of component type {} and type {}, expected "
                     "{} and {}",
                     where, found, shape, component, type));
+}
+
+std::vector<MaterialPair> pair_table(const GlbChunks& chunks, const Json& primitive,
+                                     const std::string& where) {
+  const auto view = [&](std::size_t number) { return view_of(chunks, number, where); };
+  return read_pair_table(chunks.json, primitive, view, where);
+}
+
+// The three points of a triangle have its feature id.
+void read_feature_ids(const GlbChunks& chunks, const Json& primitive, DecodedMesh& mesh,
+                      const std::string& where) {
+  const Json& number = primitive.at("attributes").at(feature_attribute);
+  const Json& accessor = chunks.json.at("accessors").at(number.get<std::size_t>());
+  check_type(accessor, component_float, "SCALAR", where);
+  const auto ids = items_of<float>(chunks, accessor, mesh.positions.size(), where);
+  mesh.pairs = pair_table(chunks, primitive, where);
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const float id = ids[a];
+    if (ids[b] != id || ids[c] != id)
+      throw FormatError(where + ": the corners of a triangle have different glTF feature ids");
+    if (!(id >= 0 && id < static_cast<float>(mesh.pairs.size())) || id != std::floor(id))
+      throw FormatError(fmt::format("{}: a glTF feature id of {}, and {} features", where, id,
+                                    mesh.pairs.size()));
+    mesh.triangle_pairs.push_back(static_cast<std::uint32_t>(id));
+  }
 }
 
 DecodedMesh read_plain(const GlbChunks& chunks, const Json& primitive, const std::string& where) {
@@ -134,19 +167,27 @@ DecodedMesh read_plain(const GlbChunks& chunks, const Json& primitive, const std
             fmt::format("{}: a triangle has vertex {} of {}", where, v, mesh.positions.size()));
   if (mesh.positions.empty() || mesh.triangles.empty())
     throw FormatError(where + ": a glTF primitive without triangles");
+  if (attributes.contains(feature_attribute)) read_feature_ids(chunks, primitive, mesh, where);
   return mesh;
 }
 
-DecodedMesh read_mesh(const GlbChunks& chunks, std::size_t number, const std::string& where) {
-  return with_json(where, [&] {
-    const Json& primitive = primitives_of(chunks.json).at(number);
-    if (!primitive.contains("extensions")) return read_plain(chunks, primitive, where);
-    const Json& draco = primitive.at("extensions").at(draco_extension);
-    return decode_draco(view_of(chunks, draco.at("bufferView").get<std::size_t>(), where), where);
-  });
+DecodedMesh read_draco(const GlbChunks& chunks, const Json& primitive, const std::string& where) {
+  const Json& draco = primitive.at("extensions").at(draco_extension);
+  const auto bytes = view_of(chunks, draco.at("bufferView").get<std::size_t>(), where);
+  const Json& ids = draco.at("attributes");
+  if (!ids.contains(feature_attribute)) return decode_draco(bytes, where);
+  const PairList features{ids.at(feature_attribute).get<int>(),
+                          pair_table(chunks, primitive, where)};
+  return decode_draco_features(bytes, features, where);
 }
 
-void check_count(const Json& accessor, std::uint64_t expected, const char* what,
+DecodedMesh read_mesh(const GlbChunks& chunks, const Json& primitive, const std::string& where) {
+  const bool compressed =
+      primitive.contains("extensions") && primitive.at("extensions").contains(draco_extension);
+  return compressed ? read_draco(chunks, primitive, where) : read_plain(chunks, primitive, where);
+}
+
+void check_count(const Json& accessor, std::uint64_t expected, const std::string& what,
                  const std::string& where) {
   const auto count = accessor.at("count").get<std::uint64_t>();
   if (count != expected)
@@ -161,53 +202,30 @@ void check_bounds(const Json& accessor, const DecodedMesh& mesh, const std::stri
     throw FormatError(where + ": the glTF accessor's min and max differ from the decoded ones");
 }
 
-DecodedMesh decode_primitive(const GlbChunks& chunks, std::size_t number,
-                             const std::string& where) {
-  DecodedMesh mesh = read_mesh(chunks, number, where);
-  with_json(where, [&] {
-    const Json& primitive = primitives_of(chunks.json).at(number);
-    const Json& accessors = chunks.json.at("accessors");
-    const Json& attributes = primitive.at("attributes");
-    const Json& position = accessors.at(attributes.at("POSITION").get<std::size_t>());
-    check_count(position, mesh.positions.size(), "positions", where);
-    check_bounds(position, mesh, where);
-    check_count(accessors.at(primitive.at("indices").get<std::size_t>()), 3 * mesh.triangles.size(),
-                "indices", where);
-    if (attributes.contains("NORMAL"))
-      check_count(accessors.at(attributes.at("NORMAL").get<std::size_t>()), mesh.normals.size(),
-                  "normals", where);
-    if (!primitive.contains("extras")) return;
-    const Json& extras = primitive.at("extras");
-    const auto material = [](const Json& label) {
-      return label.is_null() ? exterior : label.get<Material>();
-    };
-    mesh.pairs.push_back({material(extras.at("inside")), material(extras.at("outside"))});
-    mesh.triangle_pairs.assign(mesh.triangles.size(), 0);
-  });
-  return mesh;
-}
-
-void append(const DecodedMesh& part, DecodedMesh& mesh) {
-  const auto points = static_cast<std::uint32_t>(mesh.positions.size());
-  const auto pairs = static_cast<std::uint32_t>(mesh.pairs.size());
-  mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
-  mesh.normals.insert(mesh.normals.end(), part.normals.begin(), part.normals.end());
-  mesh.pairs.insert(mesh.pairs.end(), part.pairs.begin(), part.pairs.end());
-  for (auto triangle : part.triangles) {
-    for (std::uint32_t& corner : triangle) corner += points;
-    mesh.triangles.push_back(triangle);
-  }
-  for (const std::uint32_t pair : part.triangle_pairs) mesh.triangle_pairs.push_back(pairs + pair);
+// That what the accessors state is what decodes.
+void check_accessors(const GlbChunks& chunks, const Json& primitive, const DecodedMesh& mesh,
+                     const std::string& where) {
+  const Json& accessors = chunks.json.at("accessors");
+  const Json& attributes = primitive.at("attributes");
+  for (const auto& [name, number] : attributes.items())
+    check_count(accessors.at(number.get<std::size_t>()), mesh.positions.size(), name, where);
+  check_bounds(accessors.at(attributes.at("POSITION").get<std::size_t>()), mesh, where);
+  check_count(accessors.at(primitive.at("indices").get<std::size_t>()), 3 * mesh.triangles.size(),
+              "corners", where);
+  if (attributes.contains("NORMAL") != !mesh.normals.empty())
+    throw FormatError(where + ": glTF normals are stated and missing, or the other way round");
 }
 
 }  // namespace
 
 DecodedMesh decode_glb(std::span<const std::byte> glb, const std::string& where) {
   const GlbChunks chunks = parse_glb(glb, where);
-  const std::size_t count = with_json(where, [&] { return primitives_of(chunks.json).size(); });
-  DecodedMesh mesh = decode_primitive(chunks, 0, where);
-  for (std::size_t i = 1; i < count; ++i) append(decode_primitive(chunks, i, where), mesh);
-  return mesh;
+  return with_json(where, [&] {
+    const Json& primitive = primitive_of(chunks.json, where);
+    DecodedMesh mesh = read_mesh(chunks, primitive, where);
+    check_accessors(chunks, primitive, mesh, where);
+    return mesh;
+  });
 }
 
 }  // namespace voxweld

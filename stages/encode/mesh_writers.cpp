@@ -5,23 +5,13 @@
 
 #include "stages/encode/corner_points.h"
 #include "stages/encode/glb.h"
-#include "stages/encode/pair_meshes.h"
+#include "stages/encode/glb_pairs.h"
 
 namespace voxweld {
 namespace {
 
 void write_drc(Asset& asset, const ByteSink& sink) {
   sink(asset.encoded().bytes);
-}
-
-// A primitive, and so a Draco buffer, for each pair of labels.
-std::vector<std::byte> glb_by_pair(const Asset& asset, const GlbParameters& parameters) {
-  const TileMesh& mesh = asset.mesh();
-  const std::vector<TileMesh> meshes = split_by_pair(mesh);
-  std::vector<GlbPart> parts;
-  for (std::size_t i = 0; i < meshes.size(); ++i)
-    parts.push_back({encode_draco(meshes[i], asset.facts().encoding), mesh.pairs[i]});
-  return wrap_glb(parts, parameters);
 }
 
 GlbParameters glb_parameters(const AssetFacts& facts) {
@@ -33,23 +23,18 @@ GlbParameters glb_parameters(const AssetFacts& facts) {
 }
 
 void write_glb(Asset& asset, const ByteSink& sink) {
-  const GlbParameters parameters = glb_parameters(asset.facts());
-  sink(asset.mesh().pairs.empty() ? wrap_glb(asset.encoded(), parameters)
-                                  : glb_by_pair(asset, parameters));
+  const TileMesh& mesh = asset.mesh();
+  const AssetFacts& facts = asset.facts();
+  const GlbParameters parameters = glb_parameters(facts);
+  if (mesh.pairs.empty()) return sink(wrap_glb(asset.encoded(), parameters));
+  const auto colours = glb::pair_colours(mesh.pairs, facts.materials);
+  const EncodedMesh encoded = encode_draco_features(mesh, facts.encoding, colours);
+  sink(wrap_glb(encoded, parameters, mesh.pairs));
 }
 
 void write_plain(Asset& asset, const ByteSink& sink) {
-  const TileMesh& mesh = asset.mesh();
-  const bool normals = asset.facts().encoding.normals;
-  std::vector<PlainGlbPart> parts;
-  if (mesh.pairs.empty()) {
-    parts.push_back({corner_points(mesh, normals)});
-  } else {
-    const std::vector<TileMesh> meshes = split_by_pair(mesh);
-    for (std::size_t i = 0; i < meshes.size(); ++i)
-      parts.push_back({corner_points(meshes[i], normals), mesh.pairs[i]});
-  }
-  write_plain_glb(parts, glb_parameters(asset.facts()), sink);
+  write_plain_glb(corner_points(asset.mesh(), asset.facts().encoding.normals),
+                  glb_parameters(asset.facts()), sink);
 }
 
 // A mesh that is there as a whole, as the one tile of a stream.
@@ -69,9 +54,8 @@ DecodedMesh read_obj(std::span<const std::byte> file, const std::string& where) 
   return decode_mesh_file(file, "obj", where);
 }
 
-// Of .glb a pair is a mesh of its own, encoded apart and described in JSON. On noise, where each
-// polygon has a pair of its own, it took 8.6 KiB.
-constexpr std::uint64_t glb_pair = 12288;
+// A row of the table of a .glb and its colours, with names of fifty letters on both sides.
+constexpr std::uint64_t glb_pair = 512;
 
 constexpr std::array<MeshWriter, 6> table{{
     {"drc", ".drc", false, 256, write_drc, decode_draco},

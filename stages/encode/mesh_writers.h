@@ -20,8 +20,8 @@ namespace voxweld {
 struct AssetFacts {
   EncodeParameters encoding;
   std::optional<VolumeGeometry> frame = std::nullopt;  // where the mesh lies in the world
-  const MaterialTable* materials = nullptr;            // colours of labels; null: none has one
-  Material label = exterior;                           // whose surface the mesh is, if of any
+  const MaterialTable* materials = nullptr;  // names and colours of labels; null: none has one
+  Material label = exterior;                 // whose surface the mesh is, if of any
 };
 
 // One mesh on its way into several formats, which share what is costly to make.
@@ -47,7 +47,7 @@ struct MeshWriter {
   std::string_view name;  // in output.formats, in the manifest and the lists
   std::string_view
       ending;  // of its files, with the dot; may end as another's does: the longer counts
-  bool coloured = false;  // a file depends on the colours that labels are given
+  bool describes = false;  // a file depends on the names and colours that labels are given
   // Between labels: memory that each pair of labels takes while its mesh is written.
   std::uint64_t pair_bytes = 0;
   // The same asset gives the same bytes. Errors as encode_draco's, and InputError for a mesh that

@@ -99,7 +99,7 @@ TEST_F(Goldens, Encode) {
   auto files = files_ending(scene_->output(), ".drc");
   const auto glb = files_ending(scene_->output(), ".glb");
   files.insert(files.end(), glb.begin(), glb.end());
-  expect_recorded({"encode", 2, "a7bef6c224251ef990a01a1577e410b6"}, encode_version,
+  expect_recorded({"encode", 3, "a7bef6c224251ef990a01a1577e410b6"}, encode_version,
                   hash_of(files));
 }
 
@@ -246,12 +246,12 @@ INSTANTIATE_TEST_SUITE_P(
                     {Golden{"build of each label", 1302, "e1454096f4aa3e4c3b549bc2c6aea33b"},
                      {"merge of each label", 9, "bc12165633fd464bfad81848a4e8e700"},
                      {"stitch of each label", 6, "59cdc8ffcee04a094002ca747ffecbbb"},
-                     {"encode of each label", 2, "141590bccb677d852b82a4e68563a1e8"}}},
+                     {"encode of each label", 3, "141590bccb677d852b82a4e68563a1e8"}}},
         LabelGolden{"shared",
                     {Golden{"build of shared labels", 1302, "f3789faedf5e049961fd1d19e46a26a3"},
                      {"merge of shared labels", 9, "0b85a57c43aa6e33ee463c7e9b003ee3"},
                      {"stitch of shared labels", 6, "05d69da8e8cc4a33c37bdd751c8c158f"},
-                     {"encode of shared labels", 2, "fd0cca0c691305fa8d98734ec337ab36"}}}),
+                     {"encode of shared labels", 3, "90c12958e47f9a413fc30528bae518ba"}}}),
     [](const auto& each) { return each.param.mode; });
 
 }  // namespace

@@ -140,9 +140,8 @@ TEST(Glb, RefusesCountsThatDoNotDecode) {
 
 std::vector<std::byte> plain(bool normals, const GlbParameters& parameters = {}) {
   const TileMesh mesh = testing::make_torus({}, testing::small_lattice());
-  const std::vector<PlainGlbPart> parts = {{corner_points(mesh, normals)}};
   std::vector<std::byte> glb;
-  write_plain_glb(parts, parameters, [&](std::span<const std::byte> bytes) {
+  write_plain_glb(corner_points(mesh, normals), parameters, [&](std::span<const std::byte> bytes) {
     glb.insert(glb.end(), bytes.begin(), bytes.end());
   });
   return glb;
@@ -163,22 +162,6 @@ TEST(PlainGlb, NamesNoExtensionAndIsReadAsItWasWritten) {
     EXPECT_EQ(read.normals, points.normals);
     EXPECT_EQ(read.triangles, points.triangles);
   }
-}
-
-TEST(PlainGlb, PartsKeepTheirLabels) {
-  const TileMesh mesh = testing::make_torus({}, testing::small_lattice());
-  const DecodedMesh points = corner_points(mesh, true);
-  const std::vector<PlainGlbPart> parts = {{points, MaterialPair{1, 2}},
-                                           {points, MaterialPair{2, exterior}}};
-  std::vector<std::byte> glb;
-  write_plain_glb(parts, {}, [&](std::span<const std::byte> bytes) {
-    glb.insert(glb.end(), bytes.begin(), bytes.end());
-  });
-  const DecodedMesh read = decode_glb(glb);
-  EXPECT_EQ(read.triangles.size(), 2 * points.triangles.size());
-  EXPECT_EQ(read.pairs, (std::vector<MaterialPair>{{1, 2}, {2, exterior}}));
-  EXPECT_EQ(read.triangle_pairs.front(), 0u);
-  EXPECT_EQ(read.triangle_pairs.back(), 1u);
 }
 
 TEST(PlainGlb, RefusesDamage) {

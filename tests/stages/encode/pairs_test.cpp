@@ -4,74 +4,29 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <random>
 #include <set>
 
 #include "stages/encode/glb.h"
+#include "stages/encode/label_boundary.h"
 #include "stages/encode/lattice_mesh.h"
 #include "stages/encode/mesh_accumulator.h"
-#include "stages/encode/pair_meshes.h"
 #include "storage/support/error.h"
-#include "storage/support/file_io.h"
+#include "tests/stages/encode/pair_book.h"
 #include "tests/support/shapes.h"
-#include "tests/support/temp_directory.h"
 
 namespace voxweld {
 namespace {
 
-constexpr Material high = 0xfffffffffffffffeu;
+using testing::book;
+using testing::gltf_formats;
+using testing::with_pairs;
+using testing::written;
 
-// A book: sheets of squares that meet in one row of edges, each sheet between two labels.
-TileMesh book(int sheets, int length) {
-  TileMesh mesh;
-  mesh.lattice = testing::small_lattice();
-  const auto vertex = [&](std::int32_t x, std::int32_t y, std::int32_t z) {
-    mesh.positions.push_back({x, y, z});
-    mesh.ids.push_back(VertexId::make({0, {x, y, z}}, 0));
-    mesh.normals.push_back(
-        {pack_normal({1, 0, 0}), pack_normal({0, 1, 0}), pack_normal({0, 0, 1})});
-    return static_cast<std::uint32_t>(mesh.positions.size() - 1);
-  };
-  std::vector<std::uint32_t> spine;
-  for (int i = 0; i <= length; ++i) spine.push_back(vertex(50, 50, 10 + i));
-  for (int s = 0; s < sheets; ++s) {
-    mesh.pairs.push_back(
-        {static_cast<Material>(s), s == 0 ? exterior : high - static_cast<Material>(s)});
-    std::vector<std::uint32_t> rim;
-    for (int i = 0; i <= length; ++i) rim.push_back(vertex(60 + s, 20 + s * 7 % 23, 10 + i));
-    for (std::size_t i = 0; i < static_cast<std::size_t>(length); ++i)
-      for (const auto& t : {std::array{spine[i], rim[i], spine[i + 1]},
-                            std::array{rim[i], rim[i + 1], spine[i + 1]}}) {
-        mesh.triangles.push_back(t);
-        const bool turned = (s + mesh.triangles.size()) % 2 != 0;
-        mesh.corner_normals.push_back({CornerNormal::make(s % 3, turned),
-                                       CornerNormal::make(0, false),
-                                       CornerNormal::make(1, turned)});
-        mesh.triangle_pairs.push_back(static_cast<std::uint32_t>(s));
-      }
-  }
-  return mesh;
-}
-
-LatticeMesh with_pairs(const TileMesh& mesh) {
-  LatticeMesh out{mesh.positions, mesh.triangles, {}};
-  for (const std::uint32_t pair : mesh.triangle_pairs) out.pairs.push_back(mesh.pairs[pair]);
-  return out;
-}
-
-std::vector<std::byte> glb_of(const TileMesh& mesh, const EncodeParameters& parameters) {
-  const std::vector<TileMesh> meshes = split_by_pair(mesh);
-  std::vector<GlbPart> parts;
-  for (std::size_t i = 0; i < meshes.size(); ++i)
-    parts.push_back({encode_draco(meshes[i], parameters), mesh.pairs[i]});
-  return wrap_glb(parts, {});
-}
-
-TEST(Pairs, ComeBackFromBothFormats) {
-  for (const int sheets : {1, 2, 3, 5, 40})
+// 300: feature ids of 16 bits.
+TEST(Pairs, ComeBackFromAllFormats) {
+  for (const int sheets : {1, 2, 3, 5, 40, 300})
     for (const bool normals : {false, true}) {
       const TileMesh mesh = book(sheets, 12);
       EncodeParameters parameters;
@@ -82,8 +37,15 @@ TEST(Pairs, ComeBackFromBothFormats) {
       const LatticeMesh drc = weld(decode_draco(encoded.bytes), mesh.lattice);
       EXPECT_EQ(digest(drc), expected) << sheets;
       EXPECT_EQ(drc.positions.size(), mesh.positions.size());
-      const LatticeMesh glb = weld(decode_glb(glb_of(mesh, parameters)), mesh.lattice);
-      EXPECT_EQ(digest(glb), expected) << sheets;
+      for (const char* format : gltf_formats) {
+        const auto glb = written(format, mesh, testing::facts_of(normals));
+        const DecodedMesh decoded = decode_glb(glb);
+        EXPECT_EQ(decoded.normals.empty(), !normals);
+        const LatticeMesh welded = weld(decoded, mesh.lattice);
+        EXPECT_EQ(digest(welded), expected) << sheets << format;
+        EXPECT_EQ(welded.positions.size(), mesh.positions.size());
+        EXPECT_EQ(written(format, mesh, testing::facts_of(normals)), glb);
+      }
       EXPECT_EQ(encode_draco(mesh, parameters).bytes, encoded.bytes);
     }
 }
@@ -136,7 +98,8 @@ TEST(Pairs, CornersKeepTheSideOfTheirNormals) {
     const TileMesh mesh = book(sheets, 12);
     const auto expected = shaded(mesh);
     EXPECT_EQ(shaded(decode_draco(encode_draco(mesh, {}).bytes), mesh.lattice), expected);
-    EXPECT_EQ(shaded(decode_glb(glb_of(mesh, {})), mesh.lattice), expected) << sheets;
+    for (const char* format : gltf_formats)
+      EXPECT_EQ(shaded(decode_glb(written(format, mesh, {})), mesh.lattice), expected) << sheets;
   }
 }
 
@@ -222,77 +185,30 @@ TEST(Pairs, BoundariesOfLabelsAreMeasured) {
 }
 
 TEST(Pairs, DamagedFilesAreRefusedOrReadAsSomethingElse) {
-  const EncodedMesh encoded = encode_draco(book(4, 6), {});
+  const TileMesh mesh = book(4, 6);
+  using Decode = DecodedMesh (*)(std::span<const std::byte>, const std::string&);
+  const std::pair<std::vector<std::byte>, Decode> files[] = {
+      {encode_draco(mesh, {}).bytes, decode_draco},
+      {written("glb", mesh, {}), decode_glb},
+      {written("glb-plain", mesh, {}), decode_glb}};
   std::mt19937 random(5);
-  for (int run = 0; run < 2000; ++run) {
-    std::vector<std::byte> bytes = encoded.bytes;
-    if (run % 4 == 0) bytes.resize(random() % bytes.size());
-    for (unsigned i = 0; i < 1 + random() % 3 && !bytes.empty(); ++i)
-      bytes[random() % std::min<std::size_t>(bytes.size(), run % 2 ? 160 : 100000)] ^=
-          static_cast<std::byte>(1u << random() % 8);
-    try {
-      const DecodedMesh mesh = decode_draco(bytes);
-      EXPECT_TRUE(mesh.triangle_pairs.empty() ||
-                  mesh.triangle_pairs.size() == mesh.triangles.size());
-      for (const std::uint32_t pair : mesh.triangle_pairs) EXPECT_LT(pair, mesh.pairs.size());
-    } catch (const FormatError&) {
+  for (const auto& [whole, decode] : files)
+    for (int run = 0; run < 2000; ++run) {
+      std::vector<std::byte> bytes = whole;
+      if (run % 4 == 0) bytes.resize(random() % bytes.size());
+      for (unsigned i = 0; i < 1 + random() % 3 && !bytes.empty(); ++i)
+        bytes[random() % std::min<std::size_t>(bytes.size(), run % 2 ? 160 : 100000)] ^=
+            static_cast<std::byte>(1u << random() % 8);
+      try {
+        const DecodedMesh decoded = decode(bytes, "a file");
+        EXPECT_TRUE(decoded.triangle_pairs.empty() ||
+                    decoded.triangle_pairs.size() == decoded.triangles.size());
+        for (const std::uint32_t pair : decoded.triangle_pairs)
+          EXPECT_LT(pair, decoded.pairs.size());
+      } catch (const FormatError& error) {
+        EXPECT_EQ(std::string(error.what()).rfind("a file: ", 0), 0u) << error.what();
+      }
     }
-  }
-}
-
-TEST(Pairs, AreNamedInTheGlb) {
-  const auto glb = glb_of(book(3, 4), {});
-  std::uint32_t length = 0;
-  for (std::size_t i = 0; i < 4; ++i)
-    length |= std::to_integer<std::uint32_t>(glb[12 + i]) << (8 * i);
-  const auto doc =
-      nlohmann::json::parse(std::string(reinterpret_cast<const char*>(glb.data()) + 20, length));
-  const auto& primitives = doc["meshes"][0]["primitives"];
-  ASSERT_EQ(primitives.size(), 3u);
-  EXPECT_EQ(primitives[0]["extras"]["inside"], 0);
-  EXPECT_TRUE(primitives[0]["extras"]["outside"].is_null());
-  EXPECT_EQ(primitives[1]["extras"]["outside"], high - 1);
-  EXPECT_EQ(doc["materials"][0]["name"], "0 | outside");
-  EXPECT_EQ(doc["materials"][1]["name"], "1 | " + std::to_string(high - 1));
-  EXPECT_EQ(doc["materials"][1]["doubleSided"], true);
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(primitives[i]["material"], i);
-  EXPECT_NE(doc["materials"][0]["pbrMetallicRoughness"],
-            doc["materials"][1]["pbrMetallicRoughness"]);
-}
-
-// Those of a table are sRGB, those of a file linear.
-TEST(Pairs, HaveTheColoursTheirLabelsAreGiven) {
-  MaterialTable table;
-  table.entries = {{0, "first", MaterialColor{255, 0, 188}}, {1, "second", std::nullopt}};
-  GlbParameters parameters;
-  parameters.materials = &table;
-  const auto colours = [&](const std::vector<std::byte>& glb) {
-    std::uint32_t length = 0;
-    for (std::size_t i = 0; i < 4; ++i)
-      length |= std::to_integer<std::uint32_t>(glb[12 + i]) << (8 * i);
-    const auto doc =
-        nlohmann::json::parse(std::string(reinterpret_cast<const char*>(glb.data()) + 20, length));
-    std::vector<nlohmann::json> found;
-    for (const auto& material : doc["materials"])
-      found.push_back(material["pbrMetallicRoughness"].value("baseColorFactor", nlohmann::json()));
-    return found;
-  };
-  const std::vector<TileMesh> parts = split_by_pair(book(3, 4));
-  std::vector<GlbPart> glb_parts;
-  for (std::size_t i = 0; i < parts.size(); ++i)
-    glb_parts.push_back({encode_draco(parts[i], {}), book(3, 4).pairs[i]});
-  const auto given = colours(wrap_glb(glb_parts, parameters));
-  const auto by_number = colours(wrap_glb(glb_parts, {}));
-  EXPECT_EQ(given[0], (nlohmann::json{1.0, 0.0, 0.50289, 1.0}));
-  EXPECT_EQ(given[1], by_number[1]);  // of label 1, which has none
-  EXPECT_NE(given[0], by_number[0]);
-  // A mesh that is one label's has its colour, and none otherwise.
-  const EncodedMesh whole = encode_draco(parts[0], {});
-  EXPECT_TRUE(colours(wrap_glb(whole, parameters)).at(0).is_null());
-  parameters.label = 1;
-  EXPECT_TRUE(colours(wrap_glb(whole, parameters)).at(0).is_null());
-  parameters.label = 0;
-  EXPECT_EQ(colours(wrap_glb(whole, parameters)).at(0), given[0]);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The parts of a mesh between labels.
+// The labels of a mesh between labels.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,6 @@
 #include "storage/types/tile_mesh.h"
 
 namespace voxweld {
-
-// The triangles of mesh.pairs[i], for each i; vertices in the order of first use, triangles in
-// theirs; quads and polygon_triangles are not told apart and left 0. Each is empty of pairs itself.
-std::vector<TileMesh> split_by_pair(const TileMesh& mesh);
 
 // The boundary of one label: all triangles that have it on either side, turned so that they face
 // out of it.

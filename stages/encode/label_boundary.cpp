@@ -1,13 +1,10 @@
-#include "stages/encode/pair_meshes.h"
+#include "stages/encode/label_boundary.h"
 
-#include <limits>
 #include <map>
 #include <utility>
 
 namespace voxweld {
 namespace {
-
-constexpr std::uint32_t unset = std::numeric_limits<std::uint32_t>::max();
 
 // The triangles of each pair.
 std::vector<std::vector<std::uint32_t>> by_pair(const TileMesh& mesh) {
@@ -64,36 +61,6 @@ std::vector<LabelBoundary> measure_labels(const TileMesh& mesh) {
       counter.add(triangles[p], mesh.pairs[p].inside == label, boundary);
   }
   return boundaries;
-}
-
-std::vector<TileMesh> split_by_pair(const TileMesh& mesh) {
-  const auto triangles = by_pair(mesh);
-  std::vector<std::uint32_t> number(mesh.positions.size(), unset);
-  std::vector<TileMesh> parts(mesh.pairs.size());
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    TileMesh& part = parts[p];
-    part.tile = mesh.tile;
-    part.lattice = mesh.lattice;
-    std::vector<std::uint32_t> vertices;
-    for (const std::uint32_t t : triangles[p]) {
-      auto& corners = part.triangles.emplace_back(mesh.triangles[t]);
-      for (std::uint32_t& corner : corners) {
-        if (number[corner] == unset) {
-          number[corner] = static_cast<std::uint32_t>(vertices.size());
-          vertices.push_back(corner);
-        }
-        corner = number[corner];
-      }
-      if (!mesh.corner_normals.empty()) part.corner_normals.push_back(mesh.corner_normals[t]);
-    }
-    for (const std::uint32_t v : vertices) {
-      part.positions.push_back(mesh.positions[v]);
-      part.ids.push_back(mesh.ids[v]);
-      if (!mesh.normals.empty()) part.normals.push_back(mesh.normals[v]);
-      number[v] = unset;
-    }
-  }
-  return parts;
 }
 
 }  // namespace voxweld
