@@ -20,7 +20,7 @@ namespace {
 
 struct ViewArguments {
   std::string input;
-  ViewServerOptions options;
+  ServerOptions options;
   bool open = false;
 };
 

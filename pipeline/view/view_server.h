@@ -6,13 +6,10 @@
 #include <memory>
 #include <string>
 
-namespace voxweld {
+#include "pipeline/view/http_server.h"
+#include "pipeline/view/served_files.h"
 
-struct ViewServerOptions {
-  std::string host = "127.0.0.1";
-  int port = 0;      // 0: one that is free
-  int threads = 64;  // requests that are answered at the same time; others wait
-};
+namespace voxweld {
 
 // Answers GET and HEAD:
 //   /             the page, and its parts beside it
@@ -24,18 +21,19 @@ class ViewServer {
  public:
   // Listens, and answers from threads of its own. InputError where there is nothing to show (scene.h),
   // where the build has no page, and where the address or port cannot be had.
-  ViewServer(const std::filesystem::path& shown, const ViewServerOptions& options);
-  // Ends answers that are under way.
-  ~ViewServer();
+  ViewServer(const std::filesystem::path& shown, const ServerOptions& options);
   ViewServer(const ViewServer&) = delete;
   ViewServer& operator=(const ViewServer&) = delete;
 
-  int port() const;
+  int port() const { return server_->port(); }
   std::string url() const;
 
  private:
-  class Server;
-  std::unique_ptr<Server> server_;
+  ServerAnswer answer(const ServerRequest& request) const;
+
+  const ServedFiles files_;
+  const std::string host_;
+  std::unique_ptr<RunningServer> server_;  // ends first
 };
 
 // Whether only this machine reaches an address: "localhost", 127.0.0.0/8, "::1".

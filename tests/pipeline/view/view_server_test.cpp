@@ -36,7 +36,7 @@ class View : public ::testing::Test {
     if (page_files().empty()) GTEST_SKIP() << "built without the viewer's page";
     write_small_run(folder());
     write_bytes((place_.path() / "secret.txt").string(), "secret");
-    server_.emplace(folder(), ViewServerOptions{});
+    server_.emplace(folder(), ServerOptions{});
   }
   fs::path folder() const { return place_.path() / "scan.mesh"; }
   httplib::Client client() const { return httplib::Client("127.0.0.1", server_->port()); }
@@ -114,6 +114,15 @@ TEST_F(View, EmptyFilesAreEmpty) {
   ASSERT_TRUE(answer);
   EXPECT_EQ(answer->status, 200);
   EXPECT_EQ(answer->body, "");
+}
+
+TEST_F(View, PartsAreSaidToBeParts) {
+  const std::string whole = get("/data/tiles/0.drc")->body;
+  const auto part = get("/data/tiles/0.drc", {{"Range", "bytes=2-5"}});
+  ASSERT_TRUE(part);
+  EXPECT_EQ(part->status, 206);
+  EXPECT_EQ(part->body, whole.substr(2, 4));
+  EXPECT_EQ(status_of("/data/tiles/0.drc", {{"Range", "bytes=x"}}), 416);
 }
 
 TEST_F(View, SaysWhatIsMissing) {
