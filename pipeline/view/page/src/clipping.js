@@ -2,9 +2,9 @@
 // ray meets behind the cut are counted in the stencil; where they differ, it begins within material.
 import {
   AlwaysStencilFunc, BackSide, Box3, DecrementWrapStencilOp, DoubleSide, FrontSide, Group, IncrementWrapStencilOp,
-  Mesh, MeshBasicMaterial, MeshStandardMaterial, NotEqualStencilFunc, Plane, PlaneGeometry, ReplaceStencilOp, Vector3,
+  Mesh, MeshStandardMaterial, NotEqualStencilFunc, Plane, PlaneGeometry, ReplaceStencilOp, Vector3,
 } from "three";
-import { cut_within_triangles } from "./materials.js";
+import { hidden_material } from "./materials.js";
 import { label_geometry } from "./pieces.js";
 
 const names = ["x", "y", "z"];
@@ -137,7 +137,7 @@ export class Clipping {
 
   count(body, plane, order) {
     for (const [side, op] of [[BackSide, IncrementWrapStencilOp], [FrontSide, DecrementWrapStencilOp]]) {
-      const material = cut_within_triangles(new MeshBasicMaterial({ ...counting(side, op), clippingPlanes: [plane] }));
+      const material = hidden_material({ ...counting(side, op), clippingPlanes: [plane] });
       for (const item of body.items) {
         const mesh = new Mesh(this.geometry_of(item, body.label), material);
         mesh.raycast = () => {};

@@ -46,7 +46,7 @@ async function read_draco(buffer) {
 
 // What a mesh of a glTF file separates: said in `extras`, or for each vertex as a feature id.
 export function pair_of_mesh(mesh) {
-  const { inside, outside } = mesh.userData;
+  const { inside, outside } = { ...mesh.geometry.userData, ...mesh.userData };
   if (inside === undefined) return feature_labels(mesh);
   const label = (number) => (number === null || number === undefined ? null : String(number));
   return { pairs: [{ inside: label(inside), outside: label(outside) }] };

@@ -5,6 +5,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 const keys = { KeyW: [0, 1, 0], KeyS: [0, -1, 0], KeyA: [-1, 0, 0], KeyD: [1, 0, 0], KeyE: [0, 0, 1], KeyQ: [0, 0, -1] };
 const fast = 4, crossing_seconds = 6;
 const filled = 0.94; // of the picture
+const tap_ms = 40; // how long a key counts as held that was only tapped
 
 export const sides = {
   Front: [0, -1, 0], Back: [0, 1, 0], Left: [-1, 0, 0], Right: [1, 0, 0], Top: [0, 0, 1], Bottom: [0, 0, -1],
@@ -54,7 +55,7 @@ export class Movement {
   key_down(event) {
     if (!keys[event.code] || event.ctrlKey || event.metaKey || event.altKey) return false;
     this.fast = event.shiftKey;
-    if (!this.down.has(event.code)) this.last = performance.now();
+    if (this.down.size === 0) this.last = performance.now() - tap_ms;
     this.down.add(event.code);
     this.stage.draw();
     return true;

@@ -38,6 +38,11 @@ export class Tileset {
   listen() {
     const { tiles } = this;
     tiles.addEventListener("load-root-tileset", () => this.frame());
+    const loaded = () => {
+      tiles.removeEventListener("tiles-load-end", loaded);
+      this.on_loaded?.();
+    };
+    tiles.addEventListener("tiles-load-end", loaded);
     tiles.addEventListener("load-model", ({ scene, tile }) => this.add(scene, tile));
     tiles.addEventListener("dispose-model", ({ scene }) => {
       for (const item of scene.userData.items ?? []) this.surface.remove(item);

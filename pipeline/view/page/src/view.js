@@ -78,7 +78,12 @@ export class View {
     this.tileset = new Tileset({ path: scene.tileset, stage, surface, space, state, changed });
     this.tileset.on_frame = () => {
       this.place();
-      if (!this.movement.touched) this.movement.frame();
+      this.fit();
+    };
+    this.tileset.on_loaded = () => {
+      if (this.movement.touched || this.surface.items.size === 0) return;
+      this.stage.points = this.surface.sample();
+      this.fit();
     };
   }
 
@@ -116,11 +121,16 @@ export class View {
     this.loaded(bounds);
   }
 
+  // Unless the user has looked elsewhere.
+  fit() {
+    if (!this.movement.touched) this.movement.frame();
+  }
+
   add_piece(piece, job, bounds) {
     if (this.scene.kind === "file") {
       this.space.set_box(bounds);
       this.place();
-      if (!this.movement.touched) this.movement.frame();
+      this.fit();
     }
     this.surface.add(piece, { tile: job.tile, level: job.level, name: job.file.path });
   }
@@ -129,10 +139,11 @@ export class View {
   loaded(bounds) {
     if (!bounds.isEmpty()) {
       this.stage.points = this.surface.sample();
-      if (!this.movement.touched) this.movement.frame();
+      this.fit();
     }
     if (this.surface.levels[0] !== this.surface.levels[1]) this.surface.set({});
     this.clipping.changed();
+    this.panel.show();
     if (this.state.left_out > 0) this.offer_rest();
   }
 
