@@ -52,6 +52,7 @@ void add_init_command(CLI::App& app, Program& program);
 void add_verify_command(CLI::App& app, Program& program);
 void add_render_command(CLI::App& app, Program& program);
 void add_report_command(CLI::App& app, Program& program);
+void add_view_command(CLI::App& app, Program& program);
 void add_export_command(CLI::App& app, Program& program);
 void add_extract_command(CLI::App& app, Program& program);
 void add_phantom_command(CLI::App& app, Program& program);

@@ -95,6 +95,7 @@ void add_commands(CLI::App& app, Program& program) {
   add_init_command(app, program);
   add_run_command(app, program);
   add_verify_command(app, program);
+  add_view_command(app, program);
   add_render_command(app, program);
   add_report_command(app, program);
   add_export_command(app, program);

@@ -31,8 +31,9 @@ class ModuleVolume {
   virtual bool read(const Box3& box, std::byte* out, ModuleError& error) const = 0;
 };
 
-class HttpService;   // storage/http/http_service.h
-class ImageService;  // storage/image/image_service.h
+class HttpService;    // storage/http/http_service.h
+class ImageService;   // storage/image/image_service.h
+class ServerService;  // pipeline/view/http_server.h
 
 class Module {
  public:
@@ -48,6 +49,8 @@ class Module {
   virtual ImageService* images() { return nullptr; }
   // Null where it sends no requests.
   virtual HttpService* http() { return nullptr; }
+  // Null where it answers none.
+  virtual ServerService* server() { return nullptr; }
 };
 
 // What a module exports. The version comes first whatever the version is.
@@ -55,7 +58,7 @@ struct ModuleEntry {
   const char* version;  // module_version, as the module was built
   Module* (*module)();  // always the same one; called where the version is the program's own
 };
-inline constexpr const char* module_version = VOXWELD_VERSION "/4";
+inline constexpr const char* module_version = VOXWELD_VERSION "/5";
 
 }  // namespace voxweld
 

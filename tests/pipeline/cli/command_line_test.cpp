@@ -14,7 +14,7 @@ TEST(CommandLine, EverySubcommandExplainsItself) {
   for (const char* name :
        {"run",    "ingest", "build",  "merge",   "stitch",   "survey", "refine", "recount",
         "seams",  "mend",   "retile", "encode",  "edit",     "init",   "info",   "verify",
-        "render", "report", "export", "phantom", "settings", "clean"}) {
+        "render", "report", "export", "phantom", "settings", "clean",  "view"}) {
     EXPECT_THAT(all.out, HasSubstr(std::string("\n  ") + name + " "));
     const ProgramResult help = run_voxweld({name, "--help"});
     EXPECT_EQ(help.exit_code, 0) << name;
@@ -49,7 +49,7 @@ TEST(CommandLine, NamesWhatWasProbablyMeant) {
 
 TEST(CommandLine, HelpFitsATerminalAndShowsHow) {
   for (const char* name :
-       {"run", "init", "info", "edit", "verify", "render", "report", "phantom"}) {
+       {"run", "init", "info", "edit", "verify", "render", "report", "phantom", "view"}) {
     const std::string help = run_voxweld({name, "--help"}).out;
     EXPECT_THAT(help, HasSubstr(std::string("Usage: voxweld ") + name + " [OPTIONS] "));
     EXPECT_THAT(help, HasSubstr(std::string("\nExamples:\n  voxweld ") + name));

@@ -1,0 +1,374 @@
+// Drives the page of `voxweld view` in a headless Chromium: that it loads all there is, without a word
+// in the console, and that what is drawn is what it should be.
+// Usage: node page_test.mjs VOXWELD
+// Without VOXWELD it says whether puppeteer-core loads. Exits 77 where there is no Chromium, no puppeteer-core (tests/npm_packages.sh) or no viewer.
+import assert from "node:assert/strict";
+import { spawn, spawnSync } from "node:child_process";
+import { copyFileSync, existsSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { inflateSync } from "node:zlib";
+import { tileset_of } from "./tileset.mjs";
+
+const [, , voxweld] = process.argv;
+const patience_ms = 60000;
+
+function skip(why) {
+  console.log(`skipped: ${why}`);
+  process.exit(77);
+}
+
+function browser_path() {
+  const names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+  for (const folder of (process.env.PATH ?? "").split(":"))
+    for (const name of names) if (existsSync(join(folder, name))) return join(folder, name);
+  return skip("no chromium");
+}
+
+let puppeteer;
+try {
+  puppeteer = createRequire(import.meta.url)("puppeteer-core");
+} catch {
+  skip("puppeteer-core is not installed; run tests/npm_packages.sh");
+}
+if (voxweld === undefined) process.exit(0);
+const chromium = browser_path();
+const place = mkdtempSync(join(tmpdir(), "voxweld-page-"));
+process.on("exit", () => rmSync(place, { recursive: true, force: true }));
+
+function run(...args) {
+  const done = spawnSync(voxweld, args, { cwd: place, encoding: "utf8" });
+  if (/has no viewer/.test(done.stderr)) skip(done.stderr.trim());
+  assert.equal(done.status, 0, `voxweld ${args.join(" ")}: ${done.stderr}`);
+}
+
+// The surfaces that are looked at.
+function make_meshes() {
+  run("phantom", "gyroid", "--size", "48", "-o", "gyroid.nrrd");
+  writeFileSync(join(place, "gyroid.toml"),
+    `[input]\npath = "gyroid.nrrd"\nspacing = [0.5, 0.5, 0.5]\nunit = "mm"\n[surface]\nisovalue = 32767.5\ninside = "below"\n[output]\ntile_vertices = 3000\n`);
+  run("run", "gyroid.toml");
+  run("phantom", "labels", "--size", "40", "--type", "uint16", "-o", "cells.nrrd");
+  run("init", "cells.nrrd", "--labels");
+  run("run", "cells.toml");
+  run("run", "cells.toml", "--set", "labels.mode=shared", "--set", "output.directory=shared.mesh", "--set", "work.directory=shared.work");
+  for (const ending of ["ply", "stl", "obj"]) run("export", "gyroid.mesh", "-o", `gyroid.${ending}`);
+  copyFileSync(join(place, "gyroid.mesh/mesh.glb"), join(place, "gyroid.glb"));
+  writeFileSync(join(place, "solids.toml"), // a ball without holes
+    `[input]\nformat = "empty"\nsize = [40, 40, 40]\n[[edit]]\nop = "add"\nshape = "sphere"\ncenter = [20, 20, 20]\nradius = 15\n`);
+  run("run", "solids.toml");
+}
+
+async function serve(name) {
+  const server = spawn(voxweld, ["view", name], { cwd: place, stdio: ["ignore", "pipe", "pipe"] });
+  let said = "";
+  server.stderr.on("data", (text) => (said += text));
+  const ended = new Promise((done) => server.on("exit", (code) => done(code)));
+  const url = await new Promise((done, failed) => {
+    server.stdout.on("data", (text) => done(String(text).match(/http:\S+/)[0]));
+    ended.then(() => (/has no viewer/.test(said) ? skip(said.trim()) : failed(new Error(said))));
+  });
+  return { url, stop: () => (server.kill("SIGINT"), ended) };
+}
+
+// Of libraries, of what is tested here: 3d-tiles-renderer says it of every tileset of version 1.1.
+const expected = /tiles versions at 1.1 or higher have limited support|DRACOLoader: Decoding failed/;
+
+// A page that complains of nothing: not of requests either.
+async function open_page(browser, url) {
+  const page = await browser.newPage();
+  const complaints = [];
+  page.on("console", (message) =>
+    ["error", "warn", "warning"].includes(message.type()) && !expected.test(message.text()) && complaints.push(message.text()));
+  page.on("pageerror", (error) => complaints.push(String(error)));
+  page.on("requestfailed", (request) => complaints.push(`${request.url()}: ${request.failure()?.errorText}`));
+  page.on("response", (answer) => answer.status() >= 400 && complaints.push(`${answer.url()}: ${answer.status()}`));
+  page.on("request", (request) => {
+    if (!/^(http:\/\/127\.0\.0\.1:|blob:|data:)/.test(request.url())) complaints.push(`asks for ${request.url()}`);
+  });
+  await page.setViewport({ width: 1000, height: 640 });
+  await page.goto(url);
+  await page.waitForFunction(() => ["ready", "error"].includes(window.voxweld?.state.status), { timeout: patience_ms });
+  return { page, complaints };
+}
+
+// Rows of 8-bit RGB or RGBA, without interlacing.
+function decoded_png(file) {
+  const chunks = [];
+  let width, height, channels;
+  for (let at = 8; at < file.length; ) {
+    const size = file.readUInt32BE(at), type = file.toString("latin1", at + 4, at + 8);
+    if (type === "IHDR") {
+      [width, height] = [file.readUInt32BE(at + 8), file.readUInt32BE(at + 12)];
+      channels = { 2: 3, 6: 4 }[file[at + 17]];
+    }
+    if (type === "IDAT") chunks.push(file.subarray(at + 8, at + 8 + size));
+    at += 12 + size;
+  }
+  const raw = inflateSync(Buffer.concat(chunks)), stride = width * channels, pixels = Buffer.alloc(height * stride);
+  for (let y = 0; y < height; ++y) {
+    const filter = raw[y * (stride + 1)];
+    for (let x = 0; x < stride; ++x) {
+      const a = x >= channels ? pixels[y * stride + x - channels] : 0, b = y > 0 ? pixels[(y - 1) * stride + x] : 0;
+      const c = x >= channels && y > 0 ? pixels[(y - 1) * stride + x - channels] : 0;
+      const p = a + b - c, [pa, pb, pc] = [Math.abs(p - a), Math.abs(p - b), Math.abs(p - c)];
+      const paeth = pa <= pb && pa <= pc ? a : pb <= pc ? b : c;
+      pixels[y * stride + x] = raw[y * (stride + 1) + 1 + x] + [0, a, b, (a + b) >> 1, paeth][filter];
+    }
+  }
+  return { width, height, at: (x, y) => [...pixels.subarray((y * width + x) * channels, (y * width + x) * channels + 3)] };
+}
+
+// What the canvas shows, without what lies over it.
+async function picture(page) {
+  const text = await page.evaluate(async () => {
+    const blob = await window.voxweld.view.stage.picture();
+    return new Promise((done) => {
+      const reader = new FileReader();
+      reader.onload = () => done(reader.result.split(",")[1]);
+      reader.readAsDataURL(blob);
+    });
+  });
+  return decoded_png(Buffer.from(text, "base64"));
+}
+
+const back = [0x15, 0x18, 0x1d];
+const is_back = (pixel) => pixel.every((value, i) => Math.abs(value - back[i]) <= 2);
+const is_red = ([r, g, b]) => r > 35 && r > 1.3 * g && r > 1.3 * b;
+
+function share(image, test, [x0, y0, x1, y1] = [0, 0, 1, 1]) {
+  let all = 0, found = 0;
+  for (let y = Math.floor(y0 * image.height); y < y1 * image.height; ++y)
+    for (let x = Math.floor(x0 * image.width); x < x1 * image.width; ++x) {
+      ++all;
+      found += test(image.at(x, y));
+    }
+  return found / all;
+}
+
+// Pixels that differ, of all.
+function difference(a, b) {
+  let found = 0;
+  for (let y = 0; y < a.height; ++y)
+    for (let x = 0; x < a.width; ++x) found += a.at(x, y).some((value, i) => Math.abs(value - b.at(x, y)[i]) > 8);
+  return found / (a.width * a.height);
+}
+
+const look = (page, text) => page.evaluate(`{ const view = window.voxweld.view; ${text} }`);
+const triangles_of = (name) => JSON.parse(readFileSync(join(place, name, "manifest.json"))).counts.output_triangles;
+
+const tests = {
+  async "a run loads all of its tiles"(visit) {
+    const { page } = await visit("gyroid.mesh");
+    const state = await page.evaluate(() => window.voxweld.state);
+    const tiles = readFileSync(join(place, "gyroid.mesh/tiles.jsonl"), "utf8").trim().split("\n").length;
+    assert.ok(tiles > 3, `${tiles} tiles`);
+    assert.equal(state.tiles_loaded, tiles);
+    assert.equal(state.tiles_total, tiles);
+    assert.equal(state.triangles, triangles_of("gyroid.mesh"));
+    assert.equal(state.bytes_loaded, state.bytes_total);
+    assert.deepEqual(state.errors, []);
+    const image = await picture(page);
+    assert.ok(share(image, is_back) > 0.1, "background around it");
+    assert.ok(share(image, is_back) < 0.85, "a surface");
+  },
+
+  async "a closed surface shows no background in its middle, and no back"(visit) {
+    const { page } = await visit("solids.mesh");
+    const image = await picture(page), middle = [0.3, 0.35, 0.44, 0.65]; // left of the panel
+    assert.equal(share(image, is_back, middle), 0);
+    assert.ok(share(image, is_red) < 0.0005, `backs: ${share(image, is_red)}`);
+  },
+
+  async "a cut is filled where material is cut, and open where that is wanted"(visit) {
+    const { page } = await visit("solids.mesh");
+    const whole = await picture(page);
+    await look(page, "view.movement.frame([0, -1, 0]); view.set_cut(1, {on: true, at: 0.5, flipped: true})");
+    const filled = await picture(page), middle = [0.3, 0.35, 0.44, 0.65];
+    assert.equal(share(filled, is_back, middle), 0);
+    assert.ok(share(filled, is_red) < 0.0005, "no back is seen");
+    const shades = new Set();
+    share(filled, (pixel) => (shades.add(pixel.join()), false), [0.34, 0.45, 0.38, 0.55]);
+    assert.ok(shades.size <= 6, `a cap is plain: ${shades.size} shades`);
+    await look(page, "view.set_caps(false)");
+    assert.ok(share(await picture(page), is_red, middle) > 0.95, "backs are seen");
+    await look(page, "view.set_cut(1, {on: false}); view.movement.reset()");
+    assert.ok(difference(whole, await picture(page)) < 0.001, "as before");
+  },
+
+  async "lines, flat triangles, boxes and colours change the picture"(visit) {
+    const { page } = await visit("gyroid.mesh");
+    const plain = await picture(page);
+    const changes = {
+      lines: ["view.set_surface({wireframe: true})", "view.set_surface({wireframe: false})"],
+      flat: ["view.set_surface({flat: true})", "view.set_surface({flat: false})"],
+      boxes: ["view.set_boxes(true)", "view.set_boxes(false)"],
+      normal: ["view.set_mode('normal')", "view.set_mode('plain')"],
+      tile: ["view.set_mode('tile')", "view.set_mode('plain')"],
+    };
+    for (const [name, [on, off]] of Object.entries(changes)) {
+      await look(page, on);
+      assert.ok(difference(plain, await picture(page)) > 0.004, `${name} on`);
+      await look(page, off);
+      assert.equal(difference(plain, await picture(page)), 0, `${name} off`);
+    }
+  },
+
+  async "keys do what the help says"(visit) {
+    const { page } = await visit("gyroid.mesh");
+    const state = () => page.evaluate(() => {
+      const { surface, boxes, clipping, movement, help } = window.voxweld.view;
+      return { lines: surface.wireframe, flat: surface.flat, boxes: boxes.visible, x: clipping.axes[0].on,
+        caps: clipping.caps, fly: movement.flying, mode: surface.mode, help: help.dialog.open };
+    });
+    const first = await state();
+    for (const [key, name] of Object.entries({ l: "lines", t: "flat", b: "boxes", x: "x", c: "caps", v: "fly", "?": "help" })) {
+      await page.keyboard.press(key);
+      assert.equal((await state())[name], !first[name], key);
+      await page.keyboard.press(key);
+      assert.deepEqual(await state(), first, `${key} again`);
+    }
+    await page.keyboard.press("2");
+    assert.equal((await state()).mode, "normal");
+    const before = await page.evaluate(() => window.voxweld.view.stage.camera.position.toArray());
+    await page.keyboard.down("w");
+    const moved = (from) => window.voxweld.view.stage.camera.position.toArray().join() !== from;
+    await page.waitForFunction(moved, { timeout: patience_ms }, before.join());
+    await page.keyboard.up("w");
+  },
+
+  async "a click tells the place"(visit) {
+    const { page } = await visit("solids.mesh");
+    await look(page, "view.movement.frame([0, 0, 1])"); // from above: the ball's top
+    const middle = await page.evaluate(() => (innerWidth - document.getElementById("panel").offsetWidth) / 2);
+    await page.mouse.click(middle, 320);
+    const point = await page.evaluate(() => {
+      const { voxel, world, name } = window.voxweld.state.point;
+      return { voxel: voxel.toArray(), world: world.toArray(), name, text: document.getElementById("point").innerText };
+    });
+    for (const [found, wanted] of [[point.voxel, [20, 20, 35]], [point.world, [20, 20, 35]]])
+      found.forEach((x, k) => assert.ok(Math.abs(x - wanted[k]) < 0.6, `${found}`));
+    assert.match(point.name, /^tiles\/.*\.drc$/);
+    assert.match(point.text, /Voxel/);
+    await page.mouse.click(5, 320);
+    assert.equal(await page.evaluate(() => window.voxweld.state.point), null);
+  },
+
+  async "a link keeps the view"(visit) {
+    const { page, again } = await visit("gyroid.mesh");
+    await look(page, "view.movement.frame([1, 0, 0]); view.movement.touched = true; view.set_cut(2, {on: true, at: 0.4}); view.set_mode('tile'); view.set_surface({wireframe: true}); view.link.write()");
+    const image = await picture(page), hash = await page.evaluate(() => location.hash);
+    assert.match(hash, /camera=.*colour=tile.*lines=1.*cut=z/);
+    assert.ok(difference(image, await picture((await again(hash)).page)) < 0.01);
+    await again("#camera=1,2,x&colour=none&cut=q<9,x<,z>99&only=&hide=77&plain=zz"); // nothing of it holds
+  },
+
+  async "labels have their colours, and can be hidden"(visit) {
+    for (const name of ["cells.mesh", "shared.mesh"]) {
+      const { page } = await visit(name);
+      const rows = readFileSync(join(place, name, "labels.jsonl"), "utf8").trim().split("\n").map((line) => JSON.parse(line));
+      assert.equal(await page.evaluate(() => window.voxweld.view.labels.size), rows.length, name);
+      assert.equal(await page.evaluate(() => window.voxweld.view.surface.mode), "label");
+      assert.equal(await page.evaluate(() => window.voxweld.state.triangles), triangles_of(name), name);
+      const all = await picture(page);
+      const label = rows.sort((a, b) => b.triangles - a.triangles)[0].label;
+      await look(page, `view.labels.show_only("${label}"); view.surface.labels_changed()`);
+      const one = await picture(page);
+      assert.ok(share(one, is_back) > share(all, is_back) + 0.02, name);
+      const drawn = await page.evaluate(() => [...window.voxweld.view.surface.items].reduce((sum, { mesh, piece }) =>
+        sum + (mesh.visible ? Math.min(piece.geometry.drawRange.count, piece.geometry.index.count) / 3 : 0), 0));
+      assert.equal(drawn, rows[0].triangles, `${name}: its triangles and no others`);
+      await look(page, `view.labels.show_all(false); view.surface.labels_changed()`);
+      assert.equal(share(await picture(page), is_back), 1, `${name}: nothing`);
+      await look(page, `view.labels.show_all(true); view.surface.labels_changed()`);
+      assert.equal(difference(all, await picture(page)), 0, `${name}: all again`);
+    }
+  },
+
+  async "the caps of labels have their colours"(visit) {
+    for (const name of ["cells.mesh", "shared.mesh"]) {
+      const { page } = await visit(name);
+      await look(page, "view.movement.frame([0, -1, 0]); view.set_cut(1, {on: true, at: 0.5, flipped: true})");
+      const image = await picture(page), colours = new Map();
+      share(image, (pixel) => (colours.set(pixel.join(), (colours.get(pixel.join()) ?? 0) + 1), false));
+      const plain = [...colours].filter(([colour, count]) => count > 400 && !is_back(colour.split(",").map(Number)));
+      assert.ok(plain.length >= 8, `${name}: ${plain.length} plain areas`);
+    }
+  },
+
+  async "single files of all formats"(visit) {
+    const triangles = triangles_of("gyroid.mesh");
+    for (const name of ["gyroid.mesh/mesh.drc", "gyroid.glb", "gyroid.ply", "gyroid.stl", "gyroid.obj"]) {
+      const { page } = await visit(name);
+      const state = await page.evaluate(() => window.voxweld.state);
+      assert.deepEqual([state.triangles, state.errors], [triangles, []], name);
+      assert.ok(share(await picture(page), is_back) < 0.85, name);
+    }
+    const { page } = await visit("shared.mesh/mesh.glb"); // labels that no list names
+    assert.equal(await page.evaluate(() => window.voxweld.state.triangles), triangles_of("shared.mesh"));
+    assert.ok((await page.evaluate(() => window.voxweld.view.labels.size)) > 5);
+  },
+
+  async "a tileset is loaded as the view needs"(visit) {
+    tileset_of(join(place, "gyroid.mesh"));
+    const { page } = await visit("gyroid.mesh");
+    await page.waitForFunction((n) => window.voxweld.state.triangles === n, { timeout: patience_ms }, triangles_of("gyroid.mesh"));
+    rmSync(join(place, "gyroid.mesh/tileset.json"));
+    assert.deepEqual(await page.evaluate(() => window.voxweld.state.errors), []);
+    const image = await picture(page);
+    assert.ok(share(image, is_back) > 0.1 && share(image, is_back) < 0.85);
+    await look(page, "view.set_mode('level')");
+    assert.ok(difference(image, await picture(page)) > 0.05);
+    const text = await page.evaluate(() => document.getElementById("panel").innerText);
+    assert.match(text, /TILESET|Tileset/);
+  },
+
+  async "a damaged tile is told, and the others are shown"(visit) {
+    const tiles = readdirSync(join(place, "gyroid.mesh/tiles")).filter((name) => name.endsWith(".drc"));
+    const file = join(place, "gyroid.mesh/tiles", tiles[0]), bytes = readFileSync(file);
+    writeFileSync(file, bytes.subarray(0, bytes.length / 2));
+    const { page } = await visit("gyroid.mesh");
+    writeFileSync(file, bytes);
+    const state = await page.evaluate(() => window.voxweld.state);
+    assert.equal(state.errors.length, 1);
+    assert.match(state.errors[0], new RegExp(tiles[0]));
+    assert.equal(state.tiles_loaded, state.tiles_total - 1);
+    await page.waitForFunction((name) => document.getElementById("notes").innerText.includes(name), {}, tiles[0]);
+  },
+};
+
+make_meshes();
+const browser = await puppeteer.launch({
+  executablePath: chromium, headless: true,
+  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run", "--disable-background-networking"],
+});
+let failures = 0;
+for (const [name, test] of Object.entries(tests)) {
+  const opened = [];
+  const visit = async (what) => {
+    const { url, stop } = await serve(what);
+    const again = async (hash = "") => {
+      const one = await open_page(browser, url + hash);
+      opened.push({ ...one, what });
+      return { ...one, again };
+    };
+    opened.push({ stop });
+    return again();
+  };
+  try {
+    await test(visit);
+    for (const { complaints = [], what } of opened) assert.deepEqual(complaints, [], what);
+    console.log(`ok ${name}`);
+  } catch (error) {
+    ++failures;
+    console.log(`FAILED ${name}: ${error.stack}`);
+    for (const { complaints = [] } of opened) if (complaints.length > 0) console.log(complaints.join("\n"));
+  }
+  for (const { page, stop } of opened) {
+    await page?.close();
+    if (stop) assert.equal(await stop(), 0, "Ctrl-C ends the server well");
+  }
+}
+await browser.close();
+process.exit(failures > 0 ? 1 : 0);
