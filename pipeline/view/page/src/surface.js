@@ -23,7 +23,7 @@ export class Surface {
     this.materials.flat_normal.flatShading = true;
   }
 
-  // about: {tile: number, level, name, parent}. Returns the item, which remove() takes.
+  // about: {tile: number, level (the more the coarser), name, parent}. Returns the item, which remove() takes.
   add(piece, about) {
     const pairs = piece.ids !== null;
     const mesh = new Mesh(piece.geometry);
@@ -34,7 +34,10 @@ export class Surface {
     mesh.userData.item = item;
     if (pairs) this.add_colours(piece.geometry);
     if (piece.pairs) this.labels.found(piece);
-    this.levels = [Math.min(this.levels[0], about.level), Math.max(this.levels[1], about.level)];
+    const [lowest, highest] = this.levels;
+    this.levels = [Math.min(lowest, about.level), Math.max(highest, about.level)];
+    if (this.mode === "level" && (about.level < lowest || about.level > highest))
+      for (const other of this.items) this.dress(other);
     (about.parent ?? this.group).add(mesh);
     this.items.add(item);
     this.show(item);

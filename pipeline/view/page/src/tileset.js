@@ -20,7 +20,7 @@ export class Tileset {
         plugins: [feature_plugin],
       }),
     );
-    this.set_error(8);
+    this.set_error(2);
     this.set_cap(1024);
     this.tiles.setCamera(stage.camera);
     this.place();
@@ -70,7 +70,7 @@ export class Tileset {
 
   // The meshes of a tile become pieces, in their places.
   add(scene, tile) {
-    const level = tile.internal.depth, number = this.numbers++;
+    const level = -tile.internal.depth, number = this.numbers++;
     const pieces = pieces_of_object(scene, pair_of_mesh);
     scene.clear();
     scene.userData.items = pieces.map((piece) => {
