@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the npm packages that tests hold voxweld's files against, at the versions of
-# package-lock.json, into tests/node_modules: the Khronos glTF validator and zarrita. Checks that
-# they load. Quiet; does nothing when all of them are there. Without Node.js's npm it installs
+# package-lock.json, into tests/node_modules: the Khronos glTF validator, meshoptimizer and zarrita.
+# Checks that they load. Quiet; does nothing when all of them are there. Without Node.js's npm it installs
 # Debian's, which needs root or sudo.
 # Usage: tests/npm_packages.sh
 set -euo pipefail
@@ -12,7 +12,8 @@ cd "$root/tests"
 source ../pipeline/apt_packages.sh
 
 # The scripts of the tests say by themselves whether their packages load.
-loaded() { node stages/encode/gltf_validate.mjs && node storage/store/zarrita_check.mjs; }
+loaded() { node stages/encode/gltf_validate.mjs && node stages/encode/meshopt_check.mjs &&
+  node storage/store/zarrita_check.mjs; }
 
 # npm leaves a copy of the lock behind when it has installed all of it.
 installed=node_modules/.package-lock.json

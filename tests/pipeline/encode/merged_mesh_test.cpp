@@ -105,12 +105,13 @@ TEST(MergedMesh, IsStreamedWhereMemoryDoesNotHoldIt) {
 TEST(MergedMesh, InAllFormatsIsListedAndSound) {
   testing::EncodedScene scene(many_tiles);
   EncodeJob job = scene.job("all");
-  take_formats(scene, job, {"drc", "glb", "glb-plain", "ply", "stl", "obj"});
+  take_formats(scene, job, {"drc", "glb", "glb-plain", "meshopt", "ply", "stl", "obj"});
   scene.encode(job);
   const Manifest manifest = read_manifest(job.output / "manifest.json");
   EXPECT_EQ(*manifest.merged, (MergedFiles{{"drc", "mesh.drc"},
                                            {"glb", "mesh.glb"},
                                            {"glb-plain", "mesh.plain.glb"},
+                                           {"meshopt", "mesh.meshopt.glb"},
                                            {"ply", "mesh.ply"},
                                            {"stl", "mesh.stl"},
                                            {"obj", "mesh.obj"}}));
