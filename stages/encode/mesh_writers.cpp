@@ -7,6 +7,7 @@
 #include "stages/encode/glb.h"
 #include "stages/encode/glb_meshopt.h"
 #include "stages/encode/glb_pairs.h"
+#include "stages/encode/vtp.h"
 
 namespace voxweld {
 namespace {
@@ -63,7 +64,7 @@ DecodedMesh read_obj(std::span<const std::byte> file, const std::string& where) 
 // A row of the table of a .glb and its colours, with names of fifty letters on both sides.
 constexpr std::uint64_t glb_pair = 512;
 
-constexpr std::array<MeshWriter, 7> table{{
+constexpr std::array<MeshWriter, 8> table{{
     {"drc", ".drc", false, 256, write_drc, decode_draco},
     {"glb", ".glb", true, glb_pair, write_glb, decode_glb},
     {"glb-plain", ".plain.glb", true, glb_pair, write_plain, decode_glb},
@@ -71,6 +72,7 @@ constexpr std::array<MeshWriter, 7> table{{
     {"ply", ".ply", false, 64, write_streamed<stream_ply>, read_ply, stream_ply},
     {"stl", ".stl", false, 0, write_streamed<stream_stl>, read_stl, stream_stl, false},
     {"obj", ".obj", false, 0, write_streamed<stream_obj>, read_obj, stream_obj, false},
+    {"vtp", ".vtp", false, 64, write_streamed<stream_vtp>, decode_vtp, stream_vtp},
 }};
 
 }  // namespace

@@ -65,6 +65,7 @@ TEST(MeshWriters, AreKnownByTheLongestEndingOfAFile) {
   EXPECT_EQ(named("plain.glb"), "glb");
   EXPECT_EQ(named("mesh.meshopt.glb"), "meshopt");
   EXPECT_EQ(named("a.b.ply"), "ply");
+  EXPECT_EQ(named("mesh.vtp"), "vtp");
   EXPECT_EQ(named("drc"), "none");
 }
 
