@@ -12,7 +12,7 @@ packages=(
   # build
   g++ cmake ninja-build pkg-config
   # libraries
-  libdraco-dev libopenmesh-dev libopenimageio-dev libtiff-dev libpugixml-dev libtbb-dev libtomlplusplus-dev libcli11-dev
+  libdraco-dev libmeshoptimizer-dev libopenmesh-dev libopenimageio-dev libtiff-dev libpugixml-dev libtbb-dev libtomlplusplus-dev libcli11-dev
   nlohmann-json3-dev libfmt-dev libspdlog-dev libblosc-dev libzstd-dev libxxhash-dev zlib1g-dev libpng-dev
   liblz4-dev libbz2-dev liblzma-dev libeigen3-dev libcurl4-openssl-dev libcpp-httplib-dev libpugixml-dev libgdcm-dev
   libhdf5-dev libopenvdb-dev libimath-dev

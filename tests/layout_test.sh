@@ -68,12 +68,13 @@ fi
 confine() {
   local found
   found=$(sources 'storage|stages|pipeline' | grep -v "^$2/" |
-    xargs -r grep -nHE "^[[:space:]]*#[[:space:]]*include[[:space:]]*[<\"]$1/" || true)
+    xargs -r grep -nHE "^[[:space:]]*#[[:space:]]*include[[:space:]]*[<\"]$1(/|\.h)" || true)
   [ -z "$found" ] || breach "$1 belongs to $2:
 $found"
 }
 confine OpenImageIO storage/image
 confine draco stages/encode
+confine meshoptimizer stages/encode
 confine OpenMesh pipeline/output
 
 while read -r lines file; do

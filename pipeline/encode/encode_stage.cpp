@@ -139,7 +139,7 @@ MergedSizes merged_sizes(const Config& config, const UnitPlan& units) {
     kept += TileWelder::kept_bytes(tile.vertices, labels);
   }
   sizes.whole = accumulator_memory_bytes(vertices, sizes.triangles, normals) +
-                encode_memory_bytes(vertices, sizes.triangles, normals);
+                encode_memory_bytes(vertices, sizes.triangles, normals, labels);
   sizes.streamed = largest + kept;
   return sizes;
 }
@@ -329,7 +329,8 @@ void EncodeStage::close(RunContext& context) {
 
 std::uint64_t encode_bytes(const Config& config, const PlannedTile& tile) {
   const std::uint64_t v = vertices_with_border(tile), t = 2 * tile.polygons;
-  return stitch_bytes(v, tile.polygons) / 2 + encode_memory_bytes(v, t, config.output.normals);
+  return stitch_bytes(v, tile.polygons) / 2 +
+         encode_memory_bytes(v, t, config.output.normals, config.labels.mode == LabelMode::shared);
 }
 
 StageMemory encode_memory(const Config& config, std::uint64_t largest) {

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "stages/encode/vtp.h"
 #include "storage/meshes/mesh_file.h"
 #include "storage/support/error.h"
 
@@ -62,11 +63,45 @@ class DigestSink final : public MeshSink {
   TriangleDigest sum_;
 };
 
+class VtpDigestSink final : public VtpSink {
+ public:
+  VtpDigestSink(const OutputLattice& lattice, const std::string& name,
+                const std::function<void()>& between)
+      : lattice_(lattice), name_(name), between_(between) {}
+
+  void vertex(const std::array<float, 3>& place) override {
+    vertices_.push_back(lattice_point(place, lattice_, name_));
+  }
+  void triangle(const std::array<std::uint32_t, 3>& corners, const MaterialPair* pair) override {
+    if (between_ && sum_.count % (1 << 17) == 0) between_();
+    sum_ += digest({vertices_[corners[0]], vertices_[corners[1]], vertices_[corners[2]]}, pair);
+  }
+  const TriangleDigest& sum() const { return sum_; }
+
+ private:
+  const OutputLattice& lattice_;
+  const std::string& name_;
+  const std::function<void()>& between_;
+  std::vector<LatticePoint> vertices_;
+  TriangleDigest sum_;
+};
+
+TriangleDigest digest_of_vtp(const std::string& name, const OutputLattice& lattice,
+                             const std::function<void()>& between) {
+  const ReadFile file(name);
+  const VtpSource source{file.size(),
+                         [&](std::uint64_t at, std::span<std::byte> to) { file.read(at, to); }};
+  VtpDigestSink sink(lattice, name, between);
+  read_vtp(source, name, sink);
+  return sink.sum();
+}
+
 }  // namespace
 
 TriangleDigest digest_of_file(const std::filesystem::path& path, const OutputLattice& lattice,
                               const std::function<void()>& between) {
   const std::string name = path.string();
+  if (path.extension() == ".vtp") return digest_of_vtp(name, lattice, between);
   DigestSink sink(lattice, name);
   read_mesh_file(path, sink, between);
   return sink.take();

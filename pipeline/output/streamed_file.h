@@ -9,7 +9,7 @@
 
 namespace voxweld {
 
-// Of a .ply, .stl or .obj whose points lie on the lattice: what digest says of its mesh. Takes 12 bytes
+// Of a .ply, .stl, .obj or .vtp whose points lie on the lattice: what digest says of its mesh. Takes 12 bytes
 // for each vertex, and of an .stl nothing. between: called every few megabytes, to stop.
 // FormatError for what is no such file.
 TriangleDigest digest_of_file(const std::filesystem::path& path, const OutputLattice& lattice,

@@ -69,8 +69,10 @@ EncodedMesh encode_draco_features(const TileMesh& mesh, const EncodeParameters& 
                                   const std::vector<PairColour>& colours);
 
 // Upper bound of the memory encode_draco takes beyond the mesh it is given, for meshes that are
-// surfaces (about two triangles a vertex).
-std::uint64_t encode_memory_bytes(std::uint64_t vertices, std::uint64_t triangles, bool normals);
+// surfaces (about two triangles a vertex). between_labels: of encode_draco_features too, but for what
+// pairs take (MeshWriter::pair_bytes).
+std::uint64_t encode_memory_bytes(std::uint64_t vertices, std::uint64_t triangles, bool normals,
+                                  bool between_labels = false);
 
 struct DecodedMesh {
   std::vector<std::array<float, 3>> positions;  // output units, one a point

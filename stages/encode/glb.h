@@ -41,8 +41,8 @@ std::vector<std::byte> wrap_glb(const EncodedMesh& mesh, const GlbParameters& pa
 void write_plain_glb(const DecodedMesh& mesh, const GlbParameters& parameters,
                      const ByteSink& sink);
 
-// The mesh of a .glb of the kinds above: its Draco buffer decoded or its accessors read, and the
-// accessors' counts, minima and maxima compared with that. FormatError, starting with `where`, for
+// The mesh of a .glb of the kinds above and of write_meshopt_glb: its Draco buffer decoded or its
+// accessors read, and the accessors' counts, minima and maxima compared with that. FormatError, starting with `where`, for
 // anything else.
 DecodedMesh decode_glb(std::span<const std::byte> glb, const std::string& where = "glTF binary");
 

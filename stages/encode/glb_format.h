@@ -18,8 +18,10 @@ inline constexpr std::uint32_t json_chunk = 0x4e4f534a;  // "JSON"
 inline constexpr std::uint32_t bin_chunk = 0x004e4942;   // "BIN\0"
 inline constexpr std::size_t header_size = 12, chunk_header_size = 8;
 inline constexpr const char* draco_extension = "KHR_draco_mesh_compression";
+inline constexpr const char* meshopt_extension = "EXT_meshopt_compression";
+inline constexpr const char* quantization_extension = "KHR_mesh_quantization";
 inline constexpr int component_float = 5126, component_uint32 = 5125;
-inline constexpr int component_uint8 = 5121, component_uint16 = 5123;
+inline constexpr int component_uint8 = 5121, component_int16 = 5122, component_uint16 = 5123;
 
 // The lowest and the highest of at least one.
 inline std::pair<std::array<float, 3>, std::array<float, 3>> bounds_of(

@@ -6,6 +6,7 @@
 
 #include "stages/encode/glb.h"
 #include "stages/encode/glb_format.h"
+#include "stages/encode/glb_meshopt.h"
 #include "stages/encode/glb_pairs.h"
 #include "storage/support/byte_order.h"
 #include "storage/support/error.h"
@@ -81,22 +82,36 @@ const Json& primitive_of(const Json& json, const std::string& where) {
   return primitives.at(0);
 }
 
-std::span<const std::byte> view_of(const GlbChunks& chunks, std::size_t number,
-                                   const std::string& where) {
-  const Json& view = chunks.json.at("bufferViews").at(number);
-  const auto offset = view.value("byteOffset", std::uint64_t{0});
-  const auto length = view.at("byteLength").get<std::uint64_t>();
-  if (offset > chunks.bin.size() || length > chunks.bin.size() - offset)
+// place: a view, or what says where its compressed bytes are.
+std::span<const std::byte> piece_of(const GlbChunks& chunks, const Json& place,
+                                    const std::string& where) {
+  const auto offset = place.value("byteOffset", std::uint64_t{0});
+  const auto length = place.at("byteLength").get<std::uint64_t>();
+  if (place.at("buffer").get<int>() != 0 || offset > chunks.bin.size() ||
+      length > chunks.bin.size() - offset)
     throw FormatError(fmt::format("{}: glTF bufferView of {} bytes at {} in a buffer of {}", where,
                                   length, offset, chunks.bin.size()));
   return chunks.bin.subspan(offset, length);
 }
 
-// The accessor's items, as write_plain_glb writes them: in a view of their own.
+std::span<const std::byte> view_of(const GlbChunks& chunks, std::size_t number,
+                                   const std::string& where) {
+  return piece_of(chunks, chunks.json.at("bufferViews").at(number), where);
+}
+
+// The accessor's items, as write_plain_glb and write_meshopt_glb write them: in a view of their own.
 template <class Item>
 std::vector<Item> items_of(const GlbChunks& chunks, const Json& accessor, std::uint64_t count,
                            const std::string& where) {
-  const auto bytes = view_of(chunks, accessor.at("bufferView").get<std::size_t>(), where);
+  const Json& view = chunks.json.at("bufferViews").at(accessor.at("bufferView").get<std::size_t>());
+  std::vector<std::byte> decoded;
+  std::span<const std::byte> bytes;
+  if (view.contains("extensions")) {
+    const Json& compressed = view.at("extensions").at(meshopt_extension);
+    bytes = decoded = decode_meshopt_view(view, piece_of(chunks, compressed, where), where);
+  } else {
+    bytes = piece_of(chunks, view, where);
+  }
   if (accessor.contains("byteOffset") || bytes.size() / sizeof(Item) != count ||
       bytes.size() % sizeof(Item) != 0)
     throw FormatError(
@@ -142,18 +157,34 @@ void read_feature_ids(const GlbChunks& chunks, const Json& primitive, DecodedMes
   }
 }
 
+// Floats, or the integers of a meshopt_extension's filter.
+std::vector<std::array<float, 3>> read_normals(const GlbChunks& chunks, const Json& accessor,
+                                               const std::string& where) {
+  const auto count = accessor.at("count").get<std::uint64_t>();
+  if (accessor.at("componentType").get<int>() == component_float) {
+    check_type(accessor, component_float, "VEC3", where);
+    return items_of<std::array<float, 3>>(chunks, accessor, count, where);
+  }
+  check_type(accessor, component_int16, "VEC3", where);
+  std::vector<std::array<float, 3>> normals;
+  for (const auto& n : items_of<std::array<std::int16_t, 4>>(chunks, accessor, count, where)) {
+    const auto part = [&](std::size_t i) { return std::max(n[i] / 32767.0F, -1.0F); };
+    normals.push_back({part(0), part(1), part(2)});
+  }
+  return normals;
+}
+
 DecodedMesh read_plain(const GlbChunks& chunks, const Json& primitive, const std::string& where) {
   const Json& accessors = chunks.json.at("accessors");
-  const auto read = [&](const Json& number) -> std::vector<std::array<float, 3>> {
-    const Json& accessor = accessors.at(number.get<std::size_t>());
-    check_type(accessor, component_float, "VEC3", where);
-    return items_of<std::array<float, 3>>(chunks, accessor,
-                                          accessor.at("count").get<std::uint64_t>(), where);
-  };
   DecodedMesh mesh;
   const Json& attributes = primitive.at("attributes");
-  mesh.positions = read(attributes.at("POSITION"));
-  if (attributes.contains("NORMAL")) mesh.normals = read(attributes.at("NORMAL"));
+  const Json& position = accessors.at(attributes.at("POSITION").get<std::size_t>());
+  check_type(position, component_float, "VEC3", where);
+  mesh.positions = items_of<std::array<float, 3>>(chunks, position,
+                                                  position.at("count").get<std::uint64_t>(), where);
+  if (attributes.contains("NORMAL"))
+    mesh.normals =
+        read_normals(chunks, accessors.at(attributes.at("NORMAL").get<std::size_t>()), where);
   const Json& indices = accessors.at(primitive.at("indices").get<std::size_t>());
   check_type(indices, component_uint32, "SCALAR", where);
   const auto corners = indices.at("count").get<std::uint64_t>();

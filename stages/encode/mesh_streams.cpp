@@ -4,70 +4,19 @@
 
 #include <fmt/format.h>
 
-#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "stages/encode/corner_points.h"
+#include "stages/encode/stream_out.h"
 #include "storage/meshes/mesh_file.h"
 #include "storage/support/error.h"
-#include "storage/types/leaf_vertex.h"
 
 namespace voxweld {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "numbers are written as they lie");
-
-// Gathers small writes.
-class Out {
- public:
-  explicit Out(const ByteSink& sink) : sink_(sink) { bytes_.reserve(full + 4096); }
-
-  template <class T>
-  void put(const T& value) {
-    const std::size_t at = bytes_.size();
-    bytes_.resize(at + sizeof value);
-    std::memcpy(bytes_.data() + at, &value, sizeof value);
-    if (bytes_.size() >= full) flush();
-  }
-  template <class... Args>
-  void text(fmt::format_string<Args...> format, Args&&... args) {
-    fmt::format_to(std::back_inserter(line_), format, std::forward<Args>(args)...);
-    const auto* const begin = reinterpret_cast<const std::byte*>(line_.data());
-    bytes_.insert(bytes_.end(), begin, begin + line_.size());
-    line_.clear();
-    if (bytes_.size() >= full) flush();
-  }
-  void flush() {
-    sink_(bytes_);
-    bytes_.clear();
-  }
-
- private:
-  static constexpr std::size_t full = std::size_t{1} << 18;
-  const ByteSink& sink_;
-  std::vector<std::byte> bytes_;
-  fmt::memory_buffer line_;
-};
-
-using Floats = std::array<float, 3>;
-
-Floats as_floats(Vec3 v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
-// Zero where they cancel out.
-Floats mean_direction(const std::array<PackedNormal, max_clusters>& normals) {
-  Vec3 sum{};
-  for (const PackedNormal normal : normals)
-    if (normal != no_normal) sum = sum + unpack_normal(normal);
-  const double length = std::sqrt(dot(sum, sum));
-  return length > 1e-6 ? as_floats(sum * (1 / length)) : Floats{};
-}
-
 struct LabelText {
   bool ints = true;  // 32 bits hold them
-  void put(Out& out, Material label) const {
+  void put(StreamOut& out, Material label) const {
     if (ints)
       out.put(label == exterior ? std::int32_t{-1} : static_cast<std::int32_t>(label));
     else
@@ -87,7 +36,7 @@ void check_ply(const StreamTotals& totals) {
                     totals.highest_label));
 }
 
-LabelText put_ply_header(Out& out, const StreamTotals& totals) {
+LabelText put_ply_header(StreamOut& out, const StreamTotals& totals) {
   const LabelText labels{totals.highest_label <= std::numeric_limits<std::int32_t>::max()};
   // Some readers know signed numbers alone.
   const bool few = totals.vertices <= std::numeric_limits<std::int32_t>::max();
@@ -161,7 +110,7 @@ StreamTotals totals_of(const EachTile& each_tile) {
 
 void stream_ply(const EachTile& each_tile, const StreamTotals& totals, const ByteSink& sink) {
   check_ply(totals);
-  Out out(sink);
+  StreamOut out(sink);
   const LabelText labels = put_ply_header(out, totals);
   TileWelder vertices;
   each_tile([&](const TileMesh& tile) {
@@ -192,7 +141,7 @@ void stream_stl(const EachTile& each_tile, const StreamTotals& totals, const Byt
     throw InputError(
         fmt::format("an .stl file counts its triangles in 32 bits, the mesh has {}: use the tiles",
                     totals.triangles));
-  Out out(sink);
+  StreamOut out(sink);
   std::array<char, 80> title{};
   constexpr std::string_view name = "binary STL of voxweld " VOXWELD_VERSION;
   static_assert(name.size() < title.size());
@@ -216,7 +165,7 @@ void stream_stl(const EachTile& each_tile, const StreamTotals& totals, const Byt
 }
 
 void stream_obj(const EachTile& each_tile, const StreamTotals& totals, const ByteSink& sink) {
-  Out out(sink);
+  StreamOut out(sink);
   out.text("# voxweld " VOXWELD_VERSION "\n");
   TileWelder welder;
   std::uint64_t normals = 0;

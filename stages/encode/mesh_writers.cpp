@@ -5,7 +5,9 @@
 
 #include "stages/encode/corner_points.h"
 #include "stages/encode/glb.h"
+#include "stages/encode/glb_meshopt.h"
 #include "stages/encode/glb_pairs.h"
+#include "stages/encode/vtp.h"
 
 namespace voxweld {
 namespace {
@@ -37,6 +39,11 @@ void write_plain(Asset& asset, const ByteSink& sink) {
                   glb_parameters(asset.facts()), sink);
 }
 
+void write_meshopt(Asset& asset, const ByteSink& sink) {
+  write_meshopt_glb(corner_points(asset.mesh(), asset.facts().encoding.normals),
+                    asset.mesh().lattice, glb_parameters(asset.facts()), sink);
+}
+
 // A mesh that is there as a whole, as the one tile of a stream.
 template <void (*stream)(const EachTile&, const StreamTotals&, const ByteSink&)>
 void write_streamed(Asset& asset, const ByteSink& sink) {
@@ -57,13 +64,15 @@ DecodedMesh read_obj(std::span<const std::byte> file, const std::string& where) 
 // A row of the table of a .glb and its colours, with names of fifty letters on both sides.
 constexpr std::uint64_t glb_pair = 512;
 
-constexpr std::array<MeshWriter, 6> table{{
+constexpr std::array<MeshWriter, 8> table{{
     {"drc", ".drc", false, 256, write_drc, decode_draco},
     {"glb", ".glb", true, glb_pair, write_glb, decode_glb},
     {"glb-plain", ".plain.glb", true, glb_pair, write_plain, decode_glb},
+    {"meshopt", ".meshopt.glb", true, glb_pair, write_meshopt, decode_glb},
     {"ply", ".ply", false, 64, write_streamed<stream_ply>, read_ply, stream_ply},
     {"stl", ".stl", false, 0, write_streamed<stream_stl>, read_stl, stream_stl, false},
     {"obj", ".obj", false, 0, write_streamed<stream_obj>, read_obj, stream_obj, false},
+    {"vtp", ".vtp", false, 64, write_streamed<stream_vtp>, decode_vtp, stream_vtp},
 }};
 
 }  // namespace

@@ -163,7 +163,8 @@ class Maker {
   // is done, so that the copies are of a config that is no longer there, and own themselves.
   void finished(const std::string& name, const std::string& lines, const std::string& work = "") {
     Specimen made = begin("making");
-    std::string text = lines + small_work + "[output]\ntile_vertices = 1024\n";
+    std::string text = lines + small_work + "[output]\ntile_vertices = 1024\n" +
+                       "formats = [\"drc\", \"glb\", \"meshopt\", \"vtp\"]\n";
     if (!work.empty()) text.insert(text.find("[work]\n") + 7, work);
     write_bytes(made.folder / "case.toml", text);
     make(made.folder, {"run", "case.toml"});

@@ -53,7 +53,7 @@ class Replay {
 
   // Whether all was well.
   bool end() const {
-    for (const char* needed : {"nrrd", "zarr", "vti", "config", "ply", "container", "glb"})
+    for (const char* needed : {"nrrd", "zarr", "vti", "config", "ply", "container", "glb", "vtp"})
       if (!seen_.contains(needed)) {
         fmt::print("nothing was given to {}\n", needed);
         return false;

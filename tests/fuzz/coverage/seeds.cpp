@@ -61,6 +61,7 @@ std::string run_file_entry(const fs::path& file) {
   if (found != names.end()) return found->second;
   if (file.extension() == ".drc") return "draco";
   if (file.extension() == ".glb") return "glb";
+  if (file.extension() == ".vtp") return "vtp";
   const std::string bytes = bytes_of_file(file);
   if (!bytes.starts_with("VOXWELD\x1a")) return "";
   const std::string kind = bytes.substr(8, 4);

@@ -4,6 +4,7 @@
 #include "pipeline/config/config.h"
 #include "stages/encode/draco_codec.h"
 #include "stages/encode/glb.h"
+#include "stages/encode/vtp.h"
 #include "storage/labels/label_map.h"
 #include "storage/manifest/manifest.h"
 #include "storage/manifest/task_report.h"
@@ -65,6 +66,9 @@ void parse_draco(const ParserEntry&, Bytes bytes) {
 void parse_glb(const ParserEntry&, Bytes bytes) {
   check_decoded(decode_glb(bytes));
 }
+void parse_vtp(const ParserEntry&, Bytes bytes) {
+  check_decoded(decode_vtp(bytes, "file"));
+}
 
 }  // namespace
 
@@ -83,7 +87,8 @@ std::vector<ParserEntry> text_entries() {
           {"ply", ".ply", "", "", parse_mesh},
           {"stl", ".stl", "", "", parse_mesh},
           {"draco", ".drc", "", "", parse_draco},
-          {"glb", ".glb", "", "", parse_glb}};
+          {"glb", ".glb", "", "", parse_glb},
+          {"vtp", ".vtp", "", "", parse_vtp}};
 }
 
 }  // namespace voxweld::testing

@@ -69,10 +69,12 @@ TEST(Override, RefusesWhatIsNoAssignment) {
 }
 
 TEST(Override, RefusesBrokenToml) {
-  EXPECT_EQ(error_of(least_config(), {"output.formats=[glb"}),
-            "--set output.formats=[glb: output.formats: expected a list of one or more of \"drc\", "
-            "\"glb\", \"glb-plain\", \"ply\", \"stl\" or \"obj\", each once, found [glb, which is "
-            "not valid TOML");
+  EXPECT_EQ(
+      error_of(least_config(), {"output.formats=[glb"}),
+      "--set output.formats=[glb: output.formats: expected a list of one or more of \"drc\", "
+      "\"glb\", \"glb-plain\", \"meshopt\", \"ply\", \"stl\", \"obj\" or \"vtp\", each once, found "
+      "[glb, which is "
+      "not valid TOML");
   EXPECT_EQ(error_of(least_config(), {"work.chunk="}),
             "--set work.chunk=: work.chunk: expected a power of two from 8 to 256 (default: 32), "
             "found \"\" (a string)");

@@ -135,7 +135,7 @@ simplify.ratio: a number above 0, at most 1 (default: none: tolerance decides)
   0 | -0.5 | 1.5
 output.directory: a path in quotes (default: "<config name>.mesh" beside the config)
   1.5; write paths in quotes | "" (a string)
-output.formats: a list of one or more of "drc", "glb", "glb-plain", "ply", "stl" or "obj", each once (default: ["drc", "glb"])
+output.formats: a list of one or more of "drc", "glb", "glb-plain", "meshopt", "ply", "stl", "obj" or "vtp", each once (default: ["drc", "glb"])
   [] (a list of 0) | "drc" (a string); write it in brackets: ["drc"]
   ["drc", "drc"] (a list of 2); drc is listed twice | ["drc", "gltf"] (a list of 2)
   [1] (a list of 1)

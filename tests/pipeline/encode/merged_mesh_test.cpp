@@ -81,7 +81,7 @@ std::uint64_t memory_for_a_stream(Config config, const EncodeJob& job) {
 TEST(MergedMesh, IsStreamedWhereMemoryDoesNotHoldIt) {
   testing::EncodedScene scene(many_tiles);
   EncodeJob plenty = scene.job("plenty"), little = scene.job("little");
-  const std::vector<std::string> names = {"drc", "ply", "stl", "obj"};
+  const std::vector<std::string> names = {"drc", "ply", "stl", "obj", "vtp"};
   take_formats(scene, plenty, names);
   take_formats(scene, little, names);
   Config& config = scene.context().config;
@@ -94,7 +94,7 @@ TEST(MergedMesh, IsStreamedWhereMemoryDoesNotHoldIt) {
   EXPECT_EQ(merged.parts, MergedParts::streamed);
   EXPECT_THAT(merged.why_not, HasSubstr("to encode, run.memory is"));
   encode_merged(scene.context(), little, *plan, merged.parts, WorkerContext(0, {}));
-  for (const char* file : {"mesh.ply", "mesh.stl", "mesh.obj"})
+  for (const char* file : {"mesh.ply", "mesh.stl", "mesh.obj", "mesh.vtp"})
     EXPECT_EQ(read_whole_file(little.output / file), read_whole_file(plenty.output / file)) << file;
   EXPECT_FALSE(std::filesystem::exists(little.output / "mesh.drc"));
   EXPECT_TRUE(merged_is_current(little, *plan, MergedParts::streamed));
@@ -105,15 +105,17 @@ TEST(MergedMesh, IsStreamedWhereMemoryDoesNotHoldIt) {
 TEST(MergedMesh, InAllFormatsIsListedAndSound) {
   testing::EncodedScene scene(many_tiles);
   EncodeJob job = scene.job("all");
-  take_formats(scene, job, {"drc", "glb", "glb-plain", "ply", "stl", "obj"});
+  take_formats(scene, job, {"drc", "glb", "glb-plain", "meshopt", "ply", "stl", "obj", "vtp"});
   scene.encode(job);
   const Manifest manifest = read_manifest(job.output / "manifest.json");
   EXPECT_EQ(*manifest.merged, (MergedFiles{{"drc", "mesh.drc"},
                                            {"glb", "mesh.glb"},
                                            {"glb-plain", "mesh.plain.glb"},
+                                           {"meshopt", "mesh.meshopt.glb"},
                                            {"ply", "mesh.ply"},
                                            {"stl", "mesh.stl"},
-                                           {"obj", "mesh.obj"}}));
+                                           {"obj", "mesh.obj"},
+                                           {"vtp", "mesh.vtp"}}));
   const VerifyReport report = verify_output(job.output);
   EXPECT_TRUE(report.good()) << to_text(report);
   EXPECT_TRUE(report.merged_checked);

@@ -85,9 +85,9 @@ TEST(Verify, MergedMeshesThatWereStreamed) {
   const VerifyReport report = verified(output);
   EXPECT_TRUE(report.good()) << to_text(report);
   EXPECT_TRUE(report.merged_checked);
-  EXPECT_EQ(report.files, 2 * output.tiles.size() + 3);
+  EXPECT_EQ(report.files, 2 * output.tiles.size() + 4);
   output.remerge = without_last_triangle;
-  for (const char* file : {"mesh.ply", "mesh.stl", "mesh.obj"})
+  for (const char* file : {"mesh.ply", "mesh.stl", "mesh.obj", "mesh.vtp"})
     expect_problem(output, fmt::format("{}: its 2303 triangles are not the 2304", file));
   output.remerge = [](TileMesh& mesh) { mesh.lattice.step *= 3; };
   expect_problem(output, "mesh.ply: ");

@@ -190,7 +190,7 @@ TEST(Extract, RefusesWhatItCannotCut) {
   VOXWELD_EXPECT_DONE(scene.run(fine));
   expect_refused(extract(scene, fine, 0.01, cut), "give 0.05 or more");
   expect_refused(extract(scene, fine, 0.2, scene.directory() / "cut.txt"),
-                 "expected a mesh file, .drc, .glb, .plain.glb, .ply");
+                 "expected a mesh file, .drc, .glb, .plain.glb, .meshopt.glb, .ply");
   expect_refused(extract(scene, fine + Settings{"simplify.topology=safe"}, 0.2, cut),
                  "voxweld run CONFIG --set simplify.tolerance=0.2");
   EXPECT_FALSE(fs::exists(cut));

@@ -1,10 +1,13 @@
 // What a glTF says of labels: as other programs read it.
 #include "stages/encode/glb_pairs.h"
 
+#include <draco/compression/decode.h>
+#include <draco/mesh/mesh.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <map>
 
 #include "stages/encode/glb.h"
 #include "storage/support/file_io.h"
@@ -139,6 +142,45 @@ TEST(GlbPairs, HaveTheColoursTheirLabelsAreGiven) {
   EXPECT_EQ(given[1], by_number[1]);  // of label 1, which has none
   EXPECT_NE(given[0], by_number[0]);
   EXPECT_NE(by_number[0], by_number[1]);
+}
+
+// What viewers take from the Draco buffer has the types that the accessors state, and the colours of the
+// file without compression.
+TEST(GlbPairs, AreInTheDracoBufferAsStated) {
+  for (const int sheets : {3, 300}) {
+    const TileMesh mesh = book(sheets, 4);
+    const auto glb = written("glb", mesh, {});
+    const nlohmann::json doc = document_of(glb);
+    const auto& primitive = doc["meshes"][0]["primitives"][0];
+    const auto& how = primitive["extensions"]["KHR_draco_mesh_compression"];
+    const std::string bytes = view_of(glb, doc, how["bufferView"]);
+    draco::DecoderBuffer buffer;
+    buffer.Init(bytes.data(), bytes.size());
+    const auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
+    ASSERT_TRUE(decoded.ok());
+    const draco::Mesh& found = *decoded.value();
+    ASSERT_EQ(how["attributes"].size(), 4u);
+    const auto attribute = [&](const char* name) -> const draco::PointAttribute& {
+      return *found.GetAttributeByUniqueId(how["attributes"][name].get<std::uint32_t>());
+    };
+    const std::map<draco::DataType, int> components = {
+        {draco::DT_UINT8, 5121}, {draco::DT_UINT16, 5123}, {draco::DT_FLOAT32, 5126}};
+    const std::map<std::string, int> shapes = {{"SCALAR", 1}, {"VEC3", 3}, {"VEC4", 4}};
+    for (const auto& [name, number] : primitive["attributes"].items()) {
+      const auto& accessor = doc["accessors"][number.get<std::size_t>()];
+      EXPECT_EQ(components.at(attribute(name.c_str()).data_type()), accessor["componentType"]);
+      EXPECT_EQ(attribute(name.c_str()).num_components(), shapes.at(accessor["type"]));
+      EXPECT_EQ(accessor["count"], found.num_points());
+    }
+    const auto colours = glb::pair_colours(mesh.pairs, nullptr);
+    for (draco::PointIndex point(0); point < found.num_points(); ++point) {
+      std::uint32_t id = 0;
+      PairColour colour{};
+      attribute("_FEATURE_ID_0").ConvertValue(attribute("_FEATURE_ID_0").mapped_index(point), &id);
+      attribute("COLOR_0").GetMappedValue(point, colour.data());
+      EXPECT_EQ(colour, colours.at(id));
+    }
+  }
 }
 
 // A mesh that is one label's has its name and colour, and none otherwise.

@@ -63,7 +63,9 @@ TEST(MeshWriters, AreKnownByTheLongestEndingOfAFile) {
   EXPECT_EQ(named("mesh.glb"), "glb");
   EXPECT_EQ(named("mesh.plain.glb"), "glb-plain");
   EXPECT_EQ(named("plain.glb"), "glb");
+  EXPECT_EQ(named("mesh.meshopt.glb"), "meshopt");
   EXPECT_EQ(named("a.b.ply"), "ply");
+  EXPECT_EQ(named("mesh.vtp"), "vtp");
   EXPECT_EQ(named("drc"), "none");
 }
 
