@@ -116,21 +116,35 @@ export class Movement {
     new Box3().setFromPoints(this.stage.points).getCenter(this.target);
     camera.position.copy(this.target).add(back);
     camera.lookAt(this.target);
-    camera.position.copy(this.target).addScaledVector(back, this.fitting_distance());
+    // What is near looks larger, so that the middle of the points is not that of the picture.
+    for (let round = 0; round < 3; ++round) {
+      const { distance, right, up } = this.fitting();
+      const shift = round < 2 ? new Vector3(right * distance, up * distance, 0) : new Vector3();
+      this.target.add(shift.applyQuaternion(camera.quaternion));
+      camera.position.copy(this.target).addScaledVector(back, distance);
+    }
     this.orbit.update();
     this.moved();
   }
 
-  // From where each point is just within the picture.
-  fitting_distance() {
+  // The distance from which every point is just within the picture, and where the middle of the points is
+  // seen from there, as tangents.
+  fitting() {
     const { camera, points } = this.stage, turn = camera.quaternion.clone().invert();
     const tall = Math.tan((camera.fov * Math.PI) / 360) * filled, wide = tall * camera.aspect;
+    const seen = points.map((point) => point.clone().sub(this.target).applyQuaternion(turn));
     let distance = 0;
-    for (const point of points) {
-      const at = point.clone().sub(this.target).applyQuaternion(turn);
-      distance = Math.max(distance, at.z + Math.abs(at.x) / wide, at.z + Math.abs(at.y) / tall);
-    }
-    return distance;
+    for (const { x, y, z } of seen) distance = Math.max(distance, z + Math.abs(x) / wide, z + Math.abs(y) / tall);
+    const middle = (of) => {
+      let lo = Infinity, hi = -Infinity;
+      for (const at of seen) {
+        const tangent = of(at) / (distance - at.z);
+        lo = Math.min(lo, tangent);
+        hi = Math.max(hi, tangent);
+      }
+      return (lo + hi) / 2;
+    };
+    return { distance, right: middle((at) => at.x), up: middle((at) => at.y) };
   }
 
   reset() {
