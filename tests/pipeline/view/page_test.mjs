@@ -255,6 +255,33 @@ const tests = {
     assert.equal(await page.evaluate(() => window.voxweld.state.point), null);
   },
 
+  async "a mirrored and turned volume lies in the world as its frame says"(visit) {
+    run("phantom", "sphere", "--size", "32", "--type", "uint8", "-o", "ball.nrrd");
+    const file = readFileSync(join(place, "ball.nrrd")), end = file.indexOf("\n\n");
+    const head = file.toString("latin1", 0, end)
+      .replace(/space dimension: 3/, "space: left-posterior-superior")
+      .replace(/space directions: .*/, "space directions: (-0.5,0,0) (0,0,1) (0,1,0)")
+      .replace(/space origin: .*/, "space origin: (100,50,-20000)");
+    writeFileSync(join(place, "turned.nrrd"), Buffer.concat([Buffer.from(head, "latin1"), file.subarray(end)]));
+    run("init", "turned.nrrd");
+    run("run", "turned.toml");
+    const { page } = await visit("turned.mesh");
+    const image = await picture(page);
+    assert.ok(share(image, is_back) < 0.8 && share(image, is_red) < 0.0005, `backs: ${share(image, is_red)}`);
+    await look(page, "view.movement.frame([0, 0, 1])");
+    const middle = await page.evaluate(() => (innerWidth - document.getElementById("panel").offsetWidth) / 2);
+    await page.mouse.click(middle, 320);
+    const { voxel, world } = await page.evaluate(() => {
+      const { voxel, world } = window.voxweld.state.point;
+      return { voxel: voxel.toArray(), world: world.toArray() };
+    });
+    [100 - 0.5 * voxel[0], 50 + voxel[2], -20000 + voxel[1]].forEach((x, k) => assert.ok(Math.abs(x - world[k]) < 0.01, `${world}`));
+    assert.ok(voxel[1] > 20 && Math.abs(voxel[0] - 15.5) < 2 && Math.abs(voxel[2] - 15.5) < 2, `the top: ${voxel}`);
+    await look(page, "view.set_cut(2, {on: true, at: 0.5}); view.movement.frame([0, 1, 0])");
+    const cut = await picture(page);
+    assert.ok(share(cut, is_back) < 0.9 && share(cut, is_red) < 0.0005, "what is cut is filled");
+  },
+
   async "a link keeps the view"(visit) {
     const { page, again } = await visit("gyroid.mesh");
     await look(page, "view.movement.frame([1, 0, 0]); view.movement.touched = true; view.set_cut(2, {on: true, at: 0.4}); view.set_mode('tile'); view.set_surface({wireframe: true}); view.link.write()");

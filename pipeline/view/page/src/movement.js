@@ -12,10 +12,15 @@ export const sides = {
 };
 const first_side = [0.62, -0.92, 0.5];
 
+// In NIfTI's world y points to the front of a patient, in DICOM's to the back.
+const turns = { RAS: -1 };
+
 export class Movement {
-  constructor(stage, changed) {
+  // space: of the frame, which says where the front is.
+  constructor(stage, space, changed) {
     this.stage = stage;
     this.changed = changed;
+    this.turn = turns[space] ?? 1;
     this.touched = false; // by the user: then nothing else moves it
     this.flying = false;
     this.down = new Set();
@@ -107,12 +112,15 @@ export class Movement {
     this.moved();
   }
 
+  way_to([x, y, z]) {
+    return new Vector3(this.turn * x, this.turn * y, z).normalize();
+  }
+
   // All of the points, from a side.
   frame(side = null) {
     const { camera } = this.stage;
-    const back = side ? new Vector3(...side) : camera.position.clone().sub(this.target);
-    if (!side && !this.touched) back.set(...first_side);
-    back.normalize();
+    const chosen = side ?? (this.touched ? null : first_side);
+    const back = chosen ? this.way_to(chosen) : camera.position.clone().sub(this.target).normalize();
     new Box3().setFromPoints(this.stage.points).getCenter(this.target);
     camera.position.copy(this.target).add(back);
     camera.lookAt(this.target);

@@ -33,7 +33,7 @@ export class View {
     this.stage.world.add(this.surface.group);
     this.clipping = new Clipping(this.stage, this.surface, this.space, this.labels);
     this.clipping.closed = scene.border !== "open";
-    this.movement = new Movement(this.stage, () => this.changed());
+    this.movement = new Movement(this.stage, scene.frame?.space, () => this.changed());
     this.link = new Link(this);
     this.choose_modes();
     this.place();
