@@ -336,14 +336,20 @@ const tests = {
 
   async "a tileset is loaded as the view needs"(visit) {
     tileset_of(join(place, "gyroid.mesh"));
-    const { page } = await visit("gyroid.mesh");
-    await page.waitForFunction((n) => window.voxweld.state.triangles === n, { timeout: patience_ms }, triangles_of("gyroid.mesh"));
+    const { page, again } = await visit("gyroid.mesh");
+    const all_shown = (of) => of.waitForFunction((n) => window.voxweld.state.triangles === n, { timeout: patience_ms }, triangles_of("gyroid.mesh"));
+    await all_shown(page);
+    const cut = (await again("#cut=y>0.5")).page; // before there is a tile
+    await all_shown(cut);
+    assert.ok(share(await picture(cut), is_red) < 0.001, "what is cut from the first is filled");
     rmSync(join(place, "gyroid.mesh/tileset.json"));
     assert.deepEqual(await page.evaluate(() => window.voxweld.state.errors), []);
     const image = await picture(page);
     assert.ok(share(image, is_back) > 0.1 && share(image, is_back) < 0.85);
     await look(page, "view.set_mode('level')");
     assert.ok(difference(image, await picture(page)) > 0.05);
+    await look(page, "view.movement.frame([0, -1, 0]); view.set_cut(1, {on: true, at: 0.5, flipped: true})");
+    assert.ok(share(await picture(page), is_red) < 0.001, "what is cut is filled");
     const text = await page.evaluate(() => document.getElementById("panel").innerText);
     assert.match(text, /TILESET|Tileset/);
   },
