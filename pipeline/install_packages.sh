@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs what building and trying voxweld needs on Debian 12. Quiet; does nothing when all of it
 # is there. Needs root or sudo only when something is missing. What tests and checks need as well:
-# tests/install_packages.sh.
+# tests/install_packages.sh. Node.js's npm is left to you: with it the build has a viewer
+# (pipeline/view/README.md).
 # Usage: pipeline/install_packages.sh
 set -euo pipefail
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Packages voxweld: a .deb of it, and the image of a root file system that has it installed, for
 # machines where nobody is root. Builds what is missing first. Needs root, dpkg-dev, file and
-# mmdebstrap; takes packages from where this machine's apt takes them.
+# mmdebstrap; takes packages from where this machine's apt takes them. Where Node.js's npm is there
+# too, both have the page of `voxweld view`.
 # Usage: pipeline/package.sh [OUT]
 #   OUT, default build/package, gets voxweld_VERSION_ARCH.deb and voxweld_VERSION_ARCH.tar.gz.
 #   BUILD in the environment names the build folder, default build.
@@ -13,7 +14,7 @@
 #             docker import voxweld_*.tar.gz voxweld && docker run voxweld voxweld --help
 set -euo pipefail
 case ${1:-} in -h | --help)
-  sed -n '2,14s/^# //p' "$0"
+  sed -n '2,15s/^# //p' "$0"
   exit 0
   ;;
 esac

@@ -72,7 +72,7 @@ inside "$place/clean" apt-get -qq update
 install --no-install-recommends /voxweld.deb
 say "without what it recommends"
 mapfile -t recommended < <(recommended_by "$place"/out/*.deb)
-for library in libgdcm libhdf5 libopenvdb libopenimageio; do
+for library in libgdcm libhdf5 libopenvdb libopenimageio libcpp-httplib; do
   case ${recommended[*]} in *$library*) ;; *) fail "$library is not recommended: ${recommended[*]}" ;; esac
   inside "$place/clean" sh -c "! dpkg -l | grep -q '^ii  $library'" || fail "$library is installed"
 done

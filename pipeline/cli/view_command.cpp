@@ -1,7 +1,9 @@
 // view: shows meshes in the browser, as long as it runs.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <array>
 #include <chrono>
@@ -10,10 +12,7 @@
 
 #include "pipeline/cli/command_text.h"
 #include "pipeline/cli/commands.h"
-#include "pipeline/output/load.h"
 #include "pipeline/view/view_server.h"
-
-extern char** environ;
 
 namespace voxweld {
 namespace {
@@ -69,7 +68,7 @@ void add_view_command(CLI::App& app, Program& program) {
                 {"voxweld view scan.mesh --open", "opens the browser too"},
                 {"voxweld view part.glb --port 8080", "one file, at an address to keep"}});
   add_file(*command, "input", arguments->input,
-           "An output directory, or a mesh file: " + endings_text(mesh_writers()));
+           "An output directory, or a mesh file: .drc, .glb, .ply, .stl or .obj");
   add_value(*command, "--port", arguments->options.port, "Port to listen on; 0: one that is free")
       ->check(CLI::Range(0, 65535));
   add_value(

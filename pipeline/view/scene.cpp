@@ -1,6 +1,10 @@
 #include "pipeline/view/scene.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
 
 #include <nlohmann/json.hpp>
 
@@ -143,15 +147,14 @@ Json run_scene(const ServedFiles& files) {
   return out;
 }
 
-// By the file's ending; null where no viewer is there for it.
-const MeshWriter* format_of(const ServedFiles& files) {
-  return writer_of_file(mesh_writers(), files.name());
-}
+// What the page has readers for (page/src/formats.js), by a file's last ending.
+constexpr std::array<std::string_view, 5> viewable_endings = {".drc", ".glb", ".ply", ".stl",
+                                                              ".obj"};
 
 Json file_scene(const ServedFiles& files) {
   const auto file = files.find(files.name());
   if (!file) throw InputError(files.path().string() + ": no such file");
-  const MeshWriter* format = format_of(files);
+  const MeshWriter* format = writer_of_file(mesh_writers(), files.name());
   return {{"format", "voxweld-scene"},
           {"version", 1},
           {"kind", "file"},
@@ -176,10 +179,12 @@ std::string scene_text(const ServedFiles& files) {
 
 void check_viewable(const ServedFiles& files) {
   if (files.is_folder()) return require_output(files.path());
-  if (format_of(files) == nullptr)
+  const std::string name = files.name();
+  if (std::ranges::none_of(viewable_endings, [&](auto ending) { return name.ends_with(ending); }))
     throw InputError(
-        fmt::format("{}: not a mesh file; expected {}, or the output.directory of a finished run",
-                    files.path().string(), endings_text(mesh_writers(), ", ")));
+        fmt::format("{}: not a mesh file that can be shown; expected {}, or the output.directory "
+                    "of a finished run",
+                    files.path().string(), fmt::join(viewable_endings, ", ")));
 }
 
 }  // namespace voxweld

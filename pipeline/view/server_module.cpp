@@ -71,8 +71,7 @@ class HttplibServer final : public RunningServer, private httplib::Server {
     for (const auto& [name, value] : answer.headers) response.set_header(name, value);
     if (answer.status == 304) return;
     // httplib calls no provider for an empty body.
-    if (!answer.fill || answer.size == 0)
-      return response.set_content(std::move(answer.text), answer.type);
+    if (!answer.fill || answer.size == 0) return response.set_content(answer.text, answer.type);
     response.set_content_provider(
         answer.size, answer.type,
         [this, fill = std::move(answer.fill)](std::size_t offset, std::size_t length,

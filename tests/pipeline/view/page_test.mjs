@@ -1,14 +1,17 @@
 // Drives the page of `voxweld view` in a headless Chromium: that it loads all there is, without a word
 // in the console, and that what is drawn is what it should be.
 // Usage: node page_test.mjs VOXWELD
-// Without VOXWELD it says whether puppeteer-core loads. Exits 77 where there is no Chromium, no puppeteer-core (tests/npm_packages.sh) or no viewer.
+//        node page_test.mjs          whether puppeteer-core and Chromium are there
+// Exits 77 where there is no Chromium, no puppeteer-core (tests/npm_packages.sh) or no viewer.
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
-import { copyFileSync, existsSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { cpSync, existsSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { inflateSync } from "node:zlib";
+import { feature_glb } from "./feature_glb.mjs";
+import { make_meshes } from "./meshes.mjs";
+import { decoded_png, difference, is_back, is_red, share } from "./picture.mjs";
 import { tileset_of } from "./tileset.mjs";
 
 const [, , voxweld] = process.argv;
@@ -41,23 +44,6 @@ function run(...args) {
   const done = spawnSync(voxweld, args, { cwd: place, encoding: "utf8" });
   if (/has no viewer/.test(done.stderr)) skip(done.stderr.trim());
   assert.equal(done.status, 0, `voxweld ${args.join(" ")}: ${done.stderr}`);
-}
-
-// The surfaces that are looked at.
-function make_meshes() {
-  run("phantom", "gyroid", "--size", "48", "-o", "gyroid.nrrd");
-  writeFileSync(join(place, "gyroid.toml"),
-    `[input]\npath = "gyroid.nrrd"\nspacing = [0.5, 0.5, 0.5]\nunit = "mm"\n[surface]\nisovalue = 32767.5\ninside = "below"\n[output]\ntile_vertices = 3000\n`);
-  run("run", "gyroid.toml");
-  run("phantom", "labels", "--size", "40", "--type", "uint16", "-o", "cells.nrrd");
-  run("init", "cells.nrrd", "--labels");
-  run("run", "cells.toml");
-  run("run", "cells.toml", "--set", "labels.mode=shared", "--set", "output.directory=shared.mesh", "--set", "work.directory=shared.work");
-  for (const ending of ["ply", "stl", "obj"]) run("export", "gyroid.mesh", "-o", `gyroid.${ending}`);
-  copyFileSync(join(place, "gyroid.mesh/mesh.glb"), join(place, "gyroid.glb"));
-  writeFileSync(join(place, "solids.toml"), // a ball without holes
-    `[input]\nformat = "empty"\nsize = [40, 40, 40]\n[[edit]]\nop = "add"\nshape = "sphere"\ncenter = [20, 20, 20]\nradius = 15\n`);
-  run("run", "solids.toml");
 }
 
 async function serve(name) {
@@ -93,33 +79,6 @@ async function open_page(browser, url) {
   return { page, complaints };
 }
 
-// Rows of 8-bit RGB or RGBA, without interlacing.
-function decoded_png(file) {
-  const chunks = [];
-  let width, height, channels;
-  for (let at = 8; at < file.length; ) {
-    const size = file.readUInt32BE(at), type = file.toString("latin1", at + 4, at + 8);
-    if (type === "IHDR") {
-      [width, height] = [file.readUInt32BE(at + 8), file.readUInt32BE(at + 12)];
-      channels = { 2: 3, 6: 4 }[file[at + 17]];
-    }
-    if (type === "IDAT") chunks.push(file.subarray(at + 8, at + 8 + size));
-    at += 12 + size;
-  }
-  const raw = inflateSync(Buffer.concat(chunks)), stride = width * channels, pixels = Buffer.alloc(height * stride);
-  for (let y = 0; y < height; ++y) {
-    const filter = raw[y * (stride + 1)];
-    for (let x = 0; x < stride; ++x) {
-      const a = x >= channels ? pixels[y * stride + x - channels] : 0, b = y > 0 ? pixels[(y - 1) * stride + x] : 0;
-      const c = x >= channels && y > 0 ? pixels[(y - 1) * stride + x - channels] : 0;
-      const p = a + b - c, [pa, pb, pc] = [Math.abs(p - a), Math.abs(p - b), Math.abs(p - c)];
-      const paeth = pa <= pb && pa <= pc ? a : pb <= pc ? b : c;
-      pixels[y * stride + x] = raw[y * (stride + 1) + 1 + x] + [0, a, b, (a + b) >> 1, paeth][filter];
-    }
-  }
-  return { width, height, at: (x, y) => [...pixels.subarray((y * width + x) * channels, (y * width + x) * channels + 3)] };
-}
-
 // What the canvas shows, without what lies over it.
 async function picture(page) {
   const text = await page.evaluate(async () => {
@@ -131,28 +90,6 @@ async function picture(page) {
     });
   });
   return decoded_png(Buffer.from(text, "base64"));
-}
-
-const back = [0x15, 0x18, 0x1d];
-const is_back = (pixel) => pixel.every((value, i) => Math.abs(value - back[i]) <= 2);
-const is_red = ([r, g, b]) => r > 35 && r > 1.3 * g && r > 1.3 * b;
-
-function share(image, test, [x0, y0, x1, y1] = [0, 0, 1, 1]) {
-  let all = 0, found = 0;
-  for (let y = Math.floor(y0 * image.height); y < y1 * image.height; ++y)
-    for (let x = Math.floor(x0 * image.width); x < x1 * image.width; ++x) {
-      ++all;
-      found += test(image.at(x, y));
-    }
-  return found / all;
-}
-
-// Pixels that differ, of all.
-function difference(a, b) {
-  let found = 0;
-  for (let y = 0; y < a.height; ++y)
-    for (let x = 0; x < a.width; ++x) found += a.at(x, y).some((value, i) => Math.abs(value - b.at(x, y)[i]) > 8);
-  return found / (a.width * a.height);
 }
 
 const look = (page, text) => page.evaluate(`{ const view = window.voxweld.view; ${text} }`);
@@ -255,6 +192,33 @@ const tests = {
     assert.equal(await page.evaluate(() => window.voxweld.state.point), null);
   },
 
+  async "a mirrored and turned volume lies in the world as its frame says"(visit) {
+    run("phantom", "sphere", "--size", "32", "--type", "uint8", "-o", "ball.nrrd");
+    const file = readFileSync(join(place, "ball.nrrd")), end = file.indexOf("\n\n");
+    const head = file.toString("latin1", 0, end)
+      .replace(/space dimension: 3/, "space: left-posterior-superior")
+      .replace(/space directions: .*/, "space directions: (-0.5,0,0) (0,0,1) (0,1,0)")
+      .replace(/space origin: .*/, "space origin: (100,50,-20000)");
+    writeFileSync(join(place, "turned.nrrd"), Buffer.concat([Buffer.from(head, "latin1"), file.subarray(end)]));
+    run("init", "turned.nrrd");
+    run("run", "turned.toml");
+    const { page } = await visit("turned.mesh");
+    const image = await picture(page);
+    assert.ok(share(image, is_back) < 0.8 && share(image, is_red) < 0.0005, `backs: ${share(image, is_red)}`);
+    await look(page, "view.movement.frame([0, 0, 1])");
+    const middle = await page.evaluate(() => (innerWidth - document.getElementById("panel").offsetWidth) / 2);
+    await page.mouse.click(middle, 320);
+    const { voxel, world } = await page.evaluate(() => {
+      const { voxel, world } = window.voxweld.state.point;
+      return { voxel: voxel.toArray(), world: world.toArray() };
+    });
+    [100 - 0.5 * voxel[0], 50 + voxel[2], -20000 + voxel[1]].forEach((x, k) => assert.ok(Math.abs(x - world[k]) < 0.01, `${world}`));
+    assert.ok(voxel[1] > 20 && Math.abs(voxel[0] - 15.5) < 2 && Math.abs(voxel[2] - 15.5) < 2, `the top: ${voxel}`);
+    await look(page, "view.set_cut(2, {on: true, at: 0.5}); view.movement.frame([0, 1, 0])");
+    const cut = await picture(page);
+    assert.ok(share(cut, is_back) < 0.9 && share(cut, is_red) < 0.0005, "what is cut is filled");
+  },
+
   async "a link keeps the view"(visit) {
     const { page, again } = await visit("gyroid.mesh");
     await look(page, "view.movement.frame([1, 0, 0]); view.movement.touched = true; view.set_cut(2, {on: true, at: 0.4}); view.set_mode('tile'); view.set_surface({wireframe: true}); view.link.write()");
@@ -310,16 +274,82 @@ const tests = {
     assert.ok((await page.evaluate(() => window.voxweld.view.labels.size)) > 5);
   },
 
+  async "labels as feature ids of a glTF"(visit) {
+    writeFileSync(join(place, "features.glb"), feature_glb());
+    const { page } = await visit("features.glb");
+    const found = await page.evaluate(() => {
+      const { labels, surface, space, state } = window.voxweld.view, [{ piece }] = surface.items;
+      return { labels: labels.sorted().map(({ label }) => label), pairs: piece.pairs, mode: surface.mode,
+        triangles: state.triangles, box: [...space.box.min.toArray(), ...space.box.max.toArray()] };
+    });
+    assert.deepEqual(found.labels, ["7", "9"]);
+    assert.deepEqual(found.pairs, [{ inside: "7", outside: null }, { inside: "9", outside: "7" }]);
+    assert.equal(found.mode, "label");
+    assert.equal(found.triangles, 8);
+    assert.deepEqual(found.box, [0, -2, 0, 6, 0, 2], "its node's place, and z up");
+    await look(page, `view.labels.show("7", false); view.surface.labels_changed()`);
+    assert.equal(await page.evaluate(() => [...window.voxweld.view.surface.items][0].piece.geometry.drawRange.count), 12);
+  },
+
+  async "labels are found by name and number"(visit) {
+    const { page } = await visit("cells.mesh");
+    const shown = () => page.evaluate(() => [...document.querySelectorAll("#labels .label")].map((row) => row.querySelector(".name").innerText));
+    const all = await shown();
+    assert.ok(all.length > 5);
+    await page.type("#panel input[type=search]", all[1]);
+    const some = await shown();
+    assert.ok(some.includes(all[1]) && some.length < all.length && some.every((text) => text.startsWith(all[1])), `${some}`);
+    const hidden = () => page.evaluate(() => window.voxweld.view.labels.hidden.size);
+    await page.click("#labels .label input");
+    assert.equal(await hidden(), 1);
+    await page.evaluate(() => [...document.querySelectorAll("#panel button")].find((b) => b.innerText === "All").click());
+    assert.equal(await hidden(), 0);
+  },
+
+  async "more triangles than can be wanted are asked for first"(visit) {
+    cpSync(join(place, "gyroid.mesh"), join(place, "large.mesh"), { recursive: true });
+    const list = join(place, "large.mesh/tiles.jsonl");
+    const lines = readFileSync(list, "utf8").trim().split("\n").map((line) => JSON.parse(line));
+    for (const line of lines) line.triangles = 15e6;
+    writeFileSync(list, lines.map((line) => JSON.stringify(line) + "\n").join(""));
+    const { page } = await visit("large.mesh");
+    const state = await page.evaluate(() => window.voxweld.state);
+    assert.ok(state.tiles_loaded > 0 && state.tiles_loaded < lines.length, `${state.tiles_loaded} of ${lines.length}`);
+    assert.equal(state.tiles_loaded + state.left_out, lines.length);
+    await page.click("#notes button");
+    await page.waitForFunction((n) => window.voxweld.state.tiles_loaded === n && window.voxweld.state.status === "ready",
+      { timeout: patience_ms }, lines.length);
+  },
+
+  async "a surface without triangles, and formats without a reader"(visit) {
+    cpSync(join(place, "solids.mesh"), join(place, "empty.mesh"), { recursive: true });
+    const list = join(place, "empty.mesh/tiles.jsonl"), tile = readFileSync(list, "utf8");
+    writeFileSync(list, tile.replaceAll(".glb", ".vtp").replaceAll(".drc", ".vtp"));
+    assert.match((await (await visit("empty.mesh")).page.evaluate(() => window.voxweld.state.errors)).join(), /reads none of the formats/);
+    writeFileSync(list, "");
+    const manifest = join(place, "empty.mesh/manifest.json"), { merged, files, ...rest } = JSON.parse(readFileSync(manifest));
+    writeFileSync(manifest, JSON.stringify({ ...rest, merged: null, files: files.filter(({ role }) => role !== "merged") }));
+    const { page } = await visit("empty.mesh");
+    assert.match((await page.evaluate(() => window.voxweld.state.errors)).join(), /surface is empty/);
+    await page.waitForFunction(() => document.getElementById("notes").innerText.includes("surface is empty"));
+  },
+
   async "a tileset is loaded as the view needs"(visit) {
     tileset_of(join(place, "gyroid.mesh"));
-    const { page } = await visit("gyroid.mesh");
-    await page.waitForFunction((n) => window.voxweld.state.triangles === n, { timeout: patience_ms }, triangles_of("gyroid.mesh"));
+    const { page, again } = await visit("gyroid.mesh");
+    const all_shown = (of) => of.waitForFunction((n) => window.voxweld.state.triangles === n, { timeout: patience_ms }, triangles_of("gyroid.mesh"));
+    await all_shown(page);
+    const cut = (await again("#cut=y>0.5")).page; // before there is a tile
+    await all_shown(cut);
+    assert.ok(share(await picture(cut), is_red) < 0.001, "what is cut from the first is filled");
     rmSync(join(place, "gyroid.mesh/tileset.json"));
     assert.deepEqual(await page.evaluate(() => window.voxweld.state.errors), []);
     const image = await picture(page);
     assert.ok(share(image, is_back) > 0.1 && share(image, is_back) < 0.85);
     await look(page, "view.set_mode('level')");
     assert.ok(difference(image, await picture(page)) > 0.05);
+    await look(page, "view.movement.frame([0, -1, 0]); view.set_cut(1, {on: true, at: 0.5, flipped: true})");
+    assert.ok(share(await picture(page), is_red) < 0.001, "what is cut is filled");
     const text = await page.evaluate(() => document.getElementById("panel").innerText);
     assert.match(text, /TILESET|Tileset/);
   },
@@ -338,7 +368,7 @@ const tests = {
   },
 };
 
-make_meshes();
+make_meshes(place, run);
 const browser = await puppeteer.launch({
   executablePath: chromium, headless: true,
   args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run", "--disable-background-networking"],

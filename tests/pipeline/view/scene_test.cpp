@@ -170,7 +170,8 @@ TEST_F(Scene, RefusesWhatIsNoMesh) {
     write_bytes((place_.path() / name).string(), "");
     EXPECT_EQ(refusal(place_.path() / name), "") << name;
   }
-  EXPECT_THAT(refusal(folder() / "manifest.json"), HasSubstr("not a mesh file; expected .drc, "));
+  EXPECT_THAT(refusal(folder() / "manifest.json"),
+              HasSubstr("not a mesh file that can be shown; expected .drc, "));
   EXPECT_THAT(refusal(folder() / "tiles"), HasSubstr("it has no manifest.json"));
   EXPECT_THAT(refusal(place_.path()), HasSubstr("outputs in it: scan.mesh"));
 }

@@ -34,6 +34,25 @@ TEST_F(ViewCommand, TellsItsAddressAndEndsWell) {
   EXPECT_LT(result.seconds, 5);
 }
 
+TEST_F(ViewCommand, OpensTheBrowser) {
+  const std::string program = place_.at("xdg-open");
+  write_bytes(program,
+              "#!/bin/sh\necho noise; printf %s \"$1\" >\"" + place_.at("opened") + "\"\n");
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  {
+    const Environment path({{"PATH", place_.at("") + ":" + std::getenv("PATH")}});
+    const ProgramResult result = view({"--open"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.out, HasSubstr(read_bytes(place_.at("opened")) + "\n"));
+    EXPECT_THAT(read_bytes(place_.at("opened")), HasSubstr("http://127.0.0.1:"));
+    EXPECT_THAT(result.out + result.err, Not(HasSubstr("noise")));
+  }
+  const Environment path({{"PATH", place_.at("tools")}});
+  const ProgramResult result = view({"--open"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("warning: cannot start xdg-open"));
+}
+
 TEST_F(ViewCommand, WarnsWhereOthersCanRead) {
   const ProgramResult result = view({"--host", "0.0.0.0"});
   EXPECT_EQ(result.exit_code, 0) << result.err;

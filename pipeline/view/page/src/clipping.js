@@ -30,6 +30,8 @@ export class Clipping {
     surface.group.add(this.cap_group);
     this.passes = [];
     this.closed_geometry = new WeakMap(); // item -> Map of label -> geometry
+    surface.on_added = () => (this.dirty ||= this.planes.length > 0);
+    surface.on_removed = (item) => this.forget(item);
     stage.before.push(() => this.rebuild());
   }
 
@@ -75,6 +77,12 @@ export class Clipping {
     this.stage.draw();
   }
 
+  forget(item) {
+    for (const geometry of this.closed_geometry.get(item)?.values() ?? []) geometry.dispose();
+    this.closed_geometry.delete(item);
+    this.dirty ||= this.planes.length > 0;
+  }
+
   clear() {
     for (const { mesh, material, geometry } of this.passes) {
       mesh.removeFromParent();
@@ -112,7 +120,7 @@ export class Clipping {
       body.box.union(item.piece.geometry.boundingBox.clone().applyMatrix4(item.mesh.matrixWorld));
     };
     for (const item of this.surface.items) {
-      if (!item.mesh.parent) continue;
+      if (item.about.parent && !item.about.parent.parent) continue; // a tile that is not in sight
       item.mesh.updateWorldMatrix(true, false);
       const { pairs, ids } = item.piece;
       const all = pairs === null ? [null] : ids === null ? [pairs[0].inside] : pairs.flatMap((p) => [p.inside, p.outside]);
@@ -143,6 +151,7 @@ export class Clipping {
         mesh.raycast = () => {};
         mesh.renderOrder = order;
         item.mesh.add(mesh);
+        mesh.updateMatrixWorld(true); // the group of a tileset does not look for new children
         this.passes.push({ mesh, material });
       }
     }

@@ -23,12 +23,16 @@ gltf_loader.setDRACOLoader(draco_loader);
 gltf_loader.setMeshoptDecoder(MeshoptDecoder);
 gltf_loader.register(feature_plugin);
 
-// Which of a tile's files to load: the smallest first, plain text last.
-const preferred = ["drc", "glb-meshopt", "glb", "glb-plain", "ply", "stl", "obj"];
+// Which of a tile's files to load: what is decoded fast comes first, plain text last. Undefined where
+// there is a reader for none.
+const preferred = ["meshopt", "drc", "glb", "glb-plain", "ply", "stl", "obj"];
 export function best_file(files) {
-  const rank = (file) => (preferred.indexOf(file.format) + preferred.length + 1) % (preferred.length + 1);
-  return [...files].sort((a, b) => rank(a) - rank(b))[0];
+  const known = files.filter(({ path }) => readers[ending_of(path)]);
+  const rank = ({ format }) => (preferred.indexOf(format) + preferred.length + 1) % (preferred.length + 1);
+  return known.sort((a, b) => rank(a) - rank(b))[0];
 }
+
+const ending_of = (path) => path.split(".").pop().toLowerCase();
 
 async function read_draco(buffer) {
   const pairs = draco_pairs(buffer);
@@ -85,7 +89,5 @@ const readers = { drc: read_draco, glb: read_gltf, ply: read_ply, stl: read_stl,
 
 // By the file's ending.
 export async function read_pieces(path, buffer) {
-  const reader = readers[path.split(".").pop().toLowerCase()];
-  if (!reader) throw new Error("no reader for this format");
-  return reader(buffer);
+  return readers[ending_of(path)](buffer);
 }

@@ -31,8 +31,17 @@ export async function fetch_bytes(path, came) {
   return at === bytes.length ? bytes.buffer : bytes.slice(0, at).buffer;
 }
 
-// What there is to load: tiles, or the whole mesh where there are none.
+// What there is to load: tiles, or the whole mesh where there are none. An error where there is no reader
+// for any of a tile's formats.
 export function jobs_of(scene) {
+  const jobs = all_jobs(scene);
+  const other = jobs.findIndex(({ file }) => file === undefined);
+  if (other < 0) return jobs;
+  const files = scene.tiles[other]?.files ?? scene.merged;
+  throw new Error(`The page reads none of the formats of this mesh: ${files.map((file) => file.format).join(", ")}`);
+}
+
+function all_jobs(scene) {
   if (scene.kind === "file") return [{ file: scene.file, tile: 0, level: 0, triangles: 0 }];
   if (scene.tiles.length > 0)
     return scene.tiles.map((tile, number) => ({

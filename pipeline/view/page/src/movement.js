@@ -12,10 +12,15 @@ export const sides = {
 };
 const first_side = [0.62, -0.92, 0.5];
 
+// In NIfTI's world y points to the front of a patient, in DICOM's to the back.
+const turns = { RAS: -1 };
+
 export class Movement {
-  constructor(stage, changed) {
+  // space: of the frame, which says where the front is.
+  constructor(stage, space, changed) {
     this.stage = stage;
     this.changed = changed;
+    this.turn = turns[space] ?? 1;
     this.touched = false; // by the user: then nothing else moves it
     this.flying = false;
     this.down = new Set();
@@ -107,30 +112,47 @@ export class Movement {
     this.moved();
   }
 
+  way_to([x, y, z]) {
+    return new Vector3(this.turn * x, this.turn * y, z).normalize();
+  }
+
   // All of the points, from a side.
   frame(side = null) {
     const { camera } = this.stage;
-    const back = side ? new Vector3(...side) : camera.position.clone().sub(this.target);
-    if (!side && !this.touched) back.set(...first_side);
-    back.normalize();
+    const chosen = side ?? (this.touched ? null : first_side);
+    const back = chosen ? this.way_to(chosen) : camera.position.clone().sub(this.target).normalize();
     new Box3().setFromPoints(this.stage.points).getCenter(this.target);
     camera.position.copy(this.target).add(back);
     camera.lookAt(this.target);
-    camera.position.copy(this.target).addScaledVector(back, this.fitting_distance());
+    // What is near looks larger, so that the middle of the points is not that of the picture.
+    for (let round = 0; round < 3; ++round) {
+      const { distance, right, up } = this.fitting();
+      const shift = round < 2 ? new Vector3(right * distance, up * distance, 0) : new Vector3();
+      this.target.add(shift.applyQuaternion(camera.quaternion));
+      camera.position.copy(this.target).addScaledVector(back, distance);
+    }
     this.orbit.update();
     this.moved();
   }
 
-  // From where each point is just within the picture.
-  fitting_distance() {
+  // The distance from which every point is just within the picture, and where the middle of the points is
+  // seen from there, as tangents.
+  fitting() {
     const { camera, points } = this.stage, turn = camera.quaternion.clone().invert();
     const tall = Math.tan((camera.fov * Math.PI) / 360) * filled, wide = tall * camera.aspect;
+    const seen = points.map((point) => point.clone().sub(this.target).applyQuaternion(turn));
     let distance = 0;
-    for (const point of points) {
-      const at = point.clone().sub(this.target).applyQuaternion(turn);
-      distance = Math.max(distance, at.z + Math.abs(at.x) / wide, at.z + Math.abs(at.y) / tall);
-    }
-    return distance;
+    for (const { x, y, z } of seen) distance = Math.max(distance, z + Math.abs(x) / wide, z + Math.abs(y) / tall);
+    const middle = (of) => {
+      let lo = Infinity, hi = -Infinity;
+      for (const at of seen) {
+        const tangent = of(at) / (distance - at.z);
+        lo = Math.min(lo, tangent);
+        hi = Math.max(hi, tangent);
+      }
+      return (lo + hi) / 2;
+    };
+    return { distance, right: middle((at) => at.x), up: middle((at) => at.y) };
   }
 
   reset() {

@@ -122,7 +122,7 @@ export class Panel {
     const { view } = this;
     const buttons = Object.entries(sides).map(([name, side]) =>
       make("button", { onclick: () => view.movement.frame(side) }, name));
-    const copy = make("button", { onclick: async () => {
+    const copy = make("button", { title: "Copies a link to this view", onclick: async () => {
       view.link.write();
       try {
         await navigator.clipboard.writeText(location.href);
@@ -130,14 +130,14 @@ export class Panel {
       } catch {
         view.note("The address of this page is the link");
       }
-    } }, "Copy link");
+    } }, "Link");
     return section("View",
       make("div", { class: "buttons" }, ...buttons),
       this.switch_for("Fly", "V", () => view.movement.flying, (on) => view.set_flying(on)),
       make("div", { class: "buttons" },
-        make("button", { title: "R", onclick: () => view.movement.reset() }, "Reset"),
-        make("button", { title: "P", onclick: () => view.save_picture() }, "Picture"), copy),
-      row(make("button", { class: "grow", title: "?", onclick: () => view.help.toggle() }, "Keys and help")));
+        make("button", { title: "The first view (R)", onclick: () => view.movement.reset() }, "Reset"),
+        make("button", { title: "Saves a picture (P)", onclick: () => view.save_picture() }, "Picture"), copy),
+      row(make("button", { class: "grow", title: "Keys and help (?)", onclick: () => view.help.toggle() }, "Keys and help")));
   }
 
   facts() {

@@ -19,6 +19,8 @@ export class Surface {
     this.wireframe = false;
     this.planes = [];
     this.levels = [Infinity, -Infinity];
+    this.on_added = () => {}; // or has come into sight
+    this.on_removed = () => {};
     this.materials = { normal: normal_material(), flat_normal: normal_material(), lines: line_material() };
     this.materials.flat_normal.flatShading = true;
   }
@@ -42,6 +44,7 @@ export class Surface {
     this.items.add(item);
     this.show(item);
     this.dress(item);
+    this.on_added(item);
     this.changed();
     return item;
   }
@@ -57,6 +60,7 @@ export class Surface {
     item.piece.geometry.dispose();
     item.material.dispose();
     this.items.delete(item);
+    this.on_removed(item);
     this.changed();
   }
 

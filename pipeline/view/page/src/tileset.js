@@ -51,6 +51,7 @@ export class Tileset {
       this.state.errors.push(`${String(url).replace(/^.*\/data\//, "")}: ${error?.message ?? error}`);
       this.changed();
     });
+    tiles.addEventListener("tile-visibility-change", () => this.surface.on_added());
     for (const event of ["needs-update", "needs-render", "tile-visibility-change", "tiles-load-end"])
       tiles.addEventListener(event, () => this.stage.draw());
   }

@@ -33,7 +33,7 @@ export class View {
     this.stage.world.add(this.surface.group);
     this.clipping = new Clipping(this.stage, this.surface, this.space, this.labels);
     this.clipping.closed = scene.border !== "open";
-    this.movement = new Movement(this.stage, () => this.changed());
+    this.movement = new Movement(this.stage, scene.frame?.space, () => this.changed());
     this.link = new Link(this);
     this.choose_modes();
     this.place();
@@ -109,8 +109,13 @@ export class View {
 
   async load() {
     if (this.tileset) return this.stage.draw();
-    const jobs = jobs_of(this.scene);
-    if (jobs.length === 0) return this.fail("There is no mesh in the files: the surface is empty");
+    let jobs;
+    try {
+      jobs = jobs_of(this.scene);
+    } catch (error) {
+      return this.fail(error.message);
+    }
+    if (jobs.length === 0) return this.fail("There is no mesh to show: the surface is empty");
     this.loader = new Loader(this.state, (piece, job) => this.add_piece(piece, job), () => this.progress());
     const bounds = new Box3();
     this.loader.add = (piece, job) => {
