@@ -15,7 +15,7 @@ fail() {
   exit 1
 }
 share=share/doc/voxweld
-for file in bin/voxweld lib/voxweld/libvoxweld_image.so \
+for file in bin/voxweld lib/voxweld/libvoxweld_image.so lib/voxweld/libvoxweld_server.so \
   lib/voxweld/libvoxweld_tiff.so $share/README.md $share/copyright \
   $share/SETTINGS.md $share/examples/example.toml $share/examples/workflow.smk \
   share/man/man1/voxweld.1 share/bash-completion/completions/voxweld \

@@ -5,10 +5,19 @@ import {
 
 const back = 0x15181d;
 
+function new_renderer() {
+  try {
+    return new WebGLRenderer({ antialias: true, stencil: true });
+  } catch {
+    throw new Error("This browser draws nothing in three dimensions (WebGL 2): turn on its graphics acceleration, " +
+      "or take another browser. `voxweld render` draws pictures without one.");
+  }
+}
+
 export class Stage {
   constructor(element) {
     this.element = element;
-    this.renderer = new WebGLRenderer({ antialias: true, stencil: true, preserveDrawingBuffer: false });
+    this.renderer = new_renderer();
     this.renderer.localClippingEnabled = true;
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
     this.renderer.setClearColor(back);
