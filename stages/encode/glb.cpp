@@ -87,13 +87,6 @@ std::optional<double> metres_per(const std::string& unit) {
   return std::nullopt;
 }
 
-std::array<double, 16> world_matrix(const VolumeGeometry& frame) {
-  GlbParameters parameters;
-  parameters.frame = frame;
-  parameters.y_up = false;
-  return node_matrix(parameters);
-}
-
 std::vector<std::byte> wrap_glb(const EncodedMesh& mesh, const GlbParameters& parameters,
                                 std::span<const MaterialPair> pairs) {
   GlbFile file(parameters);

@@ -238,3 +238,14 @@ PointFeatures point_features(const DecodedMesh& mesh, const MaterialTable* mater
 }
 
 }  // namespace voxweld::glb
+
+namespace voxweld {
+
+std::array<double, 16> world_matrix(const VolumeGeometry& frame) {
+  GlbParameters parameters;
+  parameters.frame = frame;
+  parameters.y_up = false;
+  return glb::node_matrix(parameters);
+}
+
+}  // namespace voxweld
