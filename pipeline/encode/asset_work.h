@@ -2,9 +2,9 @@
 // which says what they were made of.
 #pragma once
 
-#include "pipeline/refine/levels_stage.h"
 #include "pipeline/stage/artifacts.h"
 #include "pipeline/stage/context.h"
+#include "pipeline/stage/level_meshes.h"
 #include "storage/artifact/tile_artifact.h"
 
 namespace voxweld {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "pipeline/encode/listing.h"
-#include "pipeline/refine/levels_stage.h"
+#include "pipeline/stage/level_meshes.h"
 #include "pipeline/stage/stage_jobs.h"
 
 namespace voxweld {

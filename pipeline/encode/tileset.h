@@ -13,8 +13,8 @@
 #include <functional>
 #include <vector>
 
-#include "pipeline/refine/levels_stage.h"
 #include "pipeline/stage/artifacts.h"
+#include "pipeline/stage/level_meshes.h"
 #include "storage/artifact/asset_record.h"
 #include "storage/types/file_record.h"
 

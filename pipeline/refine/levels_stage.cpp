@@ -5,7 +5,6 @@
 #include "pipeline/stage/cube_mesh.h"
 #include "stages/refine/coarsen.h"
 #include "stages/refine/mesh_part.h"
-#include "stages/refine/retile.h"
 
 namespace voxweld {
 namespace {
@@ -84,44 +83,6 @@ class LevelsStage final : public StageWork {
 
 std::unique_ptr<StageWork> levels_stage(const NodeSources& sources) {
   return std::make_unique<LevelsStage>(sources);
-}
-
-double LevelMeshes::tolerance(int height) const {
-  return level_tolerance(sources_.job.parameters.tolerance, height);
-}
-
-CubeMeshArtifact LevelMeshes::open(std::uint64_t node) const {
-  return CubeMeshArtifact(level_artifact_path(sources_.job.folder, tree().nodes()[node]));
-}
-
-Hash128 LevelMeshes::content(std::uint64_t node) const {
-  return open(node).content_hash();
-}
-
-PlannedTile LevelMeshes::size(std::uint64_t node) const {
-  const PartCounts all = open(node).summary().all;
-  const CellKey cell = tree().nodes()[node].cell;
-  return {cell.code(), static_cast<std::uint32_t>(cell.level), 0, all.vertices,
-          (all.triangles + 1) / 2};
-}
-
-TileMesh LevelMeshes::read(std::uint64_t node) const {
-  const CubeMeshArtifact artifact = open(node);
-  MeshGather mesh;
-  for (std::size_t p = 0; p < artifact.pieces().size(); ++p) {
-    mesh.add(artifact.read(p, CubePart::inside));
-    mesh.add(artifact.read(p, CubePart::leaving));
-  }
-  TileMesh tile = to_tile_mesh(mesh.mesh(), tree().nodes()[node].cell, sources_.job.lattice,
-                               tile_blocks(sources_.job.frame));
-  if (sources_.job.normals) return tile;
-  tile.normals.clear();
-  tile.corner_normals.clear();
-  return tile;
-}
-
-RefineCounts LevelMeshes::counts(std::uint64_t node) const {
-  return open(node).counted<RefineCounts>();
 }
 
 }  // namespace voxweld

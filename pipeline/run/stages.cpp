@@ -8,6 +8,7 @@
 #include "pipeline/encode/encode_stage.h"
 #include "pipeline/ingest/ingest_stage.h"
 #include "pipeline/merge/merge_stage.h"
+#include "pipeline/refine/levels_stage.h"
 #include "pipeline/refine/mend_stage.h"
 #include "pipeline/refine/refine_stage.h"
 #include "pipeline/refine/retile_stage.h"
@@ -186,7 +187,7 @@ NodeSources Stages::level_sources() {
 
 const LevelMeshes* Stages::level_meshes() {
   if (!has_levels(context_.config)) return nullptr;
-  if (!level_meshes_) level_meshes_.emplace(level_sources());
+  if (!level_meshes_) level_meshes_.emplace(jobs_.levels(), level_sources().tree);
   return &*level_meshes_;
 }
 

@@ -6,9 +6,10 @@
 #include <optional>
 
 #include "pipeline/refine/collapse_choice.h"
-#include "pipeline/refine/levels_stage.h"
+#include "pipeline/refine/node_reads.h"
 #include "pipeline/refine/retile_plan.h"
 #include "pipeline/run/jobs.h"
+#include "pipeline/stage/level_meshes.h"
 #include "pipeline/stage/stage_work.h"
 #include "pipeline/stage/unit_plan.h"
 #include "storage/artifact/top_artifact.h"

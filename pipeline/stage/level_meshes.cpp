@@ -1,0 +1,47 @@
+#include "pipeline/stage/level_meshes.h"
+
+#include "stages/refine/coarsen.h"
+#include "stages/refine/mesh_part.h"
+#include "stages/refine/retile.h"
+
+namespace voxweld {
+
+double LevelMeshes::tolerance(int height) const {
+  return level_tolerance(job_.parameters.tolerance, height);
+}
+
+CubeMeshArtifact LevelMeshes::open(std::uint64_t node) const {
+  return CubeMeshArtifact(level_artifact_path(job_.folder, tree().nodes()[node]));
+}
+
+Hash128 LevelMeshes::content(std::uint64_t node) const {
+  return open(node).content_hash();
+}
+
+PlannedTile LevelMeshes::size(std::uint64_t node) const {
+  const PartCounts all = open(node).summary().all;
+  const CellKey cell = tree().nodes()[node].cell;
+  return {cell.code(), static_cast<std::uint32_t>(cell.level), 0, all.vertices,
+          (all.triangles + 1) / 2};
+}
+
+TileMesh LevelMeshes::read(std::uint64_t node) const {
+  const CubeMeshArtifact artifact = open(node);
+  MeshGather mesh;
+  for (std::size_t p = 0; p < artifact.pieces().size(); ++p) {
+    mesh.add(artifact.read(p, CubePart::inside));
+    mesh.add(artifact.read(p, CubePart::leaving));
+  }
+  TileMesh tile =
+      to_tile_mesh(mesh.mesh(), tree().nodes()[node].cell, job_.lattice, tile_blocks(job_.frame));
+  if (job_.normals) return tile;
+  tile.normals.clear();
+  tile.corner_normals.clear();
+  return tile;
+}
+
+RefineCounts LevelMeshes::counts(std::uint64_t node) const {
+  return open(node).counted<RefineCounts>();
+}
+
+}  // namespace voxweld
