@@ -32,7 +32,7 @@ class VtpArrays {
  public:
   std::string element(const char* name, const VtpType& type, std::uint64_t items,
                       int components = 1) {
-    const std::string text = fmt::format(
+    std::string text = fmt::format(
         "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" "
         "offset=\"{}\"/>\n",
         type.name, name, components, at_);

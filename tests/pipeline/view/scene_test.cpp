@@ -114,7 +114,8 @@ TEST_F(Scene, ListsLabels) {
     record.name = "bone \"<b>\" \xC3\xA9";
     record.color = {255, 0, 51};
   };
-  const json scene = written(), labels = scene["labels"];
+  const json scene = written();
+  const json& labels = scene["labels"];
   EXPECT_EQ(scene["labels_mode"], "each");
   ASSERT_EQ(labels.size(), 2);
   EXPECT_EQ(labels.at(0)["label"], "3");

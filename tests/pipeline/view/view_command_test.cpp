@@ -22,7 +22,7 @@ class ViewCommand : public ::testing::Test {
     return run_voxweld(Arguments{"view", place_.at("scene.mesh")} + more, Stop{SIGINT, 0.5});
   }
 
-  const Workplace place_;
+  Workplace place_;
 };
 
 TEST_F(ViewCommand, TellsItsAddressAndEndsWell) {

@@ -220,6 +220,7 @@ TEST_F(View, AnswersManyAtOnce) {
   write_bytes((folder() / "large.ply").string(), bytes);
   std::atomic<int> good{0};
   std::vector<std::thread> threads;
+  threads.reserve(200);
   for (int i = 0; i < 200; ++i)
     threads.emplace_back([&, i] {
       auto asks = client();

@@ -19,7 +19,6 @@ namespace {
 using testing::book;
 using testing::document_of;
 using testing::facts_of;
-using testing::with_pairs;
 using testing::written;
 
 TileMesh ring(const OutputLattice& lattice = testing::small_lattice()) {
