@@ -18,6 +18,8 @@
 #include "pipeline/run/output_frame.h"
 #include "pipeline/stage/unit_plan.h"
 #include "stages/encode/draco_codec.h"
+#include "stages/refine/coarsen.h"
+#include "stages/refine/mesh_part.h"
 #include "storage/store/store_source.h"
 #include "storage/support/error.h"
 #include "storage/support/provenance.h"
@@ -247,16 +249,29 @@ std::uint64_t tile_bytes(const Config& config, std::int64_t vertices) {
   return encode_bytes(config, tile);
 }
 
+// Of a coarser tile made of four that have so many vertices: as many as a surface passes through.
+std::uint64_t level_bytes(std::int64_t vertices) {
+  const std::uint64_t all = 4 * static_cast<std::uint64_t>(vertices);
+  const MeshSize size{all, 2 * all, 2 * all, 0};
+  return mesh_bytes(size.vertices, size.triangles, size.samples) + coarsen_bytes(size);
+}
+
 }  // namespace
 
 std::int64_t fitting_tile_vertices(const Config& config) {
-  constexpr std::int64_t good = 500000, least = 1024;
+  // Where there are levels viewers take a few tiles of each, so these are smaller: about a megabyte.
+  const std::int64_t good = has_levels(config) ? 65536 : 500000;
+  constexpr std::int64_t least = 1024;
   // Depends on the config alone, so that every process of a run has the same.
   constexpr std::uint64_t program = std::uint64_t{64} << 20, at_once = 2;
   const std::uint64_t memory = config.run.memory;
   const std::uint64_t most = memory > program ? (memory - program) / at_once : 0;
   std::int64_t vertices = good;
-  while (vertices / 2 >= least && tile_bytes(config, vertices) > most) vertices /= 2;
+  const auto fits = [&](std::int64_t v) {
+    return tile_bytes(config, v) <= most &&
+           (!has_levels(config) || level_bytes(v) <= most * at_once);
+  };
+  while (vertices / 2 >= least && !fits(vertices)) vertices /= 2;
   return vertices;
 }
 
