@@ -80,6 +80,7 @@ void aim_at_file(const ExtractArguments& arguments, RunContext& context) {
   output.formats = {format};
   output.merged = OutputConfig::Merged::always;
   output.tiles = false;
+  output.levels = 1;
 }
 
 std::size_t write_file(const ExtractArguments& arguments, const Program& program,

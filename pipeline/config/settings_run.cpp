@@ -92,17 +92,14 @@ std::vector<Setting> output_settings() {
       row({"output", "tiles", "Write the tiles, the pieces of the mesh, as files of their own."},
           binding::member(output, &Output::tiles, FlagRule{}), encode),
       row({"output", "tile_vertices",
-           "The most vertices a tile may have. \"auto\" is 500000, or 65536 with levels of detail, "
-           "and "
-           "less where run.memory is too small to encode several such tiles at once."},
+           "The most vertices a tile may have. \"auto\" is 500000, or 65536 with levels of "
+           "detail, and less where run.memory is too small to encode several such tiles at once."},
           binding::integer_or_auto(output, &Output::tile_vertices, IntegerRule{1024, 1000000000}),
           merge),
       row({"output", "levels",
            "Levels of detail. Compared with the level before, each has tiles twice as wide and "
-           "four "
-           "times the tolerance. 1: the mesh alone; \"auto\": until one tile holds all of it. More "
-           "than 1 needs tiles and "
-           "a refined mesh."},
+           "four times the tolerance. 1: the mesh alone; \"auto\": until one tile holds all of it. "
+           "More than 1 needs tiles and a refined mesh."},
           binding::integer_or_auto(output, &Output::levels, IntegerRule{1, 12}), levels),
       row({"output", "precision",
            "The step coordinates are rounded to, at most, in smallest spacings."},

@@ -234,6 +234,19 @@ TEST(LevelsWork, AreShownAndTold) {
             std::string::npos);
 }
 
+// A coarser tolerance has nothing to do with levels, and makes none.
+TEST(LevelsWork, ExtractMakesNone) {
+  const Scene scene("gyroid", 96);
+  VOXWELD_EXPECT_DONE(scene.run(levels));
+  const std::string made = (scene.directory() / "coarse.drc").string();
+  const ProgramResult extracted =
+      scene.command_with("extract", levels, {"--tolerance", "0.2", "-o", made});
+  VOXWELD_EXPECT_DONE(extracted);
+  EXPECT_EQ(extracted.err.find("levels"), std::string::npos) << extracted.err;
+  VOXWELD_EXPECT_DONE(scene.run(levels + Settings{"output.levels=1", "simplify.tolerance=0.2"}));
+  EXPECT_EQ(read_whole_file(made), read_whole_file(scene.output() / "mesh.drc"));
+}
+
 // Where a tile of a level is another one, there is a crack, and verify sees it.
 TEST(LevelsWork, ACrackIsFound) {
   const Scene scene("gyroid", 128);
