@@ -61,8 +61,7 @@ void add_view_command(CLI::App& app, Program& program) {
       "Prints an address to open, and answers there until Ctrl-C. Turn, fly, cut and colour the "
       "mesh, and click it to see where a point lies. Tiles appear as they load; of a mesh with "
       "levels of detail only those as fine as the view needs. Nothing is sent elsewhere and "
-      "nothing "
-      "is loaded from the net.");
+      "nothing is loaded from the net.");
   add_examples(*command,
                {{"voxweld view scan.mesh", ""},
                 {"voxweld view scan.mesh --open", "opens the browser too"},

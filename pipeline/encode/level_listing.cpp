@@ -14,10 +14,15 @@ class LevelLister {
       : listing_(listing), tree_(listing.levels.tree()), manifest_(manifest) {}
 
   void list(FileNames& leftovers) {
+    for (std::uint64_t t = 0; t < listing_.tiles.tiles.size(); ++t) {
+      listing_.tiles.check_interrupt();
+      tiles_.push_back(sums_of(tile(t)));
+    }
     AssetFile list(listing_.job.output, levels_name);
     for (std::uint64_t n = 0; n < tree_.nodes().size(); ++n) {
       listing_.tiles.check_interrupt();
       const AssetRecord record = node(n);
+      nodes_.push_back(sums_of(record));
       if (record.files.empty()) continue;
       for (const FileRecord& file : record.files) leftovers.leave_out(file.path);
       const LevelNode& at = tree_.nodes()[n];
@@ -38,6 +43,17 @@ class LevelLister {
   }
 
  private:
+  // What levels sum up of a record.
+  struct Sums {
+    bool any = false;  // it has files
+    std::uint64_t triangles = 0, bytes = 0;
+  };
+  static Sums sums_of(const AssetRecord& record) {
+    Sums sums{!record.files.empty(), record.triangles, 0};
+    for (const FileRecord& file : record.files) sums.bytes += file.bytes;
+    return sums;
+  }
+
   AssetRecord node(std::uint64_t number) const {
     return whole_record(level_record_path(listing_.job.folder, tree_.nodes()[number]));
   }
@@ -73,29 +89,26 @@ class LevelLister {
   }
   std::uint64_t bytes_of_tiles() const {
     std::uint64_t bytes = 0;
-    for (std::uint64_t t = 0; t < listing_.tiles.tiles.size(); ++t)
-      for (const FileRecord& file : tile(t).files) bytes += file.bytes;
+    for (const Sums& tile : tiles_) bytes += tile.bytes;
     return bytes;
   }
 
   nlohmann::json of_level(int height) const {
     std::uint64_t tiles = 0, triangles = 0, bytes = 0;
     RefineCounts counts;
-    const auto add = [&](const AssetRecord& record) {
-      if (record.files.empty()) return;
+    const auto add = [&](const Sums& sums) {
+      if (!sums.any) return;
       ++tiles;
-      triangles += record.triangles;
+      triangles += sums.triangles;
     };
     tree_.cut(
         height,
         [&](std::uint64_t n) {
-          const AssetRecord record = node(n);
-          add(record);
+          add(nodes_[n]);
           counts.add(listing_.levels.counts(n));
-          if (tree_.nodes()[n].height == height)
-            for (const FileRecord& file : record.files) bytes += file.bytes;
+          if (tree_.nodes()[n].height == height) bytes += nodes_[n].bytes;
         },
-        [&](std::uint64_t t) { add(tile(t)); });
+        [&](std::uint64_t t) { add(tiles_[t]); });
     const double step = manifest_.lattice.step;
     return {{"level", height},
             {"tolerance", listing_.levels.tolerance(height) * step},
@@ -110,6 +123,7 @@ class LevelLister {
   const LevelListing& listing_;
   const LevelTree& tree_;
   Manifest& manifest_;
+  std::vector<Sums> tiles_, nodes_;  // records are read once for all levels
 };
 
 }  // namespace

@@ -1,12 +1,11 @@
 #include "pipeline/encode/output_files.h"
 
-#include "pipeline/stage/level_tree.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/stage/level_tree.h"
 #include "stages/encode/mesh_writers.h"
 #include "storage/artifact/unfinished_note.h"
 #include "storage/manifest/manifest.h"

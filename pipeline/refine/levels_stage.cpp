@@ -33,7 +33,8 @@ class LevelsStage final : public StageWork {
   }
   bool done(std::uint64_t unit) override {
     const std::filesystem::path path = path_of(unit);
-    return is_current(path, [&] { return CubeMeshArtifact(path).key() == key(unit); });
+    return is_current(
+        path, [&] { return CubeMeshArtifact(path).key() == key(unit, NodeReads(sources_, unit)); });
   }
 
   StageMemory memory(std::span<const std::uint64_t> numbers) override {
@@ -52,11 +53,11 @@ class LevelsStage final : public StageWork {
 
   void run(const Unit& unit, WorkerContext& worker) override {
     const LevelNode& node = node_of(unit.key);
-    CubeMeshWriter file(path_of(unit.key), key(unit.key));
+    const NodeReads reads(sources_, unit.key);
+    CubeMeshWriter file(path_of(unit.key), key(unit.key, reads));
     RefineCounts counts;
-    const RefineMesh mesh =
-        coarsen(NodeReads(sources_, unit.key).read([&] { worker.check_interrupt(); }), job().frame,
-                {node.cell, node.all, node.height}, job().parameters, counts);
+    const RefineMesh mesh = coarsen(reads.read([&] { worker.check_interrupt(); }), job().frame,
+                                    {node.cell, node.all, node.height}, job().parameters, counts);
     worker.check_interrupt();
     add_pieces(file, 0, mesh, CubeLattice(job().frame, 0, node.cell.level));
     file.finish({as_record(counts)});
@@ -68,11 +69,11 @@ class LevelsStage final : public StageWork {
   std::filesystem::path path_of(std::uint64_t unit) const {
     return level_artifact_path(job().folder, node_of(unit));
   }
-  Hash128 key(std::uint64_t unit) const {
+  Hash128 key(std::uint64_t unit, const NodeReads& reads) const {
     KeyHasher key;
     key.hash(job().key).real(job().parameters.tolerance);
     sources_.tree.add_shape(key, unit);
-    NodeReads(sources_, unit).add_hashes(key);
+    reads.add_hashes(key);
     return key.finish();
   }
 

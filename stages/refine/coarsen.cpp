@@ -5,21 +5,15 @@
 
 #include "stages/refine/box_refiner.h"
 #include "stages/refine/retile.h"
+#include "storage/types/index_table.h"
 
 namespace voxweld {
 namespace {
 
-// Spreads what is near: the last step of MurmurHash3 for 64 bits, by Appleby.
-std::uint64_t mixed(std::uint64_t x) {
-  x = (x ^ x >> 33) * 0xff51afd7ed558ccdULL;
-  x = (x ^ x >> 33) * 0xc4ceb9fe1a85ec53ULL;
-  return x ^ x >> 33;
-}
-
 std::uint64_t lot_of(const LatticePoint& p) {
   std::uint64_t lot = 0;
   for (const std::int32_t coordinate : p)
-    lot = mixed(lot ^ static_cast<std::uint64_t>(static_cast<std::uint32_t>(coordinate)));
+    lot = mix_bits(lot ^ static_cast<std::uint64_t>(static_cast<std::uint32_t>(coordinate)));
   return lot;
 }
 
@@ -78,9 +72,8 @@ RefineMesh coarsen(const RefineMesh& mesh, const RefineFrame& frame, const Coars
   if (!node.all) parameters.within = CubeLattice(frame, 0, node.cell.level).box(node.cell.at);
   // Cubes that grow with the edges in them.
   const int level = frame.level + node.height;
-  RefineMesh refined;
   RefineCounts first, second;
-  refined = refine_range(mesh, CubeLattice(frame, 0, level), {}, parameters, first);
+  RefineMesh refined = refine_range(mesh, CubeLattice(frame, 0, level), {}, parameters, first);
   refined = refine_range(refined, CubeLattice(frame, 1, level), {}, parameters, second);
   const CubeLattice blocks = tile_blocks(frame);
   MeshGather own;
