@@ -15,7 +15,8 @@ float length(const NormalSum& a) {
 // Sums are compared and added by their sense, or without it.
 class Grouping {
  public:
-  explicit Grouping(NormalSense sense) : either_(sense == NormalSense::either) {}
+  Grouping(NormalSense sense, float cosine)
+      : either_(sense == NormalSense::either), cosine_(cosine) {}
   float compare(const NormalSum& a, const NormalSum& b) const {
     const float d = dot3(a, b);
     return either_ ? std::abs(d) : d;
@@ -26,17 +27,18 @@ class Grouping {
   }
   // Within the clusters' angle; without a division for each pair.
   bool near(const NormalSum& a, const NormalSum& b) const {
-    return compare(a, b) >= cluster_cosine * length(a) * length(b);
+    return compare(a, b) >= cosine_ * length(a) * length(b);
   }
 
  private:
   bool either_;
+  float cosine_;
 };
 
 }  // namespace
 
-NormalClusters cluster_normals(std::span<const NormalSum> sums, NormalSense sense) {
-  const Grouping grouping(sense);
+NormalClusters cluster_normals(std::span<const NormalSum> sums, NormalSense sense, float cosine) {
+  const Grouping grouping(sense, cosine);
   NormalClusters clusters{{}, sense};
   NormalSum total{};
   for (const NormalSum& sum : sums) grouping.join(total, sum);
@@ -49,16 +51,16 @@ NormalClusters cluster_normals(std::span<const NormalSum> sums, NormalSense sens
   std::size_t count = 0;
   for (const NormalSum& sum : sums) {
     std::size_t best = 0;
-    float best_cosine = -2;
+    float best_likeness = -2;
     for (std::size_t k = 0; k < count; ++k) {
       const float scale = length(clusters.sum[k]);
-      const float cosine = scale > 0 ? grouping.compare(clusters.sum[k], sum) / scale : -1.0f;
-      if (cosine > best_cosine) {
-        best_cosine = cosine;
+      const float likeness = scale > 0 ? grouping.compare(clusters.sum[k], sum) / scale : -1.0f;
+      if (likeness > best_likeness) {
+        best_likeness = likeness;
         best = k;
       }
     }
-    if (count < max_clusters && best_cosine < cluster_cosine * length(sum)) best = count++;
+    if (count < max_clusters && best_likeness < cosine * length(sum)) best = count++;
     grouping.join(clusters.sum[best], sum);
   }
   return clusters;

@@ -16,9 +16,11 @@ inline constexpr float cluster_cosine = 0.906f;
 using NormalSum = std::array<float, 3>;
 
 // Groups sums of unit normals: one cluster when all lie near their total; else in order, each
-// joining the nearest cluster, or opening a new one while there is room. A cluster of either sense
+// joining the nearest cluster, or opening a new one while there is room. cosine: of the angle that is
+// near. A cluster of either sense
 // has that of its first sum.
-NormalClusters cluster_normals(std::span<const NormalSum> sums, NormalSense sense);
+NormalClusters cluster_normals(std::span<const NormalSum> sums, NormalSense sense,
+                               float cosine = cluster_cosine);
 
 // A node's clusters from those of its children, given in octant order.
 class ClusterMerge {

@@ -55,21 +55,15 @@ void each_part(const RefineMesh& mesh, const Room& room, const TriangleNumbers& 
 }
 
 void BoxRefiner::refine(const Work& work) {
-  const auto as_it_is = [&](std::uint32_t t) {
-    add_done(0, t, std::binary_search(work.bad.begin(), work.bad.end(), t));
-  };
-  each_part(
-      mesh_, work.room, work.meeting,
-      [&](const LatticeBox& part, const TriangleNumbers& inside) { refine_part(part, inside); },
-      as_it_is);
-  for (const std::uint32_t t : work.others) as_it_is(t);
-  put_out();
+  put_out(work_on(work, extract_));
 }
 
-void BoxRefiner::keep(const TriangleNumbers& triangles, const TriangleNumbers& bad) {
-  for (const std::uint32_t t : triangles)
-    add_done(0, t, std::binary_search(bad.begin(), bad.end(), t));
-  put_out();
+BoxRefiner::Outcome BoxRefiner::kept(const TriangleNumbers& triangles,
+                                     const TriangleNumbers& bad) const {
+  Outcome outcome(mesh_);
+  for (const std::uint32_t t : triangles) outcome.keep(t, bad);
+  outcome.finish();
+  return outcome;
 }
 
 RefineMesh BoxRefiner::take() {
@@ -78,11 +72,24 @@ RefineMesh BoxRefiner::take() {
   return result;
 }
 
-void BoxRefiner::add_done(std::size_t mesh, std::uint32_t triangle, bool intersects) {
-  Done done{static_cast<std::uint32_t>(mesh) & 0x7fffffffu, intersects ? 1u : 0u, triangle, {}};
-  const RefineMesh& from = mesh_of(done);
-  done.first = from.ids[from.triangles[triangle][0]];
-  done_.push_back(done);
+BoxRefiner::Outcome BoxRefiner::work_on(const Work& work, Extract& extract) const {
+  Outcome outcome(mesh_);
+  each_part(
+      mesh_, work.room, work.meeting,
+      [&](const LatticeBox& part, const TriangleNumbers& inside) {
+        if (stays(inside)) {
+          for (const std::uint32_t t : inside)
+            if (lies_in(mesh_, t, part)) outcome.add(0, t, false);
+          return;
+        }
+        auto mesh = std::make_unique<RefineMesh>(extract.of(inside));
+        refine_cube(*mesh, part, parameters_, outcome.counts_);
+        outcome.add_refined(std::move(mesh), part);
+      },
+      [&](std::uint32_t t) { outcome.keep(t, work.bad); });
+  for (const std::uint32_t t : work.others) outcome.keep(t, work.bad);
+  outcome.finish();
+  return outcome;
 }
 
 // Whether it is known that nothing will be done.
@@ -93,40 +100,43 @@ bool BoxRefiner::stays(const TriangleNumbers& triangles) const {
          std::ranges::none_of(triangles, [&](std::uint32_t t) { return mesh_.intersects(t); });
 }
 
-// All that lies in a box that is not cut up.
-void BoxRefiner::refine_part(const LatticeBox& box, const TriangleNumbers& triangles) {
-  if (stays(triangles)) {
-    for (const std::uint32_t t : triangles)
-      if (lies_in(mesh_, t, box)) add_done(0, t, false);
-    return;
-  }
-  refined_.push_back(std::make_unique<RefineMesh>(extract_.of(triangles)));
-  RefineMesh& part = *refined_.back();
-  refine_cube(part, box, parameters_, counts_);
-  auto bad = part.intersecting.begin();
-  for (std::uint32_t t = 0; t < part.triangles.size(); ++t) {
-    const bool intersects = bad != part.intersecting.end() && *bad == t;
+void BoxRefiner::put_out(const Outcome& outcome) {
+  counts_.add(outcome.counts_);
+  std::vector<MeshGather::Part> parts;
+  parts.reserve(outcome.refined_.size());
+  for (const auto& mesh : outcome.refined_) parts.emplace_back(*mesh);
+  for (const Outcome::Done& done : outcome.done_)
+    out_.add_triangle(done.mesh == 0 ? as_it_was_ : parts[done.mesh - 1], done.triangle,
+                      done.intersects != 0);
+}
+
+void BoxRefiner::Outcome::add(std::size_t mesh, std::uint32_t triangle, bool intersects) {
+  Done done{static_cast<std::uint32_t>(mesh) & 0x7fffffffu, intersects ? 1u : 0u, triangle, {}};
+  const RefineMesh& from = mesh_of(done);
+  done.first = from.ids[from.triangles[triangle][0]];
+  done_.push_back(done);
+}
+
+void BoxRefiner::Outcome::add_refined(std::unique_ptr<RefineMesh> part, const LatticeBox& box) {
+  const RefineMesh& mesh = *refined_.emplace_back(std::move(part));
+  auto bad = mesh.intersecting.begin();
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const bool intersects = bad != mesh.intersecting.end() && *bad == t;
     if (intersects) ++bad;
-    if (lies_in(part, t, box)) add_done(refined_.size(), t, intersects);
+    if (lies_in(mesh, t, box)) add(refined_.size(), t, intersects);
   }
 }
 
-void BoxRefiner::put_out() {
+void BoxRefiner::Outcome::finish() {
   std::sort(done_.begin(), done_.end(), [&](const Done& a, const Done& b) {
     if (a.first != b.first) return a.first < b.first;
     return mesh_of(a).ids_of(a.triangle) < mesh_of(b).ids_of(b.triangle);
   });
-  std::vector<MeshGather::Part> parts;
-  parts.reserve(refined_.size());
-  for (const auto& mesh : refined_) parts.emplace_back(*mesh);
-  for (const Done& done : done_) {
-    MeshGather::Part& part = done.mesh == 0 ? as_it_was_ : parts[done.mesh - 1];
-    const RefineMesh& mesh = part.mesh();
-    out_.add_triangle(part, done.triangle, done.intersects != 0);
-    each_sample_distance(mesh, done.triangle, [&](double d) { counts_.add_distance(d); });
-  }
-  done_.clear();
-  refined_.clear();
+  std::vector<SampleReader> samples{SampleReader(*mesh_)};
+  for (const auto& mesh : refined_) samples.emplace_back(*mesh);
+  for (const Done& done : done_)
+    each_sample_distance(mesh_of(done), samples[done.mesh], done.triangle,
+                         [&](double d) { counts_.add_distance(d); });
 }
 
 }  // namespace voxweld

@@ -1,4 +1,4 @@
-// Refines boxes of a mesh one after the other, and puts together what comes of them.
+// Refines boxes of a mesh, and puts together what comes of them.
 #pragma once
 
 #include <cmath>
@@ -53,12 +53,34 @@ class BoxRefiner {
   };
   // Triangles come out by their ids.
   void refine(const Work& work);
-  // Of a box in which nothing may change. bad: as of Work.
-  void keep(const TriangleNumbers& triangles, const TriangleNumbers& bad);
   RefineMesh take();
 
+  // What is to come out of a box.
+  class Outcome;
+  // refine() in two steps: the first one may be taken for several boxes at the same time, with an Extract
+  // of `mesh` for each thread, and the second one in the order in which they are to come out.
+  Outcome work_on(const Work& work, Extract& extract) const;
+  // Of a box in which nothing may change. bad: as of Work.
+  Outcome kept(const TriangleNumbers& triangles, const TriangleNumbers& bad) const;
+  void put_out(const Outcome& outcome);
+
  private:
-  // One triangle that comes out, before they are put in order.
+  bool stays(const TriangleNumbers& triangles) const;
+
+  const RefineMesh& mesh_;
+  const RefineParameters& parameters_;
+  RefineCounts& counts_;
+  Extract extract_;
+  MeshGather::Part as_it_was_;
+  MeshGather out_;
+};
+
+class BoxRefiner::Outcome {
+ private:
+  friend class BoxRefiner;
+  explicit Outcome(const RefineMesh& mesh) : mesh_(&mesh) {}
+
+  // One triangle that comes out.
   struct Done {
     std::uint32_t mesh : 31;  // 0: as it was, else of refined_, from 1 on
     std::uint32_t intersects : 1;
@@ -66,29 +88,31 @@ class BoxRefiner {
     VertexId first;  // of its corners, which mostly tells the order
   };
   const RefineMesh& mesh_of(const Done& done) const {
-    return done.mesh == 0 ? mesh_ : *refined_[done.mesh - 1];
+    return done.mesh == 0 ? *mesh_ : *refined_[done.mesh - 1];
   }
-  void add_done(std::size_t mesh, std::uint32_t triangle, bool intersects);
-  bool stays(const TriangleNumbers& triangles) const;
-  void refine_part(const LatticeBox& box, const TriangleNumbers& triangles);
-  void put_out();
+  void add(std::size_t mesh, std::uint32_t triangle, bool intersects);
+  // Triangles of the mesh as they are. bad: as of Work.
+  void keep(std::uint32_t triangle, const TriangleNumbers& bad) {
+    add(0, triangle, std::binary_search(bad.begin(), bad.end(), triangle));
+  }
+  // The mesh of a part, refined, which takes the place of what lies in the box.
+  void add_refined(std::unique_ptr<RefineMesh> part, const LatticeBox& box);
+  // Puts triangles in order, and counts their samples.
+  void finish();
 
-  const RefineMesh& mesh_;
-  const RefineParameters& parameters_;
-  RefineCounts& counts_;
-  Extract extract_;
+  const RefineMesh* mesh_;
   std::vector<std::unique_ptr<RefineMesh>> refined_;
-  std::vector<Done> done_;  // of the box at hand
-  MeshGather::Part as_it_was_;
-  MeshGather out_;
+  std::vector<Done> done_;
+  RefineCounts counts_;
 };
 
 // f(distance) for each of a triangle's samples, from it.
 template <class F>
-void each_sample_distance(const RefineMesh& mesh, std::uint32_t triangle, F&& f) {
-  const LatticeTriangle shape = mesh.shape(triangle);
-  each_sample(mesh, triangle, [&](const SurfaceSample& sample) {
-    f(std::sqrt(squared_distance(sample.point, shape)));
+void each_sample_distance(const RefineMesh& mesh, SampleReader& samples, std::uint32_t triangle,
+                          F&& f) {
+  const MeasuredTriangle shape(mesh.shape(triangle));
+  samples.each(triangle, [&](const SurfaceSample& sample) {
+    f(std::sqrt(shape.squared_distance(sample.point)));
   });
 }
 

@@ -1,6 +1,7 @@
 #include "stages/refine/coarsen.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "stages/refine/box_refiner.h"
@@ -62,6 +63,13 @@ double level_tolerance(double finest, int height) {
   return finest * std::pow(level_tolerance_factor, height);
 }
 
+std::int32_t level_grain(double tolerance) {
+  constexpr double parts = 12, most = 1 << 20;
+  if (!(tolerance < parts * most)) return 1;
+  return static_cast<std::int32_t>(
+      std::bit_floor(static_cast<std::uint32_t>(std::max(tolerance / parts, 1.0))));
+}
+
 RefineMesh coarsen(const RefineMesh& mesh, const RefineFrame& frame, const CoarseNode& node,
                    const RefineParameters& finest, RefineCounts& counts) {
   RefineParameters parameters = finest;
@@ -69,6 +77,8 @@ RefineMesh coarsen(const RefineMesh& mesh, const RefineFrame& frame, const Coars
   parameters.tolerance = level_tolerance(finest.tolerance, node.height);
   parameters.reach = std::ldexp(finest.reach, node.height);  // as long as edges get
   parameters.places.reset();
+  parameters.normals = {level_normal_cosine, false};
+  parameters.grain = level_grain(parameters.tolerance);
   if (!node.all) parameters.within = CubeLattice(frame, 0, node.cell.level).box(node.cell.at);
   // Cubes that grow with the edges in them.
   const int level = frame.level + node.height;

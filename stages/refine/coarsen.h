@@ -22,6 +22,13 @@ inline constexpr double level_tolerance_factor = 4;
 // The most samples that stay with a triangle, so that there are no more of them at coarse levels.
 inline constexpr std::size_t level_samples = 2;
 
+// Normals of a vertex of a coarse level become one where they lie within 40 degrees of their mean, and
+// no triangle adds its own: a crease of 80 degrees or more stays sharp, and what is smooth looks so,
+// though triangles that bridge it turn further than those of the mesh itself. With the angles of the mesh
+// a vertex of the gyroid (512^3) had 2.6 points at level 1 and 4.2 at level 2, of which the tiles' bytes
+// were half; now it has 1.02 and 1.14.
+inline constexpr float level_normal_cosine = 0.766f;
+
 struct CoarseNode {
   CellKey cell;      // a triangle is at home in it as in a tile: belongs_to()
   bool all = false;  // it holds the whole mesh: then nothing is locked
@@ -30,6 +37,10 @@ struct CoarseNode {
 
 // The tolerance of a level, from that of the mesh itself.
 double level_tolerance(double finest, int height);
+
+// What coordinates of vertices that move become multiples of, a power of two: a twelfth of the tolerance
+// or less, since more bits say nothing and cost bytes. tolerance: of the level, in lattice steps.
+std::int32_t level_grain(double tolerance);
 
 // mesh: all triangles at home in the node, and of others those whose boxes meet its box.
 // parameters: those of the mesh itself; its mode is taken for collapse. Returns the triangles at home,

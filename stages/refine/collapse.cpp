@@ -50,10 +50,14 @@ class Collapser {
     LatticePoint at;
   };
   Vec3 local(const LatticePoint& p) const { return as_vec3(lattice_vector(origin_, p)); }
+  std::int32_t to_grain(std::int32_t coordinate) const {
+    return (coordinate + parameters_.grain / 2) & -parameters_.grain;
+  }
   LatticePoint lattice(Vec3 p) const {
     LatticePoint q{};
     for (std::size_t a = 0; a < 3; ++a)
-      q[a] = static_cast<std::int32_t>(std::floor(p[static_cast<int>(a)] + 0.5)) + origin_[a];
+      q[a] = to_grain(static_cast<std::int32_t>(std::floor(p[static_cast<int>(a)] + 0.5)) +
+                      origin_[a]);
     return q;
   }
   void add_plane(std::uint32_t t) {
@@ -168,8 +172,9 @@ bool Collapser::has_normals_for(std::uint32_t anchor) const {
   return std::ranges::all_of(change_.planes, [&](const Index3& plane) {
     const Vec3 n = as_vec3(plane);
     const double length = std::sqrt(dot(n, n));
-    const double least =
-        length > 2 * large_triangle * cell * cell ? flat_cosine : double{cluster_cosine};
+    const double least = length > 2 * large_triangle * cell * cell
+                             ? flat_cosine
+                             : double{parameters_.normals.cosine};
     return dot(nearest_cluster(*normals, n, mesh_.sense()).of(*normals), n) >= least * length;
   });
 }
@@ -194,7 +199,8 @@ void Collapser::set_normals(std::uint32_t gone, std::uint32_t keep, const Lattic
   if (!(most > 0)) return;
   add(near_gone >= near_keep ? gone : keep, 1);
   add(near_gone >= near_keep ? keep : gone, std::min(near_gone, near_keep) / most);
-  mesh_.set_normals(keep, pack_clusters(cluster_normals({sums.data(), count}, mesh_.sense())));
+  mesh_.set_normals(keep, pack_clusters(cluster_normals({sums.data(), count}, mesh_.sense(),
+                                                        parameters_.normals.cosine)));
 }
 
 void Collapser::try_edge(std::uint32_t u, std::uint32_t v) {

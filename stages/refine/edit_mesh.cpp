@@ -81,18 +81,28 @@ EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box)
   }
   for (const std::uint32_t t : mesh.intersecting) intersecting_.push_back(place[t]);
   std::sort(intersecting_.begin(), intersecting_.end());
-  std::vector<std::pair<std::uint32_t, LatticePoint>> samples;
-  for (const SurfaceSample& s : mesh.samples) samples.emplace_back(place[s.triangle], s.point);
-  std::sort(samples.begin(), samples.end());
-  for (const auto& [t, point] : samples) {
-    sample_next_.push_back(sample_heads_[t]);
-    sample_heads_[t] = static_cast<std::uint32_t>(samples_.size());
-    samples_.push_back(point);
-  }
+  take_samples(mesh, place);
   freedom_.resize(n, Freedom::fixed);
   kinds_.resize(n, StarKind::point);
   std::vector<LinkEdge> link;
   for (std::uint32_t v = 0; v < n; ++v) find_freedom(v, link);
+}
+
+// By triangle, and then by their places. place: of each triangle of the mesh its number here.
+void EditMesh::take_samples(const RefineMesh& mesh, const std::vector<std::uint32_t>& place) {
+  std::vector<std::uint32_t> ends(triangles_.size() + 1);
+  for (const SurfaceSample& s : mesh.samples) ++ends[place[s.triangle] + 1];
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  samples_.resize(mesh.samples.size());
+  sample_next_.resize(mesh.samples.size());
+  for (const SurfaceSample& s : mesh.samples) samples_[ends[place[s.triangle]]++] = s.point;
+  for (std::uint32_t t = 0, s = 0; t < triangles_.size(); ++t) {
+    std::sort(samples_.begin() + s, samples_.begin() + ends[t]);
+    for (; s < ends[t]; ++s) {
+      sample_next_[s] = sample_heads_[t];
+      sample_heads_[t] = s;
+    }
+  }
 }
 
 void EditMesh::set_shape(std::uint32_t t, const LatticeTriangle& shape, const Index3& plane) {

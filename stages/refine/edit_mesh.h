@@ -164,6 +164,7 @@ class EditMesh {
   // The places that vertices leave.
   void note_left(const Change& change, const Step& step);
   void note_left(const Change& change, std::uint32_t v);
+  void take_samples(const RefineMesh& mesh, const std::vector<std::uint32_t>& place);
   void set_shape(std::uint32_t t, const LatticeTriangle& shape, const Index3& plane);
   void mark_old(const Change& change);
   void link(std::uint32_t t);

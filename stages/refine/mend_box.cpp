@@ -34,9 +34,10 @@ class BoxMender {
 
  private:
   void remove_distances(const RefineMesh& mesh, const LatticeBox& box) {
+    SampleReader samples(mesh);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
       if (lies_in(mesh, t, box))
-        each_sample_distance(mesh, t, [&](double d) { counts_.remove_distance(d); });
+        each_sample_distance(mesh, samples, t, [&](double d) { counts_.remove_distance(d); });
   }
   void repair();
   void untie();
@@ -122,9 +123,10 @@ bool BoxMender::untie_in(const LatticeBox& room) {
   };
   gather.add(mended_, [&](std::size_t t) { return !has_changed(mended_, t); });
   gather.add(result, [&](std::size_t t) { return has_changed(result, t); });
+  SampleReader samples(result);
   for (std::uint32_t t = 0; t < result.triangles.size(); ++t)
     if (has_changed(result, t))
-      each_sample_distance(result, t, [&](double d) { counts_.add_distance(d); });
+      each_sample_distance(result, samples, t, [&](double d) { counts_.add_distance(d); });
   mended_ = gather.take();
   return true;
 }

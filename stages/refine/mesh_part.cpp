@@ -14,8 +14,9 @@ constexpr std::uint64_t vertex_bytes = 12 + 8 + 12 + 12, triangle_bytes = 12;
 constexpr std::uint64_t sides_bytes = sizeof(MaterialPair);
 
 // Copies what hangs on triangle t, which is `as` in the other mesh, the last one there.
-void copy_notes(const RefineMesh& from, std::uint32_t t, RefineMesh& to, std::uint32_t as) {
-  each_sample(from, t, [&](const SurfaceSample& s) { to.samples.push_back({s.point, as}); });
+void copy_notes(const RefineMesh& from, SampleReader& samples, std::uint32_t t, RefineMesh& to,
+                std::uint32_t as) {
+  samples.each(t, [&](const SurfaceSample& s) { to.samples.push_back({s.point, as}); });
   if (!from.sides.empty()) to.sides.push_back(from.sides[t]);
 }
 
@@ -35,9 +36,10 @@ RefineMesh Extract::of(std::span<const std::uint32_t> chosen) {
   RefineMesh part;
   part.checked = from_.checked;
   std::vector<std::uint32_t> used;
+  SampleReader samples(from_);
   for (const std::uint32_t t : chosen) {
     const auto as = static_cast<std::uint32_t>(part.triangles.size());
-    copy_notes(from_, t, part, as);
+    copy_notes(from_, samples, t, part, as);
     if (from_.intersects(t)) part.intersecting.push_back(as);
     auto triangle = from_.triangles[t];
     for (std::uint32_t& v : triangle) v = number(v, part, used);
@@ -64,10 +66,10 @@ void MeshGather::add(const RefineMesh& part, const std::function<bool(std::size_
 }
 
 template <class Number>
-void MeshGather::add_triangle(const RefineMesh& part, std::uint32_t triangle, bool intersects,
-                              Number&& number) {
+void MeshGather::add_triangle(const RefineMesh& part, SampleReader& samples, std::uint32_t triangle,
+                              bool intersects, Number&& number) {
   const auto as = static_cast<std::uint32_t>(mesh_.triangles.size());
-  copy_notes(part, triangle, mesh_, as);
+  copy_notes(part, samples, triangle, mesh_, as);
   if (intersects) mesh_.intersecting.push_back(as);
   auto corners = part.triangles[triangle];
   for (std::uint32_t& v : corners) v = number(v);
@@ -75,11 +77,13 @@ void MeshGather::add_triangle(const RefineMesh& part, std::uint32_t triangle, bo
 }
 
 void MeshGather::add_triangle(const RefineMesh& part, std::uint32_t triangle, bool intersects) {
-  add_triangle(part, triangle, intersects, [&](std::uint32_t v) { return number(part, v); });
+  SampleReader samples(part);
+  add_triangle(part, samples, triangle, intersects,
+               [&](std::uint32_t v) { return number(part, v); });
 }
 
 void MeshGather::add_triangle(Part& part, std::uint32_t triangle, bool intersects) {
-  add_triangle(part.mesh(), triangle, intersects, [&](std::uint32_t v) {
+  add_triangle(part.mesh(), part.samples_, triangle, intersects, [&](std::uint32_t v) {
     std::uint32_t& known = part.numbers_[v];
     if (known == VertexTable::none) known = number(part.mesh(), v);
     return known;

@@ -11,13 +11,31 @@
 
 namespace voxweld {
 
-// f(sample) for each of a triangle's samples.
-template <class F>
-void each_sample(const RefineMesh& mesh, std::uint32_t triangle, F&& f) {
-  auto s = std::lower_bound(mesh.samples.begin(), mesh.samples.end(), triangle,
-                            [](const SurfaceSample& a, std::uint32_t t) { return a.triangle < t; });
-  for (; s != mesh.samples.end() && s->triangle == triangle; ++s) f(*s);
-}
+// The samples of triangles, quickest where triangles are asked for in nearly their order.
+class SampleReader {
+ public:
+  explicit SampleReader(const RefineMesh& mesh) : samples_(&mesh.samples) {}
+  // f(sample) for each of a triangle's samples.
+  template <class F>
+  void each(std::uint32_t triangle, F&& f) {
+    const std::vector<SurfaceSample>& samples = *samples_;
+    if (!is_first(triangle))
+      at_ = static_cast<std::size_t>(
+          std::lower_bound(samples.begin(), samples.end(), triangle,
+                           [](const SurfaceSample& a, std::uint32_t t) { return a.triangle < t; }) -
+          samples.begin());
+    for (; at_ < samples.size() && samples[at_].triangle == triangle; ++at_) f(samples[at_]);
+  }
+
+ private:
+  // Whether the triangle's samples begin here, or would.
+  bool is_first(std::uint32_t triangle) const {
+    return (at_ == 0 || (*samples_)[at_ - 1].triangle < triangle) &&
+           (at_ == samples_->size() || (*samples_)[at_].triangle >= triangle);
+  }
+  const std::vector<SurfaceSample>* samples_;
+  std::size_t at_ = 0;
+};
 
 // Of some triangles of a mesh a mesh, many times from the same one.
 class Extract {
@@ -46,12 +64,13 @@ class MeshGather {
   class Part {
    public:
     explicit Part(const RefineMesh& mesh)
-        : mesh_(&mesh), numbers_(mesh.positions.size(), VertexTable::none) {}
+        : mesh_(&mesh), samples_(mesh), numbers_(mesh.positions.size(), VertexTable::none) {}
     const RefineMesh& mesh() const { return *mesh_; }
 
    private:
     friend class MeshGather;
     const RefineMesh* mesh_;
+    SampleReader samples_;
     std::vector<std::uint32_t> numbers_;  // in what is put together
   };
 
@@ -73,8 +92,8 @@ class MeshGather {
  private:
   std::uint32_t number(const RefineMesh& part, std::uint32_t v);
   template <class Number>
-  void add_triangle(const RefineMesh& part, std::uint32_t triangle, bool intersects,
-                    Number&& number);
+  void add_triangle(const RefineMesh& part, SampleReader& samples, std::uint32_t triangle,
+                    bool intersects, Number&& number);
 
   RefineMesh mesh_;
   VertexTable numbers_{VertexIdHash{&mesh_.ids}};

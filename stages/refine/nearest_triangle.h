@@ -18,24 +18,45 @@ struct Nearest {
   std::size_t triangle = 0;
 };
 
+// A triangle to measure many points from. What does not depend on the point is computed once: the ways
+// from the first corner to the others, their products and the normal. All but the normal's square are
+// integers of less than 53 bits as long as sides have 25, so nothing is lost.
+class MeasuredTriangle {
+ public:
+  explicit MeasuredTriangle(const LatticeTriangle& shape);
+  double squared_distance(const LatticePoint& point) const;
+
+ private:
+  LatticePoint first_;
+  Vec3 ab_, ac_, normal_;
+  double abab_, abac_, acac_, nn_;
+};
+
 // Of few triangles the nearest to each of many points, among those that separate the same.
 class NearestTriangles {
  public:
   void clear() { triangles_.clear(); }
-  void add(const LatticeTriangle& shape, const MaterialPair& sides) {
-    triangles_.push_back({shape, LatticeBox::around(shape), sides});
-  }
+  void add(const LatticeTriangle& shape, const MaterialPair& sides);
   // guess: of the triangle that may well be it; any number will do. To the bit what a look at all of
   // them says, since a triangle is passed over only where its box is further than another triangle.
   Nearest to(const LatticePoint& point, const MaterialPair& sides, std::size_t guess) const;
 
  private:
+  static constexpr std::size_t lanes = 4;
+  using Ints = std::int32_t __attribute__((vector_size(16)));
+  using Floats = float __attribute__((vector_size(16)));
   struct Triangle {
-    LatticeTriangle shape;
-    LatticeBox box;
+    MeasuredTriangle shape;
     MaterialPair sides;
   };
+  // Boxes of four triangles, to which distances are computed at once.
+  struct Boxes {
+    Ints lo[3], hi[3];
+    Floats squared_distances(const LatticePoint& point) const;
+  };
   std::vector<Triangle> triangles_;
+  std::vector<Boxes>
+      boxes_;  // of a group of triangles; those beyond the last triangle are not looked at
 };
 
 }  // namespace voxweld

@@ -41,7 +41,7 @@ void refine_cube(RefineMesh& mesh, const LatticeBox& box, const RefineParameters
   mend(edit, mesh.checked, parameters, counts);
   if (parameters.mode == RefineMode::collapse) {
     collapse_edges(edit, parameters, counts);
-    settle_normals(edit, parameters.reach);
+    settle_normals(edit, parameters.reach, parameters.normals);
   }
   counts.pairs_left += edit.count_pairs();
   mesh = std::move(edit).take();

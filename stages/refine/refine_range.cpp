@@ -8,9 +8,12 @@
 #include "stages/refine/fixed_pairs.h"
 #include "stages/refine/refine_cube.h"
 #include "stages/refine/vertex_cubes.h"
+#include "storage/support/parallel.h"
 
 namespace voxweld {
 namespace {
+
+constexpr std::size_t most_at_once = 8;  // cubes that are refined at the same time
 
 struct Cube {
   std::uint64_t code = 0;    // of the range
@@ -33,10 +36,7 @@ class RangeRefiner {
   RefineMesh run() {
     sort_into_cubes();
     find_pairs();
-    for (const auto& [cube, triangles] : populated_) {
-      ++counts_.cubes;
-      refine_one(morton_decode(cube.number), triangles);
-    }
+    for (auto at = populated_.cbegin(); at != populated_.cend();) at = refine_some(at);
     return refiner_.take();
   }
 
@@ -79,7 +79,10 @@ class RangeRefiner {
   }
   void sort_into_cubes();
   void find_pairs();
-  void refine_one(Index3 cube, const TriangleNumbers& triangles);
+  using Populated = std::map<Cube, TriangleNumbers>;
+  Populated::const_iterator refine_some(Populated::const_iterator at);
+  TriangleNumbers staying_in(Index3 cube, const TriangleNumbers& meeting,
+                             const std::optional<Room>& room) const;
 
   const RefineMesh& mesh_;
   const CubeLattice& cubes_;
@@ -88,9 +91,9 @@ class RangeRefiner {
   RefineCounts& counts_;
   const VertexCubes places_;
   BoxRefiner refiner_;
-  std::map<Cube, TriangleNumbers> populated_;  // with triangles at home: all that meet the cube
-  TriangleNumbers crossing_;                   // triangles with corners in several cubes
-  TriangleNumbers fixed_;                      // that intersect others that are fixed too
+  Populated populated_;       // with triangles at home: all that meet the cube
+  TriangleNumbers crossing_;  // triangles with corners in several cubes
+  TriangleNumbers fixed_;     // that intersect others that are fixed too
 };
 
 void RangeRefiner::sort_into_cubes() {
@@ -137,15 +140,42 @@ void RangeRefiner::find_pairs() {
   counts_.pairs_left += found.pairs;
 }
 
-void RangeRefiner::refine_one(Index3 cube, const TriangleNumbers& triangles) {
-  const auto room = room_of(cube);
+// What is at home in the cube and may not change.
+TriangleNumbers RangeRefiner::staying_in(Index3 cube, const TriangleNumbers& meeting,
+                                         const std::optional<Room>& room) const {
   TriangleNumbers staying;
-  for (const std::uint32_t t : triangles)
+  for (const std::uint32_t t : meeting)
     if (places_.home(t) == cube && !(room && lies_in(mesh_, t, room->box))) staying.push_back(t);
-  if (room)
-    refiner_.refine({*room, triangles, staying, fixed_});
-  else
-    refiner_.keep(staying, fixed_);
+  return staying;
+}
+
+// Refines as many cubes at the same time as have no more triangles than a part of one may have: so
+// threads that are free help, and memory is as of one part. Returns the cube that comes next.
+RangeRefiner::Populated::const_iterator RangeRefiner::refine_some(Populated::const_iterator at) {
+  struct One {
+    Index3 cube;
+    const TriangleNumbers* meeting;
+    std::optional<BoxRefiner::Outcome> outcome = {};
+  };
+  std::vector<One> some;
+  for (std::size_t sum = 0; at != populated_.cend() && some.size() < most_at_once; ++at) {
+    sum += at->second.size();
+    if (!some.empty() && sum > most_part_triangles) break;
+    some.push_back({morton_decode(at->first.number), &at->second});
+  }
+  for_each_index(some.size(), [&](std::size_t i) {
+    One& one = some[i];
+    const auto room = room_of(one.cube);
+    const TriangleNumbers staying = staying_in(one.cube, *one.meeting, room);
+    Extract extract(mesh_);
+    if (room)
+      one.outcome = refiner_.work_on({*room, *one.meeting, staying, fixed_}, extract);
+    else
+      one.outcome = refiner_.kept(staying, fixed_);
+  });
+  for (const One& one : some) refiner_.put_out(*one.outcome);
+  counts_.cubes += some.size();
+  return at;
 }
 
 }  // namespace
@@ -170,7 +200,8 @@ CollapseSurvey survey_range(const RefineMesh& mesh, const CubeLattice& cubes,
 std::uint64_t refine_bytes(const MeshSize& all, const MeshSize& own) {
   // Cubes of vertices and their numbers in what is put together, lists of triangles; then of the cube
   // at hand what was done and what is to be put in order; and what comes out.
-  const std::uint64_t sorting = all.vertices * (VertexCubes::bytes + 8) + all.triangles * 12;
+  const std::uint64_t sorting =
+      all.vertices * (VertexCubes::bytes + 4 + 4 * most_at_once) + all.triangles * 12;
   const std::uint64_t done = mesh_bytes(own.vertices, own.triangles, own.samples, own.sided) +
                              own.vertices * 4 + own.triangles * 32;
   const std::uint64_t out = gather_bytes(own.vertices, own.triangles, own.samples, own.sided);

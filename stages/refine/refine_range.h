@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "stages/contouring/normal_clusters.h"
 #include "stages/refine/cube_lattice.h"
 #include "storage/types/collapse_survey.h"
 #include "storage/types/refine_mesh.h"
@@ -16,6 +17,12 @@ namespace voxweld {
 // mend: of repair only what is done about triangles that intersect (mend_box.h).
 enum class RefineMode : std::uint8_t { repair, collapse, mend };
 enum class IntersectionRule : std::uint8_t { none, report, ignore };
+
+// How the normals of vertices that become one are grouped.
+struct NormalRule {
+  float cosine = cluster_cosine;  // those within this angle of their mean become one
+  bool of_triangles = true;       // a large triangle that stands far off them is one more
+};
 
 struct RefineParameters {
   RefineMode mode = RefineMode::collapse;
@@ -28,6 +35,9 @@ struct RefineParameters {
   std::optional<double> places = {};
   // What leaves this box is fixed too, and all beyond it.
   std::optional<LatticeBox> within = {};
+  NormalRule normals = {};
+  // Where edges are collapsed, coordinates of what moves become multiples of this power of two.
+  std::int32_t grain = 1;
 };
 
 // What was done and what came of it; sums over cubes. Plain data: artifacts hold it as it is.

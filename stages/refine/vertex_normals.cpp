@@ -22,8 +22,9 @@ double length(Vec3 v) {
 // Directions of a vertex, each the sum of what it was made of.
 class Directions {
  public:
-  Directions(const std::array<PackedNormal, max_clusters>& packed, double weight, NormalSense sense)
-      : either_(sense == NormalSense::either) {
+  Directions(const std::array<PackedNormal, max_clusters>& packed, double weight, NormalSense sense,
+             const NormalRule& rule)
+      : either_(sense == NormalSense::either), rule_(rule) {
     for (const PackedNormal one : packed)
       if (one != no_normal) sums_[count_++] = unpack_normal(one) * weight;
   }
@@ -43,12 +44,10 @@ class Directions {
       }
       if (size < length(sums_[least])) least = k;
     }
-    if (likeness >= double{cluster_cosine})
+    if (likeness >= double{rule_.cosine})
       sums_[best] = sums_[best] + face.area * sign;
-    else if (count_ < max_clusters)
-      sums_[count_++] = face.area;
-    else if (length(sums_[least]) < face.size)
-      sums_[least] = face.area;
+    else if (rule_.of_triangles || count_ == 0)
+      add_own(face, least);
   }
 
   std::array<PackedNormal, max_clusters> packed() const {
@@ -60,14 +59,22 @@ class Directions {
   }
 
  private:
+  void add_own(const Face& face, std::size_t least) {
+    if (count_ < max_clusters)
+      sums_[count_++] = face.area;
+    else if (length(sums_[least]) < face.size)
+      sums_[least] = face.area;
+  }
+
   std::array<Vec3, max_clusters> sums_{};
   std::size_t count_ = 0;
   bool either_;
+  NormalRule rule_;
 };
 
 }  // namespace
 
-void settle_normals(EditMesh& mesh, double cell) {
+void settle_normals(EditMesh& mesh, double cell, const NormalRule& rule) {
   std::vector<Face> faces;
   for (std::uint32_t v = 0; v < mesh.vertices(); ++v) {
     const auto* packed = mesh.normals(v);
@@ -80,7 +87,7 @@ void settle_normals(EditMesh& mesh, double cell) {
     // The largest first; triangles come by their numbers, which are those of their ids.
     std::stable_sort(faces.begin(), faces.end(),
                      [](const Face& a, const Face& b) { return a.size > b.size; });
-    Directions directions(*packed, cells_of_volume * cell * cell, mesh.sense());
+    Directions directions(*packed, cells_of_volume * cell * cell, mesh.sense(), rule);
     for (const Face& face : faces)
       if (face.size > 0) directions.add(face);
     mesh.set_normals(v, directions.packed());

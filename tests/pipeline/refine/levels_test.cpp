@@ -1,9 +1,11 @@
 // Coarser levels of detail: closed at any mix, the same however the work is cut, near the mesh.
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "pipeline/stage/level_tree.h"
 #include "stages/encode/mesh_writers.h"
+#include "stages/refine/coarsen.h"
 #include "storage/manifest/manifest.h"
 #include "tests/pipeline/refine/refine_work.h"
 #include "tests/support/mesh_check.h"
@@ -118,6 +120,41 @@ TEST_P(Levels, AreTheSameWhateverThePartition) {
                {"work.brick=128", "work.shard=1", "work.copy=true", "run.memory=64GiB"}});
   EXPECT_TRUE(tree.contains("tileset.json"));
   EXPECT_TRUE(tree.contains("levels.jsonl"));
+}
+
+// Points of the first coarser level for each of its vertices.
+double points_per_vertex(const Scene& scene) {
+  double points = 0, vertices = 0;
+  for (const ListedMesh& one : all_meshes(scene.output())) {
+    if (one.record.lod != 1) continue;
+    points += static_cast<double>(one.mesh.positions.size());
+    vertices += static_cast<double>(one.record.vertices);
+  }
+  return points / vertices;
+}
+
+TEST(LevelsWork, WhatIsSmoothIsShadedSo) {
+  const Scene scene("gyroid", 112);
+  VOXWELD_EXPECT_DONE(scene.run(levels));
+  EXPECT_LT(points_per_vertex(scene), 1.6);
+}
+
+// Two flats meet at each of most vertices.
+TEST(LevelsWork, CreasesStaySharp) {
+  const Scene scene("part", 160);
+  VOXWELD_EXPECT_DONE(scene.run(levels));
+  EXPECT_GT(points_per_vertex(scene), 1.5);
+}
+
+TEST(LevelGrain, IsAPowerOfTwoOfATwelfthOfTheTolerance) {
+  EXPECT_EQ(level_grain(0.5), 1);
+  EXPECT_EQ(level_grain(12), 1);
+  EXPECT_EQ(level_grain(23.9), 1);
+  EXPECT_EQ(level_grain(24), 2);
+  EXPECT_EQ(level_grain(52), 4);
+  EXPECT_EQ(level_grain(1e6), 65536);
+  EXPECT_EQ(level_grain(1e30), 1);  // everything goes
+  EXPECT_EQ(level_grain(std::numeric_limits<double>::infinity()), 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Phantoms, Levels, ::testing::Values("gyroid", "porous"),
