@@ -5,13 +5,15 @@
 #   gltf            every .glb: the validator of Khronos, draco3dgltf, meshoptimizer
 #   three           three.js in a headless Chromium: GLTFLoader, DRACOLoader, MeshoptDecoder
 #   tiles-renderer  3d-tiles-renderer in the same
+#   cesium          CesiumJS in the same, and labels by a click
+#   files           .ply, .stl, .obj, .vtp and .glb: VTK, Assimp, ADMesh, MeshLab, Blender: triangles, area, volume
 # Usage: tests/clients/run.sh [--only NAME[,NAME...]] PROGRAM OUT_FOLDER
-# It installs nothing: tests/npm_packages.sh does.
+# It installs nothing: tests/npm_packages.sh and tests/clients/install_packages.sh do.
 # Exit status: 0 all is well (or skipped), 1 not so.
 set -euo pipefail
 # shellcheck source=tests/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
-known="tileset gltf three tiles-renderer"
+known="tileset gltf three tiles-renderer cesium files"
 clients=$known
 if [ "${1:-}" = --only ]; then
   clients=${2//,/ }
@@ -65,6 +67,8 @@ gltf() {
 }
 three() { node "$here/three_client.mjs" "$out" "${outputs[@]}"; }
 tiles-renderer() { node "$here/tiles_renderer_client.mjs" "$out" "${outputs[@]}"; }
+cesium() { node "$here/cesium_client.mjs" "$out" "${outputs[@]}"; }
+files() { "$python" "$here/mesh_files.py" "$out/gyroid.mesh"; }
 
 failed=()
 skipped=()
