@@ -5,6 +5,7 @@ import http from "node:http";
 import { createRequire } from "node:module";
 import { dirname, extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
+import { decoded_png, share } from "../pipeline/view/picture.mjs";
 import { missing_decoder } from "./glb.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url)), require = createRequire(import.meta.url);
@@ -79,8 +80,11 @@ export async function with_page(outputs, page_name, expected, test) {
   return complaints;
 }
 
+// What is seen of the page; returns how much of that is not background.
 export async function save_picture(page, path) {
-  writeFileSync(path, await page.screenshot({ type: "png" }));
+  const file = Buffer.from(await page.screenshot({ type: "png" }));
+  writeFileSync(path, file);
+  return 1 - share(decoded_png(file), ([r, g, b]) => r > 250 && g < 5 && b > 250);
 }
 
 // Collects what fails; prints a line for each thing looked at.

@@ -25,7 +25,8 @@ async function look(page, name) {
     check(surface > 0.05, `${where}: the surface fills ${surface}`);
     check(!shared || found.colours > 30, `${where}: ${found.colours} colours`);
     seen_counts.push(found.triangles);
-    await save_picture(page, join(out, `cesium_${name}_${pixels}px_${distance}r.png`));
+    const saved = await save_picture(page, join(out, `cesium_${name}_${pixels}px_${distance}r.png`));
+    check(Math.abs(saved - surface) < 0.02, `${where}: the surface fills ${saved} of the saved picture, not ${surface}`);
   }
   const count = (nodes) => nodes.reduce((all, { corners }) => all + corners.length / 3, 0);
   check(seen_counts[0] === count(finest), `${name}: ${seen_counts[0]} triangles, the mesh has ${count(finest)}`);

@@ -2,6 +2,7 @@
 # Makes what the clients open: small enough to be drawn without a graphics card, with several levels of detail.
 #   gyroid   all eight formats, 3 levels; in millimetres, at a distance from the origin
 #   porous   .glb, 4 levels
+#   pores    the same smaller as .meshopt.glb, which is all that its tileset has, 3 levels
 #   cells    labels that share their triangles, with names and colours, 3 levels
 #   rod      .glb, 6 levels, so many tiles that the tileset has nested files
 #   bunny    the CT scan of the Stanford bunny, 3 levels; where the shared data is
@@ -52,6 +53,14 @@ made porous || {
 levels = \"auto\"
 tile_vertices = 1024
 formats = [\"glb\"]"
+}
+made pores || {
+  say phantom porous --size 96 --force -o pores.nrrd
+  run_of pores 'path = "pores.nrrd"' "$half_phantom
+[output]
+levels = \"auto\"
+tile_vertices = 1024
+formats = [\"meshopt\"]"
 }
 made rod || {
   say phantom porous --size 512 --force -o rod.nrrd

@@ -42,7 +42,7 @@ export PYTHONDONTWRITEBYTECODE=1
 echo "outputs: making what is missing in $out"
 "$here/outputs.sh" "$program" "$out"
 outputs=()
-for name in gyroid porous cells rod bunny frog; do
+for name in gyroid porous pores cells rod bunny frog; do
   if [ -d "$out/$name.mesh" ]; then outputs+=("$name"); else echo "skipped: $name (no shared data)"; fi
 done
 

@@ -17,7 +17,8 @@ async function merged(page, name) {
     await page.evaluate(() => window.client.forget());
     const triangles = await page.evaluate((url) => window.client.show([url]), `/data/${name}.mesh/${file}`);
     const seen = await page.evaluate(() => window.client.picture([1, 0.7, 1.3])), surface = 1 - seen.background / seen.all;
-    await save_picture(page, join(out, `three_${name}_${file.replace(/\.glb$/, "")}.png`));
+    const saved = await save_picture(page, join(out, `three_${name}_${file.replace(/\.glb$/, "")}.png`));
+    check(Math.abs(saved - surface) < 0.02, `${name} ${file}: the surface fills ${saved} of the saved picture, not ${surface}`);
     say(`${name} ${file}: ${triangles} triangles, ${(100 * surface).toFixed(1)} % of the picture, ${seen.colours} colours`);
     check(surface > 0.1 && surface < 0.9, `${name} ${file}: the surface fills ${surface}`);
     check(!labelled.includes(name) || seen.colours > 30, `${name} ${file}: ${seen.colours} colours`);

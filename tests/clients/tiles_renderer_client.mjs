@@ -34,7 +34,8 @@ async function look(page, name) {
     check(add({ ...found, ...found.layers }, where, false) === 0, `${name} ${where}: gaps`);
     check(surface > 0.01, `${name} ${where}: the surface fills ${surface}`);
     seen_counts.push(found.triangles);
-    await save_picture(page, join(out, `tiles-renderer_${name}_${pixels}px_${distance}r.png`));
+    const saved = await save_picture(page, join(out, `tiles-renderer_${name}_${pixels}px_${distance}r.png`));
+    check(Math.abs(saved - surface) < 0.02, `${name} ${where}: the surface fills ${saved} of the saved picture, not ${surface}`);
   }
   const count = (nodes) => nodes.reduce((all, { corners }) => all + corners.length / 3, 0);
   check(seen_counts[0] === count(finest), `${name}: ${seen_counts[0]} triangles, the mesh has ${count(finest)}`);
