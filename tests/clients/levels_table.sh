@@ -4,7 +4,7 @@
 # stands the finest mesh after meshoptimizer made it as small. Lengths are in the volume's unit: of phantoms voxels,
 # of the bunny and the frog millimetres.
 # Needs measure_output and meshopt_simplify in BUILD_DIR (default: build), VTK for Python, and for bunny and frog the
-# shared data. With 512 samples a side it takes about ten minutes.
+# shared data. With 512 samples a side it took six minutes.
 # Usage: tests/clients/levels_table.sh [--size SAMPLES] [NAME ...]      (gyroid part porous bunny frog)
 set -euo pipefail
 # shellcheck source=tests/common.sh
