@@ -39,13 +39,12 @@ class TilesetWriter {
     std::vector<Part> roots;
     for (const std::uint64_t node : tree_.root_nodes()) keep(roots, of_node(node, ""));
     for (const std::uint64_t tile : tree_.root_tiles()) keep(roots, of_tile(tile, ""));
-    const double error = error_of(tree_.top() + 1);
     Json root;
     if (roots.size() == 1)
       root = std::move(roots.front().json);
     else
-      root = without_content(roots, error);
-    files_.insert(files_.begin(), put(tileset_name, root, error));
+      root = without_content(roots, error_of(tree_.top() + 1));
+    files_.insert(files_.begin(), put(tileset_name, root, diagonal_of(root)));
     return std::move(files_);
   }
 
@@ -56,6 +55,15 @@ class TilesetWriter {
   }
   static void keep(std::vector<Part>& parts, Part part) {
     if (part.box) parts.push_back(std::move(part));
+  }
+
+  // Of a tile's box, in metres.
+  static double diagonal_of(const Json& tile) {
+    double sum = 0;
+    const Json& numbers = tile.at("boundingVolume").at("box");
+    for (std::size_t i = 3; i < numbers.size(); ++i)
+      sum += numbers[i].get<double>() * numbers[i].get<double>();
+    return 2 * std::sqrt(sum);
   }
 
   Json bounding_volume(const LatticeBox& box) const {

@@ -113,6 +113,17 @@ TEST_P(Levels, EachHasFewerTrianglesAndKeepsItsTolerance) {
   }
 }
 
+// Viewers show nothing of a tileset while its error takes few pixels: it has to be as large as the whole.
+TEST_P(Levels, ATilesetIsShownWhileItIsLargeOnTheScreen) {
+  const Scene scene = Levels::scene();
+  VOXWELD_EXPECT_DONE(scene.run(levels));
+  const auto tileset = nlohmann::json::parse(read_text_file(scene.output() / "tileset.json"));
+  double squares = 0;
+  const auto& box = tileset.at("root").at("boundingVolume").at("box");
+  for (std::size_t i = 3; i < 12; ++i) squares += std::pow(box.at(i).get<double>(), 2);
+  EXPECT_NEAR(tileset.at("geometricError").get<double>(), 2 * std::sqrt(squares), 1e-6);
+}
+
 TEST_P(Levels, AreTheSameWhateverThePartition) {
   const Scene scene = Levels::scene();
   const Tree tree = scene.expect_one_tree(

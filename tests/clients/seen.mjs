@@ -1,0 +1,84 @@
+// Pictures whose pixels tell whether a mesh is closed, in the page of a client that draws with three.js.
+//
+// Of a closed mesh whose triangles face outward, a ray from a point crosses one back more than fronts if the point
+// is inside, and as many if it is outside. Renderers draw triangles that share corners without a gap and without
+// an overlap. So a picture that counts fronts and backs at each pixel, without a depth test, shows each gap.
+import * as THREE from "three";
+
+export const background = 0xff00ff;
+
+// Each front adds 1 to green, each back 1 to blue.
+export const layers = new THREE.ShaderMaterial({
+  side: THREE.DoubleSide, forceSinglePass: true, depthTest: false, depthWrite: false, transparent: true,
+  blending: THREE.CustomBlending, blendSrc: THREE.OneFactor, blendDst: THREE.OneFactor, blendEquation: THREE.AddEquation,
+  vertexShader: "void main() { gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }",
+  fragmentShader: "void main() { gl_FragColor = gl_FrontFacing ? vec4(0.0, 1.0 / 255.0, 0.0, 1.0) : vec4(0.0, 0.0, 1.0 / 255.0, 1.0); }",
+});
+
+function pixels_of(renderer) {
+  const gl = renderer.getContext(), { drawingBufferWidth: w, drawingBufferHeight: h } = gl, pixels = new Uint8Array(4 * w * h);
+  gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  return pixels;
+}
+
+// Of a picture with the background above.
+export function counts(renderer) {
+  const pixels = pixels_of(renderer), found = { all: pixels.length / 4, background: 0 }, colours = new Set();
+  for (let i = 0; i < pixels.length; i += 4) {
+    const [r, g, b] = [pixels[i], pixels[i + 1], pixels[i + 2]];
+    found.background += r > 250 && g < 5 && b > 250;
+    colours.add((r >> 4) * 256 + (g >> 4) * 16 + (b >> 4));
+  }
+  return { ...found, colours: colours.size };
+}
+
+// Of a picture of layers: pixels with as many backs more than fronts as wanted, others, and those without a triangle.
+function layer_counts(renderer, wanted) {
+  const pixels = pixels_of(renderer), found = { all: pixels.length / 4, empty: 0, wrong: 0, most: 0 };
+  for (let i = 0; i < pixels.length; i += 4) {
+    const [, fronts, backs] = pixels.subarray(i, i + 3);
+    found.empty += fronts + backs === 0;
+    found.wrong += backs - fronts !== wanted;
+    found.most = Math.max(found.most, fronts, backs);
+  }
+  return found;
+}
+
+// Draws the layers alone.
+function with_layers(renderer, scene, draw) {
+  const { background: before, overrideMaterial } = scene;
+  scene.background = null;
+  scene.overrideMaterial = layers;
+  renderer.setClearColor(0x000000, 1);
+  const found = draw();
+  scene.background = before;
+  scene.overrideMaterial = overrideMaterial;
+  return found;
+}
+
+// Looks from a point in all six directions and adds what is seen. near: nothing is nearer to the point. turn: in
+// radians, of all directions.
+export function around(renderer, scene, point, near, size, turn) {
+  const camera = new THREE.PerspectiveCamera(91, 1, near, size * 4), sum = { all: 0, empty: 0, wrong: 0, most: 0 };
+  const turned = new THREE.Matrix4().makeRotationAxis(new THREE.Vector3(1, 2, 3).normalize(), turn), target = new THREE.Vector3();
+  camera.position.set(...point);
+  return with_layers(renderer, scene, () => {
+    for (const [x, y, z] of [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]) {
+      camera.up.set(z, x, y).applyMatrix4(turned);
+      camera.lookAt(target.set(x, y, z).applyMatrix4(turned).add(camera.position));
+      renderer.render(scene, camera);
+      const seen = layer_counts(renderer, 1);
+      for (const name of ["all", "empty", "wrong"]) sum[name] += seen[name];
+      sum.most = Math.max(sum.most, seen.most);
+    }
+    return sum;
+  });
+}
+
+// Looks through a camera: from outside of all, or from inside.
+export function through(renderer, scene, camera, inside = false) {
+  return with_layers(renderer, scene, () => {
+    renderer.render(scene, camera);
+    return layer_counts(renderer, inside ? 1 : 0);
+  });
+}
