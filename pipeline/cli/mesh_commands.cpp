@@ -8,6 +8,8 @@
 #include "pipeline/cli/output_file.h"
 #include "pipeline/executor/progress.h"
 #include "pipeline/executor/prompt_stop.h"
+#include "pipeline/neuroglancer/folder_check.h"
+#include "pipeline/neuroglancer/folder_reader.h"
 #include "pipeline/neuroglancer/neuroglancer.h"
 #include "pipeline/output/export.h"
 #include "pipeline/output/load.h"
@@ -125,6 +127,12 @@ int export_one(const ExportArguments& arguments, const Program& program) {
   return 0;
 }
 
+int verify_export(const std::string& folder, const VerifyOptions& options, bool json) {
+  const FolderReport report = check_folder(folder, options.threads, options.interrupt);
+  fmt::print("{}", json ? to_json_text(report) : to_text(report));
+  return report.good() ? 0 : 1;
+}
+
 int export_folder(const ExportArguments& arguments, const Program& program) {
   NeuroglancerOptions options = arguments.folder;
   options.force = arguments.output.force;
@@ -176,9 +184,12 @@ void add_verify_command(CLI::App& app, Program& program) {
       "Reads everything in an output directory again: files, counts and checksums as the manifest "
       "lists them, each tile and the whole a closed manifold, tiles equal to the bit where they "
       "meet. Where the input and the config are still there, they have to be those that the meshes "
-      "were made of. Exits with 1 where something is wrong.");
+      "were made of. Of a folder that `export --neuroglancer` wrote it decodes all fragments. "
+      "Exits "
+      "with 1 where something is wrong.");
   add_examples(*command, {{"voxweld verify scan.mesh", ""}});
-  add_file(*command, "directory", arguments->directory, "The output directory of a finished run");
+  add_file(*command, "directory", arguments->directory,
+           "The output directory of a finished run, or an export for Neuroglancer");
   add_value(*command, "--threads", arguments->options.threads, "Threads to use; 0: all there are")
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--no-merged", arguments->no_merged,
@@ -194,6 +205,8 @@ void add_verify_command(CLI::App& app, Program& program) {
     arguments->options.origin = !arguments->no_origin;
     arguments->options.interrupt = &program.interrupt;
     const PromptStop prompt(program.interrupt);
+    if (is_export_folder(arguments->directory))
+      return verify_export(arguments->directory, arguments->options, arguments->json);
     require_output(arguments->directory);
     const VerifyReport report = verify_output(arguments->directory, arguments->options);
     fmt::print("{}", arguments->json ? to_json_text(report) : to_text(report));

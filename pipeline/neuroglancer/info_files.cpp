@@ -17,6 +17,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Clients show a level where its scale, which is the side of its triangles, times this is less than a
+// pixel, unless they are told otherwise: so where sides are less than four pixels. Its tolerance is less
+// than one then: of the gyroid (512^3) 0.27 and 0.5 at the first two coarser levels.
+constexpr double lod_scale_multiplier = 0.25;
+
 void write_json(const Json& json, const std::filesystem::path& path) {
   const std::string text = json_text(json) + "\n";
   write_whole_file(path, as_bytes(text), Durability::fsync);
@@ -74,7 +79,7 @@ void write_info(const InfoFacts& facts, const VolumeGeometry& frame,
   if (!facts.legacy) {
     info["vertex_quantization_bits"] = fragment_bits;
     info["transform"] = nanometre_matrix(frame);
-    info["lod_scale_multiplier"] = 1;
+    info["lod_scale_multiplier"] = lod_scale_multiplier;
   }
   if (facts.sharding)
     info["sharding"] = {{"@type", "neuroglancer_uint64_sharded_v1"},
@@ -85,6 +90,8 @@ void write_info(const InfoFacts& facts, const VolumeGeometry& frame,
                         {"minishard_index_encoding", "raw"},
                         {"data_encoding", "raw"}};
   info["segment_properties"] = segment_properties_name;
+  // Clients do not read these.
+  info["border"] = facts.open_border ? "open" : "closed";
   info["generator"] = "voxweld " VOXWELD_VERSION;
   write_json(info, folder / info_name);
 }

@@ -15,6 +15,7 @@ void write_segment_properties(const SegmentList& list, const Manifest& manifest,
 
 struct InfoFacts {
   bool legacy = false;
+  bool open_border = false;
   std::optional<Sharding> sharding;
 };
 // `info`, which makes the folder an export.

@@ -79,7 +79,7 @@ class MultilodWriter {
     ++totals_.objects;
     open_ = false;
   }
-  // The side of a triangle of mean area: clients show a level where this is few pixels.
+  // The side of a triangle of mean area, were its sides equal (lod_scale_multiplier).
   float scale(int lod) const {
     const SegmentLevel& level = sort_.level(segment_, lod);
     if (level.triangles == 0) return 0;

@@ -44,7 +44,7 @@ NeuroglancerTotals write_neuroglancer(const std::filesystem::path& output,
   NeuroglancerTotals totals;
   totals.left_out_zero = list.left_out_zero;
   if (!options.legacy) totals.levels = 1 + top_of(listed_levels(output));
-  InfoFacts facts{options.legacy, {}};
+  InfoFacts facts{options.legacy, manifest.open_border, {}};
   if (options.sharded) facts.sharding = sharding_for(list.segments.size());
 
   FragmentSort sort({output, manifest, list,

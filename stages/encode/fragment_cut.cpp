@@ -245,7 +245,10 @@ void FragmentCutter::emit(const GridPoint& a, const GridPoint& b, const GridPoin
   pieces_.push_back(piece);
 }
 
-std::uint8_t octant_of(const FragmentTriangle& corners) {
+namespace {
+
+// Those that have the corner: bit by octant.
+std::uint8_t octants_with(const FragmentTriangle& corners) {
   constexpr std::array<std::uint8_t, 3> low{0b01010101, 0b00110011, 0b00001111};
   std::uint8_t mask = 0xff;
   for (const auto& p : corners)
@@ -253,8 +256,19 @@ std::uint8_t octant_of(const FragmentTriangle& corners) {
       if (p[k] < fragment_middle) mask = static_cast<std::uint8_t>(mask & low[k]);
       if (p[k] > fragment_middle) mask = static_cast<std::uint8_t>(mask & ~low[k]);
     }
-  // Across a middle: clients take the first octant then, and so does this.
+  return mask;
+}
+
+}  // namespace
+
+// Of one across octants clients take the first.
+std::uint8_t octant_of(const FragmentTriangle& corners) {
+  const std::uint8_t mask = octants_with(corners);
   return mask == 0 ? 0 : static_cast<std::uint8_t>(std::countr_zero(mask));
+}
+
+bool crosses_octants(const FragmentTriangle& corners) {
+  return octants_with(corners) == 0;
 }
 
 }  // namespace voxweld

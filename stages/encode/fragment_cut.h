@@ -85,5 +85,7 @@ class FragmentCutter {
 
 // Where the triangles of a fragment lie among its eight octants, by the rule of clients: bit x + 2 y + 4 z.
 std::uint8_t octant_of(const FragmentTriangle& corners);
+// Whether it lies in none of them.
+bool crosses_octants(const FragmentTriangle& corners);
 
 }  // namespace voxweld

@@ -59,18 +59,6 @@ double volume6(const std::vector<FragmentCutter::Piece>& pieces) {
   return sum;
 }
 
-bool across_octants(const FragmentTriangle& corners) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    bool below = false, above = false;
-    for (const auto& p : corners) {
-      below |= p[k] < fragment_middle;
-      above |= p[k] > fragment_middle;
-    }
-    if (below && above) return true;
-  }
-  return false;
-}
-
 std::vector<Corners> corners_of(const TileMesh& mesh) {
   std::vector<Corners> all;
   for (const auto& t : mesh.triangles)
@@ -89,7 +77,7 @@ void check_pieces(const std::vector<FragmentCutter::Piece>& pieces, int lod) {
   for (const auto& piece : pieces) {
     const auto& c = piece.corners;
     ASSERT_TRUE(c[0] != c[1] && c[1] != c[2] && c[2] != c[0]);
-    ASSERT_TRUE(lod == 0 || !across_octants(c));
+    ASSERT_TRUE(lod == 0 || !crosses_octants(c));
   }
 }
 
@@ -166,6 +154,15 @@ TEST(FragmentCut, KeepsAnyTetrahedraClosed) {
     check_pieces(pieces, lod);
     RC_ASSERT(open_edges(pieces).empty());
   }));
+}
+
+TEST(FragmentCut, KnowsOctants) {
+  const std::uint16_t low = 32767, middle = 32768, high = 32769;
+  EXPECT_EQ(octant_of({{{high, 0, 0}, {middle, 0, 0}, {middle, 1, 0}}}), 1);
+  EXPECT_EQ(octant_of({{{high, 0, high}, {middle, middle, middle}, {high, low, high}}}), 5);
+  EXPECT_EQ(octant_of({{{middle, 0, 0}, {middle, 9, 0}, {middle, 0, 9}}}), 0);  // in a plane
+  EXPECT_FALSE(crosses_octants({{{low, 0, 0}, {middle, 9, 0}, {low, 0, 9}}}));
+  EXPECT_TRUE(crosses_octants({{{low, 0, 0}, {high, 9, 0}, {low, 0, 9}}}));
 }
 
 TEST(FragmentCodec, GivesBackWhatClientsRead) {
