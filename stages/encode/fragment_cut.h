@@ -29,9 +29,10 @@ namespace voxweld {
 inline constexpr int fragment_bits = 16;                // of q
 inline constexpr std::int64_t fragment_range = 65535;   // q of a fragment's far side
 inline constexpr std::int64_t fragment_middle = 32768;  // where octants meet, as clients have it
-// The sides of a fragment at level 0, in lattice steps, that keep corners exact; falling.
-inline constexpr std::array<std::int32_t, 16> fragment_chunks{
-    65535, 21845, 13107, 4369, 3855, 1285, 771, 257, 255, 85, 51, 17, 15, 5, 3, 1};
+// The sides of a fragment at level 0, in lattice steps, that keep corners exact; falling. Without 1: a
+// lattice of 22 bits would have more fragments a side than a Morton code holds.
+inline constexpr std::array<std::int32_t, 15> fragment_chunks{
+    65535, 21845, 13107, 4369, 3855, 1285, 771, 257, 255, 85, 51, 17, 15, 5, 3};
 
 using GridPoint = std::array<std::int64_t, 3>;
 
