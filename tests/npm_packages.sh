@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the npm packages that tests hold voxweld's files and its viewer against, at the versions of
 # package-lock.json, into tests/node_modules: the Khronos glTF validator, meshoptimizer, draco3dgltf, three.js,
-# 3d-tiles-renderer, CesiumJS, puppeteer-core and zarrita.
+# 3d-tiles-renderer, CesiumJS, Neuroglancer with esbuild, which bundles it, puppeteer-core and zarrita.
 # Checks that they load. Quiet; does nothing when all of them are there. Without Node.js's npm it installs
 # Debian's, which needs root or sudo.
 # Usage: tests/npm_packages.sh
@@ -15,7 +15,8 @@ source ../pipeline/apt_packages.sh
 # The scripts of the tests say by themselves whether their packages load.
 loaded() {
   node stages/encode/gltf_validate.mjs && node stages/encode/meshopt_check.mjs &&
-    node storage/store/zarrita_check.mjs && node pipeline/view/page_test.mjs && node clients/gltf_check.mjs
+    node storage/store/zarrita_check.mjs && node pipeline/view/page_test.mjs &&
+    node clients/gltf_check.mjs && node pipeline/neuroglancer/client_test.mjs
 }
 
 # npm leaves a copy of the lock behind when it has installed all of it.

@@ -1,5 +1,6 @@
 // verify, render and export: what is done with an output directory or a mesh file.
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "pipeline/cli/command_text.h"
 #include "pipeline/cli/commands.h"
@@ -7,6 +8,9 @@
 #include "pipeline/cli/output_file.h"
 #include "pipeline/executor/progress.h"
 #include "pipeline/executor/prompt_stop.h"
+#include "pipeline/neuroglancer/folder_check.h"
+#include "pipeline/neuroglancer/folder_reader.h"
+#include "pipeline/neuroglancer/neuroglancer.h"
 #include "pipeline/output/export.h"
 #include "pipeline/output/load.h"
 #include "pipeline/output/render.h"
@@ -31,6 +35,8 @@ struct ExportArguments {
   std::string input;
   OutputFile output;
   ExportOptions options;
+  bool neuroglancer = false;
+  NeuroglancerOptions folder;
 };
 
 // Neither over something that is there nor over one of the meshes that are read.
@@ -121,6 +127,48 @@ int export_one(const ExportArguments& arguments, const Program& program) {
   return 0;
 }
 
+int verify_export(const std::string& folder, const VerifyOptions& options, bool json) {
+  const FolderReport report = check_folder(folder, options.threads, options.interrupt);
+  fmt::print("{}", json ? to_json_text(report) : to_text(report));
+  return report.good() ? 0 : 1;
+}
+
+int export_folder(const ExportArguments& arguments, const Program& program) {
+  NeuroglancerOptions options = arguments.folder;
+  options.force = arguments.output.force;
+  options.interrupt = &program.interrupt;
+  const std::string& folder = arguments.output.path;
+  const NeuroglancerTotals totals = write_neuroglancer(arguments.input, folder, options);
+  if (totals.left_out_zero)
+    spdlog::warn("label 0 is left out: Neuroglancer takes no segment of this number");
+  fmt::print("{}: {} in {} of {}, {}\n", folder, counted(totals.objects, "objects"),
+             counted(totals.fragments, "fragments"),
+             counted(static_cast<std::uint64_t>(totals.levels), "levels"),
+             counted(totals.triangles, "triangles"));
+  return 0;
+}
+
+void add_neuroglancer_options(CLI::App& command, ExportArguments& arguments) {
+  CLI::Option* neuroglancer = command.add_flag(
+      "--neuroglancer", arguments.neuroglancer,
+      "Writes a folder of meshes for Neuroglancer, of an output directory: an object "
+      "for each label, with all levels of detail that there are");
+  command
+      .add_flag("--sharded", arguments.folder.sharded,
+                "Of --neuroglancer: puts many objects into a file")
+      ->needs(neuroglancer);
+  command
+      .add_flag("--legacy", arguments.folder.legacy,
+                "Of --neuroglancer: writes the old format, of one level and without compression")
+      ->needs(neuroglancer);
+  add_value(command, "--threads", arguments.folder.threads,
+            "Of --neuroglancer: threads to use; 0: all there are")
+      ->check(CLI::NonNegativeNumber)
+      ->needs(neuroglancer);
+  for (const char* other : {"--weld", "--level", "--world"})
+    neuroglancer->excludes(command.get_option(other));
+}
+
 }  // namespace
 
 void add_verify_command(CLI::App& app, Program& program) {
@@ -136,9 +184,12 @@ void add_verify_command(CLI::App& app, Program& program) {
       "Reads everything in an output directory again: files, counts and checksums as the manifest "
       "lists them, each tile and the whole a closed manifold, tiles equal to the bit where they "
       "meet. Where the input and the config are still there, they have to be those that the meshes "
-      "were made of. Exits with 1 where something is wrong.");
+      "were made of. Of a folder that `export --neuroglancer` wrote it decodes all fragments. "
+      "Exits "
+      "with 1 where something is wrong.");
   add_examples(*command, {{"voxweld verify scan.mesh", ""}});
-  add_file(*command, "directory", arguments->directory, "The output directory of a finished run");
+  add_file(*command, "directory", arguments->directory,
+           "The output directory of a finished run, or an export for Neuroglancer");
   add_value(*command, "--threads", arguments->options.threads, "Threads to use; 0: all there are")
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--no-merged", arguments->no_merged,
@@ -154,6 +205,8 @@ void add_verify_command(CLI::App& app, Program& program) {
     arguments->options.origin = !arguments->no_origin;
     arguments->options.interrupt = &program.interrupt;
     const PromptStop prompt(program.interrupt);
+    if (is_export_folder(arguments->directory))
+      return verify_export(arguments->directory, arguments->options, arguments->json);
     require_output(arguments->directory);
     const VerifyReport report = verify_output(arguments->directory, arguments->options);
     fmt::print("{}", arguments->json ? to_json_text(report) : to_text(report));
@@ -198,15 +251,18 @@ void add_export_command(CLI::App& app, Program& program) {
   auto arguments = std::make_shared<ExportArguments>();
   CLI::App* command = app.add_subcommand(
       "export",
-      "Converts a mesh to .ply, .obj, .stl or .off\n"
+      "Converts a mesh to .ply, .obj, .stl or .off, or for Neuroglancer\n"
       "A .ply has the label of each face where the mesh has labels: `label` on its inner side, "
       "`label_outside` on the other where both sides have one; -1 is the space around the volume.");
   add_examples(*command, {{"voxweld export scan.mesh/mesh.drc -o scan.ply", ""},
                           {"voxweld export scan.mesh -o scan.ply --weld --world",
-                           "all tiles as one mesh, in the scanner's coordinates"}});
+                           "all tiles as one mesh, in the scanner's coordinates"},
+                          {"voxweld export scan.mesh --neuroglancer -o scan.ng",
+                           "a folder that Neuroglancer reads"}});
   add_file(*command, "input", arguments->input,
            "A mesh file: " + endings_text(mesh_writers()) + "; or an output directory");
-  add_output_file(*command, arguments->output, "The file to write; its ending says how");
+  add_output_file(*command, arguments->output,
+                  "The file to write; its ending says how. Of --neuroglancer the folder");
   command->add_flag("--weld", arguments->options.weld,
                     "One vertex for each position, without normals; else a vertex at a crease "
                     "appears once for each of its normals");
@@ -214,7 +270,11 @@ void add_export_command(CLI::App& app, Program& program) {
   command->add_flag("--world", arguments->options.world,
                     "The coordinates of the scanner's world, as frame in manifest.json has them; "
                     "doubles, but for .stl");
-  when_chosen(*command, program, [&program, arguments] { return export_one(*arguments, program); });
+  add_neuroglancer_options(*command, *arguments);
+  when_chosen(*command, program, [&program, arguments] {
+    return arguments->neuroglancer ? export_folder(*arguments, program)
+                                   : export_one(*arguments, program);
+  });
 }
 
 }  // namespace voxweld
