@@ -31,6 +31,12 @@ struct RenderArguments {
   int level = 0;
 };
 
+struct VerifyArguments {
+  std::string directory;
+  VerifyOptions options;
+  bool json = false, no_merged = false, no_origin = false;
+};
+
 struct ExportArguments {
   std::string input;
   OutputFile output;
@@ -127,9 +133,14 @@ int export_one(const ExportArguments& arguments, const Program& program) {
   return 0;
 }
 
-int verify_export(const std::string& folder, const VerifyOptions& options, bool json) {
-  const FolderReport report = check_folder(folder, options.threads, options.interrupt);
-  fmt::print("{}", json ? to_json_text(report) : to_text(report));
+int verify_export(const VerifyArguments& arguments) {
+  const VerifyOptions& options = arguments.options;
+  if (arguments.no_merged || arguments.no_origin || options.intersections)
+    throw InputError(arguments.directory +
+                     ": is an export for Neuroglancer; of the options only --threads and --json "
+                     "are for one");
+  const FolderReport report = check_folder(arguments.directory, options.threads, options.interrupt);
+  fmt::print("{}", arguments.json ? to_json_text(report) : to_text(report));
   return report.good() ? 0 : 1;
 }
 
@@ -138,6 +149,9 @@ int export_folder(const ExportArguments& arguments, const Program& program) {
   options.force = arguments.output.force;
   options.interrupt = &program.interrupt;
   const std::string& folder = arguments.output.path;
+  if (std::filesystem::is_regular_file(arguments.input))
+    throw InputError(arguments.input +
+                     ": is a file; --neuroglancer takes the output directory of a finished run");
   const NeuroglancerTotals totals = write_neuroglancer(arguments.input, folder, options);
   if (totals.left_out_zero)
     spdlog::warn("label 0 is left out: Neuroglancer takes no segment of this number");
@@ -145,6 +159,11 @@ int export_folder(const ExportArguments& arguments, const Program& program) {
              counted(totals.fragments, "fragments"),
              counted(static_cast<std::uint64_t>(totals.levels), "levels"),
              counted(totals.triangles, "triangles"));
+  if (totals.no_unit)
+    spdlog::warn("the input names no unit that is known: one counts as a nanometre");
+  fmt::print(
+      "next: serve the folder over HTTP, and name precomputed://http://.../{} in Neuroglancer\n",
+      std::filesystem::path(folder).filename().string());
   return 0;
 }
 
@@ -155,15 +174,17 @@ void add_neuroglancer_options(CLI::App& command, ExportArguments& arguments) {
       "for each label, with all levels of detail that there are");
   command
       .add_flag("--sharded", arguments.folder.sharded,
-                "Of --neuroglancer: puts many objects into a file")
+                "With --neuroglancer: puts many objects into one file, for many labels")
       ->needs(neuroglancer);
   command
-      .add_flag("--legacy", arguments.folder.legacy,
-                "Of --neuroglancer: writes the old format, of one level and without compression")
+      .add_flag(
+          "--legacy", arguments.folder.legacy,
+          "With --neuroglancer: writes the old format, which has one level and no compression "
+          "(not with --sharded)")
       ->needs(neuroglancer);
   add_value(command, "--threads", arguments.folder.threads,
-            "Of --neuroglancer: threads to use; 0: all there are")
-      ->check(CLI::NonNegativeNumber)
+            "With --neuroglancer: threads to use; 0: all there are")
+      ->check(whole_number())
       ->needs(neuroglancer);
   for (const char* other : {"--weld", "--level", "--world"})
     neuroglancer->excludes(command.get_option(other));
@@ -172,26 +193,23 @@ void add_neuroglancer_options(CLI::App& command, ExportArguments& arguments) {
 }  // namespace
 
 void add_verify_command(CLI::App& app, Program& program) {
-  struct Arguments {
-    std::string directory;
-    VerifyOptions options;
-    bool json = false, no_merged = false, no_origin = false;
-  };
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<VerifyArguments>();
   CLI::App* command = app.add_subcommand(
       "verify",
       "Checks that the meshes of a run are closed and complete\n"
       "Reads everything in an output directory again: files, counts and checksums as the manifest "
       "lists them, each tile and the whole a closed manifold, tiles equal to the bit where they "
       "meet. Where the input and the config are still there, they have to be those that the meshes "
-      "were made of. Of a folder that `export --neuroglancer` wrote it decodes all fragments. "
-      "Exits "
-      "with 1 where something is wrong.");
-  add_examples(*command, {{"voxweld verify scan.mesh", ""}});
+      "were made of. Of an export for Neuroglancer it decodes all fragments, and each level of "
+      "each "
+      "object has to be closed; of the options --threads and --json are for one. Exits with 1 "
+      "where "
+      "something is wrong.");
+  add_examples(*command, {{"voxweld verify scan.mesh", ""}, {"voxweld verify scan.ng", ""}});
   add_file(*command, "directory", arguments->directory,
            "The output directory of a finished run, or an export for Neuroglancer");
   add_value(*command, "--threads", arguments->options.threads, "Threads to use; 0: all there are")
-      ->check(CLI::NonNegativeNumber);
+      ->check(whole_number());
   command->add_flag("--no-merged", arguments->no_merged,
                     "Leaves out the file with the whole mesh, which needs memory for all of it");
   command->add_flag("--no-origin", arguments->no_origin,
@@ -205,8 +223,7 @@ void add_verify_command(CLI::App& app, Program& program) {
     arguments->options.origin = !arguments->no_origin;
     arguments->options.interrupt = &program.interrupt;
     const PromptStop prompt(program.interrupt);
-    if (is_export_folder(arguments->directory))
-      return verify_export(arguments->directory, arguments->options, arguments->json);
+    if (is_export_folder(arguments->directory)) return verify_export(*arguments);
     require_output(arguments->directory);
     const VerifyReport report = verify_output(arguments->directory, arguments->options);
     fmt::print("{}", arguments->json ? to_json_text(report) : to_text(report));
@@ -262,7 +279,7 @@ void add_export_command(CLI::App& app, Program& program) {
   add_file(*command, "input", arguments->input,
            "A mesh file: " + endings_text(mesh_writers()) + "; or an output directory");
   add_output_file(*command, arguments->output,
-                  "The file to write; its ending says how. Of --neuroglancer the folder");
+                  "The file to write; its ending says how. With --neuroglancer: the folder");
   command->add_flag("--weld", arguments->options.weld,
                     "One vertex for each position, without normals; else a vertex at a crease "
                     "appears once for each of its normals");

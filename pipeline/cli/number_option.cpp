@@ -73,4 +73,14 @@ CLI::Option* add_numbers(CLI::App& command, const std::string& name,
   return add(command, name, numbers, counts, help);
 }
 
+// Where the text is no such number CLI11 would tell of its type's whole range.
+CLI::Validator whole_number() {
+  return {[](std::string& text) {
+            const bool digits = !text.empty() && text.size() < 19 &&
+                                text.find_first_not_of("0123456789") == std::string::npos;
+            return digits ? std::string() : "expected an integer of at least 0, found " + text;
+          },
+          ""};
+}
+
 }  // namespace voxweld

@@ -16,4 +16,7 @@ CLI::Option* add_numbers(CLI::App& command, const std::string& name,
                          std::vector<std::int64_t>& numbers, const std::vector<std::size_t>& counts,
                          const std::string& help);
 
+// Of an option that takes an integer of at least 0.
+CLI::Validator whole_number();
+
 }  // namespace voxweld

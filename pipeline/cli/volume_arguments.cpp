@@ -15,16 +15,6 @@ std::string known_formats() {
   return text;
 }
 
-// Where the text is no such number CLI11 would tell of its type's whole range.
-CLI::Validator whole_number() {
-  return {[](std::string& text) {
-            const bool digits = !text.empty() && text.size() < 19 &&
-                                text.find_first_not_of("0123456789") == std::string::npos;
-            return digits ? std::string() : "expected an integer of at least 0, found " + text;
-          },
-          ""};
-}
-
 void add_selection(CLI::App& command, VolumeArguments& arguments) {
   const char* group = "Which volume, where a file or folder holds several";
   InputSelection& select = arguments.select;
@@ -57,7 +47,7 @@ void add_volume_options(CLI::App& command, VolumeArguments& arguments) {
       ->check(CLI::IsMember({"little", "big"}))
       ->group(group);
   add_value(command, "--header-bytes", arguments.header_bytes, "Raw: bytes before the first sample")
-      ->check(CLI::NonNegativeNumber)
+      ->check(whole_number())
       ->group(group);
   command
       .add_flag("--follow", arguments.follow,

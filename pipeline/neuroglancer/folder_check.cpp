@@ -10,6 +10,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/executor/progress.h"
 #include "pipeline/neuroglancer/folder_reader.h"
 #include "storage/support/error.h"
 #include "storage/support/json_text.h"
@@ -115,6 +116,7 @@ class FolderCheck {
 
   ObjectReport check(std::uint64_t id) {
     const ExportedObject object = reader_.object(id);
+    check_size(object);
     ObjectReport report{id, {}};
     std::vector<FragmentLevel> levels = object.index.levels;
     std::uint64_t offset = 0;
@@ -123,6 +125,17 @@ class FolderCheck {
           check_level(object, lod, levels[static_cast<std::size_t>(lod)], offset));
     check_tree(id, levels);
     return report;
+  }
+
+  // Or each fragment past the end would be a problem of its own.
+  static void check_size(const ExportedObject& object) {
+    std::uint64_t bytes = object.offset;
+    for (const FragmentLevel& level : object.index.levels)
+      for (const FragmentEntry& entry : level.fragments) bytes += entry.bytes;
+    const std::uint64_t size = ReadFile(object.data).size();
+    if (size < bytes)
+      throw FormatError(fmt::format("{}: has {} bytes, and the fragments of object {} end at {}",
+                                    object.data.string(), size, object.id, bytes));
   }
 
   LevelReport check_level(const ExportedObject& object, int lod, FragmentLevel& level,
@@ -247,7 +260,7 @@ FolderReport check_folder(const std::filesystem::path& folder, int threads,
 }
 
 std::string to_text(const FolderReport& report) {
-  std::string text = fmt::format("{} objects\n", report.objects.size());
+  std::string text = counted(report.objects.size(), "objects") + "\n";
   std::vector<LevelReport> levels;
   for (const ObjectReport& object : report.objects)
     for (std::size_t lod = 0; lod < object.levels.size(); ++lod) {
@@ -258,11 +271,13 @@ std::string to_text(const FolderReport& report) {
       levels[lod].flat += object.levels[lod].flat;
     }
   for (std::size_t lod = 0; lod < levels.size(); ++lod)
-    text += fmt::format("level {}: {} fragments, {} triangles, {} without area, {} open edges\n",
-                        lod, levels[lod].fragments, levels[lod].triangles, levels[lod].flat,
-                        levels[lod].open_edges);
+    text += fmt::format("level {}: {}, {}, {} without area, {}\n", lod,
+                        counted(levels[lod].fragments, "fragments"),
+                        counted(levels[lod].triangles, "triangles"), levels[lod].flat,
+                        counted(levels[lod].open_edges, "open edges"));
   for (const std::string& problem : report.problems) text += "problem: " + problem + "\n";
-  return text + (report.good() ? "good\n" : fmt::format("{} problems\n", report.problems.size()));
+  return text + (report.good() ? "good: no problem found\n"
+                               : counted(report.problems.size(), "problems") + "\n");
 }
 
 std::string to_json_text(const FolderReport& report) {

@@ -9,12 +9,14 @@
 #include <utility>
 
 #include "pipeline/output/level_cut.h"
-#include "pipeline/output/load.h"
 #include "pipeline/output/tile_stream.h"
 #include "stages/encode/fragment_index.h"
 #include "stages/encode/lattice_mesh.h"
+#include "stages/encode/mesh_writers.h"
 #include "stages/exact/orientation.h"
 #include "storage/support/error.h"
+#include "storage/support/file_io.h"
+#include "storage/support/hash.h"
 
 namespace voxweld {
 namespace {
@@ -31,6 +33,16 @@ double area2_of(const Corners& p) {
   return std::sqrt(squared);
 }
 
+DecodedMesh read_checked(const MeshWriter& format, const std::filesystem::path& path,
+                         const FileRecord& record) {
+  const std::vector<std::byte> bytes = read_whole_file(path);
+  if (to_hex(hash_bytes(bytes)) != record.xxh3_128)
+    throw FormatError(path.string() +
+                      ": is not what the run wrote: its hash is another one than that in the list "
+                      "of tiles; run `voxweld run` again, which mends it");
+  return format.read(bytes, path.string());
+}
+
 // The tile's first file that says all there is to know.
 LatticeMesh read_tile(const std::filesystem::path& output, const TileRecord& record,
                       const Manifest& manifest) {
@@ -39,13 +51,12 @@ LatticeMesh read_tile(const std::filesystem::path& output, const TileRecord& rec
     if (format == nullptr || (manifest.labels == LabelMode::shared && !format->holds_labels))
       continue;
     const std::filesystem::path path = output / file.path;
-    return weld(load_mesh(path), manifest.lattice, path.string());
+    return weld(read_checked(*format, path, file), manifest.lattice, path.string());
   }
-  throw InputError(fmt::format(
-      "{}: a tile has no file {}; set output.tiles to true and output.formats to [\"drc\"], and "
-      "run "
-      "again",
-      output.string(), record.files.empty() ? "of its own" : "that says which labels meet"));
+  throw InputError(
+      fmt::format("{}: its tiles have no file that says which labels meet; set output.formats to "
+                  "[\"drc\"], and run again",
+                  output.string()));
 }
 
 }  // namespace
@@ -122,7 +133,7 @@ void FragmentSort::sort_level(int lod, int threads, const InterruptFlag* interru
   const auto work = [&](const TileRecord& record, std::size_t) {
     if (interrupt != nullptr) interrupt->check();
     TileWork done;
-    if (record.triangles == 0) return done;
+    if (record.files.empty()) return done;
     const LatticeMesh mesh = read_tile(source_.output, record, source_.manifest);
     std::unordered_map<Material, std::optional<ObjectCutter>> cutters;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)

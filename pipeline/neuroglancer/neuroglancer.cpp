@@ -9,6 +9,7 @@
 #include "pipeline/neuroglancer/info_files.h"
 #include "pipeline/neuroglancer/multilod.h"
 #include "pipeline/output/level_cut.h"
+#include "stages/encode/glb.h"
 #include "storage/support/error.h"
 
 namespace voxweld {
@@ -43,6 +44,7 @@ NeuroglancerTotals write_neuroglancer(const std::filesystem::path& output,
                                   static_cast<std::size_t>(threads));
   NeuroglancerTotals totals;
   totals.left_out_zero = list.left_out_zero;
+  totals.no_unit = !metres_per(manifest.frame.unit);
   if (!options.legacy) totals.levels = 1 + top_of(listed_levels(output));
   InfoFacts facts{options.legacy, manifest.open_border, {}};
   if (options.sharded) facts.sharding = sharding_for(list.segments.size());

@@ -26,6 +26,7 @@ struct NeuroglancerTotals {
   std::uint64_t objects = 0, fragments = 0, triangles = 0, bytes = 0, files = 0;
   int levels = 1;
   bool left_out_zero = false;  // label 0, which is no segment there
+  bool no_unit = false;        // or none that is known
 };
 
 // `info` comes last: a folder without one is not finished. The same output directory gives the same bytes,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/config/config.h"
@@ -13,28 +14,58 @@
 namespace voxweld {
 namespace {
 
-// per_area: triangles that a square of one lattice step is expected to have.
-std::int32_t chunk_for(double per_area, std::uint64_t triangles, std::uint64_t most) {
-  if (triangles <= most) return fragment_chunks.front();
+// The largest side of fragments for which they have no more triangles than `most`.
+template <class Triangles>
+std::int32_t chunk_for(std::uint64_t most, Triangles triangles_at) {
   for (const std::int32_t chunk : fragment_chunks)
-    if (per_area * chunk * chunk <= static_cast<double>(most)) return chunk;
+    if (triangles_at(chunk) <= static_cast<double>(most)) return chunk;
   return fragment_chunks.back();
 }
 
-// How dense triangles lie where most of them are: a tile's cube has so many by the area of a side.
-double density_of_tiles(const std::filesystem::path& output, const Manifest& manifest) {
+// The most triangles that a fragment of this side is expected to have: a smaller tile has all of its own in
+// the fragment that its cube begins in, and a larger one as many in each as its area tells.
+double most_of_tiles(const std::vector<TileRecord>& tiles, const Manifest& manifest, double chunk) {
   const Vec3 spacing = manifest.frame.spacing;
-  const double cell =
-      std::cbrt(spacing.x * spacing.y * spacing.z) / manifest.lattice.step;  // in lattice steps
-  double sum = 0, triangles = 0;
-  TileListReader tiles(output / tiles_name);
-  while (const auto tile = tiles.next()) {
-    const double count = static_cast<double>(tile->triangles);
-    const double side = static_cast<double>(tile->tile.side()) * cell;
-    sum += count * (count / (side * side));
-    triangles += count;
+  std::map<std::array<std::int64_t, 3>, double> sums;
+  double most = 0;
+  for (const TileRecord& tile : tiles) {
+    const auto side = static_cast<double>(tile.tile.side());  // in cells
+    std::array<std::int64_t, 3> fragment{};
+    double area = 1;
+    for (int a = 0; a < 3; ++a) {
+      const double cell = spacing[a] / manifest.lattice.step;  // in lattice steps
+      fragment[static_cast<std::size_t>(a)] =
+          static_cast<std::int64_t>(static_cast<double>(tile.tile.at[a]) * side * cell / chunk);
+      area *= std::max(1.0, side * cell / chunk);
+    }
+    double& sum = sums[fragment];
+    sum += static_cast<double>(tile.triangles) / std::pow(area, 2.0 / 3);
+    most = std::max(most, sum);
   }
-  return triangles > 0 ? sum / triangles : 0;
+  return most;
+}
+
+std::int32_t chunk_of_tiles(const std::filesystem::path& output, const Manifest& manifest,
+                            std::uint64_t most) {
+  std::vector<TileRecord> tiles;
+  TileListReader reader(output / tiles_name);
+  while (auto tile = reader.next()) {
+    tile->files.clear();
+    tiles.push_back(std::move(*tile));
+  }
+  return chunk_for(most, [&](std::int32_t chunk) {
+    return most_of_tiles(tiles, manifest, static_cast<double>(chunk));
+  });
+}
+
+// Without files of tiles there is nothing to read.
+void require_tiles(const std::filesystem::path& output) {
+  TileListReader tiles(output / tiles_name);
+  while (const auto tile = tiles.next())
+    if (!tile->files.empty()) return;
+  throw InputError(output.string() +
+                   ": has no tiles, of which fragments are made; set output.tiles to true, and run "
+                   "again");
 }
 
 // A surface that bends has more area in a cube than a side of it.
@@ -58,7 +89,10 @@ std::uint64_t sole_id(const Manifest& manifest) {
 
 Segment of_label(const LabelRecord& label, const Manifest& manifest, std::uint64_t most) {
   Segment segment{label.label, label.name, 0, label.triangles, label.volume, label.area};
-  segment.chunk = chunk_for(density_of_label(label, manifest.lattice), label.triangles, most);
+  const double density = density_of_label(label, manifest.lattice);
+  segment.chunk = chunk_for(most, [&](std::int32_t chunk) {
+    return std::min(static_cast<double>(label.triangles), density * chunk * chunk);
+  });
   return segment;
 }
 
@@ -77,10 +111,9 @@ SegmentList read_segments(const std::filesystem::path& output, const Manifest& m
   list.labels = manifest.labels != LabelMode::off;
   if (!list.labels) {
     const std::uint64_t triangles = manifest.counts.output_triangles;
-    const double density = density_of_tiles(output, manifest);
     if (triangles > 0)
       list.segments.push_back({sole_id(manifest), "surface",
-                               chunk_for(density, triangles, fragment_triangles), triangles,
+                               chunk_of_tiles(output, manifest, fragment_triangles), triangles,
                                std::nullopt, std::nullopt});
   } else {
     LabelListReader labels(output / labels_name);
@@ -96,6 +129,7 @@ SegmentList read_segments(const std::filesystem::path& output, const Manifest& m
         "{}: has no {}triangles to export; see its manifest.json for what the run made",
         output.string(),
         list.left_out_zero ? "label but 0, which Neuroglancer does not take, with " : ""));
+  require_tiles(output);
   return list;
 }
 

@@ -25,6 +25,9 @@ std::vector<std::string> outputs_within(const fs::path& directory) {
 void require_output(const fs::path& directory) {
   constexpr std::size_t most_named = 10;
   if (fs::exists(directory / manifest_name)) return;
+  if (!fs::exists(directory))
+    throw InputError(directory.string() +
+                     ": no such folder; name the output.directory of a finished run");
   std::vector<std::string> names = outputs_within(directory);
   const std::string problem =
       fmt::format("{}: not an output directory: it has no {}", directory.string(), manifest_name);

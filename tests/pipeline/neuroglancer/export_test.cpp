@@ -266,10 +266,55 @@ TEST(NeuroglancerCommand, RefusesWhatWillNotDo) {
   std::filesystem::create_directory(place.at("theirs"));
   write_bytes(place.at("theirs") + "/info", R"({"@type": "neuroglancer_multilod_draco"})");
   expect_refused(with(mesh, place.at("theirs"), {"--force"}), {"has not written"});
-  // A tile that is no mesh any more.
-  write_bytes(first_file(mesh + "/tiles", ".drc"), "DRACO");
-  expect_refused(with(mesh, place.at("b")), {".drc"});
+  expect_refused(with(mesh, place.at("a"), {"--threads", "x"}),
+                 {"--threads", "expected an integer of at least 0, found x"});
+  expect_refused(with(first_file(mesh + "/tiles", ".drc"), place.at("a")), {"is a file"});
+  // A tile of which one byte is another.
+  const std::string tile = first_file(mesh + "/tiles", ".drc");
+  std::string bytes = read_bytes(tile);
+  bytes[bytes.size() / 2] ^= 1;
+  write_bytes(tile, bytes);
+  const ProgramResult damaged = run_voxweld(with(mesh, place.at("b")));
+  EXPECT_NE(damaged.exit_code, 0);
+  EXPECT_THAT(damaged.err, AllOf(HasSubstr(".drc"), HasSubstr("its hash")));
   EXPECT_FALSE(std::filesystem::exists(place.at("b") + "/info"));
+}
+
+TEST(NeuroglancerCommand, NeedsTiles) {
+  const Workplace place;
+  const std::string mesh =
+      run_phantom(place, "gyroid", {"--set", "output.tiles=false"}, {"--size", "24"});
+  expect_refused({"export", mesh, "--neuroglancer", "-o", place.at("ng")},
+                 {"no tiles", "output.tiles"});
+  EXPECT_FALSE(std::filesystem::exists(place.at("ng")));
+}
+
+TEST(NeuroglancerCommand, VerifyTakesNoOptionsOfMeshes) {
+  const Workplace place;
+  const std::string mesh = run_phantom(place, "gyroid", {}, {"--size", "24"});
+  place.run({"export", mesh, "--neuroglancer", "-o", place.at("ng")});
+  expect_refused({"verify", place.at("ng"), "--intersections"}, {"--threads and --json"});
+  expect_refused({"verify", place.at("nowhere")}, {"no such folder"});
+}
+
+// A surface that fills space has more area in a large cube than one that is flat.
+TEST(NeuroglancerExport, FragmentsHaveAboutAsManyTrianglesAsAreAskedFor) {
+  const Workplace place;
+  const std::string mesh = run_phantom(place, "porous", with_levels, {"--size", "96"});
+  for (const std::uint64_t most : {2000, 20000}) {
+    const std::string folder = place.at(std::to_string(most));
+    write_neuroglancer(mesh, folder, {.fragment_triangles = most});
+    const FolderReader reader(folder);
+    const ExportedObject object = reader.object(1);
+    std::uint64_t offset = 0, largest = 0;
+    for (const FragmentEntry& entry : object.index.levels[0].fragments) {
+      if (entry.bytes > 0)
+        largest = std::max<std::uint64_t>(largest,
+                                          reader.fragment(object, entry, offset).triangles.size());
+      offset += entry.bytes;
+    }
+    EXPECT_LT(largest, 2 * most);
+  }
 }
 
 TEST(NeuroglancerCommand, CallsALabelByItsNumber) {
