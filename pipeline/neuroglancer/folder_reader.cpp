@@ -27,7 +27,7 @@ std::optional<std::uint64_t> numbered(const std::string& name, std::string_view 
 }
 
 nlohmann::json read_json(const fs::path& path) {
-  const nlohmann::json json = nlohmann::json::parse(read_text_file(path), nullptr, false);
+  nlohmann::json json = nlohmann::json::parse(read_text_file(path), nullptr, false);
   if (!json.is_object()) throw FormatError(path.string() + ": is no JSON object");
   return json;
 }

@@ -20,14 +20,15 @@ class LegacyPoints {
   LegacyPoints(const Manifest& manifest, std::int32_t chunk, const FragmentCell& cell)
       : lattice_(manifest.lattice),
         matrix_(nanometre_matrix(manifest.frame)),
-        fine_(static_cast<double>(fragment_range / chunk)),
+        fine_(fragment_range / chunk),
         cell_(cell) {}
 
   std::array<float, 3> of(const std::array<std::int32_t, 3>& q) const {
     std::array<double, 3> p{};
     for (std::size_t a = 0; a < 3; ++a) {
       const std::int64_t grid = cell_[a] * fragment_range + q[a];
-      p[a] = lattice_.origin[a] + static_cast<double>(grid) / fine_ * lattice_.step;
+      p[a] = lattice_.origin[a] +
+             static_cast<double>(grid) / static_cast<double>(fine_) * lattice_.step;
     }
     std::array<float, 3> world{};
     for (std::size_t r = 0; r < 3; ++r)
@@ -39,7 +40,7 @@ class LegacyPoints {
  private:
   const OutputLattice& lattice_;
   const std::array<double, 12> matrix_;
-  const double fine_;
+  const std::int64_t fine_;
   const FragmentCell cell_;
 };
 

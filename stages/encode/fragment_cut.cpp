@@ -54,6 +54,7 @@ std::optional<Halves> split(const std::vector<GridPoint>& ring, std::size_t axis
   }
   // A way through the plane begins at the first of the points on it.
   const std::size_t n = points.size();
+  if (n == 0) return std::nullopt;
   std::vector<std::size_t> ways;
   for (std::size_t i = 0; i < n; ++i) {
     const Sign before = sides[(i + n - 1) % n];

@@ -18,8 +18,8 @@ TEST(Sharding, HasSixtyFourObjectsToAMinishard) {
   EXPECT_EQ(bits(1), std::pair(0, 0));
   EXPECT_EQ(bits(64), std::pair(0, 0));
   EXPECT_EQ(bits(65), std::pair(1, 0));
-  EXPECT_EQ(bits(64 * 512), std::pair(9, 0));
-  EXPECT_EQ(bits(64 * 512 + 1), std::pair(9, 1));
+  EXPECT_EQ(bits(std::uint64_t{64} * 512), std::pair(9, 0));
+  EXPECT_EQ(bits(std::uint64_t{64} * 512 + 1), std::pair(9, 1));
 }
 
 TEST(Sharding, OrdersObjectsByWhereTheyLie) {

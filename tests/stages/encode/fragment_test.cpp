@@ -126,7 +126,8 @@ TEST(FragmentCut, KeepsATorusClosedAtEachLevel) {
       EXPECT_TRUE(open_edges(pieces).empty()) << chunk << " " << lod;
       if (lod > 0) continue;
       EXPECT_GT(pieces.size(), triangles.size());
-      const double step = static_cast<double>(fragment_range / chunk);
+      const std::int64_t steps = fragment_range / chunk;
+      const auto step = static_cast<double>(steps);
       const double whole = volume6(cut_all(triangles, {65535, 0})) * step * step * step;
       EXPECT_NEAR(volume6(pieces) / whole, 1, 1e-5) << chunk;
     }
@@ -179,7 +180,7 @@ TEST(FragmentCodec, GivesBackWhatClientsRead) {
     for (const auto& t : of.triangles) {
       auto& corners = all.emplace_back();
       for (std::size_t i = 0; i < 3; ++i) corners[i] = of.positions[t[i]];
-      std::ranges::rotate(corners, std::ranges::min_element(corners));
+      std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
     }
     std::ranges::sort(all);
     return all;
