@@ -1,6 +1,7 @@
 #include "stages/refine/refine_range.h"
 
 #include <algorithm>
+#include <deque>
 #include <map>
 #include <unordered_map>
 
@@ -91,9 +92,10 @@ class RangeRefiner {
   RefineCounts& counts_;
   const VertexCubes places_;
   BoxRefiner refiner_;
-  Populated populated_;       // with triangles at home: all that meet the cube
-  TriangleNumbers crossing_;  // triangles with corners in several cubes
-  TriangleNumbers fixed_;     // that intersect others that are fixed too
+  std::deque<Extract> extracts_;  // for cubes that are refined at the same time
+  Populated populated_;           // with triangles at home: all that meet the cube
+  TriangleNumbers crossing_;      // triangles with corners in several cubes
+  TriangleNumbers fixed_;         // that intersect others that are fixed too
 };
 
 void RangeRefiner::sort_into_cubes() {
@@ -163,13 +165,13 @@ RangeRefiner::Populated::const_iterator RangeRefiner::refine_some(Populated::con
     if (!some.empty() && sum > most_part_triangles) break;
     some.push_back({morton_decode(at->first.number), &at->second});
   }
+  while (extracts_.size() < some.size()) extracts_.emplace_back(mesh_);
   for_each_index(some.size(), [&](std::size_t i) {
     One& one = some[i];
     const auto room = room_of(one.cube);
     const TriangleNumbers staying = staying_in(one.cube, *one.meeting, room);
-    Extract extract(mesh_);
     if (room)
-      one.outcome = refiner_.work_on({*room, *one.meeting, staying, fixed_}, extract);
+      one.outcome = refiner_.work_on({*room, *one.meeting, staying, fixed_}, extracts_[i]);
     else
       one.outcome = refiner_.kept(staying, fixed_);
   });
