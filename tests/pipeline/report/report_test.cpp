@@ -170,7 +170,7 @@ TEST(Report, ThatCannotBeWrittenFailsNoRun) {
 
 TEST(Report, RefusesWhatIsNoOutput) {
   const Workplace place;
-  expect_refused({"report", place.at("nothing")}, {"not an output directory", "manifest.json"});
+  expect_refused({"report", place.at("nothing")}, {"no such folder", "output.directory"});
   place.run_scene({"output.report=false"});
   expect_refused({"report", place.at("scene.mesh"), "-o", place.at("a.pdf")}, {"a.pdf", ".html"});
   nlohmann::json manifest = nlohmann::json::parse(read_bytes(place.at("scene.mesh/manifest.json")));
