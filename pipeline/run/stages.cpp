@@ -161,9 +161,10 @@ const UnitPlan& Stages::plan() {
 }
 
 const std::vector<RefineUnit>& Stages::refine_units() {
-  if (!refine_units_)
-    refine_units_ =
-        voxweld::refine_units(top(), context_.config.labels.mode, jobs_.refine().frame.level);
+  if (!refine_units_) {
+    const RefineFrame& frame = jobs_.refine().frame;
+    refine_units_ = voxweld::refine_units(top(), context_.config.labels.mode, cubes_of(frame));
+  }
   return *refine_units_;
 }
 

@@ -15,19 +15,19 @@ constexpr std::uint64_t most_cut_ranges = 32;
 
 // How others are cut does not matter to a label in ranges: what is done of it stays when they come
 // or go.
-void add_ranges(const std::vector<PlannedTile>& tiles, Material label, int level,
+void add_ranges(const std::vector<PlannedTile>& tiles, Material label, const CubeGrid& cubes,
                 std::vector<RefineUnit>& units) {
   std::uint64_t vertices = 0;
   for (const PlannedTile& tile : tiles) vertices += tile.vertices;
   const auto enough = std::min(vertices / unit_vertices, most_cut_ranges);
-  const auto ranges = cube_ranges(tiles, static_cast<std::size_t>(enough), level);
+  const auto ranges = cube_ranges(tiles, static_cast<std::size_t>(enough), cubes);
   for (const PlannedRange& range : ranges)
     units.push_back({range, label, label + 1, 1, ranges.size() == 1});
 }
 
 // Labels of one tile each. A unit has none of two batches: what changes in one of them leaves the
 // other's.
-void add_small(const MaterialTop& top, const BatchRecord& batch, int level,
+void add_small(const MaterialTop& top, const BatchRecord& batch, const CubeGrid& cubes,
                std::vector<RefineUnit>& units) {
   const auto surfaces = top.surfaces(batch.first_surface, batch.surfaces);
   const auto tiles = top.tiles(batch.first_tile, batch.tiles);
@@ -36,7 +36,7 @@ void add_small(const MaterialTop& top, const BatchRecord& batch, int level,
     const Material label = surfaces[i].material;
     const PlannedTile& tile = tiles[i];
     if (tile.vertices > unit_vertices) {
-      add_ranges({tile}, label, level, units);
+      add_ranges({tile}, label, cubes, units);
       open = false;
       continue;
     }
@@ -51,15 +51,15 @@ void add_small(const MaterialTop& top, const BatchRecord& batch, int level,
   }
 }
 
-std::vector<RefineUnit> units_of_labels(const MaterialTop& top, int level) {
+std::vector<RefineUnit> units_of_labels(const MaterialTop& top, const CubeGrid& cubes) {
   std::vector<RefineUnit> units;
   const std::vector<BatchRecord> batches = top.batches();
   for (std::size_t i = 0; i < batches.size(); ++i) {
     const BatchRecord& batch = batches[i];
     if (batch.surface_tiles == 1) {
-      add_small(top, batch, level, units);
+      add_small(top, batch, cubes, units);
     } else if (i == 0 || batches[i - 1].material != batch.material) {
-      add_ranges(top.tiles(batch.first_tile, batch.surface_tiles), batch.material, level, units);
+      add_ranges(top.tiles(batch.first_tile, batch.surface_tiles), batch.material, cubes, units);
     }
   }
   return units;
@@ -75,11 +75,12 @@ std::string RefineUnit::name() const {
   return fmt::format("label {}{}", first_label, whole ? "" : " " + cubes);
 }
 
-std::vector<RefineUnit> refine_units(const TopArtifact& top, LabelMode mode, int level) {
+std::vector<RefineUnit> refine_units(const TopArtifact& top, LabelMode mode,
+                                     const CubeGrid& cubes) {
   const MaterialTop tables(top);
-  if (mode == LabelMode::each) return units_of_labels(tables, level);
+  if (mode == LabelMode::each) return units_of_labels(tables, cubes);
   std::vector<RefineUnit> units;
-  for (const PlannedRange& range : cube_ranges(tables.tiles(0, tables.tile_count()), 32, level))
+  for (const PlannedRange& range : cube_ranges(tables.tiles(0, tables.tile_count()), 32, cubes))
     units.push_back({range});
   return units;
 }

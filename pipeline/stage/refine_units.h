@@ -22,8 +22,8 @@ struct RefineUnit {
   std::string name() const;  // "cubes from 0-1-0 on", "12 labels from 7 on"
 };
 
-// By label and then by cubes, of that level. mode: of the run that made the top tree.
+// By label and then by cubes. mode: of the run that made the top tree.
 std::vector<RefineUnit> refine_units(const TopArtifact& top, LabelMode mode,
-                                     int level = refine_cube_level);
+                                     const CubeGrid& cubes = {});
 
 }  // namespace voxweld

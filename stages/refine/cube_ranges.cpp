@@ -1,6 +1,7 @@
 #include "stages/refine/cube_ranges.h"
 
 #include <algorithm>
+#include <map>
 
 namespace voxweld {
 
@@ -86,32 +87,92 @@ Tiles even_tiles(Tiles tiles, std::uint32_t level) {
   }
 }
 
+// What cubes of the second pass have where there is no tile, by their numbers. Those past the domain count to
+// its last ones (CubeLattice::code).
+std::map<std::uint64_t, std::uint64_t> loads_beyond(const Tiles& tiles, std::uint32_t level,
+                                                    std::int64_t cubes) {
+  std::map<std::uint64_t, std::uint64_t> beyond;
+  if (cubes == 0) return beyond;
+  for (const CubeLoad& load : loads_of_cubes(tiles, level)) {
+    const Index3 cube = morton_decode(load.cube);
+    for (int octant = 1; octant < 8; ++octant) {
+      const Index3 above = cube + Index3{octant & 1, octant >> 1 & 1, octant >> 2};
+      if (above.x >= cubes || above.y >= cubes || above.z >= cubes) continue;
+      const std::uint64_t number = morton_encode(above);
+      if (tile_at(tiles, number << (3 * level)) == tiles.size())
+        beyond[number] += load.vertices / 8;
+    }
+  }
+  return beyond;
+}
+
+// Ranges one after the other.
+class RangeList {
+ public:
+  RangeList(const Tiles& tiles, std::uint32_t level, std::int64_t cubes)
+      : beyond_(loads_beyond(tiles, level, cubes)), next_(beyond_.begin()) {
+    for (const PlannedTile& tile : tiles) most_ = std::max(most_, tile.vertices);
+    for (const CubeLoad& load : loads_of_cubes(tiles, level))
+      most_ = std::max(most_, load.vertices);
+  }
+  void add(const PlannedTile& tile, std::uint64_t cube) {
+    if (ranges_.empty()) {
+      ranges_.emplace_back();
+    } else if (cube_ != cube) {
+      end_before(cube);
+      begin(cube);
+    }
+    cube_ = cube;
+    load_ += tile.vertices;
+    ranges_.back().vertices += tile.vertices;
+    ranges_.back().polygons += tile.polygons;
+  }
+  std::vector<PlannedRange> take() {
+    if (!ranges_.empty()) end_before(CubeRange{}.end);
+    return std::move(ranges_);
+  }
+
+ private:
+  void begin(std::uint64_t cube) {
+    ranges_.back().cubes.end = cube;
+    ranges_.push_back({{cube, CubeRange{}.end}});
+    load_ = 0;
+  }
+  // The cubes between the tile before and this one.
+  void end_before(std::uint64_t cube) {
+    for (; next_ != beyond_.end() && next_->first < cube; ++next_) {
+      if (next_->first <= cube_) continue;  // the tile begins further up in it
+      if (load_ + next_->second > most_) begin(next_->first);
+      load_ += next_->second;
+    }
+  }
+
+  const std::map<std::uint64_t, std::uint64_t> beyond_;
+  std::map<std::uint64_t, std::uint64_t>::const_iterator next_;
+  std::vector<PlannedRange> ranges_;
+  std::uint64_t cube_ = 0;             // of the tile before
+  std::uint64_t load_ = 0, most_ = 0;  // of the last range, and that of the fullest tile
+};
+
 }  // namespace
 
+CubeGrid cubes_of(const RefineFrame& frame) {
+  const int levels = std::max(0, domain_level(frame.size) - frame.level);
+  return {frame.level, std::int64_t{1} << levels};
+}
+
 std::vector<PlannedRange> cube_ranges(std::span<const PlannedTile> planned, std::size_t enough,
-                                      int level) {
-  const auto cube_level = static_cast<std::uint32_t>(level);
+                                      const CubeGrid& cubes) {
+  const auto cube_level = static_cast<std::uint32_t>(cubes.level);
   Tiles tiles = even_tiles({planned.begin(), planned.end()}, cube_level);
   while (!tiles.empty() && tiles.size() < enough) {
     Tiles parts = cut(tiles, [&](std::size_t i) { return tiles[i].level > cube_level; });
     if (parts.size() == tiles.size()) break;
     tiles = std::move(parts);
   }
-  std::vector<PlannedRange> ranges;
-  std::uint64_t cube = 0;  // of the tile before
-  for (const PlannedTile& tile : tiles) {
-    const std::uint64_t begin = tile.code >> (3 * level);
-    if (ranges.empty()) {
-      ranges.emplace_back();
-    } else if (cube != begin) {
-      ranges.back().cubes.end = begin;
-      ranges.push_back({{begin, CubeRange{}.end}});
-    }
-    cube = begin;
-    ranges.back().vertices += tile.vertices;
-    ranges.back().polygons += tile.polygons;
-  }
-  return ranges;
+  RangeList ranges(tiles, cube_level, cubes.side);
+  for (const PlannedTile& tile : tiles) ranges.add(tile, tile.code >> (3 * cube_level));
+  return ranges.take();
 }
 
 }  // namespace voxweld

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "stages/refine/cube_lattice.h"
 #include "stages/stitch/lattice_plan.h"
 
@@ -70,6 +72,34 @@ TEST(CubeRanges, AreCutUpBesideFullCubes) {
   // One half is less than a full one.
   const std::vector<PlannedTile> few = {tile(6, {1, 1, 1}, 1000), tile(7, {1, 0, 0}, 100)};
   EXPECT_EQ(cube_ranges(few, 0).size(), 2u);
+}
+
+// Full cubes up to a power of two, where cubes of the second pass lie beyond: all of them come behind the
+// last tile.
+TEST(CubeRanges, BeginBeyondTilesToo) {
+  std::vector<PlannedTile> tiles;
+  for (std::uint64_t cube = 0; cube < 64; ++cube)
+    tiles.push_back(tile(6, morton_decode(cube), 800));
+  EXPECT_EQ(cube_ranges(tiles, 0).size(), 64u);
+  EXPECT_EQ(cube_ranges(tiles, 0, {6, 4}).size(), 64u);  // the domain ends there
+  const auto ranges = cube_ranges(tiles, 0, {6, 8});
+  EXPECT_GT(ranges.size(), 64u + 8u);
+  EXPECT_LT(ranges.size(), 64u + 61u);           // 5^3 - 4^3 cubes, of which several go together
+  std::map<std::uint64_t, std::uint64_t> loads;  // by the range's begin
+  for (std::int64_t z = 0; z <= 4; ++z)
+    for (std::int64_t y = 0; y <= 4; ++y)
+      for (std::int64_t x = 0; x <= 4; ++x) {
+        const std::uint64_t code = morton_encode({x, y, z});
+        std::uint64_t load = 0;  // of the tiles whose octants it has
+        for (int octant = 0; octant < 8; ++octant) {
+          const Index3 below = Index3{x, y, z} - Index3{octant & 1, octant >> 1 & 1, octant >> 2};
+          const auto inside = [](std::int64_t v) { return v >= 0 && v < 4; };
+          load += inside(below.x) && inside(below.y) && inside(below.z) ? 100 : 0;
+        }
+        for (const PlannedRange& range : ranges)
+          if (range.cubes.contains(code)) loads[range.cubes.begin] += load;
+      }
+  for (const auto& [begin, load] : loads) EXPECT_LE(load, 800u) << begin;
 }
 
 // What a cube of a small volume is cut by does not depend on where the volume ends.
