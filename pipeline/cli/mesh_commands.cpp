@@ -201,10 +201,8 @@ void add_verify_command(CLI::App& app, Program& program) {
       "lists them, each tile and the whole a closed manifold, tiles equal to the bit where they "
       "meet. Where the input and the config are still there, they have to be those that the meshes "
       "were made of. Of an export for Neuroglancer it decodes all fragments, and each level of "
-      "each "
-      "object has to be closed; of the options --threads and --json are for one. Exits with 1 "
-      "where "
-      "something is wrong.");
+      "each object has to be closed; of the options --threads and --json are for one. Exits with "
+      "1 where something is wrong.");
   add_examples(*command, {{"voxweld verify scan.mesh", ""}, {"voxweld verify scan.ng", ""}});
   add_file(*command, "directory", arguments->directory,
            "The output directory of a finished run, or an export for Neuroglancer");

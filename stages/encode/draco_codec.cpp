@@ -156,31 +156,6 @@ void set_options(draco::ExpertEncoder& encoder, const OutputLattice& lattice,
   encoder.SetTrackEncodedProperties(true);
 }
 
-std::vector<std::byte> copy_bytes(const draco::EncoderBuffer& buffer) {
-  const auto bytes = std::as_bytes(std::span(buffer.data(), buffer.size()));
-  return {bytes.begin(), bytes.end()};
-}
-
-std::unique_ptr<draco::Mesh> decode_mesh(std::span<const std::byte> bytes,
-                                         const std::string& where) {
-  check_draco_header(bytes, where);
-  draco::DecoderBuffer buffer;
-  buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  draco::Decoder decoder;
-  try {
-    auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
-    if (!decoded.ok())
-      throw FormatError(fmt::format("{}: damaged Draco data of {} bytes: {}", where, bytes.size(),
-                                    decoded.status().error_msg_string()));
-    return std::move(decoded).value();
-  } catch (const std::bad_alloc&) {
-  } catch (const std::length_error&) {
-  }
-  throw FormatError(
-      fmt::format("{}: damaged Draco data of {} bytes: it states sizes that memory cannot hold",
-                  where, bytes.size()));
-}
-
 const draco::PointAttribute* float3_attribute(const draco::Mesh& mesh,
                                               draco::GeometryAttribute::Type type) {
   const draco::PointAttribute* attribute = mesh.GetNamedAttribute(type);
@@ -232,7 +207,7 @@ EncodedMesh encode_with(const TileMesh& mesh, const EncodeParameters& parameters
 
 DecodedMesh decode_with(std::span<const std::byte> bytes, const PairList* features,
                         const std::string& where) {
-  const std::unique_ptr<draco::Mesh> mesh = decode_mesh(bytes, where);
+  const std::unique_ptr<draco::Mesh> mesh = decode_draco_mesh(bytes, where);
   const auto* position = float3_attribute(*mesh, draco::GeometryAttribute::POSITION);
   if (position == nullptr)
     throw FormatError(where + ": the Draco mesh has no positions of three 32-bit floats");

@@ -1,5 +1,6 @@
 #include "stages/encode/draco_mesh.h"
 
+#include <draco/compression/decode.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -206,6 +207,31 @@ class PairsText {
 };
 
 }  // namespace
+
+std::unique_ptr<draco::Mesh> decode_draco_mesh(std::span<const std::byte> bytes,
+                                               const std::string& where) {
+  check_draco_header(bytes, where);
+  draco::DecoderBuffer buffer;
+  buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  draco::Decoder decoder;
+  try {
+    auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
+    if (!decoded.ok())
+      throw FormatError(fmt::format("{}: damaged Draco data of {} bytes: {}", where, bytes.size(),
+                                    decoded.status().error_msg_string()));
+    return std::move(decoded).value();
+  } catch (const std::bad_alloc&) {
+  } catch (const std::length_error&) {
+  }
+  throw FormatError(
+      fmt::format("{}: damaged Draco data of {} bytes: it states sizes that memory cannot hold",
+                  where, bytes.size()));
+}
+
+std::vector<std::byte> copy_bytes(const draco::EncoderBuffer& buffer) {
+  const auto bytes = std::as_bytes(std::span(buffer.data(), buffer.size()));
+  return {bytes.begin(), bytes.end()};
+}
 
 DracoAttributes fill_draco_mesh(const TileMesh& mesh, bool normals,
                                 const std::vector<PairColour>* colours, draco::Mesh& out) {

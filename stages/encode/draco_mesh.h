@@ -1,8 +1,10 @@
-// What encoding to Draco buffers and decoding them are made of: used by draco_codec alone.
+// What encoding to Draco buffers and decoding them are made of: used by draco_codec and fragment_codec.
 #pragma once
 
+#include <draco/core/encoder_buffer.h>
 #include <draco/mesh/mesh.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,12 @@ namespace voxweld {
 // without metadata (what Draco 1.4 and later write) whose stated counts are plausible for its size:
 // before Draco allocates by what they state.
 void check_draco_header(std::span<const std::byte> bytes, const std::string& where);
+
+// After that check. FormatError, starting with `where`, for damaged data.
+std::unique_ptr<draco::Mesh> decode_draco_mesh(std::span<const std::byte> bytes,
+                                               const std::string& where);
+
+std::vector<std::byte> copy_bytes(const draco::EncoderBuffer& buffer);
 
 struct DracoAttributes {
   int position = 0;

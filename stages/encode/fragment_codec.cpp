@@ -1,6 +1,5 @@
 #include "stages/encode/fragment_codec.h"
 
-#include <draco/compression/decode.h>
 #include <draco/compression/expert_encode.h>
 #include <draco/mesh/mesh.h>
 #include <fmt/format.h>
@@ -29,24 +28,6 @@ int add_whole_positions(draco::Mesh& out, const FragmentMesh& mesh) {
   for (std::uint32_t v = 0; v < mesh.positions.size(); ++v)
     out.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(v), mesh.positions[v].data());
   return id;
-}
-
-std::unique_ptr<draco::Mesh> decoded(std::span<const std::byte> bytes, const std::string& where) {
-  check_draco_header(bytes, where);
-  draco::DecoderBuffer buffer;
-  buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  draco::Decoder decoder;
-  try {
-    auto mesh = decoder.DecodeMeshFromBuffer(&buffer);
-    if (mesh.ok()) return std::move(mesh).value();
-    throw FormatError(fmt::format("{}: damaged Draco data of {} bytes: {}", where, bytes.size(),
-                                  mesh.status().error_msg_string()));
-  } catch (const std::bad_alloc&) {
-  } catch (const std::length_error&) {
-  }
-  throw FormatError(
-      fmt::format("{}: damaged Draco data of {} bytes: it states sizes that memory cannot hold",
-                  where, bytes.size()));
 }
 
 }  // namespace
@@ -87,12 +68,11 @@ std::vector<std::byte> encode_fragment(const FragmentMesh& mesh) {
   const draco::Status status = encoder.EncodeToBuffer(&buffer);
   if (!status.ok())
     throw InputError("cannot encode a fragment: Draco: " + status.error_msg_string());
-  const auto bytes = std::as_bytes(std::span(buffer.data(), buffer.size()));
-  return {bytes.begin(), bytes.end()};
+  return copy_bytes(buffer);
 }
 
 FragmentMesh decode_fragment(std::span<const std::byte> bytes, const std::string& where) {
-  const std::unique_ptr<draco::Mesh> source = decoded(bytes, where);
+  const std::unique_ptr<draco::Mesh> source = decode_draco_mesh(bytes, where);
   const auto* position = source->GetNamedAttribute(draco::GeometryAttribute::POSITION);
   if (position == nullptr || position->num_components() != 3 ||
       position->data_type() != draco::DT_INT32)

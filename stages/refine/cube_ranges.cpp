@@ -46,6 +46,23 @@ std::vector<CubeLoad> loads_of_cubes(const Tiles& tiles, std::uint32_t level) {
   return loads;
 }
 
+// The most vertices that a tile has, or that lie in one cube.
+std::uint64_t fullest(const Tiles& tiles, const std::vector<CubeLoad>& loads) {
+  std::uint64_t most = 0;
+  for (const PlannedTile& tile : tiles) most = std::max(most, tile.vertices);
+  for (const CubeLoad& load : loads) most = std::max(most, load.vertices);
+  return most;
+}
+
+// f(cube, vertices) for the cubes of the second pass that begin in this one, but for that which counts to
+// it: each has an eighth of it.
+template <class F>
+void each_above(const CubeLoad& load, F&& f) {
+  const Index3 cube = morton_decode(load.cube);
+  for (int octant = 1; octant < 8; ++octant)
+    f(cube + Index3{octant & 1, octant >> 1 & 1, octant >> 2}, load.vertices / 8);
+}
+
 // The number of the tile that lies last at or before this Morton code and reaches it; or of none.
 std::size_t tile_at(const Tiles& tiles, std::uint64_t code) {
   const auto after = std::ranges::upper_bound(tiles, code, {}, &PlannedTile::code);
@@ -60,19 +77,15 @@ std::size_t tile_at(const Tiles& tiles, std::uint64_t code) {
 // lies, has half of those below, where much may lie. Which tiles would have more than the fullest one
 // has in the first pass.
 std::vector<bool> overloaded(const Tiles& tiles, std::uint32_t level) {
-  std::uint64_t most = 0;
-  std::vector<std::uint64_t> vertices(tiles.size());
-  for (std::size_t i = 0; i < tiles.size(); ++i)
-    most = std::max(most, vertices[i] = tiles[i].vertices);
-  for (const CubeLoad& load : loads_of_cubes(tiles, level)) {
-    most = std::max(most, load.vertices);
-    const Index3 cube = morton_decode(load.cube);
-    for (int octant = 1; octant < 8; ++octant) {
-      const Index3 above = cube + Index3{octant & 1, octant >> 1 & 1, octant >> 2};
+  const std::vector<CubeLoad> loads = loads_of_cubes(tiles, level);
+  const std::uint64_t most = fullest(tiles, loads);
+  std::vector<std::uint64_t> vertices;
+  for (const PlannedTile& tile : tiles) vertices.push_back(tile.vertices);
+  for (const CubeLoad& load : loads)
+    each_above(load, [&](Index3 above, std::uint64_t part) {
       const std::size_t tile = tile_at(tiles, morton_encode(above) << (3 * level));
-      if (tile < tiles.size()) vertices[tile] += load.vertices / 8;
-    }
-  }
+      if (tile < tiles.size()) vertices[tile] += part;
+    });
   std::vector<bool> over(tiles.size());
   for (std::size_t i = 0; i < tiles.size(); ++i)
     over[i] = tiles[i].level > level && vertices[i] > most;
@@ -89,32 +102,26 @@ Tiles even_tiles(Tiles tiles, std::uint32_t level) {
 
 // What cubes of the second pass have where there is no tile, by their numbers. Those past the domain count to
 // its last ones (CubeLattice::code).
-std::map<std::uint64_t, std::uint64_t> loads_beyond(const Tiles& tiles, std::uint32_t level,
-                                                    std::int64_t cubes) {
+std::map<std::uint64_t, std::uint64_t> loads_beyond(const Tiles& tiles,
+                                                    const std::vector<CubeLoad>& loads,
+                                                    const CubeGrid& cubes) {
   std::map<std::uint64_t, std::uint64_t> beyond;
-  if (cubes == 0) return beyond;
-  for (const CubeLoad& load : loads_of_cubes(tiles, level)) {
-    const Index3 cube = morton_decode(load.cube);
-    for (int octant = 1; octant < 8; ++octant) {
-      const Index3 above = cube + Index3{octant & 1, octant >> 1 & 1, octant >> 2};
-      if (above.x >= cubes || above.y >= cubes || above.z >= cubes) continue;
+  for (const CubeLoad& load : loads)
+    each_above(load, [&](Index3 above, std::uint64_t part) {
+      if (std::max({above.x, above.y, above.z}) >= cubes.side) return;
       const std::uint64_t number = morton_encode(above);
-      if (tile_at(tiles, number << (3 * level)) == tiles.size())
-        beyond[number] += load.vertices / 8;
-    }
-  }
+      if (tile_at(tiles, number << (3 * cubes.level)) == tiles.size()) beyond[number] += part;
+    });
   return beyond;
 }
 
 // Ranges one after the other.
 class RangeList {
  public:
-  RangeList(const Tiles& tiles, std::uint32_t level, std::int64_t cubes)
-      : beyond_(loads_beyond(tiles, level, cubes)), next_(beyond_.begin()) {
-    for (const PlannedTile& tile : tiles) most_ = std::max(most_, tile.vertices);
-    for (const CubeLoad& load : loads_of_cubes(tiles, level))
-      most_ = std::max(most_, load.vertices);
-  }
+  RangeList(const Tiles& tiles, const std::vector<CubeLoad>& loads, const CubeGrid& cubes)
+      : beyond_(loads_beyond(tiles, loads, cubes)),
+        next_(beyond_.begin()),
+        most_(fullest(tiles, loads)) {}
   void add(const PlannedTile& tile, std::uint64_t cube) {
     if (ranges_.empty()) {
       ranges_.emplace_back();
@@ -150,8 +157,9 @@ class RangeList {
   const std::map<std::uint64_t, std::uint64_t> beyond_;
   std::map<std::uint64_t, std::uint64_t>::const_iterator next_;
   std::vector<PlannedRange> ranges_;
-  std::uint64_t cube_ = 0;             // of the tile before
-  std::uint64_t load_ = 0, most_ = 0;  // of the last range, and that of the fullest tile
+  const std::uint64_t most_;  // that a range should have
+  std::uint64_t cube_ = 0;    // of the tile before
+  std::uint64_t load_ = 0;    // of the last range
 };
 
 }  // namespace
@@ -170,7 +178,7 @@ std::vector<PlannedRange> cube_ranges(std::span<const PlannedTile> planned, std:
     if (parts.size() == tiles.size()) break;
     tiles = std::move(parts);
   }
-  RangeList ranges(tiles, cube_level, cubes.side);
+  RangeList ranges(tiles, loads_of_cubes(tiles, cube_level), cubes);
   for (const PlannedTile& tile : tiles) ranges.add(tile, tile.code >> (3 * cube_level));
   return ranges.take();
 }

@@ -46,22 +46,17 @@ levels = \"auto\"
 tile_vertices = 4096
 formats = [\"drc\", \"glb\", \"glb-plain\", \"meshopt\", \"ply\", \"stl\", \"obj\", \"vtp\"]"
 }
-made porous || {
-  say phantom porous --size 160 --force -o porous.nrrd
-  run_of porous 'path = "porous.nrrd"' "$half_phantom
+# pores_of NAME SIZE FORMAT
+pores_of() {
+  say phantom porous --size "$2" --force -o "$1.nrrd"
+  run_of "$1" "path = \"$1.nrrd\"" "$half_phantom
 [output]
 levels = \"auto\"
 tile_vertices = 1024
-formats = [\"glb\"]"
+formats = [\"$3\"]"
 }
-made pores || {
-  say phantom porous --size 96 --force -o pores.nrrd
-  run_of pores 'path = "pores.nrrd"' "$half_phantom
-[output]
-levels = \"auto\"
-tile_vertices = 1024
-formats = [\"meshopt\"]"
-}
+made porous || pores_of porous 160 glb
+made pores || pores_of pores 96 meshopt
 made rod || {
   say phantom porous --size 512 --force -o rod.nrrd
   run_of rod 'path = "rod.nrrd"
