@@ -11,7 +11,10 @@ namespace {
 class LevelLister {
  public:
   LevelLister(const LevelListing& listing, Manifest& manifest)
-      : listing_(listing), tree_(listing.levels.tree()), manifest_(manifest) {}
+      : listing_(listing),
+        tree_(listing.levels.tree()),
+        errors_(listing.levels.errors()),
+        manifest_(manifest) {}
 
   void list(FileNames& leftovers) {
     for (std::uint64_t t = 0; t < listing_.tiles.tiles.size(); ++t) {
@@ -96,6 +99,7 @@ class LevelLister {
   nlohmann::json of_level(int height) const {
     std::uint64_t tiles = 0, triangles = 0, bytes = 0;
     RefineCounts counts;
+    double worst = 0;
     const auto add = [&](const Sums& sums) {
       if (!sums.any) return;
       ++tiles;
@@ -106,6 +110,7 @@ class LevelLister {
         [&](std::uint64_t n) {
           add(nodes_[n]);
           counts.add(listing_.levels.counts(n));
+          worst = std::max(worst, errors_[n]);
           if (tree_.nodes()[n].height == height) bytes += nodes_[n].bytes;
         },
         [&](std::uint64_t t) { add(tiles_[t]); });
@@ -115,13 +120,14 @@ class LevelLister {
             {"tiles", tiles},
             {"triangles", triangles},
             {"bytes", bytes},
-            {"worst", counts.worst * step},
+            {"worst", worst * step},
             {"p99", counts.quantile(0.99) * step},
             {"intersecting_left", counts.pairs_left}};
   }
 
   const LevelListing& listing_;
   const LevelTree& tree_;
+  const std::vector<double> errors_;  // of nodes
   Manifest& manifest_;
   std::vector<Sums> tiles_, nodes_;  // records are read once for all levels
 };

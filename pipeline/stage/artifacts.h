@@ -35,7 +35,7 @@ inline constexpr std::uint32_t encode_version = 3;
 // And whenever those of refine change.
 inline constexpr std::uint32_t refine_version = 8;
 // And those of levels, beside what refine does.
-inline constexpr std::uint32_t levels_version = 2;
+inline constexpr std::uint32_t levels_version = 3;
 
 // Folders of a run's artifacts, each named for what its stage and those before it read.
 struct StagePaths {

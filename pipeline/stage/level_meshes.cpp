@@ -1,5 +1,7 @@
 #include "pipeline/stage/level_meshes.h"
 
+#include <algorithm>
+
 #include "stages/refine/coarsen.h"
 #include "stages/refine/mesh_part.h"
 #include "stages/refine/retile.h"
@@ -42,6 +44,17 @@ TileMesh LevelMeshes::read(std::uint64_t node) const {
 
 RefineCounts LevelMeshes::counts(std::uint64_t node) const {
   return open(node).counted<RefineCounts>();
+}
+
+std::vector<double> LevelMeshes::errors() const {
+  std::vector<double> errors;
+  for (std::uint64_t n = 0; n < tree().nodes().size(); ++n) {
+    double below = 0;
+    for (const std::uint64_t child : tree().nodes()[n].nodes)
+      below = std::max(below, errors[child]);
+    errors.push_back(below + counts(n).worst);
+  }
+  return errors;
 }
 
 }  // namespace voxweld

@@ -21,6 +21,9 @@ class LevelMeshes {
   PlannedTile size(std::uint64_t node) const;  // with half as many polygons as triangles
   TileMesh read(std::uint64_t node) const;
   RefineCounts counts(std::uint64_t node) const;
+  // Of each node, in lattice steps: how far it may be from the mesh that it stands for, or that from it.
+  // How far it is from its children was measured, and they have errors of their own.
+  std::vector<double> errors() const;
 
  private:
   CubeMeshArtifact open(std::uint64_t node) const;

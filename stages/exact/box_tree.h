@@ -17,7 +17,15 @@ class BoxTree {
   // f(number) for each box that meets `box`, in an order that depends on the boxes alone.
   template <class F>
   void each_meeting(const LatticeBox& box, F&& f) const {
-    if (!levels_.empty()) visit(levels_.size() - 1, 0, box, f);
+    any_meeting(box, [&](std::uint32_t number) {
+      f(number);
+      return false;
+    });
+  }
+  // Whether f(number) is true for one that meets `box`; nothing is asked after that one.
+  template <class F>
+  bool any_meeting(const LatticeBox& box, F&& f) const {
+    return !levels_.empty() && visit(levels_.size() - 1, 0, box, f);
   }
 
  private:
@@ -25,11 +33,13 @@ class BoxTree {
 
   // Of the node `at` of that level its branches.
   template <class F>
-  void visit(std::size_t level, std::size_t at, const LatticeBox& box, F& f) const {
-    if (!levels_[level][at].meets(box)) return;
+  bool visit(std::size_t level, std::size_t at, const LatticeBox& box, F& f) const {
+    if (!levels_[level][at].meets(box)) return false;
     if (level == 0) return f(order_[at]);
     const std::size_t end = std::min((at + 1) * branches, levels_[level - 1].size());
-    for (std::size_t below = at * branches; below < end; ++below) visit(level - 1, below, box, f);
+    for (std::size_t below = at * branches; below < end; ++below)
+      if (visit(level - 1, below, box, f)) return true;
+    return false;
   }
 
   std::vector<std::uint32_t> order_;  // numbers of boxes, along the curve

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "stages/refine/box_refiner.h"
+#include "stages/refine/mesh_distance.h"
 #include "stages/refine/retile.h"
 #include "storage/types/index_table.h"
 
@@ -95,6 +96,9 @@ RefineMesh coarsen(const RefineMesh& mesh, const RefineFrame& frame, const Coars
   counts.pairs_before = first.pairs_before;
   counts.pairs_left = second.pairs_left;
   count_and_thin(result, counts);
+  counts.worst = largest_distance(result, MeasuredPoints::all, MeshDistance(mesh), counts.worst);
+  counts.worst =
+      largest_distance(mesh, MeasuredPoints::long_edges, MeshDistance(refined), counts.worst);
   return result;
 }
 
@@ -102,7 +106,7 @@ std::uint64_t coarsen_bytes(const MeshSize& all) {
   MeshSize own = all;
   own.samples += own.vertices;  // of which each that goes or moves leaves one
   // The second pass holds what the first has made.
-  return refine_bytes(all, own) +
+  return refine_bytes(all, own) + MeshDistance::bytes(all.triangles) +
          2 * mesh_bytes(own.vertices, own.triangles, own.samples, own.sided);
 }
 

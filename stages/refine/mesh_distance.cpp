@@ -1,0 +1,160 @@
+#include "stages/refine/mesh_distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+
+#include "stages/refine/nearest_triangle.h"
+#include "storage/support/parallel.h"
+
+namespace voxweld {
+namespace {
+
+// Triangles in a group. Those that follow each other in a mesh lie near each other, mostly.
+constexpr std::size_t group_size = 8;
+// What one thread measures before it takes more.
+constexpr std::size_t batch = 4096;
+
+std::vector<LatticeBox> group_boxes(const RefineMesh& mesh) {
+  std::vector<LatticeBox> boxes;
+  boxes.reserve(mesh.triangles.size() / group_size + 1);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    if (t % group_size == 0)
+      boxes.push_back(mesh.box(t));
+    else
+      boxes.back().extend(mesh.box(t));
+  return boxes;
+}
+
+LatticePoint middle(const LatticePoint& a, const LatticePoint& b) {
+  LatticePoint p{};
+  for (std::size_t k = 0; k < 3; ++k) p[k] = a[k] + (b[k] - a[k]) / 2;
+  return p;
+}
+
+LatticePoint centroid(const LatticeTriangle& shape) {
+  LatticePoint p{};
+  for (std::size_t k = 0; k < 3; ++k)
+    p[k] = shape[0][k] + ((shape[1][k] - shape[0][k]) + (shape[2][k] - shape[0][k])) / 3;
+  return p;
+}
+
+double length(const LatticePoint& a, const LatticePoint& b) {
+  const Vec3 v = as_vec3(lattice_vector(a, b));
+  return std::sqrt(dot(v, v));
+}
+
+// Sums of integers do not depend on the order.
+double mean_edge(const RefineMesh& mesh) {
+  std::uint64_t sum = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const LatticeTriangle s = mesh.shape(t);
+    for (std::size_t k = 0; k < 3; ++k)
+      sum += static_cast<std::uint64_t>(std::ceil(length(s[k], s[(k + 1) % 3])));
+  }
+  return static_cast<double>(sum) /
+         static_cast<double>(3 * std::max<std::size_t>(mesh.triangles.size(), 1));
+}
+
+class Measure {
+ public:
+  Measure(const RefineMesh& from, MeasuredPoints points, const MeshDistance& to)
+      : from_(from),
+        to_(to),
+        all_(points == MeasuredPoints::all),
+        long_edge_(2 * std::max(mean_edge(from), 1.0)) {}
+
+  // How many vertices and triangles there are to measure.
+  std::size_t size() const { return vertices() + from_.triangles.size(); }
+  // Of those from `begin` on and before `end`.
+  double of(std::size_t begin, std::size_t end, double most) const {
+    for (std::size_t i = begin; i < end; ++i)
+      most =
+          i < vertices() ? to_.beyond(from_.positions[i], most) : of_triangle(i - vertices(), most);
+    return most;
+  }
+
+ private:
+  std::size_t vertices() const { return all_ ? from_.positions.size() : 0; }
+  double of_triangle(std::size_t t, double most) const {
+    const auto ids = from_.ids_of(t);
+    const LatticeTriangle shape = from_.shape(t);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t next = (k + 1) % 3;
+      // Most edges have two triangles, which see them from different ends.
+      if (ids[next] < ids[k]) continue;
+      if (all_ || length(shape[k], shape[next]) > long_edge_)
+        most = to_.beyond(middle(shape[k], shape[next]), most);
+    }
+    return all_ ? of_inside(shape, most) : most;
+  }
+  // A large triangle is cut into four, until parts are as small as others.
+  double of_inside(const LatticeTriangle& s, double most) const {
+    most = to_.beyond(centroid(s), most);
+    if (std::max({length(s[0], s[1]), length(s[1], s[2]), length(s[2], s[0])}) <= long_edge_)
+      return most;
+    const LatticePoint ab = middle(s[0], s[1]), bc = middle(s[1], s[2]), ca = middle(s[2], s[0]);
+    for (const LatticePoint& p : {ab, bc, ca}) most = to_.beyond(p, most);
+    for (const LatticeTriangle& part :
+         {LatticeTriangle{s[0], ab, ca}, LatticeTriangle{ab, s[1], bc},
+          LatticeTriangle{ca, bc, s[2]}, LatticeTriangle{ab, bc, ca}})
+      most = of_inside(part, most);
+    return most;
+  }
+
+  const RefineMesh& from_;
+  const MeshDistance& to_;
+  const bool all_;
+  const double long_edge_;
+};
+
+}  // namespace
+
+MeshDistance::MeshDistance(const RefineMesh& mesh) : mesh_(mesh), groups_(group_boxes(mesh)) {}
+
+std::uint64_t MeshDistance::bytes(std::uint64_t triangles) {
+  const std::uint64_t groups = triangles / group_size + 1;
+  return groups * (3 * sizeof(LatticeBox) + 2 * sizeof(std::uint64_t));
+}
+
+double MeshDistance::beyond(const LatticePoint& point, double least) const {
+  if (mesh_.triangles.empty()) return least;
+  double best = std::numeric_limits<double>::infinity(), around = std::max(least, 1.0);
+  LatticeBox box;
+  const auto is_near = [&](std::uint32_t group) {
+    const std::size_t begin = group * group_size;
+    const std::size_t end = std::min(begin + group_size, mesh_.triangles.size());
+    for (std::size_t t = begin; t < end && best > least * least; ++t) {
+      const LatticeTriangle shape = mesh_.shape(t);
+      if (LatticeBox::around(shape).meets(box))
+        best = std::min(best, squared_distance(point, shape));
+    }
+    return best <= least * least;
+  };
+  // Boxes that get wider until what is nearest must lie in one.
+  for (;; around *= 2) {
+    const auto step = static_cast<std::int32_t>(std::min(std::ceil(around), 1e9)) + 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      box.lo[k] = point[k] - step;
+      box.hi[k] = point[k] + step;
+    }
+    if (groups_.any_meeting(box, is_near)) return least;
+    if (best <= static_cast<double>(step) * step) return std::sqrt(best);
+  }
+}
+
+double largest_distance(const RefineMesh& from, MeasuredPoints points, const MeshDistance& to,
+                        double least) {
+  const Measure measure(from, points, to);
+  double most = least;
+  std::mutex mutex;
+  for_each_index((measure.size() + batch - 1) / batch, [&](std::size_t i) {
+    const double here = measure.of(i * batch, std::min((i + 1) * batch, measure.size()), least);
+    const std::scoped_lock lock(mutex);
+    most = std::max(most, here);
+  });
+  return most;
+}
+
+}  // namespace voxweld
