@@ -33,8 +33,8 @@
 //   levels (free-form, with output.levels): of each level of detail, the mesh itself first, {level,
 //                tolerance (of collapsing edges), tiles, triangles, bytes, intersecting_left, worst, p99
 //                (distances of what the mesh was; of coarser ones p99 at a sample of its points, and
-//                worst both ways)}: of the whole mesh as it is at that level. bytes are of files that it does not share with
-//                the level before
+//                worst both ways)}: of the whole mesh as it is at that level. bytes are of files that
+//                it does not share with the level before
 // tiles.jsonl, one object a line:
 //   {label (with "labels" = "each"), tile {level, at [x, y, z]}, vertices, triangles, quads,
 //    polygon_triangles, files [{format, path, bytes, xxh3_128}]}
