@@ -35,6 +35,7 @@ void each_planned(const EncodeJob& job, const UnitPlan& plan, const LevelMeshes*
       f("mesh" + ending);
   }
   if (label_mode(job) != LabelMode::off) f(labels_name);
+  if (std::ranges::find(job.formats, "vtp", &MeshWriter::name) != job.formats.end()) f(pieces_name);
   for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
     for (const PlannedMesh& mesh : plan.meshes(unit))
       for (const std::string& ending : endings) f(mesh.stem + ending);
@@ -75,25 +76,6 @@ nlohmann::json stages_json(const RunContext& context) {
                       {"seconds", report.figures.wall_s},
                       {"peak_resident_bytes", report.figures.peak_resident}});
   return stages;
-}
-
-void write_listing(const EncodeJob& job, const UnitPlan& plan, const LevelMeshes* levels,
-                   bool merged, FileNames& earlier, Manifest manifest,
-                   const InterruptFlag* interrupt) {
-  Listing listing;
-  listing.interrupt = interrupt;
-  for (std::uint64_t unit = 0; unit < plan.size(); ++unit)
-    listing.tiles.push_back({plan.largest(unit).key(), asset_record_path(job, plan, unit)});
-  if (merged) listing.merged = merged_record_path(job);
-  listing.labels = label_mode(job);
-  listing.materials = job.materials;
-  listing.output = job.output;
-  listing.scratch = job.folder;
-  if (levels != nullptr)
-    listing.levels = [&](Manifest& out, FileNames& leftovers) {
-      list_levels({job, *levels, listing}, out, leftovers);
-    };
-  write_listing(listing, earlier, std::move(manifest));
 }
 
 // Of tiles between labels: how many pairs each lists.
@@ -210,6 +192,7 @@ class EncodeStage final : public StageWork {
   void close(RunContext& context) override;
 
  private:
+  Listing listing(const InterruptFlag* interrupt) const;
   bool is_merged(std::uint64_t unit) const { return merged_.write && unit == plan_.size(); }
   std::uint64_t first_node() const { return plan_.size() + (merged_.write ? 1 : 0); }
   bool is_node(std::uint64_t unit) const { return unit >= first_node(); }
@@ -321,8 +304,25 @@ void EncodeStage::close(RunContext& context) {
   manifest.stages = std::make_unique<nlohmann::json>(stages_json(context));
   FileNames earlier(job_.folder);
   add_files_of_earlier_runs(job_.output, earlier);
-  write_listing(job_, plan_, levels_, merged_.write, earlier, std::move(manifest),
-                context.interrupt);
+  write_listing(listing(context.interrupt), earlier, std::move(manifest));
+}
+
+Listing EncodeStage::listing(const InterruptFlag* interrupt) const {
+  Listing listing;
+  listing.interrupt = interrupt;
+  for (std::uint64_t unit = 0; unit < plan_.size(); ++unit)
+    listing.tiles.push_back({plan_.largest(unit).key(), asset_record_path(job_, plan_, unit)});
+  if (merged_.write) listing.merged = merged_record_path(job_);
+  listing.labels = label_mode(job_);
+  listing.normals = config_.output.normals;
+  listing.materials = job_.materials;
+  listing.output = job_.output;
+  listing.scratch = job_.folder;
+  if (levels_ != nullptr)
+    listing.levels = [this, tiles = listing](Manifest& out, FileNames& leftovers) {
+      list_levels({job_, *levels_, tiles}, out, leftovers);
+    };
+  return listing;
 }
 
 }  // namespace

@@ -71,10 +71,16 @@ class LevelLister {
                                manifest_.lattice,
                                manifest_.frame,
                                listing_.job.output,
+                               source_name(),
                                format,
                                [&](std::uint64_t n) { return tile(n); },
                                [&](std::uint64_t n) { return node(n); }};
     for (FileRecord& file : write_tileset(inputs)) manifest_.files.push_back(std::move(file));
+  }
+
+  std::string source_name() const {
+    if (manifest_.input == nullptr) return {};
+    return std::filesystem::path(manifest_.input->value("path", "")).filename().string();
   }
 
   nlohmann::json section() const {

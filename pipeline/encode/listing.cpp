@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "pipeline/encode/output_files.h"
+#include "pipeline/encode/piece_list.h"
 #include "pipeline/executor/probe.h"
 #include "stages/encode/mesh_measure.h"
 #include "storage/artifact/asset_record.h"
@@ -196,6 +197,7 @@ void list_tiles(const Listing& listing, Manifest& manifest, FileNames& leftovers
     ahead = label_records_ahead(listing);
   }
   if (listing.labels == LabelMode::shared) sums.emplace(listing.scratch);
+  PieceList pieces(listing.output, {listing.normals, listing.labels == LabelMode::shared});
   probe_in_order<AssetRecord>(
       listing.tiles.size(), ahead,
       [&](std::size_t i) { return whole_record(listing.tiles[i].record); },
@@ -206,6 +208,7 @@ void list_tiles(const Listing& listing, Manifest& manifest, FileNames& leftovers
         counts.output_triangles += record.triangles;
         counts.collinear += record.collinear;
         if (sums) sums->add(record);
+        pieces.add(record);
         each_mesh(listing, listing.tiles[i].tile, record,
                   [&](const TileRecord& tile, const LabelAsset* mesh) {
                     if (mesh != nullptr) lines->add(*mesh, tile.files.empty() ? 0 : 1, tile.files);
@@ -216,6 +219,7 @@ void list_tiles(const Listing& listing, Manifest& manifest, FileNames& leftovers
                   });
       });
   manifest.files.push_back(tiles.finish("list"));
+  if (auto list = pieces.finish()) manifest.files.push_back(std::move(*list));
   if (!labels) return;
   if (sums) sums->write(*lines);
   counts.labels = lines->finish();

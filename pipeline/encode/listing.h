@@ -30,6 +30,7 @@ struct Listing {
   // each: the records are of labels, those of one together, and they ascend. shared: every record
   // may be of any.
   LabelMode labels = LabelMode::off;
+  bool normals = false;                         // the meshes have some
   std::optional<std::filesystem::path> merged;  // the merged mesh's record, where there is one
   std::filesystem::path output;
   std::filesystem::path scratch;  // a folder for what does not fit memory

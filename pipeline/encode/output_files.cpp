@@ -31,7 +31,7 @@ bool is_nested_tileset(const std::string& name) {
 // Whether a run gives a file such a name that its manifest lists.
 bool is_beside_manifest(const std::string& name) {
   return name == tiles_name || name == labels_name || name == levels_name || name == tileset_name ||
-         is_nested_tileset(name) ||
+         name == pieces_name || is_nested_tileset(name) ||
          std::ranges::any_of(mesh_writers(), [&](const MeshWriter& writer) {
            return name == "mesh" + std::string(writer.ending);
          });
@@ -105,7 +105,7 @@ void each_of_our_form(const std::filesystem::path& output,
   };
   for (const MeshWriter& writer : mesh_writers()) offer("mesh" + std::string(writer.ending));
   offer(tiles_name);
-  for (const char* name : {labels_name, levels_name, tileset_name}) offer(name);
+  for (const char* name : {labels_name, levels_name, tileset_name, pieces_name}) offer(name);
   for (const char* folder : {"tiles", "labels", levels_folder}) {
     if (!std::filesystem::is_directory(output / folder)) continue;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(output / folder)) {

@@ -160,8 +160,13 @@ class TilesetWriter {
   }
 
   FileRecord put(const std::string& name, const Json& root, double error) const {
+    Json asset = {{"version", "1.1"}, {"generator", "voxweld " VOXWELD_VERSION}};
+    if (name == tileset_name)
+      asset["extras"] = {{"made_from", inputs_.source},
+                         {"coordinates", "local, in metres"},
+                         {"manifest", manifest_name}};
     const Json document = {
-        {"asset", {{"version", "1.1"}, {"generator", "voxweld " VOXWELD_VERSION}}},
+        {"asset", std::move(asset)},
         {"geometricError", std::max(error, root.at("geometricError").get<double>())},
         {"root", root}};
     AssetFile file(inputs_.output, name);

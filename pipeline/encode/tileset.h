@@ -26,6 +26,7 @@ struct TilesetInputs {
   OutputLattice lattice;  // of the files
   VolumeGeometry frame;
   std::filesystem::path output;
+  std::string source;  // the volume's file name
   std::string format;  // by its name: whose files are the tiles' contents
   // Of a tile of the plan, and of a node.
   std::function<AssetRecord(std::uint64_t)> tile, node;

@@ -109,6 +109,7 @@ std::optional<InfoDocument> describe_by_name(const fs::path& path, const InfoOpt
   if (is_report(path)) return file_document("report", path);
   if (name == tiles_name || name == levels_name) return describe_tile_list(path, options);
   if (name == labels_name) return describe_label_list(path, options);
+  if (name == pieces_name) return file_document("pieces", path);
   if (extension == ".toml") return describe_config(path);
   if (fs::exists(spool_record_path(path))) return describe_spool(path, options);
   if (name == "zarr.json" || name == ".zarray") return describe_array(array_above(path), options);

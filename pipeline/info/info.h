@@ -59,6 +59,7 @@
 //   tile_list        tiles, vertices, triangles, files, file_bytes; verbose: tile_list
 //   label_list       labels, tiles, vertices, triangles, volume, area (sums); verbose: label_list
 //                    [{label, name, triangles, volume, area}]
+//   pieces           (tiles.pvtp, the .vtp tiles as one mesh)
 //   report           (report.html, a page about a run)
 //   config           settings {table {key: value}}
 //   temporary        of: the file it would have become

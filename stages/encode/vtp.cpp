@@ -62,7 +62,8 @@ VtpTypes vtp_types(const StreamTotals& totals) {
         "output.formats",
         totals.highest_label));
   const bool few = totals.vertices <= most_int32 && 3 * totals.triangles <= most_int32;
-  return {few ? vtp_int32 : vtp_int64, totals.highest_label <= most_int32 ? vtp_int32 : vtp_int64};
+  return {few ? vtp_int32 : vtp_int64,
+          vtp_label_bits(totals.highest_label) == 32 ? vtp_int32 : vtp_int64};
 }
 
 void put_vtp_header(StreamOut& out, const StreamTotals& totals, const VtpTypes& types) {
@@ -262,6 +263,10 @@ void each_vtp_triangle(const VtpHeader& header, std::uint64_t points, std::uint6
 }
 
 }  // namespace
+
+int vtp_label_bits(Material highest) {
+  return highest <= most_int32 ? 32 : 64;
+}
 
 void stream_vtp(const EachTile& each_tile, const StreamTotals& totals, const ByteSink& sink) {
   const VtpTypes types = vtp_types(totals);

@@ -17,6 +17,9 @@ namespace voxweld {
 // between labels. InputError for labels past 2^63 - 1.
 void stream_vtp(const EachTile& each_tile, const StreamTotals& totals, const ByteSink& sink);
 
+// How many bits a file has for a label, by the highest there is in it.
+int vtp_label_bits(Material highest);
+
 // A file, or bytes in memory. read: those from a place on that lies in it.
 struct VtpSource {
   std::uint64_t size = 0;

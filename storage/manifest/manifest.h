@@ -19,7 +19,7 @@
 //                vertices: of the octree, less those that refine took; with a closed border and
 //                safe topology those of the welded mesh, else some of them are in no polygon
 //   merged       {"drc": path, "glb": path ...}, by the name of the format, or null
-//   files        [{path, format, role "list", "labels", "levels", "tileset" or "merged", bytes, xxh3_128}]: the list of
+//   files        [{path, format, role "list", "labels", "levels", "tileset", "pieces" or "merged", bytes, xxh3_128}]: the list of
 //                tiles, that of labels, and the merged mesh; a tile's files are in its line
 //   input, config, stages, error, refine, made_by   free-form; input: slope and intercept where they
 //                are not 1 and 0 (real values are slope * stored + intercept); made_by: program, host, time,
@@ -144,6 +144,7 @@ inline constexpr const char* tiles_name = "tiles.jsonl";
 inline constexpr const char* labels_name = "labels.jsonl";
 inline constexpr const char* levels_name = "levels.jsonl";
 inline constexpr const char* tileset_name = "tileset.json";
+inline constexpr const char* pieces_name = "tiles.pvtp";
 
 void write_manifest(const Manifest& manifest, const std::filesystem::path& path,
                     Durability durability = Durability::fsync);

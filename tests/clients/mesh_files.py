@@ -38,8 +38,9 @@ def vtk(path):
     from vtkmodules.vtkFiltersGeometry import vtkCompositeDataGeometryFilter
     from vtkmodules.vtkIOGeometry import vtkGLTFReader, vtkOBJReader, vtkSTLReader
     from vtkmodules.vtkIOPLY import vtkPLYReader
-    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
-    reader = {"ply": vtkPLYReader, "stl": vtkSTLReader, "obj": vtkOBJReader, "vtp": vtkXMLPolyDataReader, "glb": vtkGLTFReader}[path.suffix[1:]]()
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLPPolyDataReader
+    reader = {"ply": vtkPLYReader, "stl": vtkSTLReader, "obj": vtkOBJReader, "vtp": vtkXMLPolyDataReader, "pvtp": vtkXMLPPolyDataReader,
+              "glb": vtkGLTFReader}[path.suffix[1:]]()
     reader.SetFileName(str(path))
     last = reader
     if path.suffix == ".glb":
@@ -122,13 +123,13 @@ def has_vtk():
 
 # What each is known to read, by the ending; others are not given to it.
 PROGRAMS = {
-    "VTK": (vtk, has_vtk, ["ply", "stl", "obj", "vtp", "plain.glb"]),
+    "VTK": (vtk, has_vtk, ["ply", "stl", "obj", "vtp", "pvtp", "plain.glb"]),
     "Assimp": (assimp, lambda: shutil.which("assimp"), ["ply", "stl", "obj", "plain.glb"]),
     "ADMesh": (admesh, lambda: shutil.which("admesh"), ["stl"]),
     "MeshLab": (meshlab, lambda: shutil.which("meshlabserver") and shutil.which("xvfb-run"), ["ply", "stl", "obj"]),
     "Blender": (blender, lambda: shutil.which("blender"), ["ply", "stl", "obj", "plain.glb"]),
 }
-ENDINGS = ["ply", "stl", "obj", "vtp", "plain.glb"]
+ENDINGS = ["ply", "stl", "obj", "vtp", "pvtp", "plain.glb"]
 
 
 def main():
@@ -144,7 +145,7 @@ def main():
         there += 1
         for ending in endings:
             try:
-                found = open_with(folder / f"mesh.{ending}")
+                found = open_with(folder / ("tiles.pvtp" if ending == "pvtp" else f"mesh.{ending}"))
             except Exception as error:  # whatever the output of a program broke
                 found = {"error": f"{type(error).__name__}: {error}"}
             if "error" in found and ending == "obj" and not reads_any_obj(open_with):

@@ -110,6 +110,11 @@ TEST_P(Levels, EachHasFewerTrianglesAndKeepsItsTolerance) {
     // To the end of a bin, which is a quarter of an octave.
     EXPECT_LE(one.at("p99"), one.at("tolerance").get<double>() * 1.19);
     EXPECT_EQ(one.at("intersecting_left"), 0);
+    EXPECT_GE(one.at("worst"), one.at("p99"));
+    // It has the error of the tiles that it is made of, and its own.
+    if (level > 1) {
+      EXPECT_GT(one.at("worst"), listed[level - 1].at("worst"));
+    }
   }
 }
 
@@ -122,6 +127,11 @@ TEST_P(Levels, ATilesetIsShownWhileItIsLargeOnTheScreen) {
   const auto& box = tileset.at("root").at("boundingVolume").at("box");
   for (std::size_t i = 3; i < 12; ++i) squares += std::pow(box.at(i).get<double>(), 2);
   EXPECT_NEAR(tileset.at("geometricError").get<double>(), 2 * std::sqrt(squares), 1e-6);
+  EXPECT_EQ(tileset.at("asset").at("extras").at("manifest"), "manifest.json");
+  const std::filesystem::path made_from =
+      tileset.at("asset").at("extras").at("made_from").get<std::string>();
+  EXPECT_EQ(made_from.extension(), ".nrrd");
+  EXPECT_FALSE(made_from.has_parent_path());
 }
 
 TEST_P(Levels, AreTheSameWhateverThePartition) {
