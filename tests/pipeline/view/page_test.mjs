@@ -191,6 +191,38 @@ const tests = {
     assert.ok((await page.evaluate(() => window.voxweld.view.labels.size)) > 5);
   },
 
+  async "labels of triangles in .ply and .vtp, files and tiles"(visit) {
+    const labels = (page) => page.evaluate(() => window.voxweld.view.labels.sorted().map(({ label }) => label));
+    const drawn = async (page, label) => {
+      await look(page, `view.labels.show_only("${label}"); view.surface.labels_changed()`);
+      return page.evaluate(() => [...window.voxweld.view.surface.items].reduce((sum, { mesh, piece }) =>
+        sum + (mesh.visible ? Math.min(piece.geometry.drawRange.count, piece.geometry.index.count) / 3 : 0), 0));
+    };
+    const rows = readFileSync(join(place, "shared.mesh/labels.jsonl"), "utf8").trim().split("\n").map((line) => JSON.parse(line));
+    const wanted = rows.map(({ label }) => String(label)), [largest] = rows.sort((a, b) => b.triangles - a.triangles);
+    for (const name of ["plain.mesh/mesh.ply", "plain.mesh/mesh.vtp", "plain.mesh", "shared.ply", "each.ply"]) {
+      const { page } = await visit(name);
+      const state = await page.evaluate(() => window.voxweld.state);
+      assert.deepEqual(state.errors, [], name);
+      assert.deepEqual(await labels(page), wanted, name);
+      assert.equal(await page.evaluate(() => window.voxweld.view.surface.mode), "label", name);
+      assert.equal(state.triangles, triangles_of(name === "each.ply" ? "cells.mesh" : "plain.mesh"), name);
+      const count = await drawn(page, largest.label);
+      if (name === "each.ply") assert.ok(count > 100 && count < state.triangles / 2, `${count} triangles`);
+      else assert.equal(count, largest.triangles, name);
+      assert.ok(share(await picture(page), is_back) > 0.5, name);
+    }
+    const { page } = await visit("gyroid.mesh/mesh.vtp"); // without labels, with normals
+    assert.equal(await page.evaluate(() => window.voxweld.state.triangles), triangles_of("gyroid.mesh"));
+    const covered = async (of) => share(await picture(of), is_back);
+    assert.ok(Math.abs((await covered(page)) - (await covered((await visit("gyroid.ply")).page))) < 0.001, "as the .ply");
+    const file = readFileSync(join(place, "plain.mesh/mesh.vtp"));
+    writeFileSync(join(place, "half.vtp"), file.subarray(0, file.length / 2));
+    writeFileSync(join(place, "text.vtp"), "<VTKFile/>");
+    for (const [broken, says] of [["half.vtp", /ends after the file/], ["text.vtp", /is not written as voxweld writes/]])
+      assert.match((await (await visit(broken)).page.evaluate(() => window.voxweld.state.errors)).join(), says);
+  },
+
   async "labels as feature ids of a glTF"(visit) {
     writeFileSync(join(place, "features.glb"), feature_glb());
     const { page } = await visit("features.glb");
@@ -241,7 +273,7 @@ const tests = {
   async "a surface without triangles, and formats without a reader"(visit) {
     cpSync(join(place, "solids.mesh"), join(place, "empty.mesh"), { recursive: true });
     const list = join(place, "empty.mesh/tiles.jsonl"), tile = readFileSync(list, "utf8");
-    writeFileSync(list, tile.replaceAll(".glb", ".vtp").replaceAll(".drc", ".vtp"));
+    writeFileSync(list, tile.replaceAll(".glb", ".abc").replaceAll(".drc", ".abc"));
     assert.match((await (await visit("empty.mesh")).page.evaluate(() => window.voxweld.state.errors)).join(), /reads none of the formats/);
     writeFileSync(list, "");
     const manifest = join(place, "empty.mesh/manifest.json"), { merged, files, ...rest } = JSON.parse(readFileSync(manifest));
