@@ -59,6 +59,9 @@
 //   tile_list        tiles, vertices, triangles, files, file_bytes; verbose: tile_list
 //   label_list       labels, tiles, vertices, triangles, volume, area (sums); verbose: label_list
 //                    [{label, name, triangles, volume, area}]
+//   neuroglancer_export  (a folder) files, format "multilod_draco" or "legacy", sharded, border
+//                    "open" or "closed", objects, levels [{level, objects, fragments, bytes}];
+//                    verbose: object_list [{object, levels, fragments, bytes}]
 //   report           (report.html, a page about a run)
 //   config           settings {table {key: value}}
 //   temporary        of: the file it would have become
