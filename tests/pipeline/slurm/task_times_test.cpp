@@ -29,7 +29,7 @@ ArrayFolder array_of(const Config& config, const std::string& step, const std::s
   const auto file = parent / ("config-" + to_hex(config_fingerprint(config)) + ".toml");
   std::filesystem::create_directories(parent);
   std::ofstream(file) << canonical_toml(config);
-  const auto folder = ArrayFolder::create(parent / step, tasks, name);
+  ArrayFolder folder = ArrayFolder::create(parent / step, tasks, name);
   std::ofstream(folder.script_path()) << "exec voxweld build " << file.string() << "\n";
   folder.set_job(job);
   return folder;
