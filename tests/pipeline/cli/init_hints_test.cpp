@@ -45,7 +45,7 @@ std::string field_file(const Workplace& place, const std::function<float(double)
   for (int z = 0; z < n; ++z)
     for (int y = 0; y < n; ++y)
       for (int x = 0; x < n; ++x) samples.push_back(f(std::hypot(x - 7.5, y - 7.5, z - 7.5)));
-  const std::string path = place.at("field.nrrd");
+  std::string path = place.at("field.nrrd");
   write_bytes(path,
               "NRRD0004\ntype: float\ndimension: 3\nsizes: 16 16 16\nencoding: raw\n"
               "endian: little\n\n" +

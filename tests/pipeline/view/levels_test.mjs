@@ -121,6 +121,7 @@ const tests = {
       }
     }
     assert.ok(mixes.size > 3, `tiles by depth: ${[...mixes].join(" ")}`);
+    await look(page, "view.tileset.set_error(2)"); // several tiles
     await settle(page);
     const hidden = await page.evaluate(() => {
       const { surface, stage } = window.voxweld.view, { through, renderer } = window.seen;
