@@ -231,7 +231,7 @@ int init(const InitArguments& arguments, Program& program) {
   fmt::print("{}: {} x {} x {} {} ({}), samples {} to {}\n", arguments.volume.path, size.x, size.y,
              size.z, sample_type_name(info.type), info.format, suggestion.lowest,
              suggestion.highest);
-  say(volume_hints(arguments.volume.path, info, look, given_options(arguments)));
+  say(volume_hints(arguments.volume.path, {info, look, scan.histogram}, given_options(arguments)));
   fmt::print("{}: {}\n", config.string(), found_text(suggestion, labels));
   fmt::print("next: voxweld run {}\n", config.string());
   return 0;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "storage/types/box.h"
+#include "storage/types/histogram.h"
 #include "storage/types/volume.h"
 
 namespace voxweld {
@@ -34,9 +35,15 @@ struct GivenOptions {
   bool spacing = false, unit = false, labels = false;
 };
 
+struct SeenVolume {
+  const VolumeInfo& info;
+  const LabelLook& look;
+  const Histogram& histogram;
+};
+
 // One line each.
-std::vector<std::string> volume_hints(const std::string& path, const VolumeInfo& info,
-                                      const LabelLook& look, GivenOptions given);
+std::vector<std::string> volume_hints(const std::string& path, const SeenVolume& seen,
+                                      GivenOptions given);
 std::vector<std::string> mesh_hints(const std::string& path, GivenOptions given);
 
 }  // namespace voxweld

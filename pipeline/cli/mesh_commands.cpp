@@ -172,16 +172,17 @@ void add_neuroglancer_options(CLI::App& command, ExportArguments& arguments) {
       "--neuroglancer", arguments.neuroglancer,
       "Writes a folder of meshes for Neuroglancer, of an output directory: an object "
       "for each label, with all levels of detail that there are");
-  command
-      .add_flag("--sharded", arguments.folder.sharded,
-                "With --neuroglancer: puts many objects into one file, for many labels")
-      ->needs(neuroglancer);
+  CLI::Option* sharded =
+      command
+          .add_flag("--sharded", arguments.folder.sharded,
+                    "With --neuroglancer: puts many objects into one file, for many labels")
+          ->needs(neuroglancer);
   command
       .add_flag(
           "--legacy", arguments.folder.legacy,
-          "With --neuroglancer: writes the old format, which has one level and no compression "
-          "(not with --sharded)")
-      ->needs(neuroglancer);
+          "With --neuroglancer: writes the old format, which has one level and no compression")
+      ->needs(neuroglancer)
+      ->excludes(sharded);
   add_value(command, "--threads", arguments.folder.threads,
             "With --neuroglancer: threads to use; 0: all there are")
       ->check(whole_number())

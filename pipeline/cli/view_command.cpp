@@ -67,7 +67,7 @@ void add_view_command(CLI::App& app, Program& program) {
                 {"voxweld view scan.mesh --open", "opens the browser too"},
                 {"voxweld view part.glb --port 8080", "one file, at an address to keep"}});
   add_file(*command, "input", arguments->input,
-           "An output directory, or a mesh file: .drc, .glb, .ply, .stl or .obj");
+           "An output directory, or a mesh file: .drc, .glb, .ply, .stl, .obj or .vtp");
   add_value(*command, "--port", arguments->options.port, "Port to listen on; 0: one that is free")
       ->check(CLI::Range(0, 65535));
   add_value(

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "pipeline/info/kinds.h"
+#include "pipeline/neuroglancer/folder.h"
 #include "stages/encode/mesh_writers.h"
 #include "storage/image/slice_files.h"
 #include "storage/manifest/manifest.h"
@@ -85,6 +86,7 @@ bool named_by_contents(const InputSpec& input) {
 
 InfoDocument describe_directory(const fs::path& path, const InfoOptions& options) {
   if (fs::exists(path / manifest_name)) return describe_output(path / manifest_name, options);
+  if (is_neuroglancer_export(path)) return describe_export(path, options);
   if (holds_zarr_array(path)) return describe_array(path, options);
   if (is_stage_directory(path)) return describe_stage_directory(path, options);
   if (is_work_directory(path)) return describe_work_directory(path, options);
@@ -107,6 +109,9 @@ std::optional<InfoDocument> describe_by_name(const fs::path& path, const InfoOpt
   if (writer_of_file(mesh_writers(), name) != nullptr) return describe_mesh(path);
   if (name == manifest_name) return describe_output(path, options);
   if (is_report(path)) return file_document("report", path);
+  if (name == info_name)
+    if (const fs::path folder = fs::absolute(path).parent_path(); is_neuroglancer_export(folder))
+      return describe_export(folder, options);
   if (name == tiles_name || name == levels_name) return describe_tile_list(path, options);
   if (name == labels_name) return describe_label_list(path, options);
   if (name == pieces_name) return file_document("pieces", path);

@@ -60,6 +60,9 @@
 //   label_list       labels, tiles, vertices, triangles, volume, area (sums); verbose: label_list
 //                    [{label, name, triangles, volume, area}]
 //   pieces           (tiles.pvtp, the .vtp tiles as one mesh)
+//   neuroglancer_export  (a folder) files, format "multilod_draco" or "legacy", sharded, border
+//                    "open" or "closed", objects, levels [{level, objects, fragments, bytes}];
+//                    verbose: object_list [{object, levels, fragments, bytes}]
 //   report           (report.html, a page about a run)
 //   config           settings {table {key: value}}
 //   temporary        of: the file it would have become

@@ -57,6 +57,10 @@ InfoDocument describe_input_mesh(const InfoOptions& options);
 InfoDocument describe_output(const std::filesystem::path& manifest, const InfoOptions& options);
 InfoDocument describe_tile_list(const std::filesystem::path& path, const InfoOptions& options);
 
+// A folder that `voxweld export --neuroglancer` has finished.
+bool is_neuroglancer_export(const std::filesystem::path& folder);
+InfoDocument describe_export(const std::filesystem::path& folder, const InfoOptions& options);
+
 // Work directories and the small files in them.
 bool is_work_directory(const std::filesystem::path& path);
 bool is_stage_directory(const std::filesystem::path& path);

@@ -46,6 +46,16 @@ figcaption b { color: var(--ink); }
 .tick { top: 100%; margin-top: .4rem; transform: translateX(-50%); color: var(--soft); }
 .mark { bottom: 100%; margin-bottom: .35rem; color: var(--iso); font-weight: 600; }
 .mark.left { transform: translateX(-100%); }
+.nodes { margin: .75rem 0 1rem; }
+.node { display: flex; align-items: center; gap: .6rem; margin: 2px 0; break-inside: avoid; }
+.node > span { flex: 0 0 7rem; overflow: hidden; text-overflow: ellipsis; white-space: nowrap;
+  font-size: .8rem; line-height: 1.1; color: var(--soft); text-align: right; }
+.node > svg, .node > div { flex: 1; min-width: 0; }
+.node > svg { display: block; background: var(--card); outline: 1px solid var(--line); }
+.node .failed { fill: #c8321f; }
+.axis > div { position: relative; height: 1.4rem; }
+.axis .tick { margin-top: 0; top: .2rem; }
+.axis .tick:first-child { transform: none; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; width: 100%; font-size: .92rem; }
 th, td { text-align: left; padding: .32rem .75rem .32rem 0; vertical-align: top;

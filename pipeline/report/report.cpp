@@ -14,6 +14,7 @@
 #include "pipeline/report/report_volume.h"
 #include "pipeline/report/settings_section.h"
 #include "pipeline/report/slice_figures.h"
+#include "pipeline/report/timeline.h"
 #include "storage/manifest/report_file.h"
 #include "storage/support/error.h"
 #include "storage/support/file_io.h"
@@ -26,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Raised when a page of the same run comes to look different.
-constexpr std::uint64_t report_version = 1;
+constexpr std::uint64_t report_version = 2;
 
 // An output directory and the config it was made by.
 struct Run {
@@ -172,6 +173,12 @@ std::string footer_of(const Manifest& manifest) {
   return footer + ".";
 }
 
+// Of the run's own tasks, where it had a cluster.
+PageSection cluster_section(const Run& run) {
+  const Timeline times = timeline(task_times(run.config));
+  return {"On the cluster", times.intro, times.html};
+}
+
 std::string lede_of(const Manifest& manifest) {
   std::string lede = grouped(manifest.counts.output_triangles, "triangles") + ", " +
                      grouped(manifest.counts.vertices, "vertices");
@@ -198,6 +205,7 @@ Page make_page(const ReportOptions& options, const Run& run) {
                            scrolled(detail_table(run.manifest))});
   page.sections.push_back({"Stages", "What the last run did. Of what was done already nothing ran.",
                            scrolled(stage_table(run.manifest))});
+  page.sections.push_back(cluster_section(run));
   page.sections.push_back(
       {"Cells and errors",
        "Cells of the octree by their size, and the largest distance of a vertex from the planes it "

@@ -1,6 +1,7 @@
 #include "pipeline/run/report_task.h"
 
 #include <algorithm>
+#include <chrono>
 
 #include "pipeline/executor/error_set.h"
 #include "storage/support/error.h"
@@ -42,6 +43,8 @@ TaskReport task_report(const RunContext& context, const std::string& stage,
     task.peak_resident = std::max(task.peak_resident, report.figures.peak_resident);
   }
   task.nans = context.nans;
+  task.ended =
+      std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
   task.provenance = provenance_json();
   return task;
 }

@@ -148,8 +148,8 @@ Json run_scene(const ServedFiles& files) {
 }
 
 // What the page has readers for (page/src/formats.js), by a file's last ending.
-constexpr std::array<std::string_view, 5> viewable_endings = {".drc", ".glb", ".ply", ".stl",
-                                                              ".obj"};
+constexpr std::array<std::string_view, 6> viewable_endings = {".drc", ".glb", ".ply",
+                                                              ".stl", ".obj", ".vtp"};
 
 Json file_scene(const ServedFiles& files) {
   const auto file = files.find(files.name());

@@ -49,6 +49,7 @@ void write_task_report(const std::filesystem::path& path, const TaskReport& repo
       {"stage", report.stage},
       {"units", report.units},
       {"seconds", report.wall_s},
+      {"ended", report.ended},
       {"cpu_seconds", report.cpu_s},
       {"peak_resident_bytes", report.peak_resident},
       {"exit_code", report.exit_code},
@@ -69,6 +70,7 @@ std::optional<TaskReport> read_task_report(const std::filesystem::path& path) {
     report.stage = document.at("stage");
     report.units = document.at("units");
     report.wall_s = document.at("seconds");
+    report.ended = document.value("ended", 0.0);
     report.cpu_s = document.at("cpu_seconds");
     report.peak_resident = document.at("peak_resident_bytes");
     report.exit_code = document.at("exit_code");

@@ -23,6 +23,7 @@ struct TaskReport {
   std::string stage;
   std::uint64_t units = 0;  // those it made
   double wall_s = 0;
+  double ended = 0;                 // seconds since 1970 by the clock of its machine; 0: not told
   double cpu_s = 0;                 // of all its threads
   std::uint64_t peak_resident = 0;  // bytes
   NanCount nans;                    // among the samples it read

@@ -47,6 +47,38 @@ TEST(CommandLine, NamesWhatWasProbablyMeant) {
   expect_refused({}, {"expected a command"});
 }
 
+TEST(CommandLine, SaysWhatToDoAboutOptions) {
+  expect_refused({"init", "a.stl", "--cell", "1", "--resolution", "40"},
+                 {"voxweld init: --", "--cell", "--resolution",
+                  " do not go together; leave one of them out; `voxweld init --help` explains"});
+  expect_refused({"settings", "output.levels", "--json"},
+                 {"NAME and --json do not go together; leave one of them out"});
+  for (const char* option : {"--sharded", "--legacy"})
+    expect_refused({"export", "a.mesh", option, "-o", "a.ply"},
+                   {std::string(option) + " goes only with --neuroglancer; add that, or leave " +
+                    option + " out"});
+  expect_refused({"export", "a.mesh", "--neuroglancer", "--sharded", "--legacy", "-o", "a.ng"},
+                 {"--sharded", "--legacy", " do not go together; leave one of them out"});
+  expect_refused({"render"}, {"INPUT is missing: an output directory, or a mesh file"});
+  expect_refused({"render", "a.mesh"}, {"--output FILE is missing: the PNG to write;"});
+  expect_refused({"render", "a.mesh", "-o"},
+                 {"--output: expected a value after it, found nothing"});
+  expect_refused({"render", "a.mesh", "-o", "a.png", "-o", "b.png"},
+                 {"--output is there 2 times; give it once"});
+  expect_refused({"render", "a.mesh", "-o", "a.png", "--width", "0.5"},
+                 {"--width: expected a whole number, found 0.5"});
+  expect_refused({"render", "a.mesh", "-o", "a.png", "--zoom", "much"},
+                 {"--zoom: expected a number, found much"});
+  expect_refused({"view", "a.mesh", "--port", "70000"},
+                 {"--port: expected a number from 0 to 65535, found 70000"});
+  expect_refused({"init", "a.stl", "--close", "maybe"},
+                 {"--close: expected no or winding, found maybe"});
+  expect_refused({"init", "a.stl", "--cell", "0"}, {"--cell: expected a number above 0, found 0"});
+  expect_refused({"verify", "a", "b"}, {"the argument \"b\" is not expected; leave it out"});
+  expect_refused({"verify", "a", "b", "c"},
+                 {"the arguments \"b\", \"c\" are not expected; leave them out"});
+}
+
 TEST(CommandLine, HelpFitsATerminalAndShowsHow) {
   for (const char* name :
        {"run", "init", "info", "edit", "verify", "render", "report", "phantom", "view"}) {

@@ -1,4 +1,7 @@
 // What `init` says where the user may know better.
+#include <cmath>
+#include <functional>
+
 #include "tests/pipeline/cli/workplace.h"
 
 namespace voxweld::testing {
@@ -33,6 +36,40 @@ TEST(InitHints, PhantomsWhoseIsovalueIsKnown) {
               HasSubstr("hint: " + input +
                         ": a phantom whose true surface is at surface.isovalue = "
                         "127.5, surface.inside = \"below\""));
+}
+
+// Floats, row by row: 16^3 of f(distance from the middle).
+std::string field_file(const Workplace& place, const std::function<float(double)>& f) {
+  constexpr int n = 16;
+  std::vector<float> samples;
+  for (int z = 0; z < n; ++z)
+    for (int y = 0; y < n; ++y)
+      for (int x = 0; x < n; ++x) samples.push_back(f(std::hypot(x - 7.5, y - 7.5, z - 7.5)));
+  std::string path = place.at("field.nrrd");
+  write_bytes(path,
+              "NRRD0004\ntype: float\ndimension: 3\nsizes: 16 16 16\nencoding: raw\n"
+              "endian: little\n\n" +
+                  std::string(reinterpret_cast<const char*>(samples.data()),
+                              samples.size() * sizeof(float)));
+  return path;
+}
+
+TEST(InitHints, FieldsWhoseSurfaceMayBeAtZero) {
+  const Workplace place;
+  const auto hint = [&](const std::function<float(double)>& f) {
+    return said(place, {field_file(place, f)});
+  };
+  const auto offer = HasSubstr("set surface.isovalue = 0, and surface.inside = \"below\"");
+  // Distances from a ball, negative inside.
+  EXPECT_THAT(hint([](double r) { return static_cast<float>(r - 7); }), offer);
+  EXPECT_THAT(hint([](double r) { return static_cast<float>(r - 7); }),
+              HasSubstr("% of the samples are below 0"));
+  // None on one side; two clear classes; hardly any below 0, as a filter leaves them.
+  EXPECT_THAT(hint([](double r) { return static_cast<float>(r); }), Not(HasSubstr("hint")));
+  EXPECT_THAT(hint([](double r) { return r < 5 ? -1000 + static_cast<float>(r) : 40; }),
+              Not(HasSubstr("hint")));
+  EXPECT_THAT(hint([](double r) { return static_cast<float>(r < 5 ? -0.01 : r); }),
+              Not(HasSubstr("hint")));
 }
 
 TEST(InitHints, MeshesAndRawFilesWithoutUnitOrSpacing) {

@@ -254,7 +254,8 @@ TEST(NeuroglancerCommand, RefusesWhatWillNotDo) {
   expect_refused(with(place.at("none"), place.at("a")), {"none"});
   expect_refused(with(mesh, mesh + "/ng"), {"lies in the output directory"});
   expect_refused(with(mesh, place.at("v.toml")), {"is a file"});
-  expect_refused(with(mesh, place.at("a"), {"--legacy", "--sharded"}), {"no shards"});
+  expect_refused(with(mesh, place.at("a"), {"--legacy", "--sharded"}),
+                 {"--sharded and --legacy do not go together"});
   expect_refused(with(mesh, place.at("a"), {"--weld"}), {"--weld"});
   expect_refused({"export", mesh, "--sharded", "-o", place.at("a")}, {"--neuroglancer"});
   EXPECT_FALSE(std::filesystem::exists(place.at("a")));

@@ -4,96 +4,13 @@
 //        node page_test.mjs          whether puppeteer-core and Chromium are there
 // Exits 77 where there is no Chromium, no puppeteer-core (tests/npm_packages.sh) or no viewer.
 import assert from "node:assert/strict";
-import { spawn, spawnSync } from "node:child_process";
-import { cpSync, existsSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
-import { createRequire } from "node:module";
-import { tmpdir } from "node:os";
+import { cpSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { feature_glb } from "./feature_glb.mjs";
 import { make_meshes } from "./meshes.mjs";
-import { decoded_png, difference, is_back, is_red, share } from "./picture.mjs";
+import { difference, is_back, is_red, share } from "./picture.mjs";
 import { tileset_of } from "./tileset.mjs";
-
-const [, , voxweld] = process.argv;
-const patience_ms = 60000;
-
-function skip(why) {
-  console.log(`skipped: ${why}`);
-  process.exit(77);
-}
-
-function browser_path() {
-  const names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
-  for (const folder of (process.env.PATH ?? "").split(":"))
-    for (const name of names) if (existsSync(join(folder, name))) return join(folder, name);
-  return skip("no chromium");
-}
-
-let puppeteer;
-try {
-  puppeteer = createRequire(import.meta.url)("puppeteer-core");
-} catch {
-  skip("puppeteer-core is not installed; run tests/npm_packages.sh");
-}
-if (voxweld === undefined) process.exit(0);
-const chromium = browser_path();
-const place = mkdtempSync(join(tmpdir(), "voxweld-page-"));
-process.on("exit", () => rmSync(place, { recursive: true, force: true }));
-
-function run(...args) {
-  const done = spawnSync(voxweld, args, { cwd: place, encoding: "utf8" });
-  if (/has no viewer/.test(done.stderr)) skip(done.stderr.trim());
-  assert.equal(done.status, 0, `voxweld ${args.join(" ")}: ${done.stderr}`);
-}
-
-async function serve(name) {
-  const server = spawn(voxweld, ["view", name], { cwd: place, stdio: ["ignore", "pipe", "pipe"] });
-  let said = "";
-  server.stderr.on("data", (text) => (said += text));
-  const ended = new Promise((done) => server.on("exit", (code) => done(code)));
-  const url = await new Promise((done, failed) => {
-    server.stdout.on("data", (text) => done(String(text).match(/http:\S+/)[0]));
-    ended.then(() => (/has no viewer/.test(said) ? skip(said.trim()) : failed(new Error(said))));
-  });
-  return { url, stop: () => (server.kill("SIGINT"), ended) };
-}
-
-// Of libraries, of what is tested here: 3d-tiles-renderer says it of every tileset of version 1.1.
-const expected = /tiles versions at 1.1 or higher have limited support|DRACOLoader: Decoding failed/;
-
-// A page that complains of nothing: not of requests either.
-async function open_page(browser, url) {
-  const page = await browser.newPage();
-  const complaints = [];
-  page.on("console", (message) =>
-    ["error", "warn", "warning"].includes(message.type()) && !expected.test(message.text()) && complaints.push(message.text()));
-  page.on("pageerror", (error) => complaints.push(String(error)));
-  page.on("requestfailed", (request) => complaints.push(`${request.url()}: ${request.failure()?.errorText}`));
-  page.on("response", (answer) => answer.status() >= 400 && complaints.push(`${answer.url()}: ${answer.status()}`));
-  page.on("request", (request) => {
-    if (!/^(http:\/\/127\.0\.0\.1:|blob:|data:)/.test(request.url())) complaints.push(`asks for ${request.url()}`);
-  });
-  await page.setViewport({ width: 1000, height: 640 });
-  await page.goto(url);
-  await page.waitForFunction(() => ["ready", "error"].includes(window.voxweld?.state.status), { timeout: patience_ms });
-  return { page, complaints };
-}
-
-// What the canvas shows, without what lies over it.
-async function picture(page) {
-  const text = await page.evaluate(async () => {
-    const blob = await window.voxweld.view.stage.picture();
-    return new Promise((done) => {
-      const reader = new FileReader();
-      reader.onload = () => done(reader.result.split(",")[1]);
-      reader.readAsDataURL(blob);
-    });
-  });
-  return decoded_png(Buffer.from(text, "base64"));
-}
-
-const look = (page, text) => page.evaluate(`{ const view = window.voxweld.view; ${text} }`);
-const triangles_of = (name) => JSON.parse(readFileSync(join(place, name, "manifest.json"))).counts.output_triangles;
+import { look, patience_ms, picture, place, run, run_tests, triangles_of } from "./viewer.mjs";
 
 const tests = {
   async "a run loads all of its tiles"(visit) {
@@ -274,6 +191,38 @@ const tests = {
     assert.ok((await page.evaluate(() => window.voxweld.view.labels.size)) > 5);
   },
 
+  async "labels of triangles in .ply and .vtp, files and tiles"(visit) {
+    const labels = (page) => page.evaluate(() => window.voxweld.view.labels.sorted().map(({ label }) => label));
+    const drawn = async (page, label) => {
+      await look(page, `view.labels.show_only("${label}"); view.surface.labels_changed()`);
+      return page.evaluate(() => [...window.voxweld.view.surface.items].reduce((sum, { mesh, piece }) =>
+        sum + (mesh.visible ? Math.min(piece.geometry.drawRange.count, piece.geometry.index.count) / 3 : 0), 0));
+    };
+    const rows = readFileSync(join(place, "shared.mesh/labels.jsonl"), "utf8").trim().split("\n").map((line) => JSON.parse(line));
+    const wanted = rows.map(({ label }) => String(label)), [largest] = rows.sort((a, b) => b.triangles - a.triangles);
+    for (const name of ["plain.mesh/mesh.ply", "plain.mesh/mesh.vtp", "plain.mesh", "shared.ply", "each.ply"]) {
+      const { page } = await visit(name);
+      const state = await page.evaluate(() => window.voxweld.state);
+      assert.deepEqual(state.errors, [], name);
+      assert.deepEqual(await labels(page), wanted, name);
+      assert.equal(await page.evaluate(() => window.voxweld.view.surface.mode), "label", name);
+      assert.equal(state.triangles, triangles_of(name === "each.ply" ? "cells.mesh" : "plain.mesh"), name);
+      const count = await drawn(page, largest.label);
+      if (name === "each.ply") assert.ok(count > 100 && count < state.triangles / 2, `${count} triangles`);
+      else assert.equal(count, largest.triangles, name);
+      assert.ok(share(await picture(page), is_back) > 0.5, name);
+    }
+    const { page } = await visit("gyroid.mesh/mesh.vtp"); // without labels, with normals
+    assert.equal(await page.evaluate(() => window.voxweld.state.triangles), triangles_of("gyroid.mesh"));
+    const covered = async (of) => share(await picture(of), is_back);
+    assert.ok(Math.abs((await covered(page)) - (await covered((await visit("gyroid.ply")).page))) < 0.005, "as the .ply"); // the first view goes by some of the vertices
+    const file = readFileSync(join(place, "plain.mesh/mesh.vtp"));
+    writeFileSync(join(place, "half.vtp"), file.subarray(0, file.length / 2));
+    writeFileSync(join(place, "text.vtp"), "<VTKFile/>");
+    for (const [broken, says] of [["half.vtp", /ends after the file/], ["text.vtp", /is not written as voxweld writes/]])
+      assert.match((await (await visit(broken)).page.evaluate(() => window.voxweld.state.errors)).join(), says);
+  },
+
   async "labels as feature ids of a glTF"(visit) {
     writeFileSync(join(place, "features.glb"), feature_glb());
     const { page } = await visit("features.glb");
@@ -324,7 +273,7 @@ const tests = {
   async "a surface without triangles, and formats without a reader"(visit) {
     cpSync(join(place, "solids.mesh"), join(place, "empty.mesh"), { recursive: true });
     const list = join(place, "empty.mesh/tiles.jsonl"), tile = readFileSync(list, "utf8");
-    writeFileSync(list, tile.replaceAll(".glb", ".vtp").replaceAll(".drc", ".vtp"));
+    writeFileSync(list, tile.replaceAll(".glb", ".abc").replaceAll(".drc", ".abc"));
     assert.match((await (await visit("empty.mesh")).page.evaluate(() => window.voxweld.state.errors)).join(), /reads none of the formats/);
     writeFileSync(list, "");
     const manifest = join(place, "empty.mesh/manifest.json"), { merged, files, ...rest } = JSON.parse(readFileSync(manifest));
@@ -369,36 +318,4 @@ const tests = {
 };
 
 make_meshes(place, run);
-const browser = await puppeteer.launch({
-  executablePath: chromium, headless: true,
-  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run", "--disable-background-networking"],
-});
-let failures = 0;
-for (const [name, test] of Object.entries(tests)) {
-  const opened = [];
-  const visit = async (what) => {
-    const { url, stop } = await serve(what);
-    const again = async (hash = "") => {
-      const one = await open_page(browser, url + hash);
-      opened.push({ ...one, what });
-      return { ...one, again };
-    };
-    opened.push({ stop });
-    return again();
-  };
-  try {
-    await test(visit);
-    for (const { complaints = [], what } of opened) assert.deepEqual(complaints, [], what);
-    console.log(`ok ${name}`);
-  } catch (error) {
-    ++failures;
-    console.log(`FAILED ${name}: ${error.stack}`);
-    for (const { complaints = [] } of opened) if (complaints.length > 0) console.log(complaints.join("\n"));
-  }
-  for (const { page, stop } of opened) {
-    await page?.close();
-    if (stop) assert.equal(await stop(), 0, "Ctrl-C ends the server well");
-  }
-}
-await browser.close();
-process.exit(failures > 0 ? 1 : 0);
+await run_tests(tests);

@@ -9,6 +9,8 @@ import { MeshoptDecoder } from "three/addons/libs/meshopt_decoder.module.js";
 import { draco_pairs } from "./draco_pairs.js";
 import { feature_labels, feature_plugin } from "./features.js";
 import { make_piece, pieces_of_object } from "./pieces.js";
+import { labelled_ply } from "./ply.js";
+import { read_vtp } from "./vtp.js";
 
 export const draco_loader = new DRACOLoader();
 draco_loader.setDecoderPath({
@@ -25,7 +27,7 @@ gltf_loader.register(feature_plugin);
 
 // Which of a tile's files to load: what is decoded fast comes first, plain text last. Undefined where
 // there is a reader for none.
-const preferred = ["meshopt", "drc", "glb", "glb-plain", "ply", "stl", "obj"];
+const preferred = ["meshopt", "drc", "glb", "glb-plain", "ply", "vtp", "stl", "obj"];
 export function best_file(files) {
   const known = files.filter(({ path }) => readers[ending_of(path)]);
   const rank = ({ format }) => (preferred.indexOf(format) + preferred.length + 1) % (preferred.length + 1);
@@ -71,9 +73,8 @@ async function read_gltf(buffer) {
   return pieces;
 }
 
-// Without the labels of its faces, which three's reader leaves out.
 async function read_ply(buffer) {
-  return [make_piece(new PLYLoader().parse(buffer))];
+  return [labelled_ply(buffer) ?? make_piece(new PLYLoader().parse(buffer))];
 }
 
 async function read_stl(buffer) {
@@ -85,7 +86,7 @@ async function read_obj(buffer) {
   return pieces_of_object(object, () => null);
 }
 
-const readers = { drc: read_draco, glb: read_gltf, ply: read_ply, stl: read_stl, obj: read_obj };
+const readers = { drc: read_draco, glb: read_gltf, ply: read_ply, stl: read_stl, obj: read_obj, vtp: async (buffer) => [read_vtp(buffer)] };
 
 // By the file's ending.
 export async function read_pieces(path, buffer) {

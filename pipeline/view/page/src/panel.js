@@ -84,17 +84,20 @@ export class Panel {
       this.show();
     } });
     const used = make("p", { class: "quiet" });
+    const full = make("p", { class: "quiet" }, "The memory is full: what is in sight is coarser than asked for.");
     this.shows.push(() => {
       errors.value = Math.log2(tileset.error);
       caps.value = Math.log2(tileset.cap);
       error.textContent = `${number_text(tileset.error)} px`;
       cap.textContent = `${tileset.cap} MiB`;
-      const { cached_bytes = 0, tiles_total } = this.view.state;
-      used.textContent = `${tiles_total} tiles in sight, ${bytes_text(cached_bytes)} in memory`;
+      const { cached_bytes = 0, tiles_loaded, tiles_total } = this.view.state;
+      used.textContent =
+        `${tiles_total} ${tiles_total === 1 ? "tile" : "tiles"} in sight, ${tiles_loaded} loaded, ${bytes_text(cached_bytes)} in memory`;
+      full.hidden = !tileset.full;
     });
     return section("Tileset",
       row(make("span", { class: "quiet" }, "Error"), make("div", { class: "grow" }, errors), error),
-      row(make("span", { class: "quiet" }, "Memory"), make("div", { class: "grow" }, caps), cap), used);
+      row(make("span", { class: "quiet" }, "Memory"), make("div", { class: "grow" }, caps), cap), used, full);
   }
 
   labels() {

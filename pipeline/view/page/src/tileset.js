@@ -86,7 +86,7 @@ export class Tileset {
   // True while there is more to come.
   update() {
     const { tiles, stage, state } = this;
-    stage.camera.updateMatrixWorld();
+    stage.set_depths(); // tiles in front of the near plane of the picture before would be left out
     tiles.setResolutionFromRenderer(stage.camera, stage.renderer);
     tiles.update();
     const { stats } = tiles;
@@ -114,6 +114,11 @@ export class Tileset {
     this.tiles.lruCache.maxBytesSize = megabytes * megabyte;
     this.tiles.lruCache.minBytesSize = 0.75 * megabytes * megabyte;
     this.stage.draw();
+  }
+
+  // Tiles that the view asks for have no room.
+  get full() {
+    return (this.tiles.stats.refused ?? 0) > 0;
   }
 
   get error() {
