@@ -1,0 +1,179 @@
+"""voxweld beside what its users would otherwise take. See README.md beside it.
+
+Builds the peers that can be built, makes phantoms, runs all programs in turn, measures each mesh
+once, and prints a table of medians. A peer whose packages are missing is left out by name.
+"""
+import argparse
+import json
+import pathlib
+import sys
+import tempfile
+
+import programs
+import tables
+from phantom_measures import BY_REFERENCE, PHANTOMS, Failed, fine_mesh, has_peer, measure
+
+HERE = pathlib.Path(__file__).resolve().parent
+NEEDED = ["voxweld", "measure_output", "bare_pass", "timed_run"]
+
+
+def chosen(what, known):
+    """A type for argparse: names of those known, with commas between them."""
+
+    def parse(text):
+        names = [name.strip() for name in text.split(",")]
+        for name in names:
+            if name not in known:
+                raise argparse.ArgumentTypeError(
+                    f"unknown {what}: {name}; known are: {', '.join(known)}"
+                )
+        return names
+
+    return parse
+
+
+def parsed():
+    parser = argparse.ArgumentParser(
+        prog="run.sh", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("-o", "--output", type=pathlib.Path, metavar="FOLDER", default=None,
+                        help="where volumes, meshes and bench.json stay (a folder that is deleted)")
+    parser.add_argument("--only", type=chosen("volume", PHANTOMS), default=PHANTOMS,
+                        metavar="NAMES", help=f"volumes, as in {','.join(PHANTOMS)} (all)")
+    parser.add_argument("--programs", metavar="TEXT",
+                        help="only those whose name in the table has TEXT in it, and voxweld")
+    parser.add_argument("--size", type=int, default=512, help="samples a side (512)")
+    parser.add_argument("--times", type=int, default=5, help="turns (5)")
+    parser.add_argument("--threads", type=int, default=0, help="of each program (all cores)")
+    parser.add_argument("--build", type=pathlib.Path, default=HERE.parent.parent / "build",
+                        help="folder that voxweld and its tests were built in (build)")
+    parser.add_argument("--json", type=pathlib.Path, metavar="FILE",
+                        help="writes the figures there (FOLDER/bench.json)")
+    parser.add_argument("--no-distances", action="store_true",
+                        help="does not measure the meshes, which takes longer than making them")
+    parser.add_argument("--table", action="store_true",
+                        help="also writes the table into README.md beside this script")
+    return parser.parse_args()
+
+
+class Bench:
+    def __init__(self, arguments, folder):
+        self.arguments, self.folder = arguments, folder
+        self.tools = programs.Tools(arguments.build, NEEDED)
+        wanted = arguments.programs or ""
+        self.variants = {
+            name: settings
+            for name, settings in programs.VARIANTS.items()
+            if wanted in name or name == programs.MAIN
+        }
+        self.peers = [name for name in programs.build_peers(self.tools.build) if wanted in name]
+        self.failed = []
+
+    def one(self, volume, name):
+        """The mesh and the figures of one process."""
+        threads = self.arguments.threads
+        if name in self.variants:
+            return programs.run_voxweld(
+                self.tools, volume, self.folder, name, self.variants[name], threads
+            )
+        return programs.run_peer(self.tools, volume, self.folder, name, threads)
+
+    def turns(self, volume, kind):
+        """All programs, one after the other, as often as asked: name -> [mesh, figures of turns]."""
+        made = {}
+        for turn in range(self.arguments.times):
+            for name in [*self.variants, *self.peers]:
+                try:
+                    mesh, figures = self.one(volume, name)
+                except Failed as problem:
+                    self.failed.append(f"{kind}, {name}: {problem}")
+                    print(f"{self.failed[-1]}", flush=True)
+                    continue
+                made.setdefault(name, [mesh, []])[1].append(figures)
+                print(
+                    f"{kind} {self.arguments.size}, turn {turn + 1}, {name}: "
+                    f"{figures['wall_s']:.2f} s, {figures['cpu_s']:.2f} s of processor, "
+                    f"{figures['peak_bytes'] / 1e6:.0f} MB",
+                    flush=True,
+                )
+        return made
+
+    def measured(self, volume, kind, mesh):
+        if self.arguments.no_distances:
+            return None
+        fine = None
+        if kind in BY_REFERENCE:
+            if not has_peer("fine"):
+                print(f"{kind}: no distances: python3-vtk9 is not installed, which makes the fine mesh")
+                return None
+            fine = fine_mesh(volume, volume.with_suffix(".fine.ply"))
+        return measure(self.tools.measure_output, mesh, kind, self.arguments.size, fine)
+
+    def volume(self, kind):
+        volume = self.tools.phantom(kind, self.arguments.size, self.folder)
+        bare = programs.bare_pass(self.tools, volume, self.arguments.threads)  # fills the cache too
+        print(f"{kind}: {bare['active_cells']:,} active cells, bare pass {bare['bare_pass_ms']} ms",
+              flush=True)
+        results = {}
+        for name, (mesh, turns) in self.turns(volume, kind).items():
+            results[name] = {"medians": tables.medians(turns), "turns": turns}
+            try:
+                found = self.measured(volume, kind, mesh)
+            except Failed as problem:
+                self.failed.append(f"{kind}, {name}: {problem}")
+                print(self.failed[-1], flush=True)
+                found = None
+            if found is not None:
+                results[name]["mesh"] = found
+            programs.remove(mesh)
+            programs.remove(mesh.with_suffix(".work"))
+        return {**bare, "programs": results}
+
+
+def write_json(path, results):
+    part = path.with_name(path.name + ".part")
+    part.write_text(json.dumps(results, indent=1) + "\n")
+    part.replace(path)
+
+
+def heading(results):
+    bare = ", ".join(
+        f"{kind} {volume['bare_pass_ms']:.1f} ms" for kind, volume in results["volumes"].items()
+    )
+    return (
+        f"{results['size']}^3 uint16, medians of {results['times']} turns; "
+        f"{programs.machine_line(results['machine'])}. Bare pass: {bare}."
+    )
+
+
+def bench(arguments, folder):
+    machine = programs.Machine()
+    work = Bench(arguments, folder)
+    results = {"size": arguments.size, "times": arguments.times, "volumes": {}}
+    target = arguments.json or folder / "bench.json"
+    for kind in arguments.only:
+        results["volumes"][kind] = work.volume(kind)
+        results["machine"] = machine.describe()
+        write_json(target, results)
+    text = heading(results) + "\n\n" + tables.results_table(results)
+    print("\n" + text)
+    if arguments.table:
+        tables.replace_between(HERE / "README.md", "table of run.sh", text)
+    return 1 if work.failed else 0
+
+
+def main():
+    arguments = parsed()
+    try:
+        if arguments.output:
+            arguments.output.mkdir(parents=True, exist_ok=True)
+            return bench(arguments, arguments.output.resolve())
+        with tempfile.TemporaryDirectory(prefix="voxweld-bench-") as folder:
+            return bench(arguments, pathlib.Path(folder))
+    except Failed as problem:
+        print(f"run.sh: {problem}", file=sys.stderr)
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
