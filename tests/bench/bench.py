@@ -1,7 +1,8 @@
 """voxweld beside what its users would otherwise take. See README.md beside it.
 
 Builds the peers that can be built, makes phantoms, runs all programs in turn, measures each mesh
-once, and prints a table of medians. A peer whose packages are missing is left out by name.
+once, and prints a table of medians. A peer whose packages are missing is left out by name. What
+bench.json in FOLDER has of other volumes of this size comes into the table as well.
 """
 import argparse
 import json
@@ -17,28 +18,13 @@ HERE = pathlib.Path(__file__).resolve().parent
 NEEDED = ["voxweld", "measure_output", "bare_pass", "timed_run"]
 
 
-def chosen(what, known):
-    """A type for argparse: names of those known, with commas between them."""
-
-    def parse(text):
-        names = [name.strip() for name in text.split(",")]
-        for name in names:
-            if name not in known:
-                raise argparse.ArgumentTypeError(
-                    f"unknown {what}: {name}; known are: {', '.join(known)}"
-                )
-        return names
-
-    return parse
-
-
 def parsed():
     parser = argparse.ArgumentParser(
         prog="run.sh", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("-o", "--output", type=pathlib.Path, metavar="FOLDER", default=None,
                         help="where volumes, meshes and bench.json stay (a folder that is deleted)")
-    parser.add_argument("--only", type=chosen("volume", PHANTOMS), default=PHANTOMS,
+    parser.add_argument("--only", type=programs.chosen("volume", PHANTOMS), default=PHANTOMS,
                         metavar="NAMES", help=f"volumes, as in {','.join(PHANTOMS)} (all)")
     parser.add_argument("--programs", metavar="TEXT",
                         help="only those whose name in the table has TEXT in it, and voxweld")
@@ -130,32 +116,37 @@ class Bench:
         return {**bare, "programs": results}
 
 
-def write_json(path, results):
-    part = path.with_name(path.name + ".part")
-    part.write_text(json.dumps(results, indent=1) + "\n")
-    part.replace(path)
+def earlier(target, size):
+    """What the file has of other volumes stays, so that one can be measured again."""
+    if target.exists():
+        results = json.loads(target.read_text())
+        if results.get("size") == size:
+            return results
+    return {"size": size, "volumes": {}}
 
 
-def heading(results):
-    bare = ", ".join(
-        f"{kind} {volume['bare_pass_ms']:.1f} ms" for kind, volume in results["volumes"].items()
-    )
-    return (
-        f"{results['size']}^3 uint16, medians of {results['times']} turns; "
-        f"{programs.machine_line(results['machine'])}. Bare pass: {bare}."
-    )
+def heading(size, volumes):
+    lines = [f"{size}^3 samples, uint16. Medians of so many turns:", ""]
+    lines += [
+        f"- {kind}: {volume['times']} turns; bare pass {volume['bare_pass_ms']:.1f} ms for "
+        f"{volume['active_cells']:,} active cells; {programs.machine_line(volume['machine'])}."
+        for kind, volume in volumes.items()
+    ]
+    return "\n".join(lines)
 
 
 def bench(arguments, folder):
-    machine = programs.Machine()
     work = Bench(arguments, folder)
-    results = {"size": arguments.size, "times": arguments.times, "volumes": {}}
     target = arguments.json or folder / "bench.json"
+    results = earlier(target, arguments.size)
     for kind in arguments.only:
-        results["volumes"][kind] = work.volume(kind)
-        results["machine"] = machine.describe()
-        write_json(target, results)
-    text = heading(results) + "\n\n" + tables.results_table(results)
+        machine = programs.Machine()
+        volume = work.volume(kind)
+        results["volumes"][kind] = {
+            "times": arguments.times, "machine": machine.describe(), **volume
+        }
+        programs.write_json(target, results)
+    text = heading(arguments.size, results["volumes"]) + "\n\n" + tables.results_table(results)
     print("\n" + text)
     if arguments.table:
         tables.replace_between(HERE / "README.md", "table of run.sh", text)

@@ -1,5 +1,6 @@
 """What run.sh and scaling.sh run: voxweld with several settings and the peers, each in a process of
 its own that timed_run measures."""
+import argparse
 import json
 import os
 import pathlib
@@ -47,6 +48,27 @@ def remove(path):
         shutil.rmtree(path)
     else:
         path.unlink(missing_ok=True)
+
+
+def chosen(what, known):
+    """A type for argparse: names of those known, with commas between them."""
+
+    def parse(text):
+        names = [name.strip() for name in text.split(",")]
+        for name in names:
+            if name not in known:
+                raise argparse.ArgumentTypeError(
+                    f"unknown {what}: {name}; known are: {', '.join(known)}"
+                )
+        return names
+
+    return parse
+
+
+def write_json(path, results):
+    part = path.with_name(path.name + ".part")
+    part.write_text(json.dumps(results, indent=1) + "\n")
+    part.replace(path)
 
 
 class Tools:
