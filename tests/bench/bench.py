@@ -2,7 +2,7 @@
 
 Builds the peers that can be built, makes phantoms, runs all programs in turn, measures each mesh
 once, and prints a table of medians. A peer whose packages are missing is left out by name. What
-bench.json in FOLDER has of other volumes of this size comes into the table as well.
+bench.json in FOLDER has of other volumes comes into the table as well.
 """
 import argparse
 import json
@@ -116,37 +116,35 @@ class Bench:
         return {**bare, "programs": results}
 
 
-def earlier(target, size):
+def earlier(target):
     """What the file has of other volumes stays, so that one can be measured again."""
-    if target.exists():
-        results = json.loads(target.read_text())
-        if results.get("size") == size:
-            return results
-    return {"size": size, "volumes": {}}
+    return json.loads(target.read_text()) if target.exists() else {"volumes": {}}
 
 
-def heading(size, volumes):
-    lines = [f"{size}^3 samples, uint16. Medians of so many turns:", ""]
-    lines += [
-        f"- {kind}: {volume['times']} turns; bare pass {volume['bare_pass_ms']:.1f} ms for "
-        f"{volume['active_cells']:,} active cells; {programs.machine_line(volume['machine'])}."
+def heading(volumes):
+    return "\n".join(
+        f"- {kind}, {volume['size']}^3 samples, uint16: medians of {volume['times']} turns; bare pass "
+        f"{volume['bare_pass_ms']:.1f} ms for {volume['active_cells']:,} active cells; "
+        f"{programs.machine_line(volume['machine'])}."
         for kind, volume in volumes.items()
-    ]
-    return "\n".join(lines)
+    )
 
 
 def bench(arguments, folder):
     work = Bench(arguments, folder)
     target = arguments.json or folder / "bench.json"
-    results = earlier(target, arguments.size)
+    results = earlier(target)
     for kind in arguments.only:
         machine = programs.Machine()
         volume = work.volume(kind)
         results["volumes"][kind] = {
-            "times": arguments.times, "machine": machine.describe(), **volume
+            "size": arguments.size,
+            "times": arguments.times,
+            "machine": machine.describe(),
+            **volume,
         }
         programs.write_json(target, results)
-    text = heading(arguments.size, results["volumes"]) + "\n\n" + tables.results_table(results)
+    text = heading(results["volumes"]) + "\n\n" + tables.results_table(results)
     print("\n" + text)
     if arguments.table:
         tables.replace_between(HERE / "README.md", "table of run.sh", text)
