@@ -28,9 +28,11 @@ def parsed():
                         metavar="NAMES", help=f"volumes, as in {','.join(PHANTOMS)} (all)")
     parser.add_argument("--programs", metavar="TEXT",
                         help="only those whose name in the table has TEXT in it, and voxweld")
-    parser.add_argument("--size", type=int, default=512, help="samples a side (512)")
-    parser.add_argument("--times", type=int, default=5, help="turns (5)")
-    parser.add_argument("--threads", type=int, default=0, help="of each program (all cores)")
+    parser.add_argument("--size", type=programs.at_least(16), default=512,
+                        help="samples a side (512)")
+    parser.add_argument("--times", type=programs.at_least(1), default=5, help="turns (5)")
+    parser.add_argument("--threads", type=programs.at_least(0), default=0,
+                        help="of each program (all cores)")
     parser.add_argument("--build", type=pathlib.Path, default=HERE.parent.parent / "build",
                         help="folder that voxweld and its tests were built in (build)")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE",
@@ -65,7 +67,7 @@ class Bench:
         return programs.run_peer(self.tools, volume, self.folder, name, threads)
 
     def turns(self, volume, kind):
-        """All programs, one after the other, as often as asked: name -> [mesh, figures of turns]."""
+        """All programs, one after the other, as often as asked: name -> [mesh, figures]."""
         made = {}
         for turn in range(self.arguments.times):
             for name in [*self.variants, *self.peers]:
@@ -90,7 +92,7 @@ class Bench:
         fine = None
         if kind in BY_REFERENCE:
             if not has_peer("fine"):
-                print(f"{kind}: no distances: python3-vtk9 is not installed, which makes the fine mesh")
+                print(f"{kind}: no distances: python3-vtk9, which makes the fine mesh, is missing")
                 return None
             fine = fine_mesh(volume, volume.with_suffix(".fine.ply"))
         return measure(self.tools.measure_output, mesh, kind, self.arguments.size, fine)
@@ -123,8 +125,8 @@ def earlier(target):
 
 def heading(volumes):
     return "\n".join(
-        f"- {kind}, {volume['size']}^3 samples, uint16: medians of {volume['times']} turns; bare pass "
-        f"{volume['bare_pass_ms']:.1f} ms for {volume['active_cells']:,} active cells; "
+        f"- {kind}, {volume['size']}^3 samples, uint16: medians of {volume['times']} turns; bare "
+        f"pass {volume['bare_pass_ms']:.1f} ms for {volume['active_cells']:,} active cells; "
         f"{programs.machine_line(volume['machine'])}."
         for kind, volume in volumes.items()
     )

@@ -22,7 +22,7 @@ def parsed():
     )
     parser.add_argument("old", type=pathlib.Path, metavar="OLD_BUILD", help="a build folder")
     parser.add_argument("new", type=pathlib.Path, metavar="NEW_BUILD", help="another")
-    parser.add_argument("--times", type=int, default=5, help="turns (5)")
+    parser.add_argument("--times", type=programs.at_least(1), default=5, help="turns (5)")
     parser.add_argument("--filter", default=".", metavar="REGEX",
                         help="only kernels whose names match")
     parser.add_argument("--min-time", type=float, default=0.2, metavar="SECONDS",
@@ -30,8 +30,10 @@ def parsed():
     parser.add_argument("--runs", type=programs.chosen("volume", [*PHANTOMS, "none"]),
                         default=["gyroid", "part"], metavar="NAMES",
                         help="volumes of whole runs (gyroid,part); none: kernels alone")
-    parser.add_argument("--size", type=int, default=256, help="samples a side of these (256)")
-    parser.add_argument("--threads", type=int, default=0, help="of a run (all cores)")
+    parser.add_argument("--size", type=programs.at_least(16), default=256,
+                        help="samples a side of these (256)")
+    parser.add_argument("--threads", type=programs.at_least(0), default=0,
+                        help="of a run (all cores)")
     return parser.parse_args()
 
 
@@ -97,7 +99,8 @@ def table(pairs):
             f"{min(ratios):.3f} .. {max(ratios):.3f}",
             verdict(ratios),
         ])
-    return tables.markdown(["what", ">old", ">new", ">new / old", ">least .. most", "all turns"], rows)
+    heads = ["what", ">old", ">new", ">new / old", ">least .. most", "all turns"]
+    return tables.markdown(heads, rows)
 
 
 def compare(arguments, folder):

@@ -17,9 +17,9 @@ SignGrid signs_of(const GyroidBrick& brick) {
 void sign_scan(benchmark::State& state) {
   const GyroidBrick& brick = GyroidBrick::get();
   SignGrid signs;
-  for (auto _ : state)
+  while (state.KeepRunning())
     signs.fill(brick.block, brick.place.origin, brick.side, brick.parameters.surface);
-  const auto points = static_cast<std::size_t>(brick.side + 3);
+  const auto points = static_cast<std::size_t>(brick.side) + 3;
   count(state, points * points * points, 2 * points * points * points);
 }
 BENCHMARK(sign_scan);
@@ -29,12 +29,12 @@ void crossing_scan(benchmark::State& state) {
   const GyroidBrick& brick = GyroidBrick::get();
   const SignGrid signs = signs_of(brick);
   ActiveCells cells;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     cells.count(signs, brick.side, Box3{splat(-1), splat(brick.side + 1)});
     cells.find(signs);
   }
   state.counters["active"] = static_cast<double>(cells.size());
-  const auto side = static_cast<std::size_t>(brick.side + 2);
+  const auto side = static_cast<std::size_t>(brick.side) + 2;
   count(state, side * side * side);
 }
 BENCHMARK(crossing_scan);
@@ -46,7 +46,7 @@ void hermite_edges(benchmark::State& state) {
   parameters.surface.gradient = static_cast<Gradient>(state.range(0));
   const SignGrid signs = signs_of(brick);
   HermiteEdges edges;
-  for (auto _ : state)
+  while (state.KeepRunning())
     edges.compute(brick.block, brick.place.origin, brick.side, signs, parameters);
   count(state, edges.size());
 }
@@ -61,7 +61,8 @@ void whole_brick(benchmark::State& state) {
   const GyroidBrick& brick = GyroidBrick::get();
   BrickScratch scratch;
   BrickOctree octree;
-  for (auto _ : state) build_brick(brick.block, brick.place, brick.parameters, scratch, octree);
+  while (state.KeepRunning())
+    build_brick(brick.block, brick.place, brick.parameters, scratch, octree);
   const SignGrid signs = signs_of(brick);
   ActiveCells cells;
   count(state, cells.count(signs, brick.side, Box3{{}, splat(brick.side)}));

@@ -45,7 +45,7 @@ void refine_a_cube(benchmark::State& state) {
   parameters.tolerance = 0.1 / step;
   parameters.reach = 1 / step;
   RefineCounts counts;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     state.PauseTiming();
     RefineMesh mesh = cube.mesh;
     counts = {};
@@ -70,7 +70,7 @@ void quantize(benchmark::State& state) {
   std::vector<std::array<float, 3>> offsets(4096);
   for (auto& offset : offsets) offset = {inside(random), inside(random), inside(random)};
   const CellKey leaf{0, {80, 70, 60}};
-  for (auto _ : state)
+  while (state.KeepRunning())
     for (const auto& offset : offsets) benchmark::DoNotOptimize(snap_vertex(frame, leaf, offset));
   count(state, offsets.size());
 }
@@ -80,7 +80,7 @@ BENCHMARK(quantize);
 void draco_encode(benchmark::State& state) {
   const TileMesh& mesh = GyroidTile::get().mesh;
   EncodedMesh encoded;
-  for (auto _ : state) encoded = encode_draco(mesh, {});
+  while (state.KeepRunning()) encoded = encode_draco(mesh, {});
   state.counters["bytes_a_triangle"] =
       static_cast<double>(encoded.bytes.size()) / static_cast<double>(encoded.triangles);
   count(state, mesh.triangles.size(), encoded.bytes.size());
@@ -89,7 +89,7 @@ BENCHMARK(draco_encode)->Unit(benchmark::kMillisecond);
 
 void draco_decode(benchmark::State& state) {
   const EncodedMesh encoded = encode_draco(GyroidTile::get().mesh, {});
-  for (auto _ : state) benchmark::DoNotOptimize(decode_draco(encoded.bytes));
+  while (state.KeepRunning()) benchmark::DoNotOptimize(decode_draco(encoded.bytes));
   count(state, encoded.triangles, encoded.bytes.size());
 }
 BENCHMARK(draco_decode)->Unit(benchmark::kMillisecond);
@@ -99,7 +99,7 @@ void exact_pair(benchmark::State& state) {
   const TileMesh& mesh = GyroidTile::get().mesh;
   const TriangleList triangles{mesh.positions, mesh.triangles};
   const std::size_t pairs = std::min<std::size_t>(4096, triangles.size() - 1);
-  for (auto _ : state)
+  while (state.KeepRunning())
     for (std::size_t i = 0; i < pairs; ++i)
       benchmark::DoNotOptimize(intersect_beyond_shared(triangles[i], triangles[i + 1]));
   count(state, pairs);
@@ -110,7 +110,7 @@ BENCHMARK(exact_pair);
 void exact_mesh(benchmark::State& state) {
   const TileMesh& mesh = GyroidTile::get().mesh;
   std::size_t found = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     found = 0;
     each_intersection({mesh.positions, mesh.triangles},
                       [&](std::uint32_t, std::uint32_t) { ++found; });

@@ -62,7 +62,7 @@ class Nodes {
 
 void qr_insert(benchmark::State& state) {
   Nodes nodes;
-  for (auto _ : state) nodes.insert();
+  while (state.KeepRunning()) nodes.insert();
   count(state, lanes);
 }
 BENCHMARK(qr_insert);
@@ -71,7 +71,7 @@ void qr_merge(benchmark::State& state) {
   Nodes nodes;
   nodes.insert();
   nodes.set_children();
-  for (auto _ : state) nodes.merge(0);
+  while (state.KeepRunning()) nodes.merge(0);
   count(state, lanes);
 }
 BENCHMARK(qr_merge);
@@ -79,7 +79,7 @@ BENCHMARK(qr_merge);
 void qef_solve(benchmark::State& state) {
   Nodes nodes;
   nodes.insert();
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     nodes.solver().solve(0, lanes);
     benchmark::DoNotOptimize(nodes.solver().solution(0));
   }
@@ -94,7 +94,7 @@ void collapse_level(benchmark::State& state) {
   Nodes nodes;
   nodes.insert();
   nodes.set_children();
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     nodes.merge(child_level);
     nodes.solver().solve(child_level + 1, lanes);
     for (std::size_t lane = 0; lane < lanes; ++lane)

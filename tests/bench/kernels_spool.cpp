@@ -25,7 +25,7 @@ void write_records(RunFile& file, std::span<const std::byte> bytes) {
 
 void spool_write(benchmark::State& state) {
   const std::vector<std::byte> bytes = random_bytes(spool_bytes);
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     RunFile file(std::filesystem::temp_directory_path());
     write_records(file, bytes);
     benchmark::DoNotOptimize(file.end_run());
@@ -39,7 +39,7 @@ void spool_read(benchmark::State& state) {
   write_records(file, random_bytes(spool_bytes));
   const RunExtent run = file.end_run();
   std::vector<std::byte> record(record_bytes);
-  for (auto _ : state)
+  while (state.KeepRunning())
     for (RunReader reader(file, run, std::uint64_t{1} << 20); !reader.empty();) reader.read(record);
   count(state, spool_bytes / record_bytes, spool_bytes);
 }
@@ -53,7 +53,7 @@ struct NumberOrder {
 // Numbers put in order in an eighth of the memory they take: items are numbers.
 void external_sort(benchmark::State& state) {
   constexpr std::size_t numbers = std::size_t{1} << 19;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     std::mt19937_64 random(1);
     ExternalSorter<NumberOrder> sorter(std::filesystem::temp_directory_path(), numbers);
     for (std::size_t i = 0; i < numbers; ++i) sorter.push(random());

@@ -65,6 +65,23 @@ def chosen(what, known):
     return parse
 
 
+def at_least(least):
+    """A type for argparse: a whole number, no smaller."""
+
+    def parse(text):
+        if not re.fullmatch(r"\d+", text) or int(text) < least:
+            raise argparse.ArgumentTypeError(f"{text}: expected a whole number of at least {least}")
+        return int(text)
+
+    return parse
+
+
+def numbers_from(least):
+    """The same of several, with commas between them."""
+    one = at_least(least)
+    return lambda text: [one(word) for word in text.split(",")]
+
+
 def write_json(path, results):
     part = path.with_name(path.name + ".part")
     part.write_text(json.dumps(results, indent=1) + "\n")
@@ -119,7 +136,7 @@ def build_peers(build):
 
 
 def voxweld_command(tools, volume, folder, name, settings, threads):
-    """The config is written; nothing of earlier runs is left where keep is not given."""
+    """Writes the config."""
     isovalue, inside = surface_of(volume)
     config = folder / f"{slug(name)}.toml"
     config.write_text(
@@ -135,7 +152,7 @@ def voxweld_command(tools, volume, folder, name, settings, threads):
 
 
 def run_voxweld(tools, volume, folder, name, settings, threads=0, keep=False):
-    """Figures of one run. keep: what an earlier one left is used, as by a user who changes a key."""
+    """Mesh and figures of one run. keep: what an earlier one left is used, as after a change."""
     stem = folder / slug(name)
     mesh, work = (pathlib.Path(f"{stem}.{kind}") for kind in ("mesh", "work"))
     if not keep:

@@ -25,14 +25,13 @@ def parsed():
     parser = argparse.ArgumentParser(
         prog="scaling.sh", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    numbers = lambda text: [int(word) for word in text.split(",")]  # noqa: E731
     parser.add_argument("--only", type=programs.chosen("volume", PHANTOMS),
                         default=["gyroid", "part"], metavar="NAMES", help="volumes (gyroid,part)")
-    parser.add_argument("--sizes", type=numbers, default=[128, 256, 512], metavar="NUMBERS",
-                        help="samples a side (128,256,512)")
-    parser.add_argument("--threads", type=numbers, default=[1, 2], metavar="NUMBERS",
+    parser.add_argument("--sizes", type=programs.numbers_from(16), default=[128, 256, 512],
+                        metavar="NUMBERS", help="samples a side (128,256,512)")
+    parser.add_argument("--threads", type=programs.numbers_from(1), default=[1, 2], metavar="NUMBERS",
                         help="of a run (1,2)")
-    parser.add_argument("--times", type=int, default=3, help="runs of each, the median counts (3)")
+    parser.add_argument("--times", type=programs.at_least(1), default=3, help="runs of each, the median counts (3)")
     parser.add_argument("--type", choices=SAMPLE_BYTES, default="uint16",
                         help="of a sample (uint16); uint8 for sizes from 1024 on")
     parser.add_argument("--build", type=pathlib.Path, default=HERE.parent.parent / "build",
