@@ -29,9 +29,10 @@ def parsed():
                         default=["gyroid", "part"], metavar="NAMES", help="volumes (gyroid,part)")
     parser.add_argument("--sizes", type=programs.numbers_from(16), default=[128, 256, 512],
                         metavar="NUMBERS", help="samples a side (128,256,512)")
-    parser.add_argument("--threads", type=programs.numbers_from(1), default=[1, 2], metavar="NUMBERS",
-                        help="of a run (1,2)")
-    parser.add_argument("--times", type=programs.at_least(1), default=3, help="runs of each, the median counts (3)")
+    parser.add_argument("--threads", type=programs.numbers_from(1), default=[1, 2],
+                        metavar="NUMBERS", help="of a run (1,2)")
+    parser.add_argument("--times", type=programs.at_least(1), default=3,
+                        help="runs of each, the median counts (3)")
     parser.add_argument("--type", choices=SAMPLE_BYTES, default="uint16",
                         help="of a sample (uint16); uint8 for sizes from 1024 on")
     parser.add_argument("--build", type=pathlib.Path, default=HERE.parent.parent / "build",
