@@ -39,6 +39,8 @@ def parsed():
                         help="writes the figures there (FOLDER/bench.json)")
     parser.add_argument("--no-distances", action="store_true",
                         help="does not measure the meshes, which takes longer than making them")
+    parser.add_argument("--print", action="store_true",
+                        help="runs nothing: prints the table of what bench.json in FOLDER has")
     parser.add_argument("--table", action="store_true",
                         help="also writes the table into README.md beside this script")
     return parser.parse_args()
@@ -97,22 +99,30 @@ class Bench:
             fine = fine_mesh(volume, volume.with_suffix(".fine.ply"))
         return measure(self.tools.measure_output, mesh, kind, self.arguments.size, fine)
 
+    def same_mesh(self, name):
+        """Equal for programs that make the same mesh: neither memory nor kinds of files change it."""
+        settings = self.variants.get(name)
+        if settings is None:
+            return name
+        return str([pair for pair in settings.items() if pair[0].startswith("simplify.")])
+
     def volume(self, kind):
         volume = self.tools.phantom(kind, self.arguments.size, self.folder)
         bare = programs.bare_pass(self.tools, volume, self.arguments.threads)  # fills the cache too
         print(f"{kind}: {bare['active_cells']:,} active cells, bare pass {bare['bare_pass_ms']} ms",
               flush=True)
-        results = {}
+        results, known = {}, {}
         for name, (mesh, turns) in self.turns(volume, kind).items():
             results[name] = {"medians": tables.medians(turns), "turns": turns}
+            same = self.same_mesh(name)
             try:
-                found = self.measured(volume, kind, mesh)
+                if same not in known:
+                    known[same] = self.measured(volume, kind, mesh)
             except Failed as problem:
                 self.failed.append(f"{kind}, {name}: {problem}")
                 print(self.failed[-1], flush=True)
-                found = None
-            if found is not None:
-                results[name]["mesh"] = found
+            if known.get(same) is not None:
+                results[name]["mesh"] = known[same]
             programs.remove(mesh)
             programs.remove(mesh.with_suffix(".work"))
         return {**bare, "programs": results}
@@ -133,9 +143,13 @@ def heading(volumes):
 
 
 def bench(arguments, folder):
-    work = Bench(arguments, folder)
     target = arguments.json or folder / "bench.json"
     results = earlier(target)
+    if arguments.print:
+        if not results["volumes"]:
+            sys.exit(f"run.sh: {target}: no figures to print; make some without --print")
+        return show(arguments, results)
+    work = Bench(arguments, folder)
     for kind in arguments.only:
         machine = programs.Machine()
         volume = work.volume(kind)
@@ -146,11 +160,16 @@ def bench(arguments, folder):
             **volume,
         }
         programs.write_json(target, results)
+    show(arguments, results)
+    return 1 if work.failed else 0
+
+
+def show(arguments, results):
     text = heading(results["volumes"]) + "\n\n" + tables.results_table(results)
     print("\n" + text)
     if arguments.table:
         tables.replace_between(HERE / "README.md", "table of run.sh", text)
-    return 1 if work.failed else 0
+    return 0
 
 
 def main():

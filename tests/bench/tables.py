@@ -25,12 +25,14 @@ HEADS = [
     "program",
     ">wall, s",
     ">of voxweld's",
+    ">least wall, s",
     ">CPU, s",
     ">of voxweld's",
     ">peak, MB",
     ">of voxweld's",
     ">meshing, s",
-    ">written, MB",
+    ">read, MB",
+    ">mesh, MB",
     ">triangles",
     ">mean",
     ">99 % within",
@@ -53,8 +55,11 @@ def row(name, result, main):
     ):
         ratio = f"{middle[key] / main[key]:.2f}" if main and main[key] > 0 else ""
         cells += [text(middle[key]), ratio]
+        if key == "wall_s":
+            cells.append(text(min(turn[key] for turn in result["turns"])))
     cells += [
         seconds(middle["meshing_s"]) if "meshing_s" in middle else "",
+        f"{middle['read_bytes'] / 1e6:,.0f}",
         f"{middle['output_bytes'] / 1e6:.1f}",
         f"{middle['triangles']:,.0f}",
     ]
