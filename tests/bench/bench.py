@@ -38,7 +38,8 @@ def parsed():
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE",
                         help="writes the figures there (FOLDER/bench.json)")
     parser.add_argument("--no-distances", action="store_true",
-                        help="does not measure the meshes, which takes longer than making them")
+                        help="does not measure the meshes, which takes longer than making them: "
+                        "what bench.json has of those with as many triangles stays")
     parser.add_argument("--print", action="store_true",
                         help="runs nothing: prints the table of what bench.json in FOLDER has")
     parser.add_argument("--table", action="store_true",
@@ -47,8 +48,8 @@ def parsed():
 
 
 class Bench:
-    def __init__(self, arguments, folder):
-        self.arguments, self.folder = arguments, folder
+    def __init__(self, arguments, folder, earlier):
+        self.arguments, self.folder, self.earlier = arguments, folder, earlier
         self.tools = programs.Tools(arguments.build, NEEDED)
         wanted = arguments.programs or ""
         self.variants = {
@@ -88,9 +89,14 @@ class Bench:
                 )
         return made
 
+    def measured_earlier(self, kind, name, triangles):
+        """What is known of a mesh of that size."""
+        volume = self.earlier.get(kind, {})
+        mesh = volume.get("programs", {}).get(name, {}).get("mesh")
+        same = volume.get("size") == self.arguments.size and mesh
+        return mesh if same and mesh["triangles"] == triangles else None
+
     def measured(self, volume, kind, mesh):
-        if self.arguments.no_distances:
-            return None
         fine = None
         if kind in BY_REFERENCE:
             if not has_peer("fine"):
@@ -100,7 +106,7 @@ class Bench:
         return measure(self.tools.measure_output, mesh, kind, self.arguments.size, fine)
 
     def same_mesh(self, name):
-        """Equal for programs that make the same mesh: neither memory nor kinds of files change it."""
+        """Equal for programs that make the same mesh: memory and kinds of files change nothing."""
         settings = self.variants.get(name)
         if settings is None:
             return name
@@ -111,11 +117,21 @@ class Bench:
         bare = programs.bare_pass(self.tools, volume, self.arguments.threads)  # fills the cache too
         print(f"{kind}: {bare['active_cells']:,} active cells, bare pass {bare['bare_pass_ms']} ms",
               flush=True)
+        machine = programs.Machine()
+        made = self.turns(volume, kind)
+        found = {"size": self.arguments.size, "times": self.arguments.times,
+                 "machine": machine.describe(), **bare}
+        return {**found, "programs": self.with_meshes(volume, kind, made)}
+
+    def with_meshes(self, volume, kind, made):
+        """Figures of each program, and those of its mesh, which goes."""
         results, known = {}, {}
-        for name, (mesh, turns) in self.turns(volume, kind).items():
+        for name, (mesh, turns) in made.items():
             results[name] = {"medians": tables.medians(turns), "turns": turns}
             same = self.same_mesh(name)
             try:
+                if self.arguments.no_distances:
+                    known[same] = self.measured_earlier(kind, name, turns[0]["triangles"])
                 if same not in known:
                     known[same] = self.measured(volume, kind, mesh)
             except Failed as problem:
@@ -125,7 +141,7 @@ class Bench:
                 results[name]["mesh"] = known[same]
             programs.remove(mesh)
             programs.remove(mesh.with_suffix(".work"))
-        return {**bare, "programs": results}
+        return results
 
 
 def earlier(target):
@@ -149,16 +165,9 @@ def bench(arguments, folder):
         if not results["volumes"]:
             sys.exit(f"run.sh: {target}: no figures to print; make some without --print")
         return show(arguments, results)
-    work = Bench(arguments, folder)
+    work = Bench(arguments, folder, dict(results["volumes"]))
     for kind in arguments.only:
-        machine = programs.Machine()
-        volume = work.volume(kind)
-        results["volumes"][kind] = {
-            "size": arguments.size,
-            "times": arguments.times,
-            "machine": machine.describe(),
-            **volume,
-        }
+        results["volumes"][kind] = work.volume(kind)
         programs.write_json(target, results)
     show(arguments, results)
     return 1 if work.failed else 0
