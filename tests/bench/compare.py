@@ -69,13 +69,6 @@ def both(builds, measure, times):
     return pairs
 
 
-def readable(seconds):
-    for unit, size in (("s", 1), ("ms", 1e-3), ("us", 1e-6)):
-        if seconds >= size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds * 1e9:.3g} ns"
-
-
 def verdict(ratios):
     """Only where every turn says the same, by more than a clock's grain."""
     if len(ratios) < 3:
@@ -93,8 +86,8 @@ def table(pairs):
             continue
         rows.append([
             name,
-            readable(statistics.median(old for old, _ in turns)),
-            readable(statistics.median(new for _, new in turns)),
+            tables.readable(statistics.median(old for old, _ in turns)),
+            tables.readable(statistics.median(new for _, new in turns)),
             f"{statistics.median(ratios):.3f}",
             f"{min(ratios):.3f} .. {max(ratios):.3f}",
             verdict(ratios),

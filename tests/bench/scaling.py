@@ -1,15 +1,18 @@
 """How voxweld's cost grows with the volume, and what a second run saves. See README.md beside it.
 
 Runs voxweld alone: phantoms of several sizes with one thread and two, seconds by stage, peak of
-memory, and the fit cost = a * active cells + b * bytes of the volume. Then, on what one run left,
+memory, and cost fitted by active cells and bytes of the volume. Then, on what one run left,
 runs with one key changed: seconds, and bytes read and written.
 """
 import argparse
+import itertools
 import json
 import pathlib
 import statistics
 import sys
 import tempfile
+
+import numpy as np
 
 import programs
 import tables
@@ -39,6 +42,8 @@ def parsed():
                         help="folder that voxweld and its tests were built in (build)")
     parser.add_argument("-o", "--output", type=pathlib.Path, metavar="FOLDER",
                         help="where volumes and scaling.json stay (a folder that is deleted)")
+    parser.add_argument("--print", action="store_true",
+                        help="runs nothing: prints the tables of scaling.json in FOLDER")
     parser.add_argument("--table", action="store_true",
                         help="also writes the tables into README.md beside this script")
     return parser.parse_args()
@@ -90,31 +95,47 @@ def grow(tools, folder, arguments):
     return rows
 
 
-def fitted(rows, key):
-    """a and b of cost = a * active cells + b * bytes, none below 0, by least squares of relative
-    errors; and the largest of these."""
-    def solve(columns):
-        products = [[sum(p * q for p, q in zip(u, v)) for v in columns] for u in columns]
-        sums = [sum(column) for column in columns]
-        if len(columns) == 1:
-            return [sums[0] / products[0][0]]
-        determinant = products[0][0] * products[1][1] - products[0][1] * products[1][0]
-        if abs(determinant) < 1e-12 * products[0][0] * products[1][1]:
-            return [-1, -1]
-        return [
-            (sums[0] * products[1][1] - sums[1] * products[0][1]) / determinant,
-            (sums[1] * products[0][0] - sums[0] * products[1][0]) / determinant,
-        ]
+# What a run's cost may grow with, as rows have it.
+TERMS = {
+    "active_cells": "an active cell",
+    "volume_bytes": "a byte of the volume",
+    "triangles": "a triangle of the mesh",
+    "runs": "a run",
+}
 
-    cells = [row["active_cells"] / row[key] for row in rows]
-    volumes = [row["volume_bytes"] / row[key] for row in rows]
-    a, b = solve([cells, volumes])
-    if a < 0 or b < 0:
-        one = [[*solve([cells]), 0], [0, *solve([volumes])]]
-        a, b = min(one, key=lambda ab: sum((ab[0] * c + ab[1] * v - 1) ** 2
-                                           for c, v in zip(cells, volumes)))
-    worst = max(abs(a * c + b * v - 1) for c, v in zip(cells, volumes))
-    return {"per_cell_s": a, "per_byte_s": b, "worst_relative_error": worst}
+
+def fitted(rows, key, terms):
+    """Seconds of each of the terms, none below 0, by least squares of relative errors; and the
+    largest of these."""
+    columns = np.array([[row.get(term, 1) / row[key] for term in terms] for row in rows])
+    best, least = np.zeros(len(terms)), np.inf
+    for chosen in itertools.product([False, True], repeat=len(terms)):
+        if not any(chosen):
+            continue
+        found = np.zeros(len(terms))
+        some = list(chosen)
+        found[some] = np.linalg.lstsq(columns[:, some], np.ones(len(rows)), rcond=None)[0]
+        missed = np.sum((columns @ found - 1) ** 2)
+        if found.min() >= 0 and missed < least:
+            best, least = found, missed
+    return {
+        "seconds": dict(zip(terms, best.tolist())),
+        "worst_relative_error": float(np.max(np.abs(columns @ best - 1))),
+    }
+
+
+def fits_of(rows):
+    """Of seconds of the processor of all runs with one thread, or as few as there are."""
+    threads = min(row["threads"] for row in rows)
+    some = [row for row in rows if row["threads"] == threads]
+    return [
+        fitted(some, "cpu_s", terms)
+        for terms in (
+            ["active_cells", "volume_bytes"],
+            ["active_cells", "volume_bytes", "runs"],
+            ["active_cells", "volume_bytes", "triangles", "runs"],
+        )
+    ]
 
 
 def changes(volume, sample_type):
@@ -171,10 +192,10 @@ def growth_table(rows):
 
 def fit_lines(fits):
     return "\n".join(
-        f"- {what}: {1e9 * fit['per_cell_s']:.0f} ns an active cell and "
-        f"{1e9 * fit['per_byte_s']:.2f} ns a byte of the volume; at worst "
-        f"{100 * fit['worst_relative_error']:.0f} % off"
-        for what, fit in fits.items()
+        "- "
+        + ", ".join(f"{tables.readable(s)} {TERMS[term]}" for term, s in fit["seconds"].items())
+        + f"; at worst {100 * fit['worst_relative_error']:.0f} % off"
+        for fit in fits
     )
 
 
@@ -200,29 +221,43 @@ def scaling(arguments, folder):
     tools = programs.Tools(arguments.build, ["voxweld", "timed_run"])
     machine = programs.Machine()
     rows = grow(tools, folder, arguments)
-    fits = {}
-    for threads in arguments.threads:
-        some = [row for row in rows if row["threads"] == threads]
-        for key, what in (("cpu_s", "processor"), ("wall_s", "wall")):
-            fits[f"{what}, threads: {threads}"] = fitted(some, key)
     seconds = [
-        row for kind in arguments.only
+        row
+        for kind in arguments.only
         for row in second_runs(tools, folder, kind, max(arguments.sizes), arguments)
     ]
-    results = {
-        "machine": machine.describe(), "type": arguments.type, "times": arguments.times,
-        "growth": rows, "fits": fits, "second_runs": seconds,
+    return {
+        "machine": machine.describe(),
+        "type": arguments.type,
+        "times": arguments.times,
+        "growth": rows,
+        "fits": fits_of(rows),
+        "second_runs": seconds,
     }
-    programs.write_json(folder / "scaling.json", results)
+
+
+def show(arguments, results):
     text = (
-        f"{arguments.type}, medians of {arguments.times} runs; "
-        f"{programs.machine_line(results['machine'])}.\n\n{growth_table(rows)}\n\n"
-        f"Cost = a * active cells + b * bytes:\n\n{fit_lines(fits)}\n\n"
-        f"A second run on what a first one left:\n\n{second_table(seconds)}"
+        f"{results['type']}, medians of {results['times']} runs; "
+        f"{programs.machine_line(results['machine'])}.\n\n{growth_table(results['growth'])}\n\n"
+        "Seconds of the processor with one thread, fitted:\n\n"
+        f"{fit_lines(fits_of(results['growth']))}\n\n"
+        f"A second run on what a first one left:\n\n{second_table(results['second_runs'])}"
     )
     print("\n" + text)
     if arguments.table:
         tables.replace_between(HERE / "README.md", "tables of scaling.sh", text)
+
+
+def work(arguments, folder):
+    figures = folder / "scaling.json"
+    if arguments.print:
+        if not figures.exists():
+            sys.exit(f"scaling.sh: {figures}: no such file, so nothing to print")
+        return show(arguments, json.loads(figures.read_text()))
+    results = scaling(arguments, folder)
+    programs.write_json(figures, results)
+    return show(arguments, results)
 
 
 def main():
@@ -230,10 +265,10 @@ def main():
     try:
         if arguments.output:
             arguments.output.mkdir(parents=True, exist_ok=True)
-            scaling(arguments, arguments.output.resolve())
+            work(arguments, arguments.output.resolve())
         else:
             with tempfile.TemporaryDirectory(prefix="voxweld-scaling-") as folder:
-                scaling(arguments, pathlib.Path(folder))
+                work(arguments, pathlib.Path(folder))
     except Failed as problem:
         print(f"scaling.sh: {problem}", file=sys.stderr)
         return 1
