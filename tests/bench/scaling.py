@@ -240,7 +240,7 @@ def show(arguments, results):
     text = (
         f"{results['type']}, medians of {results['times']} runs; "
         f"{programs.machine_line(results['machine'])}.\n\n{growth_table(results['growth'])}\n\n"
-        "Seconds of the processor with one thread, fitted:\n\n"
+        "Seconds of the processor, of runs with the fewest threads, fitted:\n\n"
         f"{fit_lines(fits_of(results['growth']))}\n\n"
         f"A second run on what a first one left:\n\n{second_table(results['second_runs'])}"
     )
