@@ -12,7 +12,7 @@ source "$root/pipeline/apt_packages.sh"
 
 packages=(
   # tests
-  libgtest-dev libgmock-dev librapidcheck-dev git xz-utils zstd time
+  libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev git xz-utils zstd time
   # other readers and writers of volumes
   python3-numpy python3-zarr python3-vtk9 python3-mrcfile python3-pydicom python3-gdcm
   dcmtk python3-openvdb python3-h5py python3-numcodecs python3-nibabel python3-tifffile libtiff-tools

@@ -17,16 +17,20 @@ import sys
 import tempfile
 import time
 
+from phantom_measures import (
+    BY_REFERENCE,
+    PHANTOMS,
+    Failed,
+    fine_mesh,
+    has_peer,
+    measure,
+    peer,
+    run,
+    surface_of,
+)
+
 HERE = pathlib.Path(__file__).resolve().parent
-PEERS = HERE / "pareto_peers.py"
-PHANTOMS = ["part", "gyroid", "porous"]
 VOLUMES = [*PHANTOMS, "bunny"]
-# Of these the true surface is not known. A mesh of their middle, of twice as many samples made by
-# cubic interpolation, stands for it: no program measured here makes that one.
-BY_REFERENCE = ["porous", "bunny"]
-MIDDLE = 256
-# Their outermost samples are empty: that step says only between which samples the surface is.
-INSET = 3
 
 
 @dataclasses.dataclass
@@ -46,23 +50,6 @@ TOLERANCES = [0.02, 0.05, 0.1, 0.2, 0.4, 0.8]
 ADAPTIVITIES = [0, 0.01, 0.03, 0.1, 0.3, 1]
 # Of the triangles of FlyingEdges.
 SHARES = [0.5, 0.25, 0.1, 0.05, 0.02]
-
-
-class Failed(Exception):
-    pass
-
-
-def run(*command):
-    result = subprocess.run([str(part) for part in command], capture_output=True, text=True)
-    if result.returncode != 0:
-        lines = result.stderr.strip().splitlines() or [f"exit code {result.returncode}"]
-        raise Failed(f"{pathlib.Path(command[0]).name}: {lines[-1]}")
-    return result.stdout
-
-
-def is_installed(program):
-    probe = subprocess.run([sys.executable, PEERS, "probe", program], capture_output=True)
-    return probe.returncode == 0
 
 
 class Bench:
@@ -105,18 +92,11 @@ class Bench:
         return path, float(seconds.read_text())
 
     def fine(self, name):
-        path = self.folder / f"{name}-{self.size}.fine.ply"
-        if not path.exists():
-            part = path.with_name("part.ply")
-            peer("fine", self.volume(name), part, MIDDLE)
-            part.replace(path)
-        return path
+        return fine_mesh(self.volume(name), self.folder / f"{name}-{self.size}.fine.ply")
 
     def measure(self, name, mesh):
-        true = [name, self.size]
-        if name in BY_REFERENCE:
-            true = ["--reference", self.fine(name), "--inset", INSET]
-        return json.loads(run(self.build / "measure_output", mesh, *true, "--json"))
+        fine = self.fine(name) if name in BY_REFERENCE else None
+        return measure(self.build / "measure_output", mesh, name, self.size, fine)
 
     def note(self, volume, program, setting, make):
         """make() gives a mesh and the seconds it took."""
@@ -148,10 +128,6 @@ class Bench:
         )
 
 
-def peer(*arguments):
-    return run(sys.executable, PEERS, *arguments)
-
-
 def write_bunny(packed, size, path):
     """The middle of the scan, at most size samples a side, as if its voxels were cubes. Its
     outermost samples become air, so that every program closes the surface there."""
@@ -173,16 +149,6 @@ def write_bunny(packed, size, path):
             f"sizes: {sizes}\nendian: little\nencoding: raw\n\n".encode()
         )
         samples.tofile(file)
-
-
-def surface_of(volume):
-    """isovalue and inside, from the volume's comment."""
-    with open(volume, "rb") as file:
-        for line in file:
-            words = line.decode(errors="replace").replace(",", "").split()
-            if words[:2] == ["#", "isovalue"]:
-                return words[2], words[4]
-    raise Failed(f"{volume}: says no isovalue")
 
 
 def knows(voxweld, key, value):
@@ -250,13 +216,13 @@ def simplified_lines(bench, volume, programs):
 
 def installed_peers(build):
     """What can be asked, and how; what cannot is said."""
-    with_vtk = is_installed("flying_edges")
+    with_vtk = has_peer("flying_edges")
     meshopt = build / "meshopt_simplify"
     simplifiers = {
         "meshoptimizer": (meshopt.exists(), lambda *a: run(meshopt, *a)),
         "VTK quadric": (True, lambda *a: peer("vtk_quadric", *a)),
     }
-    found = {"OpenVDB": is_installed("openvdb"), "FlyingEdges": with_vtk}
+    found = {"OpenVDB": has_peer("openvdb"), "FlyingEdges": with_vtk}
     found.update({name: there and with_vtk for name, (there, _) in simplifiers.items()})
     for name, there in found.items():
         if not there:
