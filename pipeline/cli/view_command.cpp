@@ -12,7 +12,10 @@
 
 #include "pipeline/cli/command_text.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/executor/memory_budget.h"
+#include "pipeline/executor/progress.h"
 #include "pipeline/view/view_server.h"
+#include "pipeline/view/viewer_folder.h"
 
 namespace voxweld {
 namespace {
@@ -21,6 +24,8 @@ struct ViewArguments {
   std::string input;
   ServerOptions options;
   bool open = false;
+  std::string folder;  // to write instead; empty: none
+  bool force = false;
 };
 
 // The desktop's browser. It goes on by itself, and says what it says to nobody.
@@ -38,7 +43,19 @@ void open_in_browser(const std::string& url) {
   if (error != 0) spdlog::warn("cannot start xdg-open; open the address yourself");
 }
 
+int export_viewer(const ViewArguments& arguments, const Program& program) {
+  const std::filesystem::path folder = arguments.folder;
+  const ViewerFolderTotals totals = write_viewer_folder(
+      arguments.input, folder, {arguments.force, [&program] { program.interrupt.check(); }});
+  fmt::print("{}: {}, {}\n", folder.string(), counted(totals.files, "files"),
+             readable_bytes(static_cast<double>(totals.bytes)));
+  fmt::print("next: put the folder on any web server, or run `python3 -m http.server -d {}`\n",
+             folder.string());
+  return 0;
+}
+
 int view(const ViewArguments& arguments, const Program& program) {
+  if (!arguments.folder.empty()) return export_viewer(arguments, program);
   const ViewServer server(arguments.input, arguments.options);
   if (!is_loopback(arguments.options.host))
     spdlog::warn("{}: other machines that reach this address can read all files of {}",
@@ -62,10 +79,11 @@ void add_view_command(CLI::App& app, Program& program) {
       "mesh, and click it to see where a point lies. Tiles appear as they load; of a mesh with "
       "levels of detail only those as fine as the view needs. Nothing is sent elsewhere and "
       "nothing is loaded from the net.");
-  add_examples(*command,
-               {{"voxweld view scan.mesh", ""},
-                {"voxweld view scan.mesh --open", "opens the browser too"},
-                {"voxweld view part.glb --port 8080", "one file, at an address to keep"}});
+  add_examples(*command, {{"voxweld view scan.mesh", ""},
+                          {"voxweld view scan.mesh --open", "opens the browser too"},
+                          {"voxweld view part.glb --port 8080", "one file, at an address to keep"},
+                          {"voxweld view scan.mesh --export scan.page",
+                           "the page and the mesh as files, for a web server or somebody else"}});
   add_file(*command, "input", arguments->input,
            "An output directory, or a mesh file: .drc, .glb, .ply, .stl, .obj or .vtp");
   add_value(*command, "--port", arguments->options.port, "Port to listen on; 0: one that is free")
@@ -74,7 +92,18 @@ void add_view_command(CLI::App& app, Program& program) {
       *command, "--host", arguments->options.host,
       "Address to listen on; one that is not of this machine alone lets others read the files")
       ->type_name("ADDRESS");
-  command->add_flag("--open", arguments->open, "Opens the address in the desktop's browser");
+  CLI::Option* open =
+      command->add_flag("--open", arguments->open, "Opens the address in the desktop's browser");
+  CLI::Option* folder =
+      command
+          ->add_option("--export", arguments->folder,
+                       "Writes the page and what it shows into a folder instead, which any "
+                       "web server can hand out")
+          ->type_name("FOLDER");
+  command->add_flag("--force", arguments->force, "With --export: writes over an earlier one")
+      ->needs(folder);
+  for (CLI::Option* other : {open, command->get_option("--port"), command->get_option("--host")})
+    folder->excludes(other);
   when_chosen(*command, program, [&program, arguments] { return view(*arguments, program); });
 }
 

@@ -141,9 +141,9 @@ class LevelLister {
 }  // namespace
 
 std::string tileset_format(const EncodeJob& job) {
-  for (const char* name : {"glb", "meshopt", "glb-plain"})
+  for (const std::string_view name : tileset_formats)
     for (const MeshWriter& writer : job.formats)
-      if (writer.name == name) return name;
+      if (writer.name == name) return std::string(name);
   return {};
 }
 

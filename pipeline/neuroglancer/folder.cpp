@@ -1,13 +1,10 @@
 #include "pipeline/neuroglancer/folder.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string_view>
-#include <vector>
 
-#include "storage/support/error.h"
+#include "storage/support/claim_folder.h"
 #include "storage/support/file_io.h"
 
 namespace voxweld {
@@ -50,51 +47,10 @@ bool is_by_voxweld(const fs::path& info) {
   return generator.is_string() && generator.get<std::string>().starts_with("voxweld");
 }
 
-[[noreturn]] void refuse(const fs::path& folder, const std::string& why) {
-  throw InputError(
-      fmt::format("{}: {}; name a new or an empty folder with -o", folder.string(), why));
-}
-
-void empty_folder(const fs::path& folder) {
-  std::vector<fs::path> old;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    if (!is_ours(entry))
-      refuse(folder,
-             fmt::format("has {}, which no export has written", entry.path().filename().string()));
-    old.push_back(entry.path());
-  }
-  // What is left of the folder is no export from here on.
-  if (fs::exists(folder / info_name)) {
-    if (!is_by_voxweld(folder / info_name))
-      refuse(folder, "has an `info` that voxweld has not written");
-    remove_file(folder / info_name);
-  }
-  for (const fs::path& path : old) fs::remove_all(path);
-}
-
-bool lies_in(const fs::path& inner, const fs::path& outer) {
-  const fs::path a = fs::weakly_canonical(inner), b = fs::weakly_canonical(outer);
-  const auto [in_a, in_b] = std::ranges::mismatch(a, b);
-  return in_b == b.end() || *in_b == "";
-}
-
 }  // namespace
 
 void claim_folder(const fs::path& folder, const fs::path& output, bool force) {
-  if (lies_in(folder, output))
-    refuse(folder,
-           fmt::format("lies in the output directory {}, which runs write", output.string()));
-  const fs::file_status status = fs::status(folder);
-  if (fs::exists(status) && !fs::is_directory(status)) refuse(folder, "is a file");
-  if (fs::exists(status)) remove_stale_temporaries(folder, true);
-  if (fs::exists(status) && !fs::is_empty(folder)) {
-    if (!force)
-      throw InputError(fmt::format(
-          "{}: is not empty; use --force to write over an earlier export, or -o for another folder",
-          folder.string()));
-    empty_folder(folder);
-  }
-  make_directories(folder);
+  claim_folder({folder, output, force, "-o", is_ours, info_name, is_by_voxweld});
 }
 
 }  // namespace voxweld

@@ -2,6 +2,7 @@
 // loads a mesh and the setting output.formats take all they know of a format.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <span>
@@ -64,6 +65,9 @@ struct MeshWriter {
   bool holds_labels = true;
 };
 using MeshWriters = std::span<const MeshWriter>;
+
+// Whose files are the contents of a tileset of 3D Tiles, which are glTF: the first of these that is there.
+inline constexpr std::array<std::string_view, 3> tileset_formats{"glb", "meshopt", "glb-plain"};
 
 // In the order in which the files of a mesh are written and listed.
 MeshWriters mesh_writers();

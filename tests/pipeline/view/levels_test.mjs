@@ -94,6 +94,7 @@ const panel_says = (page, what) => page.waitForFunction((text) => new RegExp(tex
 const tests = {
   async "coarse from afar, fine nearby, coarse again; and no gap at any mix"(visit) {
     const page = await open(visit), found = [];
+    await look(page, "view.tileset.set_error(4)");
     for (const radii of [60, 3, 1.6, 60]) {
       await stand(page, radii);
       await settle(page);
@@ -146,6 +147,20 @@ const tests = {
     await panel_says(page, /64 px[^]*1 tiles? in sight/);
     await slide(page, "Memory for tiles", 7);
     await panel_says(page, /128 MiB/);
+  },
+
+  async "an exported folder shows the same from any web server"(visit) {
+    run("view", name, "--export", "gyroid.page");
+    const seen = [];
+    for (const what of [name, "gyroid.page"]) {
+      const { page } = await visit(what);
+      await page.evaluate(seeing);
+      await stand(page, 3);
+      await settle(page);
+      seen.push(await sight(page));
+    }
+    assert.deepEqual(seen[1], seen[0]);
+    assert.equal(seen[1].gaps, 0);
   },
 
   async "memory stays below its cap, and a coarser surface has no gap"(visit) {

@@ -28,6 +28,22 @@ const tests = {
     assert.ok(share(image, is_back) < 0.85, "a surface");
   },
 
+  async "exported folders show the same from any web server"(visit) {
+    for (const name of ["gyroid.mesh", "gyroid.mesh/mesh.drc"]) {
+      const folder = `${name.replaceAll("/", "-")}.page`;
+      run("view", name, "--export", folder);
+      const pictures = [];
+      for (const what of [name, folder]) {
+        const { page } = await visit(what);
+        assert.deepEqual(await page.evaluate(() => window.voxweld.state.errors), []);
+        assert.equal(await page.evaluate(() => window.voxweld.state.triangles), triangles_of("gyroid.mesh"));
+        pictures.push(await picture(page));
+      }
+      assert.ok(share(pictures[1], is_back) < 0.85, "a surface");
+      assert.ok(difference(pictures[0], pictures[1]) < 0.001, "the same picture");
+    }
+  },
+
   async "a closed surface shows no background in its middle, and no back"(visit) {
     const { page } = await visit("solids.mesh");
     const image = await picture(page), middle = [0.3, 0.35, 0.44, 0.65]; // left of the panel

@@ -53,6 +53,23 @@ async function serve(name) {
   return { url, stop: () => (server.kill("SIGINT"), ended) };
 }
 
+// A folder by a web server that knows nothing of voxweld.
+async function serve_files(name) {
+  const server = spawn("python3", ["-u", "-m", "http.server", "-b", "127.0.0.1", "-d", name, "0"],
+    { cwd: place, stdio: ["ignore", "pipe", "ignore"] });
+  const ended = new Promise((done) => server.on("exit", () => done(0)));
+  let said = "";
+  const url = await new Promise((done, failed) => {
+    server.stdout.on("data", (text) => {
+      const address = (said += text).match(/http:[^)\s]+(?=\))/);
+      if (address) done(address[0]);
+    });
+    server.on("error", failed);
+    ended.then(() => failed(new Error("python3 -m http.server ended")));
+  });
+  return { url, stop: () => (server.kill("SIGINT"), ended) };
+}
+
 // Of libraries, of what is tested here: 3d-tiles-renderer says it of every tileset of version 1.1.
 const expected = /tiles versions at 1.1 or higher have limited support|DRACOLoader: Decoding failed/;
 
@@ -90,7 +107,8 @@ export async function picture(page) {
 export const look = (page, text) => page.evaluate(`{ const view = window.voxweld.view; ${text} }`);
 export const triangles_of = (name) => JSON.parse(readFileSync(join(place, name, "manifest.json"))).counts.output_triangles;
 
-// Each test gets visit(NAME): serves what is in the folder, and opens the page.
+// Each test gets visit(NAME): serves what is in the folder, and opens the page. What ends in .page is a folder of
+// `voxweld view --export`.
 export async function run_tests(tests) {
   const browser = await puppeteer.launch({
     executablePath: chromium, headless: true,
@@ -100,7 +118,7 @@ export async function run_tests(tests) {
   for (const [name, test] of Object.entries(tests)) {
     const opened = [];
     const visit = async (what) => {
-      const { url, stop } = await serve(what);
+      const { url, stop } = await (what.endsWith(".page") ? serve_files : serve)(what);
       const again = async (hash = "") => {
         const one = await open_page(browser, url + hash);
         opened.push({ ...one, what });
