@@ -102,6 +102,7 @@ async function looks(page) {
 
 async function serve() {
   const server = spawn(program, ["view", output], { stdio: ["ignore", "pipe", "inherit"] });
+  process.on("exit", () => server.kill("SIGINT"));
   const address = await new Promise((done, failed) => {
     server.stdout.on("data", (text) => done(String(text).match(/http:\S+/)[0]));
     server.on("exit", (code) => failed(new Error(`${program} view ended with ${code}`)));
@@ -115,12 +116,11 @@ async function serve() {
     const wait = () => window.voxweld?.view ? done() : setTimeout(wait, 50);
     wait();
   }).then(() => { delete window.__THREE__; ${outputFiles[0].text} })`;
-  return { server, address, script };
+  return { address, script };
 }
 
 const expected = /tiles versions at 1.1 or higher have limited support/;
 if (client === "view") {
-  const { server, address, script } = await serve();
-  const complaints = await with_page(dirname(output), address, expected, looks, script).finally(() => server.kill("SIGINT"));
-  end(complaints);
+  const { address, script } = await serve();
+  end(await with_page(dirname(output), address, expected, looks, script));
 } else end(await with_page(dirname(output), client === "cesium" ? "cesium_page.html" : "tiles_page.html", expected, looks));
