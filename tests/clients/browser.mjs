@@ -9,7 +9,7 @@ import { decoded_png, share } from "../pipeline/view/picture.mjs";
 import { missing_decoder } from "./glb.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url)), require = createRequire(import.meta.url);
-const patience_ms = 240000;
+const patience_ms = 600000;
 
 function skip(why) {
   console.log(`skipped: ${why}`);
@@ -52,8 +52,9 @@ function serve(outputs) {
   return new Promise((done) => server.listen(0, "127.0.0.1", () => done(server)));
 }
 
-// Calls test(page, address) with a page open; what the page complains of, but for `expected`, is a failure.
-export async function with_page(outputs, page_name, expected, test) {
+// Calls test(page) with a page open: one of this folder, or an address; what the page complains of, but for `expected`,
+// is a failure. script: for a page that has no window.client of its own.
+export async function with_page(outputs, page_name, expected, test, script = "") {
   const puppeteer = require("puppeteer-core"), server = await serve(outputs);
   const browser = await puppeteer.launch({
     executablePath: browser_path(), headless: true, protocolTimeout: patience_ms,
@@ -70,7 +71,8 @@ export async function with_page(outputs, page_name, expected, test) {
       if (!/^(http:\/\/127\.0\.0\.1:|blob:|data:)/.test(request.url())) complaints.push(`asks for ${request.url()}`);
     });
     await page.setViewport({ width: 900, height: 700 });
-    await page.goto(`http://127.0.0.1:${server.address().port}/pages/${page_name}`);
+    await page.goto(new URL(page_name, `http://127.0.0.1:${server.address().port}/pages/`).href);
+    await page.evaluate(script);
     await page.waitForFunction(() => window.client !== undefined, { timeout: patience_ms });
     await test(page);
   } finally {
@@ -80,11 +82,13 @@ export async function with_page(outputs, page_name, expected, test) {
   return complaints;
 }
 
+const is_magenta = ([r, g, b]) => r > 250 && g < 5 && b > 250;
+
 // What is seen of the page; returns how much of that is not background.
-export async function save_picture(page, path) {
+export async function save_picture(page, path, is_background = is_magenta) {
   const file = Buffer.from(await page.screenshot({ type: "png" }));
   writeFileSync(path, file);
-  return 1 - share(decoded_png(file), ([r, g, b]) => r > 250 && g < 5 && b > 250);
+  return 1 - share(decoded_png(file), is_background);
 }
 
 // Collects what fails; prints a line for each thing looked at.

@@ -60,8 +60,9 @@ export function clearance(nodes, point) {
   return Math.sqrt(least);
 }
 
-// The deepest of some: from the middle of a triangle half way to what lies opposite.
-export function inside_points(nodes, count, next, tries = 40) {
+// The deepest of some: from the middle of a triangle half way to what lies opposite. outside: on the other side of it,
+// where that has something opposite.
+export function inside_points(nodes, count, next, { tries = 40, outside = false } = {}) {
   const found = [];
   for (let i = 0; i < tries; ++i) {
     const { positions: p, corners } = nodes[Math.floor(next() * nodes.length)], t = 3 * Math.floor((next() * corners.length) / 3);
@@ -69,7 +70,7 @@ export function inside_points(nodes, count, next, tries = 40) {
     const u = at[1].map((x, k) => x - at[0][k]), v = at[2].map((x, k) => x - at[0][k]);
     const n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]], length = Math.hypot(...n);
     if (length === 0) continue;
-    const inward = n.map((x) => -x / length), middle = [0, 1, 2].map((k) => (at[0][k] + at[1][k] + at[2][k]) / 3);
+    const inward = n.map((x) => (outside ? x : -x) / length), middle = [0, 1, 2].map((k) => (at[0][k] + at[1][k] + at[2][k]) / 3);
     const opposite = hits(nodes, middle, inward);
     if (opposite.length === 0) continue;
     const depth = opposite.reduce((a, b) => Math.min(a, b)) / 2;

@@ -7,13 +7,21 @@
 #   tiles-renderer  3d-tiles-renderer in the same
 #   cesium          CesiumJS in the same, and labels by a click
 #   files           .ply, .stl, .obj, .vtp and .glb: VTK, Assimp, ADMesh, MeshLab, Blender: triangles, area, volume
-# Usage: tests/clients/run.sh [--only NAME[,NAME...]] PROGRAM OUT_FOLDER
+# With --output it makes nothing: it looks at that output, of any size, by view (the page of `PROGRAM view`),
+# tiles-renderer and cesium (large_client.mjs).
+# Usage: tests/clients/run.sh [--output OUTPUT] [--only NAME[,NAME...]] PROGRAM OUT_FOLDER
 # It installs nothing: tests/npm_packages.sh and tests/clients/install_packages.sh do.
 # Exit status: 0 all is well (or skipped), 1 not so.
 set -euo pipefail
 # shellcheck source=tests/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
 known="tileset gltf three tiles-renderer cesium files"
+output=
+if [ "${1:-}" = --output ]; then
+  output=$(realpath "${2:?an output folder}")
+  known="view tiles-renderer cesium"
+  shift 2
+fi
 clients=$known
 if [ "${1:-}" = --only ]; then
   clients=${2//,/ }
@@ -22,7 +30,7 @@ if [ "${1:-}" = --only ]; then
   shift 2
 fi
 [ $# -eq 2 ] || {
-  echo "usage: tests/clients/run.sh [--only NAME[,NAME...]] PROGRAM OUT_FOLDER" >&2
+  echo "usage: tests/clients/run.sh [--output OUTPUT] [--only NAME[,NAME...]] PROGRAM OUT_FOLDER" >&2
   exit 2
 }
 require_program "$1" "build the target voxweld"
@@ -39,12 +47,17 @@ python=${PYTHON:-python3}
 "$python" -c 'import vtkmodules' 2>/dev/null || python=/usr/bin/python3
 export PYTHONDONTWRITEBYTECODE=1
 
-echo "outputs: making what is missing in $out"
-"$here/outputs.sh" "$program" "$out"
 outputs=()
-for name in gyroid porous pores cells rod bunny frog; do
-  if [ -d "$out/$name.mesh" ]; then outputs+=("$name"); else echo "skipped: $name (no shared data)"; fi
-done
+if [ -z "$output" ]; then
+  echo "outputs: making what is missing in $out"
+  "$here/outputs.sh" "$program" "$out"
+  for name in gyroid porous pores cells rod bunny frog; do
+    if [ -d "$out/$name.mesh" ]; then outputs+=("$name"); else echo "skipped: $name (no shared data)"; fi
+  done
+elif [ ! -f "$output/tileset.json" ]; then
+  echo "$output has no tileset.json: output.levels makes one" >&2
+  exit 2
+fi
 
 labels() { case $1 in cells | frog) echo --shared ;; esac; }
 
@@ -75,7 +88,7 @@ skipped=()
 for client in $clients; do
   echo "== $client"
   status=0
-  "$client" || status=$?
+  if [ -z "$output" ]; then "$client"; else node "$here/large_client.mjs" "$client" "$program" "$output" "$out"; fi || status=$?
   case $status in
     0) ;;
     77) skipped+=("$client") ;;

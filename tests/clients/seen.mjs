@@ -33,15 +33,38 @@ export function counts(renderer) {
 }
 
 // Of a picture of layers: pixels with as many backs more than fronts as wanted, others, and those without a triangle.
-function layer_counts(renderer, wanted) {
+// places: of others, by their numbers.
+function layer_counts(renderer, wanted, places = []) {
   const pixels = pixels_of(renderer), found = { all: pixels.length / 4, empty: 0, wrong: 0, most: 0 };
   for (let i = 0; i < pixels.length; i += 4) {
     const [, fronts, backs] = pixels.subarray(i, i + 3);
     found.empty += fronts + backs === 0;
-    found.wrong += backs - fronts !== wanted;
+    if (backs - fronts !== wanted) {
+      found.wrong += 1;
+      places.push(i / 4);
+    }
     found.most = Math.max(found.most, fronts, backs);
   }
   return found;
+}
+
+const zoom = 16, most_places = 40;
+
+// Of pixels that are wrong, those that are wrong too where the same triangles are drawn larger. One that is lost where
+// the picture's edge cuts a triangle is not; a gap is, and is wider then.
+function gaps_at(renderer, scene, camera, places, wanted) {
+  if (places.length > most_places) return places.length; // a hole
+  const gl = renderer.getContext(), { drawingBufferWidth: w, drawingBufferHeight: h } = gl, near = camera.clone();
+  const view = camera.view?.enabled ? camera.view : { fullWidth: w, fullHeight: h, offsetX: 0, offsetY: 0, width: w, height: h };
+  const wide = view.width / zoom, tall = view.height / zoom;
+  return places.filter((place) => {
+    const x = ((place % w) + 0.5) / w, y = 1 - (Math.floor(place / w) + 0.5) / h; // from the top
+    near.setViewOffset(view.fullWidth, view.fullHeight, view.offsetX + x * view.width - wide / 2, view.offsetY + y * view.height - tall / 2, wide, tall);
+    renderer.render(scene, near);
+    const larger = [];
+    layer_counts(renderer, wanted, larger);
+    return larger.some((one) => Math.abs((one % w) + 0.5 - w / 2) <= zoom && Math.abs(Math.floor(one / w) + 0.5 - h / 2) <= zoom);
+  }).length;
 }
 
 // Draws the layers alone.
@@ -75,10 +98,12 @@ export function around(renderer, scene, point, near, size, turn) {
   });
 }
 
-// Looks through a camera: from outside of all, or from inside.
-export function through(renderer, scene, camera, inside = false) {
+// Looks through a camera: from outside of all, or from inside. closely: gaps, of the wrong pixels, are those that a
+// look nearer confirms.
+export function through(renderer, scene, camera, inside = false, closely = false) {
   return with_layers(renderer, scene, () => {
     renderer.render(scene, camera);
-    return layer_counts(renderer, inside ? 1 : 0);
+    const places = [], wanted = inside ? 1 : 0, found = layer_counts(renderer, wanted, places);
+    return closely ? { ...found, gaps: gaps_at(renderer, scene, camera, places, wanted) } : found;
   });
 }

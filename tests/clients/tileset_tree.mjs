@@ -26,11 +26,12 @@ function walk(path, visit, parent = null, depth = 0, seen = { files: [], breache
 
 // { root, nodes, files, breaches, error }: nodes in the order of the files; each has uri, path, box, error,
 // children, depth, and positions (world, metres, z up), raw (as in the file), corners where it has content.
-export function read_tileset(path) {
+// wanted(tile): whether to read its content; of a large tileset not all has room.
+export function read_tileset(path, wanted = () => true) {
   const nodes = [];
   const seen = walk(path, ({ tile, file, depth, parent, link }) => {
     const node = { tile, box: tile.boundingVolume.box, error: tile.geometricError, depth, parent, link, children: [] };
-    if (!link && tile.content) {
+    if (!link && tile.content && wanted(tile)) {
       node.path = join(dirname(file), tile.content.uri);
       const glb = read_glb(node.path);
       Object.assign(node, { positions: world_positions(glb), raw: glb.positions, corners: glb.corners, matrix: glb.matrix, features: glb.attributes._FEATURE_ID_0 });
