@@ -18,7 +18,8 @@ void add_info_command(CLI::App& app, Program& program) {
       "info",
       "Says what a file or folder holds\n"
       "Takes a volume, a mesh, a config, an output or work directory of a run, or any file in "
-      "one, or an export for Neuroglancer.");
+      "one, or a folder that was exported for Neuroglancer or "
+      "for browsers.");
   add_file(*command, "path", arguments->volume.path,
            "A file, a folder or a pattern in quotes: 'slices/*.tif'");
   command->add_flag("--json", arguments->json, "Prints it as JSON");

@@ -8,6 +8,7 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <optional>
 #include <thread>
 
 #include "pipeline/cli/command_text.h"
@@ -24,7 +25,7 @@ struct ViewArguments {
   std::string input;
   ServerOptions options;
   bool open = false;
-  std::string folder;  // to write instead; empty: none
+  std::optional<std::string> folder;  // to write instead
   bool force = false;
 };
 
@@ -44,7 +45,7 @@ void open_in_browser(const std::string& url) {
 }
 
 int export_viewer(const ViewArguments& arguments, const Program& program) {
-  const std::filesystem::path folder = arguments.folder;
+  const std::filesystem::path folder = *arguments.folder;
   const ViewerFolderTotals totals = write_viewer_folder(
       arguments.input, folder, {arguments.force, [&program] { program.interrupt.check(); }});
   fmt::print("{}: {}, {}\n", folder.string(), counted(totals.files, "files"),
@@ -55,7 +56,7 @@ int export_viewer(const ViewArguments& arguments, const Program& program) {
 }
 
 int view(const ViewArguments& arguments, const Program& program) {
-  if (!arguments.folder.empty()) return export_viewer(arguments, program);
+  if (arguments.folder) return export_viewer(arguments, program);
   const ViewServer server(arguments.input, arguments.options);
   if (!is_loopback(arguments.options.host))
     spdlog::warn("{}: other machines that reach this address can read all files of {}",

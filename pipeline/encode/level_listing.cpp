@@ -116,7 +116,7 @@ class LevelLister {
         [&](std::uint64_t n) {
           add(nodes_[n]);
           counts.add(listing_.levels.counts(n));
-          worst = std::max(worst, errors_[n]);
+          worst = std::max(worst, errors_[n].worst);
           if (tree_.nodes()[n].height == height) bytes += nodes_[n].bytes;
         },
         [&](std::uint64_t t) { add(tiles_[t]); });
@@ -133,7 +133,7 @@ class LevelLister {
 
   const LevelListing& listing_;
   const LevelTree& tree_;
-  const std::vector<double> errors_;  // of nodes
+  const std::vector<LevelError> errors_;  // of nodes
   Manifest& manifest_;
   std::vector<Sums> tiles_, nodes_;  // records are read once for all levels
 };

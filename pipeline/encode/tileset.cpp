@@ -140,7 +140,7 @@ class TilesetWriter {
   }
 
   double measured_error(std::uint64_t node) const {
-    return errors_[node] * inputs_.lattice.step * scale_;
+    return errors_[node].p99 * inputs_.lattice.step * scale_;
   }
 
   Json without_content(std::vector<Part>& parts, double error) const {
@@ -179,7 +179,7 @@ class TilesetWriter {
 
   const TilesetInputs& inputs_;
   const LevelTree& tree_;
-  const std::vector<double> errors_;  // of nodes
+  const std::vector<LevelError> errors_;  // of nodes
   const std::array<double, 16> matrix_;
   double scale_ = 0;  // metres in a unit of the files
   std::vector<FileRecord> files_;

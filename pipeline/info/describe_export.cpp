@@ -1,10 +1,11 @@
-// Exports for Neuroglancer.
+// Folders that are made of an output: exports for Neuroglancer, and the viewer's page.
 #include <nlohmann/json.hpp>
 
 #include "pipeline/info/kinds.h"
 #include "pipeline/neuroglancer/folder.h"
 #include "pipeline/neuroglancer/folder_check.h"
 #include "pipeline/neuroglancer/folder_reader.h"
+#include "pipeline/view/viewer_folder.h"
 #include "storage/support/file_io.h"
 
 namespace voxweld {
@@ -94,6 +95,15 @@ bool is_neuroglancer_export(const fs::path& folder) {
   if (!json.is_object() || !json.contains("@type") || !json["@type"].is_string()) return false;
   const std::string type = json["@type"];
   return type == "neuroglancer_legacy_mesh" || type == "neuroglancer_multilod_draco";
+}
+
+std::optional<InfoDocument> describe_viewer_folder(const fs::path& folder) {
+  const auto shown = shown_in_viewer_folder(folder);
+  if (!shown) return std::nullopt;
+  InfoDocument document = new_document("viewer_folder", folder);
+  count_files(folder, document);
+  document["shown"] = *shown;
+  return document;
 }
 
 InfoDocument describe_export(const fs::path& folder, const InfoOptions& options) {

@@ -87,6 +87,7 @@ bool named_by_contents(const InputSpec& input) {
 InfoDocument describe_directory(const fs::path& path, const InfoOptions& options) {
   if (fs::exists(path / manifest_name)) return describe_output(path / manifest_name, options);
   if (is_neuroglancer_export(path)) return describe_export(path, options);
+  if (auto document = describe_viewer_folder(path)) return *document;
   if (holds_zarr_array(path)) return describe_array(path, options);
   if (is_stage_directory(path)) return describe_stage_directory(path, options);
   if (is_work_directory(path)) return describe_work_directory(path, options);

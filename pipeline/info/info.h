@@ -63,6 +63,7 @@
 //   neuroglancer_export  (a folder) files, format "multilod_draco" or "legacy", sharded, border
 //                    "open" or "closed", objects, levels [{level, objects, fragments, bytes}];
 //                    verbose: object_list [{object, levels, fragments, bytes}]
+//   viewer_folder    (a folder of `voxweld view --export`) files, shown: the name of the run or file
 //   report           (report.html, a page about a run)
 //   config           settings {table {key: value}}
 //   temporary        of: the file it would have become

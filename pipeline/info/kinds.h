@@ -60,6 +60,8 @@ InfoDocument describe_tile_list(const std::filesystem::path& path, const InfoOpt
 // A folder that `voxweld export --neuroglancer` has finished.
 bool is_neuroglancer_export(const std::filesystem::path& folder);
 InfoDocument describe_export(const std::filesystem::path& folder, const InfoOptions& options);
+// What `voxweld view --export` has written; nothing where the folder is something else.
+std::optional<InfoDocument> describe_viewer_folder(const std::filesystem::path& folder);
 
 // Work directories and the small files in them.
 bool is_work_directory(const std::filesystem::path& path);

@@ -46,13 +46,18 @@ RefineCounts LevelMeshes::counts(std::uint64_t node) const {
   return open(node).counted<RefineCounts>();
 }
 
-std::vector<double> LevelMeshes::errors() const {
-  std::vector<double> errors;
+std::vector<LevelError> LevelMeshes::errors() const {
+  std::vector<LevelError> errors;
   for (std::uint64_t n = 0; n < tree().nodes().size(); ++n) {
-    double below = 0;
-    for (const std::uint64_t child : tree().nodes()[n].nodes)
-      below = std::max(below, errors[child]);
-    errors.push_back(below + counts(n).worst);
+    LevelError error;
+    for (const std::uint64_t child : tree().nodes()[n].nodes) {
+      error.worst = std::max(error.worst, errors[child].worst);
+      error.p99 = std::max(error.p99, errors[child].p99);
+    }
+    const RefineCounts own = counts(n);
+    error.worst += own.worst;
+    error.p99 += own.quantile(0.99);
+    errors.push_back(error);
   }
   return errors;
 }

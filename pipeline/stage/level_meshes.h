@@ -9,6 +9,12 @@
 
 namespace voxweld {
 
+// How far a coarser tile may be from the mesh that it stands for, lattice steps.
+struct LevelError {
+  double worst = 0;  // at any point that was measured, either way
+  double p99 = 0;    // of the mesh' points 99 % are no farther
+};
+
 // Thread-safe.
 class LevelMeshes {
  public:
@@ -21,9 +27,8 @@ class LevelMeshes {
   PlannedTile size(std::uint64_t node) const;  // with half as many polygons as triangles
   TileMesh read(std::uint64_t node) const;
   RefineCounts counts(std::uint64_t node) const;
-  // Of each node, in lattice steps: how far it may be from the mesh that it stands for, or that from it.
-  // How far it is from its children was measured, and they have errors of their own.
-  std::vector<double> errors() const;
+  // Of each node: its own distances, as measured, and those of its children.
+  std::vector<LevelError> errors() const;
 
  private:
   CubeMeshArtifact open(std::uint64_t node) const;

@@ -36,9 +36,24 @@ bool is_ours(const fs::directory_entry& entry) {
   return name == "api" || name == data_name || std::ranges::any_of(page_files(), begins);
 }
 
-bool is_scene(const fs::path& path) {
+// Its "name".
+std::optional<std::string> name_in_scene(const fs::path& path) {
   const auto json = nlohmann::json::parse(read_text_file(path), nullptr, false);
-  return json.is_object() && json.value("format", "") == "voxweld-scene";
+  if (!json.is_object() || !json.contains("format") || json["format"] != "voxweld-scene" ||
+      !json.contains("name") || !json["name"].is_string())
+    return std::nullopt;
+  return json["name"].get<std::string>();
+}
+
+bool is_scene(const fs::path& path) {
+  return name_in_scene(path).has_value();
+}
+
+// Where the shown file or directory lies in an output of a run, that; else itself.
+fs::path output_around(const fs::path& shown) {
+  for (fs::path at = fs::weakly_canonical(shown); at.has_relative_path(); at = at.parent_path())
+    if (fs::is_regular_file(at / manifest_name)) return at;
+  return shown;
 }
 
 // Which files of a scene the page asks for, and the scene with these alone.
@@ -173,7 +188,8 @@ ViewerFolderTotals write_viewer_folder(const fs::path& shown, const fs::path& fo
   const ServedFiles files(shown);
   check_viewable(files);
   const Choice choice(files, Json::parse(scene_text(files)));
-  claim_folder({folder, shown, options.force, "--export", is_ours, scene_name, is_scene});
+  claim_folder(
+      {folder, output_around(shown), options.force, "--export", is_ours, scene_name, is_scene});
   Writer writer(folder, options.between);
   for (const PageFile& file : page_files())
     writer.put(std::string(file.name), std::as_bytes(std::span(file.bytes)));
@@ -189,6 +205,13 @@ ViewerFolderTotals write_viewer_folder(const fs::path& shown, const fs::path& fo
   const std::string scene = json_text(choice.scene()) + "\n";
   writer.put(scene_name, as_bytes(scene));
   return writer.totals();
+}
+
+std::optional<std::string> shown_in_viewer_folder(const fs::path& folder) {
+  const fs::path scene = folder / scene_name;
+  if (!fs::is_regular_file(scene) || !fs::is_regular_file(folder / "index.html"))
+    return std::nullopt;
+  return name_in_scene(scene);
 }
 
 }  // namespace voxweld

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <string>
 
 namespace voxweld {
 
@@ -24,5 +26,8 @@ struct ViewerFolderTotals {
 ViewerFolderTotals write_viewer_folder(const std::filesystem::path& shown,
                                        const std::filesystem::path& folder,
                                        const ViewerFolderOptions& options);
+
+// The name of the run or file that such a folder shows; nothing where it is none, or not whole.
+std::optional<std::string> shown_in_viewer_folder(const std::filesystem::path& folder);
 
 }  // namespace voxweld

@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
                                claim.folder.string(), why, claim.option));
 }
 
-void empty_folder(const FolderClaim& claim) {
+// What is in it, if all of it may be an export's.
+std::vector<fs::path> earlier_export(const FolderClaim& claim) {
   std::vector<fs::path> old;
   for (const auto& entry : fs::directory_iterator(claim.folder)) {
     if (!claim.is_ours(entry))
@@ -26,13 +27,21 @@ void empty_folder(const FolderClaim& claim) {
              fmt::format("has {}, which no export has written", entry.path().filename().string()));
     old.push_back(entry.path());
   }
-  // What is left of the folder is no export from here on.
   const fs::path mark = claim.folder / claim.mark;
-  if (fs::exists(mark)) {
-    if (!claim.is_our_mark(mark))
-      refuse(claim, fmt::format("has a file `{}` that voxweld has not written", claim.mark));
-    remove_file(mark);
-  }
+  if (fs::exists(mark) && !claim.is_our_mark(mark))
+    refuse(claim, fmt::format("has a file `{}` that voxweld has not written", claim.mark));
+  return old;
+}
+
+void empty_folder(const FolderClaim& claim) {
+  const std::vector<fs::path> old = earlier_export(claim);
+  if (old.empty()) return;
+  if (!claim.force)
+    throw InputError(fmt::format(
+        "{}: is not empty; use --force to write over an earlier export, or {} for another folder",
+        claim.folder.string(), claim.option));
+  // What is left of the folder is no export from here on.
+  remove_file(claim.folder / claim.mark);
   for (const fs::path& path : old) fs::remove_all(path);
 }
 
@@ -46,17 +55,15 @@ bool lies_in(const fs::path& inner, const fs::path& outer) {
 
 void claim_folder(const FolderClaim& claim) {
   const fs::path& folder = claim.folder;
+  if (folder.empty())
+    throw InputError(fmt::format("{}: expected a folder, found an empty name", claim.option));
   if (lies_in(folder, claim.output))
     refuse(claim,
            fmt::format("lies in the output directory {}, which runs write", claim.output.string()));
   const fs::file_status status = fs::status(folder);
   if (fs::exists(status) && !fs::is_directory(status)) refuse(claim, "is a file");
-  if (fs::exists(status)) remove_stale_temporaries(folder, true);
-  if (fs::exists(status) && !fs::is_empty(folder)) {
-    if (!claim.force)
-      throw InputError(fmt::format(
-          "{}: is not empty; use --force to write over an earlier export, or {} for another folder",
-          folder.string(), claim.option));
+  if (fs::exists(status)) {
+    remove_stale_temporaries(folder, true);
     empty_folder(claim);
   }
   make_directories(folder);

@@ -94,8 +94,7 @@ const panel_says = (page, what) => page.waitForFunction((text) => new RegExp(tex
 const tests = {
   async "coarse from afar, fine nearby, coarse again; and no gap at any mix"(visit) {
     const page = await open(visit), found = [];
-    await look(page, "view.tileset.set_error(4)");
-    for (const radii of [60, 3, 1.6, 60]) {
+    for (const radii of [60, 2, 1.2, 60]) {
       await stand(page, radii);
       await settle(page);
       found.push(await sight(page));

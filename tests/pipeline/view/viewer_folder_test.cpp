@@ -56,7 +56,7 @@ TEST_F(ViewerFolder, HasThePageAndTheSmallestFormatOfTheTiles) {
        "[\"drc\", \"glb-plain\"]"});
   expect_written();
   for (const PageFile& file : page_files())
-    EXPECT_EQ(read_bytes(place_.at("page/" + std::string(file.name))), file.bytes) << file.name;
+    EXPECT_TRUE(read_bytes(place_.at("page/" + std::string(file.name))) == file.bytes) << file.name;
   EXPECT_FALSE(scene().contains("report"));
   EXPECT_THAT(data(), Each(EndsWith(".drc")));
   std::size_t files = 0;
@@ -90,6 +90,9 @@ TEST_F(ViewerFolder, OfOneFileHasThatFile) {
       run_voxweld({"view", place_.at("scene.mesh/mesh.drc"), "--export", place_.at("page")});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(data(), std::vector<std::string>{"mesh.drc"});
+  const nlohmann::json info = place_.info(place_.at("page"));
+  EXPECT_EQ(info.at("kind"), "viewer_folder");
+  EXPECT_EQ(info.at("shown"), "mesh.drc");
 }
 
 TEST_F(ViewerFolder, IsNotWrittenOverWhatIsNotItsOwn) {
@@ -102,11 +105,20 @@ TEST_F(ViewerFolder, IsNotWrittenOverWhatIsNotItsOwn) {
       "has notes.txt, which no export has written; name a new or an empty folder with "
       "--export",
       {"--force"});
+  // No advice to force what would be refused then.
+  expect_no_folder("has notes.txt");
   EXPECT_TRUE(fs::exists(place_.at("page/api/scene")));
   const ProgramResult inside =
       run_voxweld({"view", place_.at("scene.mesh"), "--export", place_.at("scene.mesh/page")});
   EXPECT_EQ(inside.exit_code, 2);
   EXPECT_THAT(inside.err, HasSubstr("lies in the output directory"));
+  const ProgramResult of_file = run_voxweld(
+      {"view", place_.at("scene.mesh/mesh.drc"), "--export", place_.at("scene.mesh/tiles/page")});
+  EXPECT_EQ(of_file.exit_code, 2);
+  EXPECT_THAT(of_file.err, HasSubstr("lies in the output directory"));
+  const ProgramResult nowhere = run_voxweld({"view", place_.at("scene.mesh"), "--export", ""});
+  EXPECT_EQ(nowhere.exit_code, 2);
+  EXPECT_THAT(nowhere.err, HasSubstr("expected a folder, found an empty name"));
 }
 
 TEST_F(ViewerFolder, SaysWhichFileIsNotAsListed) {

@@ -20,8 +20,7 @@ export class Tileset {
         plugins: [feature_plugin],
       }),
     );
-    // Of the worst place of a tile: 99 % of it is three to six times nearer to the mesh.
-    this.set_error(8);
+    this.set_error(2);
     this.set_cap(1024);
     this.tiles.setCamera(stage.camera);
     this.place();
