@@ -16,9 +16,11 @@ LevelCut cut_of(const std::filesystem::path& output, int level) {
   const std::vector<LevelTile> tiles = listed_levels(output);
   if (level < 0 || level > top_of(tiles))
     throw InputError(fmt::format(
-        "level {}: {} has {}; give a smaller number, or set output.levels and run again", level,
-        output.string(),
-        tiles.empty() ? std::string("no levels of detail")
+        "level {}: {} has {}; give a smaller number, or set output.levels to a larger one and run "
+        "again",
+        level, output.string(),
+        tiles.empty() ? std::string("level 0 alone, as a mesh of one tile also has with "
+                                    "output.levels = \"auto\"")
                       : fmt::format("levels 0 to {}", top_of(tiles))));
   return LevelCut(tiles, level);
 }

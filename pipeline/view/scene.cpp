@@ -178,6 +178,11 @@ std::string scene_text(const ServedFiles& files) {
 }
 
 void check_viewable(const ServedFiles& files) {
+  if (files.find(exported_scene_name))
+    throw InputError(
+        files.path().string() +
+        ": is a page that `voxweld view --export` has written; put it on a web server, "
+        "or name the output directory that it was made from");
   if (files.is_folder()) return require_output(files.path());
   const std::string name = files.name();
   if (std::ranges::none_of(viewable_endings, [&](auto ending) { return name.ends_with(ending); }))

@@ -24,6 +24,9 @@
 
 namespace voxweld {
 
+// Where an exported folder has its scene (viewer_folder.h): the address by which the page asks for it.
+inline constexpr const char* exported_scene_name = "api/scene";
+
 // InputError or FormatError where the output directory or its lists are not what they should be.
 std::string scene_text(const ServedFiles& files);
 

@@ -23,7 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* scene_name = "api/scene";
 constexpr const char* data_name = "data";
 
 bool is_ours(const fs::directory_entry& entry) {
@@ -188,8 +187,8 @@ ViewerFolderTotals write_viewer_folder(const fs::path& shown, const fs::path& fo
   const ServedFiles files(shown);
   check_viewable(files);
   const Choice choice(files, Json::parse(scene_text(files)));
-  claim_folder(
-      {folder, output_around(shown), options.force, "--export", is_ours, scene_name, is_scene});
+  claim_folder({folder, output_around(shown), options.force, "--export", is_ours,
+                exported_scene_name, is_scene});
   Writer writer(folder, options.between);
   for (const PageFile& file : page_files())
     writer.put(std::string(file.name), std::as_bytes(std::span(file.bytes)));
@@ -203,12 +202,12 @@ ViewerFolderTotals write_viewer_folder(const fs::path& shown, const fs::path& fo
   }
   // Last, since it says that all else is there.
   const std::string scene = json_text(choice.scene()) + "\n";
-  writer.put(scene_name, as_bytes(scene));
+  writer.put(exported_scene_name, as_bytes(scene));
   return writer.totals();
 }
 
 std::optional<std::string> shown_in_viewer_folder(const fs::path& folder) {
-  const fs::path scene = folder / scene_name;
+  const fs::path scene = folder / exported_scene_name;
   if (!fs::is_regular_file(scene) || !fs::is_regular_file(folder / "index.html"))
     return std::nullopt;
   return name_in_scene(scene);

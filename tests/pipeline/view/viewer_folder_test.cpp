@@ -93,6 +93,9 @@ TEST_F(ViewerFolder, OfOneFileHasThatFile) {
   const nlohmann::json info = place_.info(place_.at("page"));
   EXPECT_EQ(info.at("kind"), "viewer_folder");
   EXPECT_EQ(info.at("shown"), "mesh.drc");
+  const ProgramResult again = run_voxweld({"view", place_.at("page")});
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_THAT(again.err, HasSubstr("put it on a web server"));
 }
 
 TEST_F(ViewerFolder, IsNotWrittenOverWhatIsNotItsOwn) {
