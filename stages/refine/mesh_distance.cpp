@@ -5,6 +5,7 @@
 #include <limits>
 #include <mutex>
 
+#include "stages/exact/orientation.h"
 #include "stages/refine/nearest_triangle.h"
 #include "storage/support/parallel.h"
 
