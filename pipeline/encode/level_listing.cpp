@@ -68,6 +68,7 @@ class LevelLister {
     const std::string format = tileset_format(listing_.job);
     if (format.empty()) return;
     const TilesetInputs inputs{listing_.levels,
+                               errors_,
                                manifest_.lattice,
                                manifest_.frame,
                                listing_.job.output,

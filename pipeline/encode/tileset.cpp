@@ -30,10 +30,7 @@ struct Part {
 class TilesetWriter {
  public:
   explicit TilesetWriter(const TilesetInputs& inputs)
-      : inputs_(inputs),
-        tree_(inputs.levels.tree()),
-        errors_(inputs.levels.errors()),
-        matrix_(world_matrix(inputs.frame)) {
+      : inputs_(inputs), tree_(inputs.levels.tree()), matrix_(world_matrix(inputs.frame)) {
     for (std::size_t r = 0; r < 3; ++r) scale_ += matrix_[r] * matrix_[r];
     scale_ = std::sqrt(scale_);
   }
@@ -140,7 +137,7 @@ class TilesetWriter {
   }
 
   double measured_error(std::uint64_t node) const {
-    return errors_[node].p99 * inputs_.lattice.step * scale_;
+    return inputs_.errors[node].p99 * inputs_.lattice.step * scale_;
   }
 
   Json without_content(std::vector<Part>& parts, double error) const {
@@ -179,7 +176,6 @@ class TilesetWriter {
 
   const TilesetInputs& inputs_;
   const LevelTree& tree_;
-  const std::vector<LevelError> errors_;  // of nodes
   const std::array<double, 16> matrix_;
   double scale_ = 0;  // metres in a unit of the files
   std::vector<FileRecord> files_;

@@ -24,7 +24,8 @@ namespace voxweld {
 
 struct TilesetInputs {
   const LevelMeshes& levels;
-  OutputLattice lattice;  // of the files
+  const std::vector<LevelError>& errors;  // of its nodes
+  OutputLattice lattice;                  // of the files
   VolumeGeometry frame;
   std::filesystem::path output;
   std::string source;  // the volume's file name

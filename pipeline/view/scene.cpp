@@ -23,8 +23,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-constexpr const char* tileset_name = "tileset.json";
-
 Json json_of(Vec3 v) {
   return {v.x, v.y, v.z};
 }

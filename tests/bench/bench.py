@@ -8,7 +8,6 @@ import argparse
 import json
 import pathlib
 import sys
-import tempfile
 
 import programs
 import tables
@@ -183,15 +182,8 @@ def show(arguments, results):
 
 def main():
     arguments = parsed()
-    try:
-        if arguments.output:
-            arguments.output.mkdir(parents=True, exist_ok=True)
-            return bench(arguments, arguments.output.resolve())
-        with tempfile.TemporaryDirectory(prefix="voxweld-bench-") as folder:
-            return bench(arguments, pathlib.Path(folder))
-    except Failed as problem:
-        print(f"run.sh: {problem}", file=sys.stderr)
-        return 1
+    return programs.in_folder("run.sh", "bench", arguments.output,
+                              lambda folder: bench(arguments, folder))
 
 
 if __name__ == "__main__":

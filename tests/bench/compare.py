@@ -10,11 +10,10 @@ import json
 import pathlib
 import statistics
 import sys
-import tempfile
 
 import programs
 import tables
-from phantom_measures import PHANTOMS, Failed, run
+from phantom_measures import PHANTOMS, run
 
 
 def parsed():
@@ -121,13 +120,8 @@ def compare(arguments, folder):
 
 def main():
     arguments = parsed()
-    try:
-        with tempfile.TemporaryDirectory(prefix="voxweld-compare-") as folder:
-            compare(arguments, pathlib.Path(folder))
-    except Failed as problem:
-        print(f"compare.sh: {problem}", file=sys.stderr)
-        return 1
-    return 0
+    return programs.in_folder("compare.sh", "compare", None,
+                              lambda folder: compare(arguments, folder))
 
 
 if __name__ == "__main__":

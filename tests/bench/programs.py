@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.append(str(HERE.parent / "measure"))
@@ -232,3 +233,16 @@ def bare_pass(tools, volume, threads=0):
         r"(\d+) active cells, bare pass ([\d.]+) ms", run(tools.bare_pass, volume, isovalue, used)
     )
     return {"active_cells": int(found[1]), "bare_pass_ms": float(found[2]), "threads": used}
+
+
+def in_folder(script, name, output, work):
+    """What work(folder) returns, the exit status: in the output folder, or else in a temporary one of that name."""
+    try:
+        if output:
+            output.mkdir(parents=True, exist_ok=True)
+            return work(output.resolve())
+        with tempfile.TemporaryDirectory(prefix=f"voxweld-{name}-") as folder:
+            return work(pathlib.Path(folder))
+    except Failed as problem:
+        print(f"{script}: {problem}", file=sys.stderr)
+        return 1

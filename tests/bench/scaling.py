@@ -10,13 +10,12 @@ import json
 import pathlib
 import statistics
 import sys
-import tempfile
 
 import numpy as np
 
 import programs
 import tables
-from phantom_measures import PHANTOMS, Failed, run, surface_of
+from phantom_measures import PHANTOMS, run, surface_of
 
 HERE = pathlib.Path(__file__).resolve().parent
 SAMPLE_BYTES = {"uint8": 1, "uint16": 2, "float32": 4}
@@ -262,17 +261,8 @@ def work(arguments, folder):
 
 def main():
     arguments = parsed()
-    try:
-        if arguments.output:
-            arguments.output.mkdir(parents=True, exist_ok=True)
-            work(arguments, arguments.output.resolve())
-        else:
-            with tempfile.TemporaryDirectory(prefix="voxweld-scaling-") as folder:
-                work(arguments, pathlib.Path(folder))
-    except Failed as problem:
-        print(f"scaling.sh: {problem}", file=sys.stderr)
-        return 1
-    return 0
+    return programs.in_folder("scaling.sh", "scaling", arguments.output,
+                              lambda folder: work(arguments, folder))
 
 
 if __name__ == "__main__":
