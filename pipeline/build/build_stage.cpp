@@ -7,7 +7,9 @@
 #include <mutex>
 
 #include "pipeline/build/common_material.h"
+#include "pipeline/build/finer_build.h"
 #include "pipeline/build/shard_builder.h"
+#include "pipeline/executor/memory_budget.h"
 #include "pipeline/executor/probe.h"
 #include "stages/solids/lattice_solid.h"
 #include "storage/support/error.h"
@@ -123,7 +125,9 @@ class BuildWork final : public StageWork {
   void open(RunContext& context, const StageLook&) override {
     if (context.selection.all()) report_edits(job_, context.config.edits.size());
   }
-  void begin(RunContext&, std::span<const std::uint64_t>, int threads) override {
+  void begin(RunContext& context, std::span<const std::uint64_t>, int threads) override {
+    if (collapses_by_sheets(job_.parameters))
+      note_tolerance(job_.folder, context.config.simplify.tolerance);
     builders_.clear();
     for (int i = 0; i < threads; ++i) builders_.push_back(std::make_unique<ShardBuilder>(job_));
   }
@@ -139,6 +143,11 @@ class BuildWork final : public StageWork {
     if (context.bricks.kept > 0)
       spdlog::info("of these shards' bricks {} were built and {} kept: no edit of theirs changed",
                    context.bricks.built, context.bricks.kept);
+    if (context.bricks.cut > 0 && !context.extraction)
+      spdlog::info("of these shards' bricks {} were built, and {} cut from what a smaller "
+                   "simplify.tolerance left: {} read in place of samples",
+                   context.bricks.built, context.bricks.cut,
+                   readable_bytes(static_cast<double>(context.bricks.bytes_cut)));
   }
 
  private:

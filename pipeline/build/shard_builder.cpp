@@ -256,17 +256,23 @@ void ShardBuilder::build(Index3 shard, const WorkerContext& worker) {
   const MemoryShare::Use use(*share_);
   const BrickReport before = bricks_;
   const Hash128 stamp = job_.volume.stamp(shard_samples(job_, shard));
-  // Damage of what is to be cut is told: whoever runs this has it mended, and comes again.
-  if (const auto finer = EarlierShard::open_finer(job_, shard, stamp))
-    return build(shard, stamp, &*finer, worker);
-  if (const auto earlier = EarlierShard::open(job_, shard, stamp)) {
+  const auto build_from = [&](const EarlierShard& earlier, bool may_fail) {
     try {
-      return build(shard, stamp, &*earlier, worker);
+      build(shard, stamp, &earlier, worker);
+      return true;
     } catch (const DamagedArtifact& damage) {
-      if (damage.path() != earlier->artifact().path()) throw;
+      if (!may_fail || damage.path() != earlier.artifact().path()) throw;
       bricks_ = before;
+      return false;
     }
-  }
+  };
+  // Damage of what an extraction cuts is told: whoever runs this has it mended, and comes again.
+  if (const auto finer = EarlierShard::open_finer(job_, shard, stamp);
+      finer && build_from(*finer, job_.finer_may_fail))
+    return;
+  if (const auto earlier = EarlierShard::open(job_, shard, stamp);
+      earlier && build_from(*earlier, true))
+    return;
   build(shard, stamp, nullptr, worker);
 }
 

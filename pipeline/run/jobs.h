@@ -31,6 +31,9 @@ class Jobs {
   // After open_volume, of a config whose sheets collapse by themselves: build cuts what a run with
   // the extraction's tolerance left, which is not larger.
   void cut(const Config& config, const Extraction& extraction);
+  // After open_volume: build cuts what a run with a smaller tolerance left in the work folder, if there
+  // is any. Where that is damaged or incomplete it reads samples.
+  void cut_what_is_there(const Config& config);
 
   // After open_volume: part of what ingest leaves is missing.
   void build_what_is_there() { build_->partial_input = true; }
@@ -64,6 +67,8 @@ class Jobs {
 
  private:
   void plan_refine(const Config& config, const OutputFrame& output);
+  StagePaths paths_at(Config config, double tolerance) const;
+  void cut_octrees(Config config, double tolerance);
   void place_stages(const StagePaths& paths);  // stitch and all behind it
 
   IngestJob ingest_;

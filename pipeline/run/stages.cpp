@@ -28,7 +28,10 @@ std::unique_ptr<StageWork> Stages::make(Stage stage) {
   if (stage == Stage::ingest) return ingest_stage(context_.config, jobs_.ingest());
   if (!volume_is_open_) {
     jobs_.open_volume(context_.config);
-    if (context_.extraction) jobs_.cut(context_.config, *context_.extraction);
+    if (context_.extraction)
+      jobs_.cut(context_.config, *context_.extraction);
+    else
+      jobs_.cut_what_is_there(context_.config);
   }
   volume_is_open_ = true;
   if (stage > Stage::merge) fit_cubes();

@@ -39,6 +39,7 @@ struct BuildJob {
   // The same but for a smaller tolerance: where its octrees are there, these are cuts of them, and no
   // sample is read. It outlives this.
   const BuildJob* finer = nullptr;
+  bool finer_may_fail = false;  // samples are read where one of these octrees is damaged
 };
 
 struct MergeJob {

@@ -94,12 +94,13 @@ class Tools:
 
     def __init__(self, build, needed):
         self.build = build.resolve()
-        for name in needed:
-            if not (self.build / name).exists():
-                sys.exit(
-                    f"{self.build / name}: not there; build it first: "
-                    f"cmake --build {self.build} --target {name}"
-                )
+        missing = " ".join(name for name in needed if not (self.build / name).exists())
+        if missing:
+            sys.exit(
+                f"{self.build}: without {missing}; build first: "
+                f"cmake -S {HERE.parent.parent} -B {self.build} && "
+                f"cmake --build {self.build} --target {missing}"
+            )
 
     def __getattr__(self, name):
         return self.build / name

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Prints a table, in Markdown, of the levels of detail of some volumes: triangles, megabytes of the .glb tiles, what
 # voxweld states as error, and what VTK measures between each level and the finest, both ways. Beside each level
-# stands the finest mesh after meshoptimizer made it as small. Lengths are in the volume's unit: of phantoms voxels,
-# of the bunny and the frog millimetres.
+# stands what else has as few triangles: the finest mesh after meshoptimizer, and a mesh of the volume at that scale
+# (remeshed_level.py) after meshoptimizer. Lengths are in the volume's unit: of phantoms voxels, of the bunny and the
+# frog millimetres.
 # Needs measure_output and meshopt_simplify in BUILD_DIR (default: build), VTK for Python, and for bunny and frog the
 # shared data. With 512 samples a side it took six minutes.
 # Usage: tests/clients/levels_table.sh [--size SAMPLES] [NAME ...]      (gyroid part porous bunny frog)
@@ -54,6 +55,8 @@ for name in "${names[@]}"; do
       }
       xz -dkc "$ct" >bunny.raw
       { bunny_config bunny.raw && echo "$levels"; } >bunny.toml
+      printf 'NRRD0004\ntype: short\ndimension: 3\nsizes: 512 512 361\nspacings: 0.337891 0.337891 0.5\nendian: big\nencoding: raw\ndata file: bunny.raw\n' >bunny.nhdr
+      volume=(bunny.nhdr 1150 above)
       ;;
     frog)
       [ -f "$data/label/frogtissue.mhd" ] || {
@@ -61,15 +64,17 @@ for name in "${names[@]}"; do
         continue
       }
       printf '[input]\npath = "%s"\n[labels]\nmode = "shared"\n%s\n' "$(realpath "$data/label/frogtissue.mhd")" "$levels" >frog.toml
+      volume=()
       ;;
     *)
       say phantom "$name" --size "$size" --type float32 -o "$name.nrrd"
       printf '[input]\npath = "%s.nrrd"\n[surface]\nisovalue = 0\ninside = "below"\n%s\n' "$name" "$levels" >"$name.toml"
+      volume=("$name.nrrd" 0 below)
       ;;
   esac
   # Small tiles, or there would be one level only.
   case $name in gyroid | bunny | frog) tile=16384 ;; part) tile=1024 ;; *) tile=65536 ;; esac
   say run "$name.toml" --set "output.tile_vertices=$tile"
-  "$python" "$root/tests/clients/levels_table.py" "$name" "$name.mesh" "$build" "$scratch"
-  rm -rf "$name.nrrd" "$name.raw" "$name.work" "$name"_*.ply
+  "$python" "$root/tests/clients/levels_table.py" "$name" "$name.mesh" "$build" "$scratch" "${volume[@]}"
+  rm -rf "$name.nrrd" "$name.nhdr" "$name.raw" "$name.work" "$name"_*.ply
 done

@@ -1,4 +1,4 @@
-// voxweld extract: coarser meshes from what a run has left.
+// Coarser meshes from what a run has left: voxweld extract, and runs of a larger tolerance.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -211,6 +211,76 @@ TEST(Extract, MendsDamagedOctrees) {
   VOXWELD_EXPECT_DONE(result);
   expect_says(result, "made again");
   EXPECT_EQ(text_of_file(cut), text_of_file(whole));
+}
+
+// Runs of larger tolerances, one after the other in the same work folder: the octrees that are there
+// are cut, and what comes out is that of a run by itself.
+void expect_runs_cut(const Scene& scene, const Settings& settings,
+                     const std::vector<double>& tolerances) {
+  VOXWELD_EXPECT_DONE(scene.run(settings));
+  for (const double tolerance : tolerances) {
+    const ProgramResult again = scene.run(with(settings, tolerance));
+    VOXWELD_EXPECT_DONE(again);
+    expect_says(again, "bricks 0 were built");
+    expect_says(again, "read in place of samples");
+    EXPECT_EQ(difference(scene.clean_tree(with(settings, tolerance)), output_tree(scene.output())),
+              "")
+        << tolerance;
+  }
+}
+
+TEST(CoarserRun, CutsTheOctreesThatAreThere) {
+  const Scene scene(plates({61, 58, 50}));
+  // At last one that lies between two of those.
+  expect_runs_cut(scene, fine + many_shards, {0.1, 0.8, 0.3});
+  const Scene labels(cell_labels({50, 40, 36}, 5, 0.01, 3));
+  expect_runs_cut(labels, fine + many_shards + Settings{"labels.mode=each"}, {0.4});
+}
+
+// Of a finer one, of another surface, and where octrees keep no levels.
+TEST(CoarserRun, ReadsSamplesWhereNothingFits) {
+  const Scene scene(plates({61, 58, 50}));
+  VOXWELD_EXPECT_DONE(scene.run(with(fine, 0.2)));
+  for (const Settings& other :
+       {with(fine, 0.1), with(fine, 0.3) + Settings{"surface.isovalue=120"},
+        with(fine, 0.3) + Settings{"simplify.topology=safe"}}) {
+    const ProgramResult result = scene.run(other);
+    VOXWELD_EXPECT_DONE(result);
+    EXPECT_EQ(result.err.find("read in place of samples"), std::string::npos) << result.err;
+    EXPECT_EQ(difference(scene.clean_tree(other), output_tree(scene.output())), "");
+  }
+}
+
+TEST(CoarserRun, ReadsSamplesOfShardsWhoseOctreesAreNoMore) {
+  const Scene scene(plates({61, 58, 50}));
+  const Settings settings = fine + many_shards, coarse = with(settings, 0.2);
+  const Tree expected = scene.clean_tree(coarse);
+  VOXWELD_EXPECT_DONE(scene.run(settings));
+  const auto octrees = files_ending(scene.work(), ".octree");
+  ASSERT_GT(octrees.size(), 2u);
+  fs::remove(octrees.front());
+  std::fstream(octrees.back(), std::ios::in | std::ios::out | std::ios::binary)
+      .seekp(400)
+      .write("damaged", 7);
+  const ProgramResult result = scene.run(coarse);
+  VOXWELD_EXPECT_DONE(result);
+  expect_says(result, "read in place of samples");
+  EXPECT_EQ(result.err.find("bricks 0 were built"), std::string::npos) << result.err;
+  EXPECT_EQ(difference(expected, output_tree(scene.output())), "");
+}
+
+TEST(CoarserRun, DoesNotNeedTheNotes) {
+  const Scene scene(plates({61, 58, 50}));
+  const Tree expected = scene.clean_tree(with(fine, 0.2));
+  for (const char* text : {"", "much", "0.04999"}) {
+    scene.forget();
+    VOXWELD_EXPECT_DONE(scene.run(fine));
+    const auto notes = files_ending(scene.work(), "tolerance");
+    ASSERT_EQ(notes.size(), 1u);
+    std::ofstream(notes.front()) << text;
+    VOXWELD_EXPECT_DONE(scene.run(with(fine, 0.2)));
+    EXPECT_EQ(difference(expected, output_tree(scene.output())), "") << text;
+  }
 }
 
 }  // namespace
