@@ -67,43 +67,58 @@ def row(name, level, program, mesh, finest, extra):
     print("| " + " | ".join(str(column) for column in columns) + " |", flush=True)
 
 
+class Table:
+    """The rows of one volume."""
+
+    def __init__(self, name, output, build, scratch, volume):
+        self.name, self.output, self.build, self.scratch, self.volume = name, output, build, scratch, volume
+        self.manifest = json.loads((output / "manifest.json").read_text())
+        # Triangles between labels are no 2-manifold: there defects say nothing, and nobody else keeps the borders.
+        self.shared = (output / "labels.jsonl").exists()
+        metre = METRES.get(self.manifest["frame"]["unit"], 1)
+        self.stated = {level: error / metre for level, error in stated_errors(output / "tileset.json").items()}
+        self.finest = None
+
+    def defects(self, path):
+        if self.shared:
+            return [""] * 3
+        found = defects_of(self.build, path)
+        return [found["boundary_edges"], found["nonmanifold_edges"], found["intersecting_pairs"]]
+
+    def peer(self, level, program, source, share):
+        simplified = self.scratch / f"{self.name}_{level}_peer.ply"
+        called(self.build / "meshopt_simplify", source, simplified, share)
+        row(self.name, level, program, read_ply(simplified), self.finest, ["", "", *self.defects(simplified)])
+
+    def remeshed(self, level):
+        path = self.scratch / f"{self.name}_{level}_remeshed.ply"
+        script = pathlib.Path(__file__).with_name("remeshed_level.py")
+        called(sys.executable, script, self.volume[0], level, *self.volume[1:], path)
+        return path
+
+    def level(self, entry):
+        level = entry["level"]
+        path = self.scratch / f"{self.name}_{level}.ply"
+        called(self.build / "voxweld", "export", self.output, "--weld", "--level", level, "-o", path, "--force")
+        mesh = read_ply(path)
+        self.finest = self.finest or mesh
+        stated = f"{self.stated[level]:.3g}" if level else ""
+        row(self.name, level, "voxweld", mesh, self.finest, [f"{entry['bytes'] / 1e6:.2f}", stated, *self.defects(path)])
+        if not level or self.shared:
+            return
+        triangles = len(mesh.triangles)
+        self.peer(level, "meshoptimizer", self.scratch / f"{self.name}_0.ply", triangles / len(self.finest.triangles))
+        if self.volume:
+            remeshed = self.remeshed(level)
+            share = triangles / len(read_ply(remeshed).triangles)
+            self.peer(level, "smaller volume, meshoptimizer", remeshed, share)
+
+
 def main():
     name, output, build, scratch = sys.argv[1], *(pathlib.Path(path) for path in sys.argv[2:5])
-    volume = sys.argv[5:8]
-    manifest = json.loads((output / "manifest.json").read_text())
-    shared = (output / "labels.jsonl").exists()  # triangles between labels are no 2-manifold: defects say nothing
-    errors = stated_errors(output / "tileset.json")
-    metre = METRES.get(manifest["frame"]["unit"], 1)
-    finest = None
-    for entry in manifest["levels"]:
-        level = entry["level"]
-        path = scratch / f"{name}_{level}.ply"
-        called(build / "voxweld", "export", output, "--weld", "--level", level, "-o", path, "--force")
-        mesh = read_ply(path)
-        finest = finest or mesh
-        stated = f"{errors[level] / metre:.3g}" if level else ""
-
-        def defects(of):
-            if shared:
-                return [""] * 3
-            found = defects_of(build, of)
-            return [found["boundary_edges"], found["nonmanifold_edges"], found["intersecting_pairs"]]
-
-        row(name, level, "voxweld", mesh, finest, [f"{entry['bytes'] / 1e6:.2f}", stated, *defects(path)])
-        if not level or shared:
-            continue
-
-        def peer(program, source, triangles):
-            other = scratch / f"{name}_{level}_peer.ply"
-            called(build / "meshopt_simplify", source, other, len(mesh.triangles) / triangles)
-            row(name, level, program, read_ply(other), finest, ["", "", *defects(other)])
-
-        peer("meshoptimizer", scratch / f"{name}_0.ply", len(finest.triangles))
-        if volume:
-            anew = scratch / f"{name}_{level}_anew.ply"
-            remesh = pathlib.Path(__file__).with_name("remeshed_level.py")
-            called(sys.executable, remesh, volume[0], level, *volume[1:], anew)
-            peer("mesh of the smaller volume, meshoptimizer", anew, len(read_ply(anew).triangles))
+    table = Table(name, output, build, scratch, sys.argv[5:8])
+    for entry in table.manifest["levels"]:
+        table.level(entry)
 
 
 if __name__ == "__main__":
