@@ -144,10 +144,11 @@ class BuildWork final : public StageWork {
       spdlog::info("of these shards' bricks {} were built and {} kept: no edit of theirs changed",
                    context.bricks.built, context.bricks.kept);
     if (context.bricks.cut > 0 && !context.extraction)
-      spdlog::info("of these shards' bricks {} were built, and {} cut from what a smaller "
-                   "simplify.tolerance left: {} read in place of samples",
-                   context.bricks.built, context.bricks.cut,
-                   readable_bytes(static_cast<double>(context.bricks.bytes_cut)));
+      spdlog::info(
+          "of these shards' bricks {} were built, and {} cut from what a smaller "
+          "simplify.tolerance left: {} read in place of samples",
+          context.bricks.built, context.bricks.cut,
+          readable_bytes(static_cast<double>(context.bricks.bytes_cut)));
   }
 
  private:

@@ -241,9 +241,8 @@ TEST(CoarserRun, CutsTheOctreesThatAreThere) {
 TEST(CoarserRun, ReadsSamplesWhereNothingFits) {
   const Scene scene(plates({61, 58, 50}));
   VOXWELD_EXPECT_DONE(scene.run(with(fine, 0.2)));
-  for (const Settings& other :
-       {with(fine, 0.1), with(fine, 0.3) + Settings{"surface.isovalue=120"},
-        with(fine, 0.3) + Settings{"simplify.topology=safe"}}) {
+  for (const Settings& other : {with(fine, 0.1), with(fine, 0.3) + Settings{"surface.isovalue=120"},
+                                with(fine, 0.3) + Settings{"simplify.topology=safe"}}) {
     const ProgramResult result = scene.run(other);
     VOXWELD_EXPECT_DONE(result);
     EXPECT_EQ(result.err.find("read in place of samples"), std::string::npos) << result.err;
