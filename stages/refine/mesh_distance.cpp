@@ -70,15 +70,16 @@ class Measure {
   std::size_t size() const { return vertices() + from_.triangles.size(); }
   // Of those from `begin` on and before `end`.
   double of(std::size_t begin, std::size_t end, double most) const {
+    MeshDistance::Hint hint;
     for (std::size_t i = begin; i < end; ++i)
-      most =
-          i < vertices() ? to_.beyond(from_.positions[i], most) : of_triangle(i - vertices(), most);
+      most = i < vertices() ? to_.beyond(from_.positions[i], most, hint)
+                            : of_triangle(i - vertices(), most, hint);
     return most;
   }
 
  private:
   std::size_t vertices() const { return all_ ? from_.positions.size() : 0; }
-  double of_triangle(std::size_t t, double most) const {
+  double of_triangle(std::size_t t, double most, MeshDistance::Hint& hint) const {
     const auto ids = from_.ids_of(t);
     const LatticeTriangle shape = from_.shape(t);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -86,21 +87,21 @@ class Measure {
       // Most edges have two triangles, which see them from different ends.
       if (ids[next] < ids[k]) continue;
       if (all_ || length(shape[k], shape[next]) > long_edge_)
-        most = to_.beyond(middle(shape[k], shape[next]), most);
+        most = to_.beyond(middle(shape[k], shape[next]), most, hint);
     }
-    return all_ ? of_inside(shape, most) : most;
+    return all_ ? of_inside(shape, most, hint) : most;
   }
   // A large triangle is cut into four, until parts are as small as others.
-  double of_inside(const LatticeTriangle& s, double most) const {
-    most = to_.beyond(centroid(s), most);
+  double of_inside(const LatticeTriangle& s, double most, MeshDistance::Hint& hint) const {
+    most = to_.beyond(centroid(s), most, hint);
     if (std::max({length(s[0], s[1]), length(s[1], s[2]), length(s[2], s[0])}) <= long_edge_)
       return most;
     const LatticePoint ab = middle(s[0], s[1]), bc = middle(s[1], s[2]), ca = middle(s[2], s[0]);
-    for (const LatticePoint& p : {ab, bc, ca}) most = to_.beyond(p, most);
+    for (const LatticePoint& p : {ab, bc, ca}) most = to_.beyond(p, most, hint);
     for (const LatticeTriangle& part :
          {LatticeTriangle{s[0], ab, ca}, LatticeTriangle{ab, s[1], bc},
           LatticeTriangle{ca, bc, s[2]}, LatticeTriangle{ab, bc, ca}})
-      most = of_inside(part, most);
+      most = of_inside(part, most, hint);
     return most;
   }
 
@@ -119,41 +120,56 @@ std::uint64_t MeshDistance::bytes(std::uint64_t triangles) {
   return groups * (3 * sizeof(LatticeBox) + 2 * sizeof(std::uint64_t));
 }
 
-double MeshDistance::beyond(const LatticePoint& point, double least) const {
+// The squared distance of the group's triangles that meet the box; it ends at the first within `enough`.
+double MeshDistance::nearest_in(std::uint32_t group, const LatticePoint& point,
+                                const LatticeBox& box, double enough) const {
+  double best = std::numeric_limits<double>::infinity();
+  const std::size_t begin = group * group_size;
+  const std::size_t end = std::min(begin + group_size, mesh_.triangles.size());
+  for (std::size_t t = begin; t < end && best > enough; ++t) {
+    const LatticeTriangle shape = mesh_.shape(t);
+    if (LatticeBox::around(shape).meets(box)) best = std::min(best, squared_distance(point, shape));
+  }
+  return best;
+}
+
+double MeshDistance::beyond(const LatticePoint& point, double least, Hint& hint) const {
   if (mesh_.triangles.empty()) return least;
   double best = std::numeric_limits<double>::infinity(), around = std::max(least, 1.0);
+  const double enough = least * least;
   LatticeBox box;
   const auto is_near = [&](std::uint32_t group) {
-    const std::size_t begin = group * group_size;
-    const std::size_t end = std::min(begin + group_size, mesh_.triangles.size());
-    for (std::size_t t = begin; t < end && best > least * least; ++t) {
-      const LatticeTriangle shape = mesh_.shape(t);
-      if (LatticeBox::around(shape).meets(box))
-        best = std::min(best, squared_distance(point, shape));
-    }
-    return best <= least * least;
+    best = std::min(best, nearest_in(group, point, box, enough));
+    if (best > enough) return false;
+    hint.group = group;
+    return true;
   };
   // Boxes that get wider until what is nearest must lie in one.
-  for (;; around *= 2) {
+  for (bool first = true;; around *= 2, first = false) {
     const auto step = static_cast<std::int32_t>(std::min(std::ceil(around), 1e9)) + 1;
     for (std::size_t k = 0; k < 3; ++k) {
       box.lo[k] = point[k] - step;
       box.hi[k] = point[k] + step;
     }
+    if (first && is_near(hint.group)) return least;
     if (groups_.any_meeting(box, is_near)) return least;
     if (best <= static_cast<double>(step) * step) return std::sqrt(best);
   }
 }
 
+// Parts of the points begin with the largest distance that is known by then. Which that is does not matter:
+// each of them gives the larger of that and its own.
 double largest_distance(const RefineMesh& from, MeasuredPoints points, const MeshDistance& to,
                         double least) {
   const Measure measure(from, points, to);
   double most = least;
   std::mutex mutex;
   for_each_index((measure.size() + batch - 1) / batch, [&](std::size_t i) {
-    const double here = measure.of(i * batch, std::min((i + 1) * batch, measure.size()), least);
-    const std::scoped_lock lock(mutex);
-    most = std::max(most, here);
+    const auto known = [&](double here) {
+      const std::scoped_lock lock(mutex);
+      return most = std::max(most, here);
+    };
+    known(measure.of(i * batch, std::min((i + 1) * batch, measure.size()), known(least)));
   });
   return most;
 }

@@ -15,11 +15,22 @@ class MeshDistance {
 
   // How far the point is from the mesh, or `least` where it is no farther than that: which costs much
   // less to find. Lattice steps. `least` alone where the mesh has no triangle.
-  double beyond(const LatticePoint& point, double least) const;
+  double beyond(const LatticePoint& point, double least) const {
+    Hint hint;
+    return beyond(point, least, hint);
+  }
+  // The same, and quicker for points that come one near the other: with the same hint.
+  struct Hint {
+    std::uint32_t group = 0;  // that the point before was near
+  };
+  double beyond(const LatticePoint& point, double least, Hint& hint) const;
   // Bytes it takes at most.
   static std::uint64_t bytes(std::uint64_t triangles);
 
  private:
+  double nearest_in(std::uint32_t group, const LatticePoint& point, const LatticeBox& box,
+                    double enough) const;
+
   const RefineMesh& mesh_;
   BoxTree groups_;  // of triangles that follow each other
 };

@@ -31,13 +31,16 @@ TEST(MeshDistance, IsThatOfTheNearestTriangleWhereItIsFar) {
   const RefineMesh mesh = testing::torus();
   const std::vector<LatticeTriangle> shapes = all_shapes(mesh);
   const MeshDistance distance(mesh);
+  MeshDistance::Hint hint;  // of a point that lies anywhere
   std::mt19937 engine{5};
   const auto coordinate = [&] { return static_cast<std::int32_t>(engine() % 1000) - 100; };
   for (int i = 0; i < 300; ++i) {
     const LatticePoint point{coordinate(), coordinate(), coordinate()};
     const double plain = plain_distance(point, shapes);
-    for (const double least : {0.0, 0.5, 40.0, 300.0})
+    for (const double least : {0.0, 0.5, 40.0, 300.0}) {
       EXPECT_EQ(distance.beyond(point, least), std::max(least, plain)) << i << ' ' << least;
+      EXPECT_EQ(distance.beyond(point, least, hint), std::max(least, plain)) << i << ' ' << least;
+    }
   }
 }
 
