@@ -68,11 +68,11 @@ class Measure {
 
   // How many vertices and triangles there are to measure.
   std::size_t size() const { return vertices() + from_.triangles.size(); }
-  // Of those from `begin` on and before `end`.
+  // The largest squared distance of those from `begin` on and before `end`, if that is more than `most`.
   double of(std::size_t begin, std::size_t end, double most) const {
     MeshDistance::Hint hint;
     for (std::size_t i = begin; i < end; ++i)
-      most = i < vertices() ? to_.beyond(from_.positions[i], most, hint)
+      most = i < vertices() ? to_.squared_beyond(from_.positions[i], most, hint)
                             : of_triangle(i - vertices(), most, hint);
     return most;
   }
@@ -87,17 +87,17 @@ class Measure {
       // Most edges have two triangles, which see them from different ends.
       if (ids[next] < ids[k]) continue;
       if (all_ || length(shape[k], shape[next]) > long_edge_)
-        most = to_.beyond(middle(shape[k], shape[next]), most, hint);
+        most = to_.squared_beyond(middle(shape[k], shape[next]), most, hint);
     }
     return all_ ? of_inside(shape, most, hint) : most;
   }
   // A large triangle is cut into four, until parts are as small as others.
   double of_inside(const LatticeTriangle& s, double most, MeshDistance::Hint& hint) const {
-    most = to_.beyond(centroid(s), most, hint);
+    most = to_.squared_beyond(centroid(s), most, hint);
     if (std::max({length(s[0], s[1]), length(s[1], s[2]), length(s[2], s[0])}) <= long_edge_)
       return most;
     const LatticePoint ab = middle(s[0], s[1]), bc = middle(s[1], s[2]), ca = middle(s[2], s[0]);
-    for (const LatticePoint& p : {ab, bc, ca}) most = to_.beyond(p, most, hint);
+    for (const LatticePoint& p : {ab, bc, ca}) most = to_.squared_beyond(p, most, hint);
     for (const LatticeTriangle& part :
          {LatticeTriangle{s[0], ab, ca}, LatticeTriangle{ab, s[1], bc},
           LatticeTriangle{ca, bc, s[2]}, LatticeTriangle{ab, bc, ca}})
@@ -133,14 +133,20 @@ double MeshDistance::nearest_in(std::uint32_t group, const LatticePoint& point,
   return best;
 }
 
-double MeshDistance::beyond(const LatticePoint& point, double least, Hint& hint) const {
+double MeshDistance::beyond(const LatticePoint& point, double least) const {
+  Hint hint;
+  const double found = squared_beyond(point, least * least, hint);
+  return found > least * least ? std::sqrt(found) : least;
+}
+
+double MeshDistance::squared_beyond(const LatticePoint& point, double least, Hint& hint) const {
   if (mesh_.triangles.empty()) return least;
-  double best = std::numeric_limits<double>::infinity(), around = std::max(least, 1.0);
-  const double enough = least * least;
+  double best = std::numeric_limits<double>::infinity();
+  double around = std::max(std::sqrt(least), 1.0);
   LatticeBox box;
   const auto is_near = [&](std::uint32_t group) {
-    best = std::min(best, nearest_in(group, point, box, enough));
-    if (best > enough) return false;
+    best = std::min(best, nearest_in(group, point, box, least));
+    if (best > least) return false;
     hint.group = group;
     return true;
   };
@@ -153,7 +159,7 @@ double MeshDistance::beyond(const LatticePoint& point, double least, Hint& hint)
     }
     if (first && is_near(hint.group)) return least;
     if (groups_.any_meeting(box, is_near)) return least;
-    if (best <= static_cast<double>(step) * step) return std::sqrt(best);
+    if (best <= static_cast<double>(step) * step) return best;
   }
 }
 
@@ -162,16 +168,16 @@ double MeshDistance::beyond(const LatticePoint& point, double least, Hint& hint)
 double largest_distance(const RefineMesh& from, MeasuredPoints points, const MeshDistance& to,
                         double least) {
   const Measure measure(from, points, to);
-  double most = least;
+  double most = least * least;
   std::mutex mutex;
+  const auto known = [&](double here) {
+    const std::scoped_lock lock(mutex);
+    return most = std::max(most, here);
+  };
   for_each_index((measure.size() + batch - 1) / batch, [&](std::size_t i) {
-    const auto known = [&](double here) {
-      const std::scoped_lock lock(mutex);
-      return most = std::max(most, here);
-    };
-    known(measure.of(i * batch, std::min((i + 1) * batch, measure.size()), known(least)));
+    known(measure.of(i * batch, std::min((i + 1) * batch, measure.size()), known(0)));
   });
-  return most;
+  return most > least * least ? std::sqrt(most) : least;
 }
 
 }  // namespace voxweld

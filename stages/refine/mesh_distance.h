@@ -15,15 +15,13 @@ class MeshDistance {
 
   // How far the point is from the mesh, or `least` where it is no farther than that: which costs much
   // less to find. Lattice steps. `least` alone where the mesh has no triangle.
-  double beyond(const LatticePoint& point, double least) const {
-    Hint hint;
-    return beyond(point, least, hint);
-  }
-  // The same, and quicker for points that come one near the other: with the same hint.
+  double beyond(const LatticePoint& point, double least) const;
+  // The same of squares. They are not rounded on the way: so the largest of many points does not
+  // depend on their order. Points that come one near the other are quicker with the same hint.
   struct Hint {
     std::uint32_t group = 0;  // that the point before was near
   };
-  double beyond(const LatticePoint& point, double least, Hint& hint) const;
+  double squared_beyond(const LatticePoint& point, double least, Hint& hint) const;
   // Bytes it takes at most.
   static std::uint64_t bytes(std::uint64_t triangles);
 
