@@ -2,9 +2,15 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 namespace voxweld {
+
+inline constexpr const char* tolerance_note_name = "tolerance";
+
+// What the note says; nothing where it is not there or cannot be read.
+std::optional<double> read_tolerance_note(const std::filesystem::path& note);
 
 // Leaves a note in a folder of build of what tolerance its octrees are, where there is none.
 void note_tolerance(const std::filesystem::path& build, double tolerance);

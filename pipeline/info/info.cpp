@@ -4,8 +4,10 @@
 
 #include <algorithm>
 
+#include "pipeline/build/finer_build.h"
 #include "pipeline/info/kinds.h"
 #include "pipeline/neuroglancer/folder.h"
+#include "pipeline/stage/file_layout.h"
 #include "stages/encode/mesh_writers.h"
 #include "storage/image/slice_files.h"
 #include "storage/manifest/manifest.h"
@@ -102,6 +104,14 @@ InfoDocument describe_directory(const fs::path& path, const InfoOptions& options
   }
 }
 
+InfoDocument describe_tolerance_note(const fs::path& path) {
+  const auto tolerance = read_tolerance_note(path);
+  if (!tolerance) throw DamagedArtifact(path.string(), "has no number");
+  InfoDocument document = file_document("tolerance_note", path);
+  document["tolerance"] = *tolerance;
+  return document;
+}
+
 // Files that their name and place tell, but no contents.
 std::optional<InfoDocument> describe_by_name(const fs::path& path, const InfoOptions& options) {
   const std::string name = path.filename().string(), extension = path.extension().string();
@@ -115,6 +125,9 @@ std::optional<InfoDocument> describe_by_name(const fs::path& path, const InfoOpt
       return describe_export(folder, options);
   if (name == tiles_name || name == levels_name) return describe_tile_list(path, options);
   if (name == labels_name) return describe_label_list(path, options);
+  if (name == tolerance_note_name &&
+      stage_of_folder(fs::absolute(path).parent_path()) == Stage::build)
+    return describe_tolerance_note(path);
   if (name == pieces_name) return file_document("pieces", path);
   if (extension == ".toml") return describe_config(path);
   if (fs::exists(spool_record_path(path))) return describe_spool(path, options);

@@ -69,6 +69,16 @@ TEST(Info, KeepsTheHistogramOfAVolumeReadInPlace) {
   EXPECT_EQ(values.at("quantiles"), volume.at("quantiles"));
 }
 
+TEST(Info, TellsTheToleranceOfABuild) {
+  const Workplace place;
+  place.run_scene({"simplify.tolerance=0.25"});
+  EXPECT_EQ(kinds_below(place, place.at("scene.work")).at("tolerance_note"), 1);
+  const std::string note = first_file(place.at("scene.work"), "/tolerance");
+  EXPECT_EQ(place.info(note).at("tolerance"), 0.25);
+  write_bytes(note, "much");
+  expect_refused({"info", note}, {note, "has no number", "remove the file"});
+}
+
 TEST(Info, CountsAgreeFromStageToStage) {
   const Workplace place;
   place.run_scene(many_of_all);
