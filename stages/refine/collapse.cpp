@@ -23,9 +23,11 @@ constexpr double shortest_first = 1e-6;
 
 class Collapser {
  public:
-  Collapser(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts)
+  Collapser(EditMesh& mesh, const RefineParameters& parameters, CollapseCare care,
+            RefineCounts& counts)
       : mesh_(mesh),
         parameters_(parameters),
+        care_(care),
         counts_(counts),
         quadrics_(mesh.vertices()),
         moves_(mesh) {
@@ -92,11 +94,16 @@ class Collapser {
   void push_around(std::uint32_t v, bool upwards_only);
   void try_edge(std::uint32_t u, std::uint32_t v);
   bool turns_little() const;
+  bool is_clean() {
+    if (care_ == CollapseCare::none) return true;
+    return care_ == CollapseCare::all ? mesh_.clean(change_) : mesh_.clean_around(change_);
+  }
   bool has_normals_for(std::uint32_t anchor) const;
   void set_normals(std::uint32_t gone, std::uint32_t keep, const LatticePoint& at);
 
   EditMesh& mesh_;
   const RefineParameters& parameters_;
+  const CollapseCare care_;
   RefineCounts& counts_;
   double tolerance_ = 0;
   LatticePoint origin_{};
@@ -215,7 +222,7 @@ void Collapser::try_edge(std::uint32_t u, std::uint32_t v) {
     if (mesh_.freedom(keep) != Freedom::free && !has_normals_for(keep)) continue;
     const EditMesh::Step step{keep, place.at, gone};
     if (!mesh_.keeps_samples(change_, step, tolerance_)) continue;
-    if (parameters_.intersections != IntersectionRule::ignore && !mesh_.clean(change_)) continue;
+    if (!is_clean()) continue;
     set_normals(gone, keep, place.at);
     mesh_.apply(change_, step);
     quadrics_[keep] += quadrics_[gone];
@@ -227,14 +234,15 @@ void Collapser::try_edge(std::uint32_t u, std::uint32_t v) {
 
 }  // namespace
 
-void collapse_edges(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts) {
-  Collapser(mesh, parameters, counts).run(parameters.tolerance);
+void collapse_edges(EditMesh& mesh, const RefineParameters& parameters, CollapseCare care,
+                    RefineCounts& counts) {
+  Collapser(mesh, parameters, care, counts).run(parameters.tolerance);
 }
 
 void collapse_by_steps(EditMesh& mesh, const RefineParameters& parameters,
-                       std::span<const double> tolerances, RefineCounts& counts,
+                       std::span<const double> tolerances, CollapseCare care, RefineCounts& counts,
                        const std::function<void(std::size_t)>& after) {
-  Collapser collapser(mesh, parameters, counts);
+  Collapser collapser(mesh, parameters, care, counts);
   for (std::size_t i = 0; i < tolerances.size(); ++i) {
     collapser.run(tolerances[i]);
     after(i);

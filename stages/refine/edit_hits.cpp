@@ -66,6 +66,11 @@ bool intersect_by_planes(const LatticeTriangle& a, const Index3& normal_a, const
          intersect_beyond_shared(a, b);
 }
 
+void make_ascending(std::vector<std::uint32_t>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
 }  // namespace
 
 // Whether triangle t and `other`, which share no vertex, have nothing in common, not even a place.
@@ -147,17 +152,28 @@ void EditMesh::mark_old(const Change& change) {
   for (const std::uint32_t t : change.old) marks_[t] = mark_;
 }
 
-bool EditMesh::clean(const Change& change) {
+// What f says while the uses of the change's vertices are known.
+template <class F>
+bool EditMesh::with_uses(const Change& change, F&& f) {
   mark_old(change);
   for (std::size_t i = 0; i < change.now.size(); ++i)
     for (const std::uint32_t v : change.now[i]) {
       if (uses_[v] == 0) used_.push_back(v);
       uses_[v] |= std::uint64_t{1} << i;
     }
-  const bool clean = umbrellas_are_clean(change) && others_stay_apart(change);
+  const bool result = f();
   for (const std::uint32_t v : used_) uses_[v] = 0;
   used_.clear();
-  return clean;
+  return result;
+}
+
+bool EditMesh::clean(const Change& change) {
+  return with_uses(change,
+                   [&] { return umbrellas_are_clean(change) && others_stay_apart(change); });
+}
+
+bool EditMesh::clean_around(const Change& change) {
+  return with_uses(change, [&] { return umbrellas_are_clean(change); });
 }
 
 // Of those that share a vertex with a new one.
@@ -246,15 +262,47 @@ std::vector<std::uint32_t> EditMesh::find_intersecting() {
           add(a, b);
       }
   }
-  const auto is_movable = [&](std::uint32_t t) { return movable(t); };
-  grid_.each_pair(is_movable, [&](std::uint32_t t, std::uint32_t other) {
-    if (movable(other) && other < t) return;
-    if (!share_a_vertex(triangles_[t], triangles_[other]) && !apart(other, shape(t), planes_[t]))
-      add(t, other);
-  });
-  std::sort(bad.begin(), bad.end());
-  bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
+  add_intersecting_apart([&](std::uint32_t t) { return movable(t); }, bad);
+  make_ascending(bad);
   return bad;
+}
+
+// Of pairs that share no vertex, of which takes() holds for one.
+template <class Takes>
+void EditMesh::add_intersecting_apart(Takes&& takes, std::vector<std::uint32_t>& bad) const {
+  grid_.each_pair(takes, [&](std::uint32_t t, std::uint32_t other) {
+    if (takes(other) && other < t) return;
+    if (share_a_vertex(triangles_[t], triangles_[other]) || apart(other, shape(t), planes_[t]))
+      return;
+    bad.push_back(t);
+    bad.push_back(other);
+  });
+}
+
+void EditMesh::begin_changes() {
+  changed_.assign(triangles_.size(), 0);
+}
+
+std::vector<std::uint32_t> EditMesh::end_changes() {
+  for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+    if (changed_[t] == 0) continue;
+    if (alive(t))
+      grid_.put(t, LatticeBox::around(shape(t)));
+    else
+      grid_.remove(t);
+  }
+  std::vector<std::uint32_t> bad;
+  add_intersecting_apart([&](std::uint32_t t) { return changed_[t] != 0; }, bad);
+  make_ascending(bad);
+  changed_.clear();
+  return bad;
+}
+
+void EditMesh::add_intersecting(std::span<const std::uint32_t> more) {
+  if (more.empty()) return;
+  intersecting_.insert(intersecting_.end(), more.begin(), more.end());
+  make_ascending(intersecting_);
+  recheck_intersecting();
 }
 
 std::size_t EditMesh::count_pairs() const {

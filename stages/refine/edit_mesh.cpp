@@ -107,7 +107,10 @@ void EditMesh::take_samples(const RefineMesh& mesh, const std::vector<std::uint3
 
 void EditMesh::set_shape(std::uint32_t t, const LatticeTriangle& shape, const Index3& plane) {
   planes_[t] = plane;
-  grid_.put(t, LatticeBox::around(shape));
+  if (changed_.empty())
+    grid_.put(t, LatticeBox::around(shape));
+  else
+    changed_[t] = 1;
 }
 
 void EditMesh::link(std::uint32_t t) {
@@ -212,7 +215,10 @@ void EditMesh::apply(const Change& change, const Step& step) {
     const std::uint32_t t = change.old[i];
     if (i >= change.now.size()) {
       triangles_[t] = {none, none, none};
-      grid_.remove(t);
+      if (changed_.empty())
+        grid_.remove(t);
+      else
+        changed_[t] = 1;
       continue;
     }
     triangles_[t] = change.now[i];

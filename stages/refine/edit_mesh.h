@@ -106,6 +106,8 @@ class EditMesh {
 
   // Whether the shapes of `change` intersect nothing, neither each other nor what stays.
   bool clean(const Change& change);
+  // The same of those that share a vertex with a new one.
+  bool clean_around(const Change& change);
   // Intersections that they have; stops counting at `most`.
   std::size_t hits(const Change& change, std::size_t most);
   // The same of the triangles as they are: of those in `some` with each other and with all others.
@@ -121,11 +123,18 @@ class EditMesh {
   }
   // The triangles that intersect others, of pairs of which one is movable, ascending.
   std::vector<std::uint32_t> find_intersecting();
+  // Between these two, changes are quicker, and nothing may ask for intersections but clean_around().
+  // If all changes were so, the second one returns the triangles that intersect others, of pairs of
+  // which one has changed, ascending.
+  void begin_changes();
+  std::vector<std::uint32_t> end_changes();
   // Those that are said to do so, in all.
   const std::vector<std::uint32_t>& intersecting() const { return intersecting_; }
   void set_intersecting(std::vector<std::uint32_t> ascending) {
     intersecting_ = std::move(ascending);
   }
+  // Those too that do so among `more`, which ascend.
+  void add_intersecting(std::span<const std::uint32_t> more);
   // Leaves out those that do so no more. Precondition: since they were found all changes were clean().
   void recheck_intersecting() {
     std::erase_if(intersecting_, [&](std::uint32_t t) {
@@ -179,6 +188,10 @@ class EditMesh {
   SignedAxis proper_axis(std::uint32_t v) const;
   bool stays_proper(std::uint32_t v, const Change& change);
   void keep_proper(const Change& change, const Step& step);
+  template <class Takes>
+  void add_intersecting_apart(Takes&& takes, std::vector<std::uint32_t>& bad) const;
+  template <class F>
+  bool with_uses(const Change& change, F&& f);
   bool umbrellas_are_clean(const Change& change);
   bool others_stay_apart(const Change& change) const;
 
@@ -204,6 +217,8 @@ class EditMesh {
   std::vector<std::uint32_t> places_, moved_samples_;
   NearestTriangles nearest_;  // of the change at hand
   TriangleGrid grid_;
+  // Of triangles whose boxes in the grid are old, 1; empty where that may not be.
+  std::vector<std::uint8_t> changed_;
   std::vector<std::uint32_t> marks_;  // of triangles: equal to mark_ where they are to go
   std::uint32_t mark_ = 0;
   std::vector<std::uint8_t> movable_;  // triangles; what is made of them stays so

@@ -25,11 +25,12 @@ LatticePoint nearest_point(Vec3 p) {
 class Repairer {
  public:
   Repairer(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts,
-           RepairEffort effort)
+           RepairEffort effort, double most)
       : mesh_(mesh),
         parameters_(parameters),
         counts_(counts),
         effort_(effort),
+        most_(most),
         moves_(mesh),
         touched_(mesh.vertices()),
         failed_(mesh.triangles()) {}
@@ -84,6 +85,7 @@ class Repairer {
   const RefineParameters& parameters_;
   RefineCounts& counts_;
   RepairEffort effort_;
+  const double most_;  // from a sample to its triangle
   EditMoves moves_;
   double reach_ = 0;       // of the moves that are tried
   bool is_tried_ = false;  // those of half the reach are
@@ -123,8 +125,8 @@ std::vector<std::uint32_t> Repairer::intersecting(const std::vector<std::uint32_
 
 // Of the places that are within reach, those that were not so before.
 bool Repairer::in_turn(const EditMesh::Step& step) {
-  return mesh_.keeps_samples(change_, step, reach_) &&
-         !(is_tried_ && mesh_.keeps_samples(change_, step, reach_ / 2));
+  return mesh_.keeps_samples(change_, step, std::min(reach_, most_)) &&
+         !(is_tried_ && mesh_.keeps_samples(change_, step, std::min(reach_ / 2, most_)));
 }
 
 void Repairer::consider(const EditMesh::Step& step, int kind) {
@@ -256,8 +258,8 @@ bool Repairer::mend(std::uint32_t t, int round) {
 }  // namespace
 
 void repair_intersections(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts,
-                          RepairEffort effort) {
-  Repairer(mesh, parameters, counts, effort).run();
+                          RepairEffort effort, double most) {
+  Repairer(mesh, parameters, counts, effort, most).run();
 }
 
 }  // namespace voxweld

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "stages/refine/edit_mesh.h"
 #include "stages/refine/refine_range.h"
@@ -15,8 +16,9 @@ enum class RepairEffort : std::uint8_t {
 
 // Moves vertices, flips and collapses edges around triangles that intersect, each time only where
 // fewer pairs are left. Smallest moves first: along the surface, then towards the middle of the
-// neighbours. None further than parameters.reach.
+// neighbours. None further than parameters.reach, and no sample further than `most`.
 void repair_intersections(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts,
-                          RepairEffort effort);
+                          RepairEffort effort,
+                          double most = std::numeric_limits<double>::infinity());
 
 }  // namespace voxweld

@@ -15,8 +15,7 @@ int shift_for(std::int32_t extent, std::int32_t side) {
 TriangleGrid::TriangleGrid(const LatticeBox& box, std::size_t triangles) : lo_(box.lo), pack_(box) {
   slots_.reserve(triangles);
   std::size_t first = 0, first_row = 0;
-  for (std::int32_t side = triangles > 20000 ? most_side : 16; side >= 1; side /= 4) {
-    if (side == 2) side = 1;
+  for (std::int32_t side = triangles > 20000 ? most_side : 16; side >= 1; side /= 2) {
     Level level{side, {}, first, first_row, 0};
     for (std::size_t a = 0; a < 3; ++a) level.shift[a] = shift_for(box.hi[a] - box.lo[a], side);
     const auto bins = static_cast<std::size_t>(side);

@@ -67,7 +67,7 @@ class Placer {
   // Of vertices their normals, of v those from first_direction_[v] on and before that of v + 1.
   std::vector<Vec3> directions_;
   std::vector<std::uint32_t> first_direction_;
-  std::vector<std::uint8_t> fine_;  // triangles that need no flip, as they are now
+  std::vector<std::uint8_t> fine_;  // triangles that need no flip, or have none, as all is now
 };
 
 Placer::Agreement Placer::agreement(const Corners& corners, const Index3& plane) const {
@@ -102,7 +102,10 @@ bool Placer::apply(const EditMesh::Step& step, double least) {
       !mesh_.clean(change_))
     return false;
   mesh_.apply(change_, step);
-  for (const std::uint32_t t : change_.old) fine_[t] = 0;
+  // What was said of triangles beside these holds no more.
+  for (const Corners& corners : change_.now)
+    for (const std::uint32_t v : corners)
+      mesh_.each_around(v, [&](std::uint32_t t) { fine_[t] = 0; });
   return true;
 }
 
@@ -133,6 +136,7 @@ void Placer::flip(std::uint32_t t) {
       ++counts_.flips;
       return;
     }
+  fine_[t] = 1;
 }
 
 }  // namespace

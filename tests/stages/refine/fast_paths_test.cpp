@@ -254,5 +254,38 @@ TEST(EditMesh, AChangeIsCleanWhereNothingIsHit) {
   EXPECT_GT(unclean, 300u);
 }
 
+// Of many changes that are only asked what lies around them, the end tells the rest: what a look at all
+// triangles finds.
+TEST(EditMesh, ManyChangesTellInTheEndWhatIntersects) {
+  for (std::int32_t reach : {30, 120, 400}) {
+    Random random;
+    EditMesh mesh(testing::torus(), {{0, 0, 0}, {1000, 1000, 1000}});
+    ASSERT_TRUE(mesh.find_intersecting().empty());
+    EditMoves moves(mesh);
+    Change change;
+    mesh.begin_changes();
+    std::size_t gone = 0;
+    for (int round = 0; round < 400; ++round) {
+      const auto t = static_cast<std::uint32_t>(random(0, static_cast<int>(mesh.triangles()) - 1));
+      if (!mesh.alive(t)) continue;
+      const auto ends = moves.ends(mesh.corners(t)[0], mesh.corners(t)[1]);
+      if (!ends || !moves.linked(ends->gone, ends->keep)) continue;
+      LatticePoint at = mesh.position(ends->keep);
+      if (!ends->stays)
+        for (std::int32_t& x : at) x = std::clamp(x + random(-reach, reach), 0, 1000);
+      const EditMesh::Step step{ends->keep, at, ends->gone};
+      if (!moves.collapse(ends->gone, ends->keep, at, change) || !mesh.clean_around(change) ||
+          !mesh.keeps_samples(change, step, 1e9))
+        continue;
+      mesh.apply(change, step);
+      ++gone;
+    }
+    const std::vector<std::uint32_t> found = mesh.end_changes();
+    EXPECT_EQ(found, mesh.find_intersecting()) << reach;
+    EXPECT_GT(gone, 20u) << reach;
+    EXPECT_EQ(found.empty(), reach == 30) << reach;
+  }
+}
+
 }  // namespace
 }  // namespace voxweld
