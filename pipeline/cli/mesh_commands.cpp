@@ -11,6 +11,7 @@
 #include "pipeline/neuroglancer/folder_check.h"
 #include "pipeline/neuroglancer/folder_reader.h"
 #include "pipeline/neuroglancer/neuroglancer.h"
+#include "pipeline/output/distance_colours.h"
 #include "pipeline/output/export.h"
 #include "pipeline/output/load.h"
 #include "pipeline/output/render.h"
@@ -29,6 +30,8 @@ struct RenderArguments {
   RenderOptions options;
   std::vector<double> centre;
   int level = 0;
+  std::string distance_to;  // empty: not asked for
+  std::optional<double> distance_end;
 };
 
 struct VerifyArguments {
@@ -55,9 +58,18 @@ void check_output(const OutputFile& output, const std::string& input) {
   check_free(output.path, output.force);
 }
 
-Image draw(const RenderArguments& arguments, const InterruptFlag& interrupt) {
+struct Picture {
+  Image image;
+  std::optional<ShownDistances> distances;
+};
+
+Picture draw(const RenderArguments& arguments, const InterruptFlag& interrupt) {
   const PromptStop prompt(interrupt);
   RenderOptions options = arguments.options;
+  options.places = !arguments.distance_to.empty();
+  if (const auto end = arguments.distance_end; end && !(*end > 0))
+    throw InputError(
+        fmt::format("cannot render: --distance-end is {}, expected a number above 0", *end));
   if (!arguments.centre.empty())
     options.centre = Vec3{arguments.centre[0], arguments.centre[1], arguments.centre[2]};
   // Two passes over the files, one mesh in memory at a time: bounds, then the picture.
@@ -76,7 +88,12 @@ Image draw(const RenderArguments& arguments, const InterruptFlag& interrupt) {
   Renderer renderer(bounds.bounds(), options);
   renderer.set_colours(listed_colours(arguments.input));
   each([&](const DecodedMesh& mesh, std::optional<Material> label) { renderer.draw(mesh, label); });
-  return renderer.finish();
+  Picture picture;
+  if (options.places)
+    picture.distances = ReferenceMesh(arguments.distance_to, bounds.bounds())
+                            .colour(renderer, arguments.distance_end);
+  picture.image = renderer.finish();
+  return picture;
 }
 
 std::vector<std::uint8_t> with_alpha(const Image& image) {
@@ -93,12 +110,18 @@ int render(const RenderArguments& arguments, const Program& program) {
   const std::string& output = arguments.output.path;
   check_ending(output, std::vector<std::string>{".png"}, "a picture");
   check_output(arguments.output, arguments.input);
-  const Image image = draw(arguments, program.interrupt);
+  const Picture picture = draw(arguments, program.interrupt);
+  const Image& image = picture.image;
   program.interrupt.check();
   const bool opaque = image.alpha.empty();
   const std::vector<std::uint8_t> pixels = opaque ? image.rgb : with_alpha(image);
   write_png(output, {image.width, image.height, opaque ? 3 : 4}, std::as_bytes(std::span(pixels)));
   fmt::print("{}: {} x {}\n", output, image.width, image.height);
+  if (const auto& shown = picture.distances)
+    fmt::print(
+        "distance of what is seen: {:.3g} in the mean, 99 % within {:.3g}, at most {:.3g}; "
+        "yellow from {:.3g} on\n",
+        shown->mean, shown->p99, shown->most, shown->end);
   return 0;
 }
 
@@ -236,11 +259,14 @@ void add_render_command(CLI::App& app, Program& program) {
       "render",
       "Draws a picture of meshes, as PNG\n"
       "z points up; one mesh is in memory at a time, so an output directory may be of any size.");
-  add_examples(*command, {{"voxweld render scan.mesh -o scan.png", ""},
-                          {"voxweld render scan.mesh -o inside.png --azimuth 120 --cut-y 80",
-                           "from another side, without what lies beyond y = 80"},
-                          {"voxweld render scan.mesh -o net.png --edges --transparent",
-                           "how large the triangles are, to be laid over something else"}});
+  add_examples(*command,
+               {{"voxweld render scan.mesh -o scan.png", ""},
+                {"voxweld render scan.mesh -o inside.png --azimuth 120 --cut-y 80",
+                 "from another side, without what lies beyond y = 80"},
+                {"voxweld render scan.mesh -o error.png --level 2 --distance-to scan.mesh",
+                 "how far level 2 is from the mesh itself"},
+                {"voxweld render scan.mesh -o net.png --edges --transparent",
+                 "how large the triangles are, to be laid over something else"}});
   RenderOptions& o = arguments->options;
   add_file(*command, "input", arguments->input,
            "An output directory, or a mesh file: " + endings_text(mesh_writers()));
@@ -258,6 +284,18 @@ void add_render_command(CLI::App& app, Program& program) {
   command->add_option("--cut-y", o.cut[1], "The same for y");
   command->add_option("--cut-z", o.cut[2], "The same for z");
   add_level(*command, arguments->level);
+  CLI::Option* to =
+      command
+          ->add_option("--distance-to", arguments->distance_to,
+                       "Colours by the distance to this mesh, an output directory or a file in the "
+                       "same frame: dark purple is none. It is held in memory")
+          ->type_name("MESH");
+  command
+      ->add_option(
+          "--distance-end", arguments->distance_end,
+          "The distance from which on colours are yellow, in the mesh's unit (default: that "
+          "which 99 % of what is seen has)")
+      ->needs(to);
   command->add_flag("--edges", o.edges, "Draws the edges of triangles");
   command->add_flag("--transparent", o.transparent, "Leaves the background transparent");
   when_chosen(*command, program, [&program, arguments] { return render(*arguments, program); });

@@ -108,6 +108,10 @@ Renderer::Renderer(const MeshBounds& bounds, const RenderOptions& options) : opt
   const auto samples = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   depth_.assign(samples, -std::numeric_limits<float>::infinity());
   colour_.resize(samples);
+  if (options.places) {
+    places_.assign(samples, Place{std::numeric_limits<float>::quiet_NaN(), 0, 0});
+    light_.resize(samples);
+  }
   for (int y = 0; y < height_; ++y) {
     const double t = static_cast<double>(y) / height_;
     const auto sky = encoded(Vec3{0.93, 0.95, 0.97} * (1 - t) + Vec3{0.78, 0.80, 0.83} * t);
@@ -133,19 +137,21 @@ bool Renderer::is_cut(const DecodedMesh& mesh, const std::array<std::uint32_t, 3
   return false;
 }
 
-bool Renderer::is_cut(const std::array<Corner, 3>& c, const std::array<double, 3>& w) const {
-  for (int a = 0; a < 3; ++a) {
-    const auto& cut = options_.cut[static_cast<std::size_t>(a)];
-    if (!cut) continue;
-    // In perspective what is linear on the screen is a coordinate times the nearness.
-    double sum = 0, weights = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double weight = distance_ > 0 ? w[k] * c[k].at.nearness : w[k];
-      sum += weight * c[k].place[a];
-      weights += weight;
-    }
-    if (sum > *cut * weights) return true;
+// In perspective what is linear on the screen is a coordinate times the nearness.
+Vec3 Renderer::place_at(const std::array<Corner, 3>& c, const std::array<double, 3>& w) const {
+  Vec3 sum{};
+  double weights = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double weight = distance_ > 0 ? w[k] * c[k].at.nearness : w[k];
+    sum = sum + c[k].place * weight;
+    weights += weight;
   }
+  return sum * (1 / weights);
+}
+
+bool Renderer::is_cut(Vec3 place) const {
+  for (std::size_t a = 0; a < 3; ++a)
+    if (options_.cut[a] && place[static_cast<int>(a)] > *options_.cut[a]) return true;
   return false;
 }
 
@@ -215,13 +221,20 @@ void Renderer::fill(const std::array<Corner, 3>& c, const Facing& facing, const 
                                                w[2] * c[2].at.nearness);
       const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                              static_cast<std::size_t>(x);
-      if (!(nearness > depth_[at]) || is_cut(c, w)) continue;
+      if (!(nearness > depth_[at])) continue;
+      const Vec3 place = place_at(c, w);
+      if (is_cut(place)) continue;
       depth_[at] = nearness;
       Vec3 n = facing.normal;
       if (smooth) n = unit(c[0].normal * w[0] + c[1].normal * w[1] + c[2].normal * w[2]);
       if (facing.back) n = n * -1;
       const Vec3 colour = facing.back ? colours.back : colours.front;
-      colour_[at] = encoded(colour * (light(n) * edge_shade(w, heights)));
+      const double lit = light(n) * edge_shade(w, heights);
+      colour_[at] = encoded(colour * lit);
+      if (!options_.places) continue;
+      for (std::size_t a = 0; a < 3; ++a)
+        places_[at][a] = static_cast<float>(place[static_cast<int>(a)]);
+      light_[at] = static_cast<float>(lit);
     }
   }
 }
@@ -232,6 +245,12 @@ double Renderer::edge_shade(const std::array<double, 3>& w,
   const double away = std::min({w[0] * heights[0], w[1] * heights[1], w[2] * heights[2]});
   // Half a line lies on each side of an edge.
   return away < 0.5 * options_.supersample ? 0.12 : 1;
+}
+
+void Renderer::recolour(const std::function<Vec3(std::size_t)>& f) {
+  for (std::size_t at = 0; at < places_.size(); ++at)
+    if (!std::isnan(places_[at][0]))
+      colour_[at] = encoded(f(at) * (0.35 + 0.65 * double{light_[at]}));
 }
 
 Image Renderer::finish() const {

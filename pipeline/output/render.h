@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <utility>
@@ -27,6 +28,7 @@ struct RenderOptions {
   std::array<std::optional<double>, 3> cut = {};
   bool edges = false;        // of triangles, as dark lines about a pixel wide
   bool transparent = false;  // where there is no mesh, in place of a sky
+  bool places = false;       // kept for each sample, for Renderer::recolour
 };
 
 // RGB, 8 bits each, rows from the top.
@@ -63,6 +65,14 @@ class Renderer {
   Renderer(const MeshBounds& bounds, const RenderOptions& options);
   void set_colours(MaterialTable given) { given_ = std::move(given); }
   void draw(const DecodedMesh& mesh, std::optional<Material> label = {});
+  // Where on the mesh each sample lies; of rows from the top, not a number where nothing was drawn.
+  // 16 bytes more a sample. Precondition here and below: RenderOptions::places.
+  using Place = std::array<float, 3>;
+  std::span<const Place> places() const { return places_; }
+  int samples_in_a_row() const { return width_; }
+  // Colours what was drawn anew: f(sample) is linear RGB from 0 to 1. Edges stay, and light,
+  // but softer: dark colours have to be told apart.
+  void recolour(const std::function<Vec3(std::size_t)>& f);
   Image finish() const;
 
  private:
@@ -73,10 +83,11 @@ class Renderer {
     Vec3 front, back;
   };
   Vec3 colour_of(Material label) const;
+  // The place at one sample of a triangle, by its weights, barycentric on the screen.
+  Vec3 place_at(const std::array<Corner, 3>& corners, const std::array<double, 3>& weights) const;
   // All of it.
   bool is_cut(const DecodedMesh& mesh, const std::array<std::uint32_t, 3>& triangle) const;
-  // At one sample of a triangle: its weights, barycentric on the screen.
-  bool is_cut(const std::array<Corner, 3>& corners, const std::array<double, 3>& weights) const;
+  bool is_cut(Vec3 place) const;
   void draw_triangle(const std::array<Corner, 3>& corners, const Colours& colours);
   struct Facing {
     double area;
@@ -95,6 +106,8 @@ class Renderer {
   int width_ = 0, height_ = 0;  // in samples
   std::vector<float> depth_;
   std::vector<std::array<std::uint8_t, 3>> colour_;
+  std::vector<Place> places_;  // and how much light there is; both empty unless asked for
+  std::vector<float> light_;
 };
 
 }  // namespace voxweld
