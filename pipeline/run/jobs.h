@@ -68,7 +68,7 @@ class Jobs {
  private:
   void plan_refine(const Config& config, const OutputFrame& output);
   StagePaths paths_at(Config config, double tolerance) const;
-  void cut_octrees(Config config, double tolerance);
+  void cut_octrees(Config config, double tolerance, const StagePaths& paths);
   void place_stages(const StagePaths& paths);  // stitch and all behind it
 
   IngestJob ingest_;

@@ -12,8 +12,7 @@ StagePaths Jobs::paths_at(Config config, double tolerance) const {
   return stage_paths(config, output_info_, labels_);
 }
 
-void Jobs::cut_octrees(Config config, double tolerance) {
-  const StagePaths paths = paths_at(config, tolerance);
+void Jobs::cut_octrees(Config config, double tolerance, const StagePaths& paths) {
   config.simplify.tolerance = tolerance;
   finer_ = *build_;
   finer_->folder = paths.build;
@@ -24,7 +23,7 @@ void Jobs::cut_octrees(Config config, double tolerance) {
 }
 
 void Jobs::cut(const Config& config, const Extraction& extraction) {
-  cut_octrees(config, extraction.tolerance);
+  cut_octrees(config, extraction.tolerance, paths_at(config, extraction.tolerance));
   encode_.box = extraction.box;
 }
 
@@ -32,8 +31,9 @@ void Jobs::cut_what_is_there(const Config& config) {
   if (!collapses_by_sheets(config)) return;
   for (const double tolerance : noted_tolerances(config.work.directory)) {
     if (!(tolerance < config.simplify.tolerance)) continue;
-    if (!std::filesystem::exists(paths_at(config, tolerance).build)) continue;
-    cut_octrees(config, tolerance);
+    const StagePaths paths = paths_at(config, tolerance);
+    if (!std::filesystem::exists(paths.build)) continue;
+    cut_octrees(config, tolerance, paths);
     build_->finer_may_fail = true;
     return;
   }

@@ -4,7 +4,8 @@
 Usage: levels_table.py NAME OUTPUT_FOLDER BUILD_FOLDER SCRATCH_FOLDER [VOLUME ISOVALUE above|below]
 
 Each level is exported as one mesh and held against the finest by VTK. Beside it the finest mesh is simplified by
-meshoptimizer to as many triangles, and so is, where the volume is given, a mesh of it at that scale. Distances are from points spread by area, 200,000 each way, and from vertices.
+meshoptimizer to as many triangles, and so is, where the volume is given, a mesh of it at that scale. Distances are
+from points spread by area, 200,000 each way, and from vertices.
 Exits 77 without VTK.
 """
 import json

@@ -271,7 +271,7 @@ TEST(CoarserRun, ReadsSamplesOfShardsWhoseOctreesAreNoMore) {
 TEST(CoarserRun, DoesNotNeedTheNotes) {
   const Scene scene(plates({61, 58, 50}));
   const Tree expected = scene.clean_tree(with(fine, 0.2));
-  for (const char* text : {"", "much", "0.04999"}) {
+  for (const char* text : {"", "much", "nan", "-1", "0.04999"}) {
     scene.forget();
     VOXWELD_EXPECT_DONE(scene.run(fine));
     const auto notes = files_ending(scene.work(), "tolerance");
