@@ -122,10 +122,13 @@ void add_stage_commands(CLI::App& app, Program& program) {
       "Stage 4: makes the triangles of each tile",
       "With simplify.triangles or ratio, after stage 4: counts what collapse would leave",
       "After stage 4, unless simplify.refine is off: repairs and collapses inside cubes of 64 "
-      "cells",
+      "cells\n"
+      "With \"repair\" it only finds what intersects.",
       "With simplify.triangles or ratio: counts anew in shifted cubes what the rest would leave",
-      "Unless simplify.refine is off: the same in shifted cubes, where the first had their borders",
-      "Unless simplify.refine is off: mends what intersects where both had their borders",
+      "Unless simplify.refine is off: the same in shifted cubes, where the first had their borders\n"
+      "With \"repair\" it mends what intersects, in boxes around it.",
+      "Unless simplify.refine is off: mends what still intersects, mostly where both had their "
+      "borders",
       "Unless simplify.refine is off: plans tiles of the refined mesh and cuts it into them",
       "Unless output.levels is 1: makes the coarser levels of detail",
       "Stage 5: writes the compressed mesh files and the manifest"};

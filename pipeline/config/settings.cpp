@@ -67,11 +67,17 @@ std::vector<Stage> stages_of(const Config& config) {
     std::erase_if(stages,
                   [](Stage stage) { return Stage::stitch < stage && stage < Stage::encode; });
   if (!mends(config)) std::erase(stages, Stage::mend);
+  if (only_repairs(config) && !mends(config)) std::erase(stages, Stage::seams);
   if (!has_levels(config)) std::erase(stages, Stage::levels);
   if (!has_target(config))
     std::erase_if(stages,
                   [](Stage stage) { return stage == Stage::survey || stage == Stage::recount; });
   return stages;
+}
+
+bool has_stage(const Config& config, Stage stage) {
+  const std::vector<Stage> stages = stages_of(config);
+  return std::ranges::find(stages, stage) != stages.end();
 }
 
 std::string_view refine_name(SimplifyConfig::Refine mode) {
@@ -85,6 +91,10 @@ bool refines(const Config& config) {
 
 bool mends(const Config& config) {
   return refines(config) && config.simplify.intersections == SimplifyConfig::Intersections::none;
+}
+
+bool only_repairs(const Config& config) {
+  return refine_mode(config) == SimplifyConfig::Refine::repair;
 }
 
 bool has_levels(const Config& config) {

@@ -39,10 +39,13 @@ std::string_view stage_name(Stage stage);
 // for them (mend where triangles that intersect are mended), survey and recount where a number of triangles is asked for,
 // levels where there is to be more than one.
 std::vector<Stage> stages_of(const Config& config);
+bool has_stage(const Config& config, Stage stage);
 // As in the config file.
 std::string_view refine_name(SimplifyConfig::Refine mode);
 bool refines(const Config& config);
 bool mends(const Config& config);
+// Of a mesh that is refined only what intersects is changed.
+bool only_repairs(const Config& config);
 bool has_levels(const Config& config);  // of detail, beside the mesh itself
 
 // What is told of a key, whatever it is bound to.

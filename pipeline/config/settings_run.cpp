@@ -47,10 +47,11 @@ std::vector<Setting> simplify_settings() {
           binding::choice(simplify, &Simplify::qef, {"qr", "normal"}), collapse),
       by_effect(row(
           {"simplify", "refine",
-           "What is done to the mesh once it is stitched. \"repair\": vertices go where they best "
-           "lie, out of their cells if need be, and triangles that cut each other are moved "
-           "apart; \"collapse\": edges are collapsed too, as far as tolerance lets them. \"auto\": "
-           "\"collapse\", but \"off\" where enabled = false or topology = \"free\"."},
+           "What is done to the mesh once it is stitched. \"repair\": triangles that cut each "
+           "other are mended, and the rest stays; \"collapse\": vertices go where they best lie, "
+           "out of their cells if need be, and edges are collapsed too, as far as tolerance lets "
+           "them. \"auto\": \"collapse\", but \"off\" where cells are not (enabled = false), or "
+           "with topology = \"free\"."},
           binding::choice(simplify, &Simplify::refine, {"auto", "off", "repair", "collapse"}),
           refined_from_build)),
       when_given(row(

@@ -1,7 +1,9 @@
 #include "pipeline/refine/box_reads.h"
 
 #include <algorithm>
+#include <numeric>
 
+#include "pipeline/executor/probe.h"
 #include "stages/refine/box_refiner.h"
 #include "stages/refine/mesh_part.h"
 #include "stages/refine/retile.h"
@@ -25,12 +27,12 @@ double part_near(const LatticeBox& whole, const LatticeBox& box) {
 
 void MendPlan::make() {
   std::map<Material, std::vector<IntersectionPlace>> places;
-  for (const CubeMeshes::Entry& entry : meshes_.entries())
-    for (const IntersectionRecord& record : entry.intersecting)
+  for (std::size_t i = 0; i < places_.size(); ++i)
+    for (const IntersectionRecord& record : CubeMeshArtifact(places_.path(i)).intersecting())
       places[record.label].push_back({record.box, record.around});
   for (const auto& of_label : places) {
     const Material label = of_label.first;
-    for (const LatticeBox& box : mend_boxes(of_label.second, frame_)) {
+    for (const LatticeBox& box : mend_boxes(of_label.second, frame_, room_)) {
       const auto number = static_cast<std::uint32_t>(boxes_.size());
       const Index3 lo = cubes_.cube_of(box.lo), hi = cubes_.cube_of(box.hi);
       boxes_.push_back({label, box, {label, cubes_.code(lo)}});
@@ -40,6 +42,29 @@ void MendPlan::make() {
     }
   }
   std::ranges::sort(reached_);
+}
+
+bool MendPlan::holds_all() {
+  std::call_once(counted_, [&] {
+    places_.entries();  // or one is missing
+    std::vector<std::uint64_t> counts(places_.size());
+    probe_all(counts.size(), [&](std::size_t i) {
+      counts[i] = CubeMeshArtifact(places_.path(i)).intersecting_count();
+    });
+    places_count_ = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+  });
+  return places_count_ <= room_.most_places;
+}
+
+std::vector<MendBox> MendPlan::boxes_within(std::size_t artifact) const {
+  std::map<Material, std::vector<IntersectionPlace>> places;
+  for (const IntersectionRecord& record : places_.open(artifact)->intersecting())
+    places[record.label].push_back({record.box, record.around});
+  std::vector<MendBox> boxes;
+  for (const auto& [label, of_label] : places)
+    for (const LatticeBox& box : mend_boxes_within(of_label, frame_, room_, cubes_))
+      boxes.push_back({label, box, {label, cubes_.code(cubes_.cube_of(box.lo))}});
+  return boxes;
 }
 
 std::vector<MendBox> MendPlan::boxes(const CubeKey& begin, const CubeKey& end) {
@@ -68,10 +93,12 @@ BoxReads::BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const MendBox& 
   meshes.spans().each(begin, end, [&](std::size_t i) {
     if (!entries[i].summary.box.meets(box.box)) return;
     each_piece_of(*meshes.open(i), begin, end, [&](std::size_t p, const CubePieceRecord& piece) {
-      if (piece.inside.triangles > 0 && near.contains(morton_decode(piece.cube)))
-        add({i, p, CubePart::inside}, piece.inside);
-      if (piece.leaving.triangles > 0 && piece.leaving_box.meets(box.box))
-        add({i, p, CubePart::leaving}, piece.leaving);
+      const bool inside = piece.inside.triangles > 0 && near.contains(morton_decode(piece.cube));
+      const bool leaving = piece.leaving.triangles > 0 && piece.leaving_box.meets(box.box);
+      if ((inside || leaving) && (counted_.empty() || counted_.back() != i)) counted_.push_back(i);
+      if (meshes.is_replaced(i, piece)) return;
+      if (inside) add({i, p, CubePart::inside}, piece.inside);
+      if (leaving) add({i, p, CubePart::leaving}, piece.leaving);
     });
   });
 }
@@ -79,16 +106,12 @@ BoxReads::BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const MendBox& 
 // As the artifacts say that are read.
 double BoxReads::triangles_near(const CubeLattice& blocks) const {
   double triangles = 0;
-  std::size_t last = meshes_.size();
-  for (const Read& read : parts_) {  // by artifact
-    if (read.artifact == last) continue;
-    last = read.artifact;
-    for (const BlockRecord& block : meshes_.open(last)->blocks())
+  for (const std::size_t artifact : counted_)
+    for (const BlockRecord& block : meshes_.open(artifact)->blocks())
       if (block.label == box_.label)
-        triangles += static_cast<double>(block.triangles) *
+        triangles += static_cast<double>(static_cast<std::int64_t>(block.triangles)) *
                      part_near(blocks.box(CellKey::of(block.code, tile_block_level).at), box_.box);
-  }
-  return triangles;
+  return std::max(triangles, 0.0);
 }
 
 void BoxReads::limit(const CubeLattice& blocks) {
@@ -110,13 +133,23 @@ void BoxReads::add_hashes(KeyHasher& key) const {
     key.hash(meshes_.open(read.artifact)->part_hash(read.piece, read.part));
 }
 
-RefineMesh BoxReads::read(const std::function<void()>& between) const {
+HeldPart::HeldPart(RefineMesh part) : mesh(std::move(part)) {
+  boxes.reserve(mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) boxes.push_back(mesh.box(t));
+}
+
+RefineMesh BoxReads::read(const Held& held, const std::function<void()>& between) const {
   MeshGather mesh;
   mesh.reserve(all_.vertices, all_.triangles, all_.samples, all_.sided);
   for (const Read& read : parts_) {
     between();
-    const RefineMesh part = meshes_.open(read.artifact)->read(read.piece, read.part);
-    mesh.add(part, [&](std::size_t t) { return part.box(t).meets(box_.box); });
+    const auto add = [&](const HeldPart& part) {
+      mesh.add(part.mesh, [&](std::size_t t) { return part.boxes[t].meets(box_.box); });
+    };
+    if (const auto there = held.find(read); there != held.end())
+      add(there->second);
+    else
+      add(HeldPart(meshes_.open(read.artifact)->read(read.piece, read.part)));
   }
   return mesh.take();
 }

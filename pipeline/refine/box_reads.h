@@ -19,27 +19,56 @@ struct MendBox {
 // All boxes of a mesh, planned once from what its artifacts say intersects. Thread-safe.
 class MendPlan {
  public:
-  // meshes: sorted by the cubes of the first pass, which `cubes` are too.
-  MendPlan(CubeMeshes& meshes, const RefineFrame& frame, const CubeLattice& cubes)
-      : meshes_(meshes), frame_(frame), cubes_(cubes) {}
+  // places: artifacts that say what intersects. cubes: of the first pass.
+  MendPlan(CubeMeshes& places, const RefineFrame& frame, const MendRoom& room,
+           const CubeLattice& cubes)
+      : places_(places), frame_(frame), room_(room), cubes_(cubes) {}
+
+  // Of the places that one artifact lists the boxes that end where their cubes do: so no unit has to know
+  // the places of others.
+  std::vector<MendBox> boxes_within(std::size_t artifact) const;
+
+  // Whether there are so few places that all may be in memory at once. It depends on the mesh alone.
+  bool holds_all();
+  // What it takes then.
+  std::uint64_t bytes() { return holds_all() ? places_count_ * bytes_of_place : 0; }
 
   // Those that reach into cubes from `begin` on and before `end`, ascending.
   std::vector<MendBox> boxes(const CubeKey& begin, const CubeKey& end);
 
  private:
+  static constexpr std::uint64_t bytes_of_place = 200;
+
   void make();
 
-  CubeMeshes& meshes_;
+  CubeMeshes& places_;
   const RefineFrame& frame_;
+  const MendRoom& room_;
   const CubeLattice& cubes_;
-  std::once_flag made_;
+  std::once_flag counted_, made_;
+  std::uint64_t places_count_ = 0;
   std::vector<MendBox> boxes_;
   std::vector<std::pair<CubeKey, std::uint32_t>> reached_;  // ascending: a cube's key and a box
+};
+
+// A part of a piece, read once for several boxes.
+struct HeldPart {
+  explicit HeldPart(RefineMesh part);
+
+  RefineMesh mesh;
+  std::vector<LatticeBox> boxes;  // around its triangles
 };
 
 // The pieces of one label with triangles that may meet a box.
 class BoxReads {
  public:
+  struct Read {
+    std::size_t artifact = 0, piece = 0;
+    CubePart part = CubePart::inside;
+    auto operator<=>(const Read&) const = default;
+  };
+  using Held = std::map<Read, HeldPart>;
+
   BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const MendBox& box);
 
   // Looks at full pieces closer, before all() is asked for: what meets the box is as blocks say, by
@@ -52,20 +81,16 @@ class BoxReads {
   const PartCounts& all() const { return all_; }
   std::uint64_t largest_part_bytes() const { return largest_part_; }
   void add_hashes(KeyHasher& key) const;
-  // The triangles that meet the box.
-  RefineMesh read(const std::function<void()>& between) const;
+  // The triangles that meet the box. held: parts that need not be read.
+  RefineMesh read(const Held& held, const std::function<void()>& between) const;
 
  private:
-  struct Read {
-    std::size_t artifact = 0, piece = 0;
-    CubePart part = CubePart::inside;
-  };
-
   double triangles_near(const CubeLattice& blocks) const;
 
   CubeMeshes& meshes_;
   MendBox box_;
   std::vector<Read> parts_;
+  std::vector<std::size_t> counted_;  // artifacts that count triangles near the box
   PartCounts all_;
   std::uint64_t largest_part_ = 0;
 };

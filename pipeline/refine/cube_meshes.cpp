@@ -25,35 +25,37 @@ std::vector<LatticeBox> those_near(const std::vector<LatticeBox>& boxes, const L
 
 }  // namespace
 
-void PieceSpans::add(std::uint64_t pieces, const CubeKey& lowest, const CubeKey& highest) {
-  const CubeKey before = spans_.empty() ? CubeKey{} : spans_.back().highest_so_far;
+void PieceSpans::add(std::uint64_t pieces, const CubeKey& lowest, const CubeKey& highest,
+                     bool again) {
+  if (again || spans_.empty()) runs_.push_back(std::ssize(spans_));
+  const CubeKey before =
+      runs_.back() == std::ssize(spans_) ? CubeKey{} : spans_.back().highest_so_far;
   spans_.push_back({pieces > 0, lowest, highest, pieces > 0 ? std::max(before, highest) : before});
 }
 
-CubeMeshes::CubeMeshes(Stage maker, const std::vector<std::filesystem::path>& paths,
-                       const std::vector<std::filesystem::path>& patches)
-    : maker_(maker), patched_(true) {
-  for (std::size_t i = 0; i < paths.size(); ++i) {
-    paths_.push_back(paths[i]);
-    paths_.push_back(patches[i]);
-  }
+CubeMeshes::CubeMeshes(std::vector<MeshLayer> layers) {
+  for (std::size_t i = 0; i < layers.size(); ++i)
+    for (std::filesystem::path& path : layers[i].paths)
+      artifacts_.push_back({layers[i].maker, i, std::move(path)});
 }
 
 const std::vector<CubeMeshes::Entry>& CubeMeshes::entries() {
   std::call_once(looked_, [&] {
-    std::vector<Entry> entries(paths_.size());
-    probe_all(paths_.size(), [&](std::size_t i) {
-      if (!std::filesystem::exists(paths_[i]))
+    std::vector<Entry> entries(size());
+    probe_all(size(), [&](std::size_t i) {
+      if (!std::filesystem::exists(path(i)))
         throw InputError(
             fmt::format("{}: is missing; run `voxweld {} CONFIG` first, or `voxweld "
                         "run CONFIG` for all",
-                        paths_[i].string(), stage_name(maker_)));
-      const CubeMeshArtifact artifact(paths_[i]);
-      entries[i] = {artifact.summary(), artifact.content_hash(), artifact.intersecting()};
+                        path(i).string(), stage_name(artifacts_[i].maker)));
+      const CubeMeshArtifact artifact(path(i));
+      entries[i] = {artifact.summary(), artifact.content_hash()};
     });
     entries_ = std::move(entries);
-    for (const Entry& entry : entries_)
-      spans_.add(entry.summary.pieces, entry.summary.lowest, entry.summary.highest);
+    for (std::size_t i = 0; i < size(); ++i) {
+      const CubeMeshSummary& summary = entries_[i].summary;
+      spans_.add(summary.pieces, summary.lowest, summary.highest, begins_layer(i));
+    }
   });
   return entries_;
 }
@@ -72,21 +74,27 @@ std::vector<Material> CubeMeshes::labels(Material first, Material end) {
 
 std::shared_ptr<const CubeMeshArtifact> CubeMeshes::open(std::size_t artifact) {
   return open_.get(artifact,
-                   [&] { return std::make_shared<const CubeMeshArtifact>(paths_[artifact]); });
+                   [&] { return std::make_shared<const CubeMeshArtifact>(path(artifact)); });
 }
 
 void CubeMeshes::find_patched() {
   for (std::size_t i = 0; i < size(); ++i)
-    if (is_patch(i))
+    if (layer(i) > 0)
       for (const CubePieceRecord& piece : open(i)->pieces())
-        patched_cubes_.emplace_back(piece.label, piece.cube);
-  std::ranges::sort(patched_cubes_);
+        patched_cubes_.push_back({{piece.label, piece.cube}, layer(i)});
+  std::ranges::sort(patched_cubes_, [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first < b.first : a.second > b.second;
+  });
+  const auto rest = std::ranges::unique(patched_cubes_, {}, [](const auto& p) { return p.first; });
+  patched_cubes_.erase(rest.begin(), rest.end());
 }
 
 bool CubeMeshes::is_replaced(std::size_t artifact, const CubePieceRecord& piece) {
-  if (!patched_ || is_patch(artifact)) return false;
   std::call_once(looked_for_patches_, [&] { find_patched(); });
-  return std::ranges::binary_search(patched_cubes_, std::pair(piece.label, piece.cube));
+  const std::pair place(piece.label, piece.cube);
+  const auto at =
+      std::ranges::lower_bound(patched_cubes_, place, {}, [](const auto& p) { return p.first; });
+  return at != patched_cubes_.end() && at->first == place && layer(artifact) < at->second;
 }
 
 RangeReads::RangeReads(CubeMeshes& meshes, const CubeLattice& cubes, Material label,

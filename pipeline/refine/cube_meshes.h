@@ -16,16 +16,20 @@ namespace voxweld {
 // Where the pieces of artifacts lie, which come in the order of their labels.
 class PieceSpans {
  public:
-  // Of the next artifact.
-  void add(std::uint64_t pieces, const CubeKey& lowest, const CubeKey& highest);
+  // Of the next artifact. With again = true labels begin anew there.
+  void add(std::uint64_t pieces, const CubeKey& lowest, const CubeKey& highest, bool again);
   // f(number) of each artifact that may have pieces from `begin` on and before `end`, ascending.
   template <class F>
   void each(const CubeKey& begin, const CubeKey& end, F&& f) const {
-    auto span = std::ranges::partition_point(
-        spans_, [&](const Span& other) { return other.highest_so_far < begin; });
-    for (; span != spans_.end() && (!span->any || span->lowest.label <= end.label); ++span)
-      if (span->any && begin <= span->highest && span->lowest < end)
-        f(static_cast<std::size_t>(span - spans_.begin()));
+    for (std::size_t run = 0; run < runs_.size(); ++run) {
+      const auto first = spans_.begin() + runs_[run];
+      const auto last = run + 1 < runs_.size() ? spans_.begin() + runs_[run + 1] : spans_.end();
+      auto span = std::partition_point(
+          first, last, [&](const Span& other) { return other.highest_so_far < begin; });
+      for (; span != last && (!span->any || span->lowest.label <= end.label); ++span)
+        if (span->any && begin <= span->highest && span->lowest < end)
+          f(static_cast<std::size_t>(span - spans_.begin()));
+    }
   }
 
  private:
@@ -34,6 +38,7 @@ class PieceSpans {
     CubeKey lowest, highest, highest_so_far;
   };
   std::vector<Span> spans_;
+  std::vector<std::ptrdiff_t> runs_;  // where labels begin anew
 };
 
 // f(number, record) of the artifact's pieces from `begin` on and before `end`.
@@ -46,29 +51,36 @@ void each_piece_of(const CubeMeshArtifact& artifact, const CubeKey& begin, const
     f(static_cast<std::size_t>(piece - pieces.begin()), *piece);
 }
 
-// The artifacts of one stage. What of each is needed to find pieces is held, and read when it is
-// first asked for; some of the artifacts are held open. Thread-safe.
+// The artifacts of all units of a stage, in their order.
+struct MeshLayer {
+  Stage maker = Stage::stitch;
+  std::vector<std::filesystem::path> paths;
+};
+
+// A mesh: what one stage left, and patches that others laid over it. A patch's pieces stand in place of
+// those of the same label and cube in the layers below. What of each artifact is needed to find pieces is
+// held, and read when it is first asked for; some of the artifacts are held open. Thread-safe.
 class CubeMeshes {
  public:
   struct Entry {
     CubeMeshSummary summary;
     Hash128 content;
-    std::vector<IntersectionRecord> intersecting;
   };
 
-  // paths: of all units of `maker`, in their order.
-  CubeMeshes(Stage maker, std::vector<std::filesystem::path> paths)
-      : maker_(maker), paths_(std::move(paths)) {}
-  // And of each unit a patch, with pieces that stand in place of others. It comes after its unit's
-  // artifact, so that labels ascend.
-  CubeMeshes(Stage maker, const std::vector<std::filesystem::path>& paths,
-             const std::vector<std::filesystem::path>& patches);
+  // From the lowest layer to the uppermost.
+  explicit CubeMeshes(std::vector<MeshLayer> layers);
 
-  bool is_patch(std::size_t artifact) const { return patched_ && artifact % 2 == 1; }
+  // Whose the artifact is.
+  std::size_t layer(std::size_t artifact) const { return artifacts_[artifact].layer; }
+  bool begins_layer(std::size_t artifact) const {
+    return artifact == 0 || layer(artifact) != layer(artifact - 1);
+  }
   // Whether a patch stands in place of this piece of the artifact.
   bool is_replaced(std::size_t artifact, const CubePieceRecord& piece);
-  std::size_t size() const { return paths_.size(); }
-  const std::filesystem::path& path(std::size_t artifact) const { return paths_[artifact]; }
+  std::size_t size() const { return artifacts_.size(); }
+  const std::filesystem::path& path(std::size_t artifact) const {
+    return artifacts_[artifact].path;
+  }
   // InputError where an artifact is missing.
   const std::vector<Entry>& entries();
   const PieceSpans& spans() {
@@ -84,15 +96,19 @@ class CubeMeshes {
 
   void find_patched();
 
-  Stage maker_;
-  std::vector<std::filesystem::path> paths_;
-  bool patched_ = false;
+  struct Artifact {
+    Stage maker = Stage::stitch;
+    std::size_t layer = 0;
+    std::filesystem::path path;
+  };
+  std::vector<Artifact> artifacts_;
   std::once_flag looked_;
   std::vector<Entry> entries_;
   PieceSpans spans_;
   BoundedCache<CubeMeshArtifact> open_{most_open};
   std::once_flag looked_for_patches_;
-  std::vector<std::pair<Material, std::uint64_t>> patched_cubes_;  // in order
+  // The uppermost patch of each cube that has one, in order.
+  std::vector<std::pair<std::pair<Material, std::uint64_t>, std::size_t>> patched_cubes_;
 };
 
 // A piece to read: all of it, or of those triangles that leave its cube the ones near enough.

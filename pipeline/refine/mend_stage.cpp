@@ -5,6 +5,7 @@
 
 #include "pipeline/refine/box_reads.h"
 #include "pipeline/refine/range_stage.h"
+#include "pipeline/stage/cube_mesh.h"
 #include "stages/refine/mend_box.h"
 #include "stages/refine/mesh_part.h"
 #include "stages/refine/retile.h"
@@ -21,22 +22,30 @@ struct OwnPiece {
   Place place() const { return {record.code, record.cube}; }
 };
 
-bool lies_in_any(const RefineMesh& mesh, std::size_t triangle, const std::vector<BoxReads>& boxes) {
-  return std::ranges::any_of(boxes, [&](const BoxReads& reads) {
-    return std::ranges::all_of(mesh.shape(triangle), [&](const LatticePoint& corner) {
-      return reads.box().box.contains(corner);
-    });
-  });
+bool lies_in(const LatticeBox& inner, const LatticeBox& box) {
+  return box.contains(inner.lo) && box.contains(inner.hi);
+}
+
+bool lies_in_any(const LatticeBox& inner, const std::vector<LatticeBox>& boxes) {
+  return std::ranges::any_of(boxes, [&](const LatticeBox& box) { return lies_in(inner, box); });
 }
 
 class MendStage final : public RangeStage {
  public:
   explicit MendStage(const RefineInputs& inputs)
-      : RangeStage(inputs), plan_(meshes_, job_.frame, cubes_), blocks_(tile_blocks(job_.frame)) {}
+      : RangeStage(inputs), blocks_(tile_blocks(job_.frame)) {
+    if (inputs.places) listed_.emplace(std::vector<MeshLayer>{*inputs.places});
+    plan_.emplace(places(), job_.frame, job_.room, cubes_);
+  }
 
   bool done(std::uint64_t unit) override {
     const std::filesystem::path path = path_of(unit);
     return is_current(path, [&] { return CubeMeshArtifact(path).key() == key(unit, works(unit)); });
+  }
+  StageMemory memory(std::span<const std::uint64_t> numbers) override {
+    StageMemory memory = RangeStage::memory(numbers);
+    memory.base_bytes += plan_->bytes();
+    return memory;
   }
   std::uint64_t bytes(std::uint64_t unit) override {
     std::uint64_t most = 0;
@@ -48,7 +57,8 @@ class MendStage final : public RangeStage {
     CubeMeshWriter file(path_of(unit.key), key(unit.key, all));
     Result result;
     for (const LabelWork& work : all) mend(unit.key, work, worker, file, result);
-    file.finish({as_record(result.counts), result.blocks, result.changes, {}});
+    if (listed_) add_beside(unit.key, all, result);
+    file.finish({as_record(result.counts), result.blocks, result.changes, result.intersecting});
   }
 
  private:
@@ -62,7 +72,10 @@ class MendStage final : public RangeStage {
     RefineCounts counts;
     std::vector<BlockRecord> blocks;
     std::vector<LabelChange> changes;
+    std::vector<IntersectionRecord> intersecting;
   };
+
+  CubeMeshes& places() { return listed_ ? *listed_ : meshes_; }
 
   CubeKey begin_of(std::uint64_t unit) const {
     return {units_[unit].first_label, range_of(unit).begin};
@@ -71,9 +84,15 @@ class MendStage final : public RangeStage {
     return {units_[unit].end_label - 1, range_of(unit).end};
   }
 
+  std::vector<MendBox> boxes(std::uint64_t unit) {
+    if (plan_->holds_all()) return plan_->boxes(begin_of(unit), end_of(unit));
+    // What lies across cubes is left for the next one.
+    return job_.stage == Stage::seams ? plan_->boxes_within(unit) : std::vector<MendBox>{};
+  }
+
   std::vector<LabelWork> works(std::uint64_t unit) {
     std::vector<LabelWork> works;
-    for (const MendBox& box : plan_.boxes(begin_of(unit), end_of(unit))) {
+    for (const MendBox& box : boxes(unit)) {
       if (works.empty() || works.back().label != box.label) works.push_back({box.label, {}, {}});
       works.back().boxes.emplace_back(meshes_, cubes_, box);
     }
@@ -99,6 +118,7 @@ class MendStage final : public RangeStage {
     meshes_.spans().each(begin, end, [&](std::size_t i) {
       each_piece_of(*meshes_.open(i), begin, end, [&](std::size_t p, const CubePieceRecord& piece) {
         const Index3 cube = morton_decode(piece.cube);
+        if (meshes_.is_replaced(i, piece)) return;
         if (std::ranges::any_of(near, [&](const Box3& box) { return box.contains(cube); }))
           work.pieces.push_back({i, p, piece});
       });
@@ -106,15 +126,27 @@ class MendStage final : public RangeStage {
     std::ranges::stable_sort(work.pieces, {}, &OwnPiece::place);
   }
 
+  BoxReads::Held read_pieces(const LabelWork& work, const WorkerContext& worker) {
+    BoxReads::Held held;
+    for (const OwnPiece& own : work.pieces) {
+      worker.check_interrupt();
+      const auto artifact = meshes_.open(own.artifact);
+      for (const CubePart part : {CubePart::inside, CubePart::leaving})
+        held.try_emplace({own.artifact, own.piece, part}, artifact->read(own.piece, part));
+    }
+    return held;
+  }
+
   void mend(std::uint64_t unit, const LabelWork& work, const WorkerContext& worker,
             CubeMeshWriter& file, Result& result) {
     MeshGather gather;
     const PartCounts most = counts_after(work);
     gather.reserve(most.vertices, most.triangles, most.samples, most.sided);
+    BoxReads::Held held = read_pieces(work, worker);
     std::uint64_t lost = 0;
     for (const BoxReads& reads : work.boxes) {
       RefineCounts counts;
-      const RefineMesh mended = mend_box(reads.read([&] { worker.check_interrupt(); }),
+      const RefineMesh mended = mend_box(reads.read(held, [&] { worker.check_interrupt(); }),
                                          reads.box().box, job_.parameters, counts);
       // Others do the same box where it reaches into theirs, and take what is at home there.
       gather.add(mended, [&](std::size_t t) {
@@ -127,20 +159,42 @@ class MendStage final : public RangeStage {
     }
     if (lost > 0) result.changes.push_back({work.label, lost});
     std::map<std::uint64_t, std::uint64_t> more;  // triangles of blocks, modulo 2^64
-    for (const OwnPiece& own : work.pieces) {
-      worker.check_interrupt();
-      for (const CubePart part : {CubePart::inside, CubePart::leaving}) {
-        const RefineMesh before = meshes_.open(own.artifact)->read(own.piece, part);
-        for (const CubeCount& block : count_blocks(before, blocks_))
-          more[block.code] -= block.polygons;
-        gather.add(before, [&](std::size_t t) { return !lies_in_any(before, t, work.boxes); });
-      }
+    for (const auto& entry : held) {
+      const HeldPart& before = entry.second;
+      for (const CubeCount& block : count_blocks(before.mesh, blocks_))
+        more[block.code] -= block.polygons;
+      const std::vector<LatticeBox> near = boxes_near(work, before);
+      gather.add(before.mesh, [&](std::size_t t) { return !lies_in_any(before.boxes[t], near); });
     }
+    held.clear();
     const RefineMesh after = gather.take();
     for (const CubeCount& block : count_blocks(after, blocks_)) more[block.code] += block.polygons;
     for (const auto& [code, triangles] : more)
       if (triangles != 0) result.blocks.push_back({work.label, code, triangles});
+    add_intersections(work.label, after, after.intersecting, cubes_, result.intersecting);
     write_pieces(work, after, file);
+  }
+
+  static std::vector<LatticeBox> boxes_near(const LabelWork& work, const HeldPart& part) {
+    std::vector<LatticeBox> near;
+    if (part.boxes.empty()) return near;
+    LatticeBox all = part.boxes.front();
+    for (const LatticeBox& box : part.boxes) all.extend(box);
+    for (const BoxReads& reads : work.boxes)
+      if (reads.box().box.meets(all)) near.push_back(reads.box().box);
+    return near;
+  }
+
+  // What lies in no box, of what was listed.
+  void add_beside(std::uint64_t unit, const std::vector<LabelWork>& works, Result& result) {
+    for (const IntersectionRecord& record : listed_->open(unit)->intersecting())
+      if (std::ranges::none_of(works, [&](const LabelWork& work) {
+            return work.label == record.label &&
+                   std::ranges::any_of(work.boxes, [&](const BoxReads& reads) {
+                     return lies_in(record.box, reads.box().box);
+                   });
+          }))
+        result.intersecting.push_back(record);
   }
 
   // All that are there now, and an empty one where there was one and is none any more.
@@ -164,6 +218,7 @@ class MendStage final : public RangeStage {
 
   Hash128 key(std::uint64_t unit, const std::vector<LabelWork>& works) {
     KeyHasher key = begin_key(unit);
+    if (listed_) key.bytes(as_section(listed_->open(unit)->intersecting()));
     for (const LabelWork& work : works) {
       key.integer(static_cast<std::int64_t>(work.label));
       for (const BoxReads& reads : work.boxes) reads.add_hashes(key);
@@ -194,7 +249,7 @@ class MendStage final : public RangeStage {
   }
 
   static std::uint64_t bytes_of(const LabelWork& work) {
-    std::uint64_t box_bytes = 0, largest_part = 0;
+    std::uint64_t box_bytes = 0, held = 0;
     for (const BoxReads& reads : work.boxes) {
       PartCounts own = reads.all();
       own.samples += own.vertices;  // that go or move
@@ -202,15 +257,15 @@ class MendStage final : public RangeStage {
                             refining_bytes(reads.all(), own)});
     }
     for (const OwnPiece& own : work.pieces)
-      largest_part =
-          std::max({largest_part, part_bytes(own.record.inside), part_bytes(own.record.leaving)});
+      for (const PartCounts& part : {own.record.inside, own.record.leaving})
+        held += part_bytes(part) / 2 + part.triangles * sizeof(LatticeBox);
     const PartCounts after = counts_after(work);
     return gather_bytes(after.vertices, after.triangles, after.samples, after.sided) +
-           std::max({box_bytes, largest_part,
-                     piece_bytes(after.vertices, after.triangles, after.sided)});
+           std::max(held + box_bytes, piece_bytes(after.vertices, after.triangles, after.sided));
   }
 
-  MendPlan plan_;
+  std::optional<CubeMeshes> listed_;  // what intersects, where the meshes do not say it
+  std::optional<MendPlan> plan_;
   CubeLattice blocks_;
 };
 

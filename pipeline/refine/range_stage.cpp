@@ -11,7 +11,7 @@ RangeStage::RangeStage(const RefineInputs& inputs)
     : job_(inputs.job),
       units_(inputs.units),
       tile_vertices_(inputs.tile_vertices),
-      meshes_(inputs.maker, inputs.meshes),
+      meshes_(inputs.meshes),
       cubes_(job_.frame, job_.pass) {}
 
 std::vector<Unit> RangeStage::units(std::span<const std::uint64_t> numbers) const {

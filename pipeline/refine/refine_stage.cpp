@@ -46,8 +46,8 @@ class RefineStage final : public RangeStage {
       RefineMesh mesh = refine_range(read.read([&] { worker.check_interrupt(); }), cubes_,
                                      range_of(unit.key), job_.parameters, one);
       if (job_.stage == Stage::seams) {
-        add_blocks(read.label(), mesh, blocks);
-        add_intersecting(read.label(), mesh, intersecting);
+        add_blocks(read.label(), mesh, blocks_, blocks);
+        add_intersections(read.label(), mesh, mesh.intersecting, cubes_, intersecting);
         mesh.aims.clear();  // nobody asks for them any more
       }
       add_pieces(file, read.label(), mesh, cubes_after_);
@@ -74,20 +74,6 @@ class RefineStage final : public RangeStage {
       for (const LabelChange& change : meshes_.open(unit)->changes())
         changes[change.label] = change.lost_vertices;
     return changes;
-  }
-  void add_blocks(Material label, const RefineMesh& mesh, std::vector<BlockRecord>& blocks) const {
-    for (const CubeCount& block : count_blocks(mesh, blocks_))
-      blocks.push_back({label, block.code, block.polygons});
-  }
-  // With how full the cubes are that they were refined in, which does not depend on the units.
-  void add_intersecting(Material label, const RefineMesh& mesh,
-                        std::vector<IntersectionRecord>& records) const {
-    std::map<std::uint64_t, std::uint64_t> triangles;  // by the cube's Morton number
-    if (mesh.intersecting.empty()) return;
-    const auto cube_of = [&](std::size_t t) { return morton_encode(home_of(mesh, t, cubes_)); };
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) ++triangles[cube_of(t)];
-    for (const std::uint32_t t : mesh.intersecting)
-      records.push_back({label, mesh.box(t), triangles[cube_of(t)]});
   }
   Hash128 key(std::uint64_t unit, const std::vector<RangeReads>& reads) {
     KeyHasher key = key_of(unit, reads);

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
+#include <map>
 
 #include "stages/refine/mesh_part.h"
 #include "stages/refine/retile.h"
@@ -24,8 +24,10 @@ class RetileStage final : public StageWork {
  public:
   RetileStage(const RetileJob& job, CubeMeshes& meshes, RetilePlan& plan)
       : job_(job), meshes_(meshes), plan_(plan), blocks_(tile_blocks(job.frame)) {
-    for (const PlanSource& source : plan.sources())
-      spans_.add(source.pieces, source.lowest, source.highest);
+    for (std::size_t i = 0; i < plan.sources().size(); ++i) {
+      const PlanSource& source = plan.sources()[i];
+      spans_.add(source.pieces, source.lowest, source.highest, meshes.begins_layer(i));
+    }
   }
 
   Stage stage() const override { return Stage::retile; }
@@ -120,16 +122,18 @@ class RetileStage final : public StageWork {
     const CubeKey begin{refined.material, tile.code >> bits},
         end{refined.material, (last >> bits) + 1};
     TilePieces found;
-    std::set<std::uint64_t> patched;  // cubes whose other pieces are not there any more
+    // Of each cube the layer whose piece it is; those below have others that are not there any more.
+    std::map<std::uint64_t, std::size_t> uppermost;
     spans_.each(begin, end, [&](std::size_t i) {
-      if (!meshes_.is_patch(i)) return;
-      each_piece_of(*open_planned(i), begin, end,
-                    [&](std::size_t, const CubePieceRecord& piece) { patched.insert(piece.cube); });
+      if (meshes_.layer(i) == 0) return;
+      each_piece_of(*open_planned(i), begin, end, [&](std::size_t, const CubePieceRecord& piece) {
+        uppermost[piece.cube] = meshes_.layer(i);
+      });
     });
     spans_.each(begin, end, [&](std::size_t i) {
-      const bool is_patch = meshes_.is_patch(i);
       each_piece_of(*open_planned(i), begin, end, [&](std::size_t p, const CubePieceRecord& piece) {
-        if (!is_patch && patched.contains(piece.cube)) return;
+        const auto patched = uppermost.find(piece.cube);
+        if (patched != uppermost.end() && meshes_.layer(i) < patched->second) return;
         found.pieces.push_back({i, p, true});
         found.sided = found.sided || piece.inside.sided + piece.leaving.sided > 0;
         found.largest_part =

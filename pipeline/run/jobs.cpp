@@ -109,18 +109,26 @@ void Jobs::plan_refine(const Config& config, const OutputFrame& output) {
   stitch_.parameters.aims = build_->parameters.simplify.overhang > 0;
   stitch_.parameters.normals = true;  // refine goes by them
   RefineParameters parameters;
-  parameters.mode = refine_mode(config) == SimplifyConfig::Refine::repair ? RefineMode::repair
-                                                                          : RefineMode::collapse;
   // Enumerators in the same order.
   parameters.intersections = static_cast<IntersectionRule>(config.simplify.intersections);
   parameters.tolerance = build_->parameters.simplify.tolerance / frame.lattice.step;
   parameters.reach =
       std::min({frame.spacing.x, frame.spacing.y, frame.spacing.z}) / frame.lattice.step;
   parameters.places = parameters.tolerance;
-  refine_ = {Stage::refine, 0, 1, frame, parameters, {}, {}};
-  seams_ = {Stage::seams, 1, 0, frame, parameters, {}, {}};
   mend_ = {Stage::mend, 0, 0, frame, parameters, {}, {}};
   mend_.parameters.mode = RefineMode::mend;
+  refine_ = {Stage::refine, 0, 1, frame, parameters, {}, {}};
+  if (only_repairs(config)) {
+    // Near what was found first: most of it takes no more room.
+    seams_ = mend_;
+    seams_.stage = Stage::seams;
+    seams_.room = {
+        .cut = 0, .most_places = std::uint64_t{1} << 18, .pass = 0, .cells = 1.5, .lengths = 0};
+    seams_.parameters.mode = RefineMode::repair;
+    mend_.room = {.pass = 0, .lengths = 0.25};
+  } else {
+    seams_ = {Stage::seams, 1, 0, frame, parameters, {}, {}};
+  }
   if (has_target(config)) {
     CollapseTarget target;
     if (config.simplify.triangles)
@@ -179,7 +187,8 @@ void Jobs::set_tolerance(Stage stage, double tolerance) {
 
 std::vector<std::filesystem::path> Jobs::later_folders() const {
   std::vector<std::filesystem::path> folders = {build_->folder, merge_.folder, stitch_.folder};
-  if (stitch_.cubes) folders.insert(folders.end(), {refine_.folder, seams_.folder, retile_.folder});
+  if (stitch_.cubes) folders.insert(folders.end(), {refine_.folder, retile_.folder});
+  if (!seams_.folder.empty()) folders.push_back(seams_.folder);
   if (!mend_.folder.empty()) folders.push_back(mend_.folder);
   if (refine_.target) folders.insert(folders.end(), {survey_.folder, recount_.folder});
   if (!levels_.folder.empty()) folders.push_back(levels_.folder);
@@ -296,9 +305,8 @@ namespace {
 // Sums over all passes. But each of them counts what intersects, and how far points lie off, anew.
 nlohmann::json refine_json(const Config& config, const Jobs& jobs, const RefineFigures& figures) {
   RefineCounts all = figures.refine;
-  all.add(figures.seams);
-  if (figures.mend) all.add(*figures.mend);
-  const RefineCounts last = figures.mend ? figures.seams.patched_by(*figures.mend) : figures.seams;
+  for (const RefineCounts& counts : figures.later) all.add(counts);
+  const RefineCounts last = figures.last();
   const double step = jobs.refine().frame.lattice.step;
   nlohmann::json json = {{"mode", refine_name(refine_mode(config))},
                          {"tolerance", jobs.seams().parameters.tolerance * step},
@@ -372,8 +380,8 @@ Manifest make_manifest(const RunContext& context, const Jobs& jobs, const TopArt
   if (refined) {
     m.refine = std::make_unique<nlohmann::json>(refine_json(config, jobs, *refined));
     // Each collapse took a vertex.
-    m.counts.vertices -= refined->refine.collapses + refined->seams.collapses;
-    if (refined->mend) m.counts.vertices -= refined->mend->collapses;
+    m.counts.vertices -= refined->refine.collapses;
+    for (const RefineCounts& later : refined->later) m.counts.vertices -= later.collapses;
   }
   m.made_by = std::make_unique<nlohmann::json>(nlohmann::json::parse(provenance_json()));
   return m;

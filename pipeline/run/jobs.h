@@ -95,9 +95,17 @@ void warn_of_large_tiles(const RunContext& context);
 
 // What refine did to the mesh, in its passes.
 struct RefineFigures {
-  RefineCounts refine, seams;
-  std::optional<RefineCounts> mend = {};
+  RefineCounts refine;
+  std::vector<RefineCounts> later = {};  // of seams and mend, where there are any
+  std::size_t first_patch = 0;  // of `later`: the first one that changed but some of the mesh
   std::optional<ChosenTolerance> target = {};  // of a config that asks for a number of triangles
+
+  // Of the mesh as it is in the end.
+  RefineCounts last() const {
+    RefineCounts counts = first_patch == 0 ? refine : later[first_patch - 1];
+    for (std::size_t i = first_patch; i < later.size(); ++i) counts = counts.patched_by(later[i]);
+    return counts;
+  }
 };
 
 // The manifest but for what encode adds. top: of these jobs; refined: of a config that refines.

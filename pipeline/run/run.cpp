@@ -205,7 +205,7 @@ InputError no_such_stage(const Config& config, Stage stage) {
     return error(
         fmt::format("simplify.refine = \"{}\"{}", refine_name(simplify.refine), why_off(config)),
         "set it to \"repair\" or \"collapse\"");
-  if (stage == Stage::mend)
+  if (stage == Stage::mend || stage == Stage::seams)
     return error(fmt::format("simplify.intersections = {}",
                              to_toml(*find_setting("simplify", "intersections")->get(config))),
                  "remove that key");

@@ -8,6 +8,7 @@
 #include "pipeline/encode/encode_stage.h"
 #include "pipeline/ingest/ingest_stage.h"
 #include "pipeline/merge/merge_stage.h"
+#include "pipeline/refine/find_stage.h"
 #include "pipeline/refine/levels_stage.h"
 #include "pipeline/refine/mend_stage.h"
 #include "pipeline/refine/refine_stage.h"
@@ -80,31 +81,56 @@ bool Stages::folders_are_known() {
 std::unique_ptr<StageWork> Stages::make_refine(Stage stage) {
   const std::uint64_t tile_vertices = jobs_.merge().tile_vertices;
   const std::vector<RefineUnit>& units = refine_units();
+  const auto inputs = [&](const RefineJob& job, std::vector<MeshLayer> meshes) {
+    return RefineInputs{job, units, std::move(meshes), tile_vertices};
+  };
+  const auto with_choice = [&](RefineInputs all) {
+    all.choice = choice(stage);
+    return all;
+  };
+  const bool repairs = only_repairs(context_.config);
   switch (stage) {
     case Stage::survey:
-      return survey_stage({jobs_.survey(), units, Stage::stitch, stitched_meshes(), tile_vertices});
+      return survey_stage(inputs(jobs_.survey(), {layer_of(Stage::stitch)}));
     case Stage::refine:
-      return refine_stage({jobs_.refine(), units, Stage::stitch, stitched_meshes(), tile_vertices,
-                           choice(Stage::refine)});
+      if (repairs) return find_stage(inputs(jobs_.refine(), {layer_of(Stage::stitch)}));
+      return refine_stage(with_choice(inputs(jobs_.refine(), {layer_of(Stage::stitch)})));
     case Stage::recount:
       choice(Stage::refine);
-      return survey_stage({jobs_.recount(), units, Stage::refine,
-                           refined_meshes(jobs_.refine(), units), tile_vertices});
+      return survey_stage(inputs(jobs_.recount(), {layer_of(Stage::refine)}));
     case Stage::seams:
-      return refine_stage({jobs_.seams(), units, Stage::refine,
-                           refined_meshes(jobs_.refine(), units), tile_vertices,
-                           choice(Stage::seams)});
+      if (!repairs)
+        return refine_stage(with_choice(inputs(jobs_.seams(), {layer_of(Stage::refine)})));
+      break;
     default:
-      return mend_stage(
-          {jobs_.mend(), units, Stage::seams, refined_meshes(jobs_.seams(), units), tile_vertices});
+      break;
   }
+  RefineInputs mend =
+      inputs(stage == Stage::seams ? jobs_.seams() : jobs_.mend(), layers_before(stage));
+  if (repairs) mend.places = layer_of(stage == Stage::seams ? Stage::refine : Stage::seams);
+  return mend_stage(mend);
 }
 
-std::vector<std::filesystem::path> Stages::stitched_meshes() {
-  std::vector<std::filesystem::path> stitched;
+MeshLayer Stages::layer_of(Stage maker) {
+  if (maker != Stage::stitch) {
+    const RefineJob& job = maker == Stage::refine  ? jobs_.refine()
+                           : maker == Stage::seams ? jobs_.seams()
+                                                   : jobs_.mend();
+    return {maker, refined_meshes(job, refine_units())};
+  }
+  MeshLayer stitched{maker, {}};
   for (std::uint64_t unit = 0; unit < merged_plan().size(); ++unit)
-    stitched.push_back(stitch_artifact_path(jobs_.stitch(), merged_plan(), unit));
+    stitched.paths.push_back(stitch_artifact_path(jobs_.stitch(), merged_plan(), unit));
   return stitched;
+}
+
+// The mesh as a stage after the first pass finds it.
+std::vector<MeshLayer> Stages::layers_before(Stage stage) {
+  std::vector<MeshLayer> layers;
+  if (only_repairs(context_.config)) layers.push_back(layer_of(Stage::stitch));
+  for (const Stage maker : {Stage::seams, Stage::mend})
+    if (maker < stage && has_stage(context_.config, maker)) layers.push_back(layer_of(maker));
+  return layers;
 }
 
 CollapseChoice* Stages::choice(Stage stage) {
@@ -126,10 +152,12 @@ CollapseChoice* Stages::choice(Stage stage) {
 Manifest Stages::manifest() {
   check_input();
   std::optional<RefineFigures> figures;
-  if (refines(context_.config))
-    figures = {refine_counts(jobs_.refine(), refine_units()),
-               refine_counts(jobs_.seams(), refine_units())};
-  if (mends(context_.config)) figures->mend = refine_counts(jobs_.mend(), refine_units());
+  if (refines(context_.config)) figures = {refine_counts(jobs_.refine(), refine_units())};
+  for (const Stage stage : {Stage::seams, Stage::mend})
+    if (has_stage(context_.config, stage))
+      figures->later.push_back(
+          refine_counts(stage == Stage::seams ? jobs_.seams() : jobs_.mend(), refine_units()));
+  if (figures) figures->first_patch = only_repairs(context_.config) ? 0 : 1;
   if (const CollapseChoice* const last = choice(Stage::seams)) figures->target = last->chosen();
   return make_manifest(context_, jobs_, top(), figures);
 }
@@ -173,9 +201,7 @@ const std::vector<RefineUnit>& Stages::refine_units() {
 
 CubeMeshes& Stages::refined() {
   if (refined_) return *refined_;
-  const auto meshes = refined_meshes(jobs_.seams(), refine_units());
-  if (!mends(context_.config)) return refined_.emplace(Stage::seams, meshes);
-  return refined_.emplace(Stage::mend, meshes, refined_meshes(jobs_.mend(), refine_units()));
+  return refined_.emplace(layers_before(Stage::retile));
 }
 
 NodeSources Stages::level_sources() {

@@ -44,7 +44,8 @@ class Stages {
   std::unique_ptr<StageWork> make(Stage stage);
   void fit_cubes();
   std::unique_ptr<StageWork> make_refine(Stage stage);
-  std::vector<std::filesystem::path> stitched_meshes();
+  MeshLayer layer_of(Stage maker);
+  std::vector<MeshLayer> layers_before(Stage stage);
   // With a target: the tolerance of refine or seams, put into its job.
   CollapseChoice* choice(Stage stage);
   const std::vector<RefineUnit>& refine_units();

@@ -113,14 +113,15 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info, const Label
       paths.survey = work / ("survey-" + short_hex(paths.survey_key));
       paths.recount = work / ("recount-" + short_hex(paths.recount_key));
     }
-    Hash128 last = paths.seams_key;
+    if (has_stage(config, Stage::seams))
+      paths.seams = work / ("seams-" + short_hex(paths.seams_key));
+    Hash128 last = paths.seams.empty() ? paths.refine_key : paths.seams_key;
     if (mends(config)) {
       last = paths.mend_key = next(Stage::mend, version, paths.seams_key);
       paths.mend = work / ("mend-" + short_hex(paths.mend_key));
     }
     paths.retile_key = next(Stage::retile, tile_plan_version << 16 | tile_version, last);
     paths.refine = work / ("refine-" + short_hex(paths.refine_key));
-    paths.seams = work / ("seams-" + short_hex(paths.seams_key));
     paths.retile = work / ("retile-" + short_hex(paths.retile_key));
     meshes = paths.retile_key;
     if (has_levels(config)) {

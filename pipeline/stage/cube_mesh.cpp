@@ -1,6 +1,9 @@
 #include "pipeline/stage/cube_mesh.h"
 
+#include <map>
+
 #include "stages/refine/mesh_part.h"
+#include "stages/refine/retile.h"
 
 namespace voxweld {
 
@@ -11,8 +14,25 @@ void add_pieces(CubeMeshWriter& file, Material label, const RefineMesh& mesh,
   });
 }
 
-Hash128 finish_stitched(CubeMeshWriter& file) {
-  return file.finish({as_record(RefineCounts{})});
+Hash128 finish_stitched(CubeMeshWriter& file, std::span<const BlockRecord> blocks) {
+  return file.finish({as_record(RefineCounts{}), blocks});
+}
+
+void add_blocks(Material label, const RefineMesh& mesh, const CubeLattice& blocks,
+                std::vector<BlockRecord>& records) {
+  for (const CubeCount& block : count_blocks(mesh, blocks))
+    records.push_back({label, block.code, block.polygons});
+}
+
+void add_intersections(Material label, const RefineMesh& mesh,
+                       std::span<const std::uint32_t> triangles, const CubeLattice& cubes,
+                       std::vector<IntersectionRecord>& records) {
+  if (triangles.empty()) return;
+  std::map<std::uint64_t, std::uint64_t> at_home;  // by the cube's Morton number
+  const auto cube_of = [&](std::size_t t) { return morton_encode(home_of(mesh, t, cubes)); };
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) ++at_home[cube_of(t)];
+  for (const std::uint32_t t : triangles)
+    records.push_back({label, mesh.box(t), at_home[cube_of(t)]});
 }
 
 }  // namespace voxweld

@@ -1,4 +1,5 @@
-// Meshes on disk that are sorted by cubes, as stitch, refine, seams and mend write them.
+// Meshes on disk that are sorted by cubes, as stitch, refine, seams and mend write them, and what
+// stands beside them.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +13,16 @@ namespace voxweld {
 void add_pieces(CubeMeshWriter& file, Material label, const RefineMesh& mesh,
                 const CubeLattice& cubes);
 
-// As stitch leaves it, which has refined nothing.
-Hash128 finish_stitched(CubeMeshWriter& file);
+// As stitch leaves it, which has refined nothing. blocks: by which tiles are planned.
+Hash128 finish_stitched(CubeMeshWriter& file, std::span<const BlockRecord> blocks);
+
+// The triangles of one label by blocks, `blocks`.
+void add_blocks(Material label, const RefineMesh& mesh, const CubeLattice& blocks,
+                std::vector<BlockRecord>& records);
+// What is said of these triangles, which intersect others: with how full the cubes are that they are
+// at home in. That does not depend on the units.
+void add_intersections(Material label, const RefineMesh& mesh,
+                       std::span<const std::uint32_t> triangles, const CubeLattice& cubes,
+                       std::vector<IntersectionRecord>& records);
 
 }  // namespace voxweld

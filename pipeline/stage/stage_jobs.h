@@ -12,6 +12,7 @@
 #include "stages/contouring/brick_grid.h"
 #include "stages/contouring/parameters.h"
 #include "stages/encode/mesh_writers.h"
+#include "stages/refine/mend_boxes.h"
 #include "stages/refine/refine_range.h"
 #include "stages/solids/solid.h"
 #include "stages/stitch/tile_stitcher.h"
@@ -84,6 +85,7 @@ struct RefineJob {
   std::filesystem::path folder;
   Hash128 key;
   std::optional<CollapseTarget> target = {};
+  MendRoom room = {};  // of mend
 
   std::filesystem::path tolerance_path() const { return folder / "tolerance"; }
 };

@@ -71,11 +71,14 @@ void StitchWork::run(std::uint64_t unit, const std::filesystem::path& path, Stit
                      WorkerContext& worker) {
   if (cubes_) {
     std::optional<CubeMeshWriter> out;
+    std::vector<BlockRecord> blocks;
     each_mesh(unit, scratch, worker, [&](const Hash128& key, Material material, TileMesh mesh) {
       if (!out) out.emplace(path, key);
-      add_pieces(*out, material, to_refine_mesh(std::move(mesh)), *cubes_);
+      const RefineMesh stitched = to_refine_mesh(std::move(mesh));
+      add_blocks(material, stitched, tile_blocks(*job_.cubes), blocks);
+      add_pieces(*out, material, stitched, *cubes_);
     });
-    finish_stitched(*out);
+    finish_stitched(*out, blocks);
   } else {
     std::optional<TileWriter> out;
     each_mesh(unit, scratch, worker, [&](const Hash128& key, Material material, TileMesh&& mesh) {

@@ -3,14 +3,13 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "stages/exact/orientation.h"
 #include "stages/refine/edit_mesh.h"
+#include "stages/refine/plane_tests.h"
 
 // Which triangles intersect, behind tests that spare nearly all of them an exact look.
 //
 // Triangles that share a vertex: where all around it, seen along one axis, run the same way and once
 // around, they lie beside each other as their shadows do. That is decided by signs of integers.
-// Others: mostly one has all corners on one side of the other's plane.
 
 namespace voxweld {
 namespace {
@@ -27,45 +26,6 @@ bool runs_along(const Index3& normal, int axis) {
   return axis > 0 ? along > 0 : along < 0;
 }
 
-// Of arrays of this size compilers make a call of a function.
-bool same(const LatticePoint& p, const LatticePoint& q) {
-  return ((p[0] ^ q[0]) | (p[1] ^ q[1]) | (p[2] ^ q[2])) == 0;
-}
-bool is_corner(const LatticePoint& p, const LatticeTriangle& t) {
-  return same(p, t[0]) || same(p, t[1]) || same(p, t[2]);
-}
-
-bool share_a_place(const LatticeTriangle& a, const LatticeTriangle& b) {
-  return is_corner(a[0], b) || is_corner(a[1], b) || is_corner(a[2], b);
-}
-
-// All of b strictly on one side of a's plane.
-bool on_one_side(const LatticeTriangle& a, const Index3& normal, const LatticeTriangle& b) {
-  const int side = sign_of_dot(normal, lattice_vector(a[0], b[0]));
-  return side != 0 && sign_of_dot(normal, lattice_vector(a[0], b[1])) == side &&
-         sign_of_dot(normal, lattice_vector(a[0], b[2])) == side;
-}
-
-// All corners of b that are none of a strictly on one side of a's plane: then the two have nothing in
-// common but what they share.
-bool leaves_plane(const LatticeTriangle& a, const Index3& normal, const LatticeTriangle& b) {
-  int side = 0;
-  for (const LatticePoint& p : b) {
-    if (is_corner(p, a)) continue;
-    const int here = sign_of_dot(normal, lattice_vector(a[0], p));
-    if (here == 0 || here == -side) return false;
-    side = here;
-  }
-  return side != 0;
-}
-
-// intersect_beyond_shared of triangles whose exact normals are known: quicker where they share a corner.
-bool intersect_by_planes(const LatticeTriangle& a, const Index3& normal_a, const LatticeTriangle& b,
-                         const Index3& normal_b) {
-  return !leaves_plane(a, normal_a, b) && !leaves_plane(b, normal_b, a) &&
-         intersect_beyond_shared(a, b);
-}
-
 void make_ascending(std::vector<std::uint32_t>& numbers) {
   std::sort(numbers.begin(), numbers.end());
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
@@ -75,9 +35,7 @@ void make_ascending(std::vector<std::uint32_t>& numbers) {
 
 // Whether triangle t and `other`, which share no vertex, have nothing in common, not even a place.
 bool EditMesh::apart(std::uint32_t t, const LatticeTriangle& other, const Index3& normal) const {
-  const LatticeTriangle own = shape(t);
-  if (on_one_side(other, normal, own) || on_one_side(own, planes_[t], other)) return true;
-  return !share_a_place(own, other) && !intersect_beyond_shared(own, other);
+  return lie_apart(shape(t), planes_[t], other, normal);
 }
 
 // The triangles around v as they will be; where there is no change, as they are.

@@ -28,7 +28,7 @@ class BoxMender {
       if (!lies_in(mesh_, t, box_)) fixed_.push_back(t);
     remove_distances(mesh_, box_);
     repair();
-    untie();
+    if (parameters_.mode == RefineMode::mend) untie();
     return std::move(mended_);
   }
 

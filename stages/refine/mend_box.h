@@ -10,7 +10,7 @@ namespace voxweld {
 // before and after; and how many more samples have a distance than before, modulo 2^64.
 //
 // Preconditions: mesh holds all triangles that meet the box, and it is known which of them intersect.
-// parameters.mode is mend.
+// parameters.mode is repair, or mend: that also goes about what no single change helps (untie.h).
 RefineMesh mend_box(const RefineMesh& mesh, const LatticeBox& box,
                     const RefineParameters& parameters, RefineCounts& counts);
 

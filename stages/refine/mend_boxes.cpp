@@ -14,8 +14,7 @@
 namespace voxweld {
 namespace {
 
-// Around a triangle; and as much again as it is long.
-constexpr double room_cells = 12, least_room_cells = 1.5;
+constexpr double least_room_cells = 1.5;
 
 using Steps = std::array<std::int32_t, 3>;
 
@@ -51,16 +50,16 @@ double points_in(const LatticeBox& box) {
 
 // One for each place with its room, but those that begin in the same few cells as one.
 std::vector<Cluster> with_room(const std::vector<IntersectionPlace>& places,
-                               const RefineFrame& frame, double cells) {
-  const CubeLattice homes(frame, 1);  // of seams, that lists the places
+                               const RefineFrame& frame, const MendRoom& wanted) {
+  const CubeLattice homes(frame, wanted.pass);
   const LatticeBox bounds = homes.bounds();
-  const Steps room = steps_of(frame, cells);
+  const Steps room = steps_of(frame, wanted.cells);
   std::map<Steps, Cluster> clusters;
   for (const IntersectionPlace& place : places) {
     const double points = points_in(homes.box(homes.cube_of(place.box.lo)));
     Cluster grown{place.box, static_cast<double>(place.around) / points};
     Steps at{};
-    const std::int32_t length = longest_side(place.box);
+    const auto length = static_cast<std::int32_t>(wanted.lengths * longest_side(place.box));
     for (std::size_t a = 0; a < 3; ++a) {
       grown.box.lo[a] = std::max(bounds.lo[a], place.box.lo[a] - room[a] - length);
       grown.box.hi[a] = std::min(bounds.hi[a], place.box.hi[a] + room[a] + length);
@@ -133,21 +132,26 @@ bool is_large(const Cluster& cluster) {
   return points_in(cluster.box) * cluster.density > static_cast<double>(most_part_triangles);
 }
 
+MendRoom with_half(MendRoom room) {
+  room.cells /= 2;
+  return room;
+}
+
 class MendBoxes {
  public:
-  explicit MendBoxes(const RefineFrame& frame)
-      : frame_(frame), cubes_(frame, 1, frame.level - 1) {}  // not near where the passes cut theirs
+  MendBoxes(const RefineFrame& frame, int cut)
+      : frame_(frame), cubes_(frame, cut, frame.level - 1) {}
 
   // What is too large with so much room has less, and is cut where there is no less.
-  void add(const std::vector<IntersectionPlace>& places, double room) {
+  void add(const std::vector<IntersectionPlace>& places, const MendRoom& room) {
     const std::vector<Cluster> clusters = apart(with_room(places, frame_, room));
     const auto large = places_of_large(clusters, places);
     for (std::uint32_t i = 0; i < clusters.size(); ++i) {
       const auto found = large.find(i);
       if (found == large.end())
         boxes_.push_back(clusters[i].box);
-      else if (room > least_room_cells)
-        add(found->second, room / 2);
+      else if (room.cells > least_room_cells)
+        add(found->second, with_half(room));
       else
         add_cubes(clusters[i].box, found->second);
     }
@@ -189,10 +193,27 @@ class MendBoxes {
 }  // namespace
 
 std::vector<LatticeBox> mend_boxes(const std::vector<IntersectionPlace>& places,
-                                   const RefineFrame& frame) {
-  MendBoxes boxes(frame);
-  boxes.add(places, room_cells);
+                                   const RefineFrame& frame, const MendRoom& room) {
+  MendBoxes boxes(frame, room.cut);
+  boxes.add(places, room);
   return boxes.take();
+}
+
+std::vector<LatticeBox> mend_boxes_within(const std::vector<IntersectionPlace>& places,
+                                          const RefineFrame& frame, const MendRoom& room,
+                                          const CubeLattice& cubes) {
+  std::map<std::uint64_t, std::vector<IntersectionPlace>> by_cube;  // Morton numbers
+  for (const IntersectionPlace& place : places)
+    if (const Index3 cube = cubes.cube_of(place.box.lo); cube == cubes.cube_of(place.box.hi))
+      by_cube[morton_encode(cube)].push_back(place);
+  std::vector<LatticeBox> all;
+  for (const auto& [cube, inside] : by_cube) {
+    const LatticeBox borders = cubes.box(morton_decode(cube));
+    for (const LatticeBox& box : mend_boxes(inside, frame, room))
+      all.push_back(box.common(borders));
+  }
+  std::ranges::sort(all, {}, &LatticeBox::lo);
+  return all;
 }
 
 }  // namespace voxweld

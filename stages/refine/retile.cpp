@@ -18,21 +18,34 @@ std::uint64_t block_code(const RefineMesh& mesh, std::size_t triangle, const Cub
   return CellKey{tile_block_level, block}.code();
 }
 
-// One order of all triangles of a mesh.
-struct TrianglePlace {
-  std::uint64_t block;
-  std::array<VertexId, 3> ids;
-  std::uint32_t triangle;
-  auto operator<=>(const TrianglePlace&) const = default;
-};
+// What f(triangle, value) makes of a value for each block that has triangles, by the blocks' codes.
+template <class Value, class F>
+std::map<std::uint64_t, Value> by_block(const RefineMesh& mesh, const CubeLattice& blocks, F&& f) {
+  std::map<std::uint64_t, Value> values;
+  auto last = values.end();  // mostly the next one's, too
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::uint64_t code = block_code(mesh, t, blocks);
+    if (last == values.end() || last->first != code) last = values.try_emplace(code).first;
+    f(t, last->second);
+  }
+  return values;
+}
 
-std::vector<TrianglePlace> in_order(const RefineMesh& mesh, const CubeLattice& blocks) {
-  std::vector<TrianglePlace> places;
-  places.reserve(mesh.triangles.size());
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    places.push_back({block_code(mesh, t, blocks), mesh.ids_of(t), t});
-  std::sort(places.begin(), places.end());
-  return places;
+// One order of all triangles of a mesh: by block, then by ids. (To sort those of one block after the
+// other takes a third of the time of sorting all.)
+std::vector<std::uint32_t> in_order(const RefineMesh& mesh, const CubeLattice& blocks) {
+  const auto lists = by_block<std::vector<std::uint32_t>>(
+      mesh, blocks, [](std::uint32_t t, std::vector<std::uint32_t>& list) { list.push_back(t); });
+  std::vector<std::uint32_t> order;
+  order.reserve(mesh.triangles.size());
+  std::vector<std::pair<std::array<VertexId, 3>, std::uint32_t>> sorted;
+  for (const auto& [code, list] : lists) {
+    sorted.clear();
+    for (const std::uint32_t t : list) sorted.emplace_back(mesh.ids_of(t), t);
+    std::sort(sorted.begin(), sorted.end());
+    for (const auto& [ids, t] : sorted) order.push_back(t);
+  }
+  return order;
 }
 
 void add_corner_normals(const RefineMesh& mesh, const std::array<std::uint32_t, 3>& triangle,
@@ -81,8 +94,8 @@ CubeLattice tile_blocks(const RefineFrame& frame) {
 }
 
 std::vector<CubeCount> count_blocks(const RefineMesh& mesh, const CubeLattice& blocks) {
-  std::map<std::uint64_t, std::uint64_t> triangles;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) ++triangles[block_code(mesh, t, blocks)];
+  const auto triangles =
+      by_block<std::uint64_t>(mesh, blocks, [](std::uint32_t, std::uint64_t& count) { ++count; });
   std::vector<CubeCount> counts;
   counts.reserve(triangles.size());
   for (const auto& [code, count] : triangles) counts.push_back({code, tile_block_level, 0, count});
@@ -103,8 +116,8 @@ TileMesh to_tile_mesh(const RefineMesh& mesh, CellKey tile, const OutputLattice&
   out.polygon_triangles = mesh.triangles.size();
   out.pairs = distinct_sides(mesh);
   std::vector<std::uint32_t> number(mesh.positions.size(), not_in_tile);
-  for (const TrianglePlace& place : in_order(mesh, blocks)) {
-    auto triangle = mesh.triangles[place.triangle];
+  for (const std::uint32_t t : in_order(mesh, blocks)) {
+    auto triangle = mesh.triangles[t];
     add_corner_normals(mesh, triangle, out);
     for (std::uint32_t& v : triangle) {
       if (number[v] == not_in_tile) {
@@ -117,17 +130,16 @@ TileMesh to_tile_mesh(const RefineMesh& mesh, CellKey tile, const OutputLattice&
     }
     out.triangles.push_back(triangle);
     if (mesh.sides.empty()) continue;
-    const auto pair = std::ranges::lower_bound(out.pairs, mesh.sides[place.triangle]);
+    const auto pair = std::ranges::lower_bound(out.pairs, mesh.sides[t]);
     out.triangle_pairs.push_back(static_cast<std::uint32_t>(pair - out.pairs.begin()));
   }
   return out;
 }
 
 std::uint64_t retile_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t sided) {
-  // The sorted places; of the tile vectors that may have grown to twice their content, and hold old
+  // Lists of triangles, at worst one block of all; of the tile vectors that may have grown to twice their content, and hold old
   // and new while they grow. Pairs of labels are at worst one for each triangle, and sorted first.
-  return triangles * (sizeof(TrianglePlace) + 45) + vertices * 100 +
-         sided * (2 * sizeof(MaterialPair) + 12);
+  return triangles * (44 + 45) + vertices * 100 + sided * (2 * sizeof(MaterialPair) + 12);
 }
 
 }  // namespace voxweld

@@ -188,4 +188,9 @@ std::vector<IntersectionRecord> CubeMeshArtifact::intersecting() const {
   return file_.read_array<IntersectionRecord>(cube_intersecting_section);
 }
 
+std::uint64_t CubeMeshArtifact::intersecting_count() const {
+  const SectionRecord* section = file_.find(cube_intersecting_section);
+  return section == nullptr ? 0 : section->size / sizeof(IntersectionRecord);
+}
+
 }  // namespace voxweld

@@ -1,13 +1,15 @@
 // A part of a surface's mesh, sorted by the cubes its triangles are at home in: what passes between
 // stitch, refine, seams, mend and retile. With labels.mode = "each" parts of the surfaces of some
-// labels. Mend's has only the pieces that are to stand in place of those that seams left.
+// labels. Mend's has only the pieces that are to stand in place of those that seams left. Where a mesh is
+// only repaired, refine's has none, and that of seams those that stand in place of stitch's.
 // Kind "cubm", a container with these sections:
 //   1                    CubeMeshSummary (one)
 //   2                    CubePieceRecord of each piece, ascending by label, code and cube
 //   3                    what its maker counted, plain data of that maker, or empty
 //   4                    BlockRecord of each block with a triangle, ascending by label and code
 //   5                    LabelChange of each label that lost vertices, ascending
-//   6                    of seams IntersectionRecord of each triangle that still intersects another
+//   6                    IntersectionRecord of each triangle that still intersects another: of the
+//                        stages that mend follows
 //   (piece + 1) << 8 | 1 of the piece's triangles those inside the cube, where there are any
 //   (piece + 1) << 8 | 2 and those that leave it
 // A part stands for itself:
@@ -27,7 +29,7 @@
 namespace voxweld {
 
 inline constexpr std::array<char, 4> cube_mesh_kind = {'c', 'u', 'b', 'm'};
-inline constexpr std::uint32_t cube_mesh_version = 4;
+inline constexpr std::uint32_t cube_mesh_version = 5;
 
 struct PartCounts {
   std::uint64_t vertices = 0, triangles = 0, samples = 0;
@@ -62,8 +64,8 @@ struct CubePieceRecord {
   CubeKey key() const { return {label, code}; }
 };
 
-// The triangles of one block of cells (stages/refine/retile.h). Of mend how many more there are than
-// seams counted, modulo 2^64.
+// The triangles of one block of cells (stages/refine/retile.h). Of a patch how many more there are than
+// below it, modulo 2^64.
 struct BlockRecord {
   Material label = 0;
   std::uint64_t code = 0;  // Morton code of its lowest finest cell
@@ -137,6 +139,7 @@ class CubeMeshArtifact : public OpenArtifact {
   std::vector<BlockRecord> blocks() const;
   std::vector<LabelChange> changes() const;
   std::vector<IntersectionRecord> intersecting() const;
+  std::uint64_t intersecting_count() const;
 
  private:
   CubeMeshSummary summary_;

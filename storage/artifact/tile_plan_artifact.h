@@ -11,7 +11,7 @@
 namespace voxweld {
 
 inline constexpr std::array<char, 4> tile_plan_kind = {'t', 'p', 'l', 'n'};
-inline constexpr std::uint32_t tile_plan_version = 3;
+inline constexpr std::uint32_t tile_plan_version = 4;
 
 // Where the pieces of one artifact lie.
 struct PlanSource {

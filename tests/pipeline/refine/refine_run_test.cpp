@@ -144,12 +144,6 @@ TEST(RefinedKinds, LeftOpenEdgesAreCollapsedWhereTheTopologyIsKept) {
   // Said or left open, it is the same work.
   VOXWELD_EXPECT_DONE(scene.run({"simplify.refine=collapse"}));
   for (const auto& [stage, ran] : units_run(scene.output())) EXPECT_EQ(ran, 0u) << stage;
-  // Octrees and stitched meshes are those of repair, too.
-  VOXWELD_EXPECT_DONE(scene.run({"simplify.refine=repair"}));
-  for (const auto& [stage, ran] : units_run(scene.output()))
-    EXPECT_EQ(ran > 0, stage == "refine" || stage == "seams" || stage == "mend" ||
-                           stage == "retile" || stage == "encode")
-        << stage;
 }
 
 TEST(RefinedKinds, WhyThereIsNoSuchStage) {

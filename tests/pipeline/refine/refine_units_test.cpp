@@ -85,12 +85,12 @@ TEST(RefineUnits, HavePathsOfTheirOwn) {
 
 TEST(PieceSpans, SayWhichArtifactsToLookInto) {
   PieceSpans spans;
-  spans.add(2, {1, 5}, {3, 9});
-  spans.add(0, {}, {});
-  spans.add(3, {4, 0}, {4, 7});  // tiles of one label, whose cubes overlap
-  spans.add(3, {4, 2}, {4, 20});
-  spans.add(3, {4, 1}, {4, 3});
-  spans.add(1, {6, 1}, {6, 1});
+  spans.add(2, {1, 5}, {3, 9}, true);
+  spans.add(0, {}, {}, false);
+  spans.add(3, {4, 0}, {4, 7}, false);  // tiles of one label, whose cubes overlap
+  spans.add(3, {4, 2}, {4, 20}, false);
+  spans.add(3, {4, 1}, {4, 3}, false);
+  spans.add(1, {6, 1}, {6, 1}, false);
   const auto found = [&](const CubeKey& begin, const CubeKey& end) {
     std::vector<std::size_t> numbers;
     spans.each(begin, end, [&](std::size_t i) { numbers.push_back(i); });
@@ -105,6 +105,14 @@ TEST(PieceSpans, SayWhichArtifactsToLookInto) {
   EXPECT_EQ(found({4, 0}, {4, 99}), Numbers({2, 3, 4}));
   EXPECT_EQ(found({4, 8}, {4, 99}), Numbers({3}));
   EXPECT_EQ(found({5, 0}, {7, 0}), Numbers({5}));
+  EXPECT_EQ(found({7, 0}, {8, 0}), Numbers());
+  // Patches of the same labels.
+  spans.add(1, {3, 9}, {3, 9}, true);
+  spans.add(0, {}, {}, false);
+  spans.add(2, {4, 6}, {6, 1}, false);
+  EXPECT_EQ(found({2, 0}, {3, 0}), Numbers({0}));
+  EXPECT_EQ(found({2, 0}, {4, 0}), Numbers({0, 6}));
+  EXPECT_EQ(found({4, 4}, {4, 8}), Numbers({2, 3, 8}));
   EXPECT_EQ(found({7, 0}, {8, 0}), Numbers());
 }
 

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <map>
 #include <random>
 
 #include "stages/refine/mend_boxes.h"
@@ -160,6 +162,58 @@ TEST(MendBoxes, WhereManyRunTogetherTheyAreCut) {
   }
   EXPECT_GT(within, 16000);
   EXPECT_LT(within, 20000);
+}
+
+// What cannot be planned as a whole.
+TEST(MendBoxes, WithinCubesNeedOnlyTheirOwnPlaces) {
+  const RefineFrame frame = frame_of(512);
+  const CubeLattice cubes(frame, 0);
+  const MendRoom room{.pass = 0, .cells = 1.5, .lengths = 0};
+  const auto places = random_places(frame, 600, 9, 10, 4);
+  const auto all = mend_boxes_within(places, frame, room, cubes);
+  expect_apart(all);
+  std::size_t inside = 0;
+  std::map<std::uint64_t, std::vector<IntersectionPlace>> of_cube;
+  for (const IntersectionPlace& place : places) {
+    const Index3 cube = cubes.cube_of(place.box.lo);
+    const bool lies_within = cube == cubes.cube_of(place.box.hi);
+    EXPECT_EQ(std::ranges::count_if(all, [&](const auto& b) { return holds(b, place.box); }),
+              lies_within ? 1 : 0);
+    inside += lies_within ? 1 : 0;
+    of_cube[morton_encode(cube)].push_back(place);
+  }
+  EXPECT_GT(inside, 400u);
+  EXPECT_LT(inside, places.size());
+  // Cube by cube they are the same.
+  std::vector<LatticeBox> each;
+  for (const auto& [cube, some] : of_cube)
+    for (const LatticeBox& box : mend_boxes_within(some, frame, room, cubes)) {
+      EXPECT_TRUE(holds(cubes.box(morton_decode(cube)), box));
+      each.push_back(box);
+    }
+  std::ranges::sort(each, {}, &LatticeBox::lo);
+  EXPECT_EQ(each, all);
+}
+
+// What one of them cannot change at a border the other one can.
+TEST(MendBoxes, CutsOfTwoKindsLieApart) {
+  const RefineFrame frame = frame_of(512);
+  std::vector<IntersectionPlace> places;
+  for (std::int32_t x = 0; x < cells(frame, 500); x += cells(frame, 1))
+    places.push_back({{{x, 700, 700}, {x + 9, 709, 709}}, 20'000'000});
+  const auto borders = [&](int cut) {
+    const MendRoom room{.cut = cut, .cells = 1.5, .lengths = 0};
+    const auto boxes = mend_boxes(places, frame, room);
+    expect_apart(boxes);
+    std::vector<std::int32_t> ends;
+    for (const LatticeBox& box : boxes) ends.push_back(box.hi[0]);
+    return ends;
+  };
+  const auto first = borders(0), second = borders(1);
+  EXPECT_GT(first.size(), 10u);
+  for (std::size_t i = 0; i + 1 < first.size(); ++i)
+    for (std::size_t j = 0; j + 1 < second.size(); ++j)
+      EXPECT_GT(std::abs(first[i] - second[j]), cells(frame, 8));
 }
 
 }  // namespace
