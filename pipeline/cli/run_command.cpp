@@ -125,7 +125,8 @@ void add_stage_commands(CLI::App& app, Program& program) {
       "cells\n"
       "With \"repair\" it only finds what intersects.",
       "With simplify.triangles or ratio: counts anew in shifted cubes what the rest would leave",
-      "Unless simplify.refine is off: the same in shifted cubes, where the first had their borders\n"
+      "Unless simplify.refine is off: the same in shifted cubes, where the first had their "
+      "borders\n"
       "With \"repair\" it mends what intersects, in boxes around it.",
       "Unless simplify.refine is off: mends what still intersects, mostly where both had their "
       "borders",
