@@ -85,8 +85,9 @@ void CubeMeshes::find_patched() {
   std::ranges::sort(patched_cubes_, [](const auto& a, const auto& b) {
     return a.first != b.first ? a.first < b.first : a.second > b.second;
   });
-  const auto rest = std::ranges::unique(patched_cubes_, {}, [](const auto& p) { return p.first; });
-  patched_cubes_.erase(rest.begin(), rest.end());
+  const auto is_same_cube = [](const auto& a, const auto& b) { return a.first == b.first; };
+  patched_cubes_.erase(std::unique(patched_cubes_.begin(), patched_cubes_.end(), is_same_cube),
+                       patched_cubes_.end());
 }
 
 bool CubeMeshes::is_replaced(std::size_t artifact, const CubePieceRecord& piece) {

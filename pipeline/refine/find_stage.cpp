@@ -5,6 +5,7 @@
 #include "pipeline/refine/range_stage.h"
 #include "pipeline/stage/cube_mesh.h"
 #include "stages/refine/find_pairs.h"
+#include "stages/refine/mesh_part.h"
 
 namespace voxweld {
 namespace {

@@ -68,8 +68,8 @@ class PairFinder {
           found.intersecting.push_back(t);
     }
     std::ranges::sort(found.intersecting);
-    const auto rest = std::ranges::unique(found.intersecting);
-    found.intersecting.erase(rest.begin(), rest.end());
+    found.intersecting.erase(std::unique(found.intersecting.begin(), found.intersecting.end()),
+                             found.intersecting.end());
     return found;
   }
 

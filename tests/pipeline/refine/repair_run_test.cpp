@@ -34,7 +34,7 @@ TEST(RepairRun, IsTheSameHoweverItIsCut) {
 
 // More triangles than are done at once, all of which intersect: boxes are cut.
 TEST(RepairRun, OfNoiseIsTheSameHoweverItIsCut) {
-  const Scene scene(noise({70, 40, 34}, 3));
+  const Scene scene(noise({66, 24, 20}, 3));
   const Settings settings = repaired + Settings{"surface.isovalue=120"};
   const Tree tree = scene.expect_one_tree(settings + Settings{"output.tile_vertices=2000"},
                                           {{"work.brick=16", "work.shard=2"}});

@@ -206,6 +206,7 @@ TEST(MendBoxes, CutsOfTwoKindsLieApart) {
     const auto boxes = mend_boxes(places, frame, room);
     expect_apart(boxes);
     std::vector<std::int32_t> ends;
+    ends.reserve(boxes.size());
     for (const LatticeBox& box : boxes) ends.push_back(box.hi[0]);
     return ends;
   };
