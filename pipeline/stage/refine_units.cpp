@@ -12,15 +12,25 @@ namespace {
 // A label with more vertices is worth ranges of its own; small ones are put together up to so many.
 constexpr std::uint64_t unit_vertices = 1 << 16;
 constexpr std::uint64_t most_cut_ranges = 32;
+// Of the only surface; fewer are not worth a file in each stage.
+constexpr std::uint64_t range_vertices = 1 << 13;
+
+std::uint64_t vertices_of(const std::vector<PlannedTile>& tiles) {
+  std::uint64_t vertices = 0;
+  for (const PlannedTile& tile : tiles) vertices += tile.vertices;
+  return vertices;
+}
+
+// How many ranges there are to be at least, as far as cubes allow it, so that each has about so many.
+std::size_t enough_ranges(const std::vector<PlannedTile>& tiles, std::uint64_t vertices) {
+  return static_cast<std::size_t>(std::min(vertices_of(tiles) / vertices, most_cut_ranges));
+}
 
 // How others are cut does not matter to a label in ranges: what is done of it stays when they come
 // or go.
 void add_ranges(const std::vector<PlannedTile>& tiles, Material label, const CubeGrid& cubes,
                 std::vector<RefineUnit>& units) {
-  std::uint64_t vertices = 0;
-  for (const PlannedTile& tile : tiles) vertices += tile.vertices;
-  const auto enough = std::min(vertices / unit_vertices, most_cut_ranges);
-  const auto ranges = cube_ranges(tiles, static_cast<std::size_t>(enough), cubes);
+  const auto ranges = cube_ranges(tiles, enough_ranges(tiles, unit_vertices), cubes);
   for (const PlannedRange& range : ranges)
     units.push_back({range, label, label + 1, 1, ranges.size() == 1});
 }
@@ -80,7 +90,8 @@ std::vector<RefineUnit> refine_units(const TopArtifact& top, LabelMode mode,
   const MaterialTop tables(top);
   if (mode == LabelMode::each) return units_of_labels(tables, cubes);
   std::vector<RefineUnit> units;
-  for (const PlannedRange& range : cube_ranges(tables.tiles(0, tables.tile_count()), 32, cubes))
+  const std::vector<PlannedTile> tiles = tables.tiles(0, tables.tile_count());
+  for (const PlannedRange& range : cube_ranges(tiles, enough_ranges(tiles, range_vertices), cubes))
     units.push_back({range});
   return units;
 }

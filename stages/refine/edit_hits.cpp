@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "stages/refine/box_pairs.h"
 #include "stages/refine/edit_mesh.h"
 #include "stages/refine/plane_tests.h"
 
@@ -150,10 +151,10 @@ bool EditMesh::umbrellas_are_clean(const Change& change) {
 }
 
 // Those that share none.
-bool EditMesh::others_stay_apart(const Change& change) const {
-  BoxQueries boxes = grid_.queries();
+bool EditMesh::others_stay_apart(const Change& change) {
+  BoxQueries boxes = grid().queries();
   for (const LatticeTriangle& t : change.shapes) boxes.add(LatticeBox::around(t));
-  return grid_.none_near(boxes, [&](std::uint32_t t, std::uint64_t left) {
+  return grid().none_near(boxes, [&](std::uint32_t t, std::uint64_t left) {
     if (marks_[t] == mark_) return false;
     for (const std::uint32_t v : triangles_[t]) left &= ~uses_[v];
     for (; left != 0; left &= left - 1) {
@@ -181,7 +182,7 @@ std::size_t EditMesh::hits(const Change& change, std::size_t most) {
     for (std::size_t j = 0; j < i; ++j)
       count += intersect_by_planes(own, normal, change.shapes[j], change.planes[j]) ? 1 : 0;
     const LatticeBox box = LatticeBox::around(own);
-    grid_.each_near(box, [&](std::uint32_t t) {
+    grid().each_near(box, [&](std::uint32_t t) {
       if (count < most && marks_[t] != mark_) count += hit(t, change.now[i], own, normal) ? 1 : 0;
     });
   }
@@ -228,9 +229,19 @@ std::vector<std::uint32_t> EditMesh::find_intersecting() {
 // Of pairs that share no vertex, of which takes() holds for one.
 template <class Takes>
 void EditMesh::add_intersecting_apart(Takes&& takes, std::vector<std::uint32_t>& bad) const {
-  grid_.each_pair(takes, [&](std::uint32_t t, std::uint32_t other) {
-    if (takes(other) && other < t) return;
-    if (share_a_vertex(triangles_[t], triangles_[other]) || apart(other, shape(t), planes_[t]))
+  std::vector<std::uint32_t> numbers;
+  std::vector<LatticeBox> boxes;
+  numbers.reserve(triangles_.size());
+  boxes.reserve(triangles_.size());
+  for (std::uint32_t t = 0; t < triangles(); ++t) {
+    if (!alive(t)) continue;
+    numbers.push_back(t);
+    boxes.push_back(LatticeBox::around(shape(t)));
+  }
+  BoxPairs(boxes).each([&](std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t t = numbers[a], other = numbers[b];
+    if ((!takes(t) && !takes(other)) || share_a_vertex(triangles_[t], triangles_[other]) ||
+        apart(other, shape(t), planes_[t]))
       return;
     bad.push_back(t);
     bad.push_back(other);
@@ -239,16 +250,10 @@ void EditMesh::add_intersecting_apart(Takes&& takes, std::vector<std::uint32_t>&
 
 void EditMesh::begin_changes() {
   changed_.assign(triangles_.size(), 0);
+  grid_.reset();
 }
 
 std::vector<std::uint32_t> EditMesh::end_changes() {
-  for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-    if (changed_[t] == 0) continue;
-    if (alive(t))
-      grid_.put(t, LatticeBox::around(shape(t)));
-    else
-      grid_.remove(t);
-  }
   std::vector<std::uint32_t> bad;
   add_intersecting_apart([&](std::uint32_t t) { return changed_[t] != 0; }, bad);
   make_ascending(bad);
@@ -263,7 +268,7 @@ void EditMesh::add_intersecting(std::span<const std::uint32_t> more) {
   recheck_intersecting();
 }
 
-std::size_t EditMesh::count_pairs() const {
+std::size_t EditMesh::count_pairs() {
   std::size_t pairs = 0;
   for (const std::uint32_t t : intersecting_) {
     if (!alive(t)) continue;

@@ -48,8 +48,7 @@ std::vector<NumberedCorners> by_corners(const RefineMesh& mesh,
 
 }  // namespace
 
-EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box)
-    : box_(box), grid_(box, mesh.triangles.size()) {
+EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box) : box_(box) {
   const auto n = static_cast<std::uint32_t>(mesh.positions.size());
   const auto m = static_cast<std::uint32_t>(mesh.triangles.size());
   const std::vector<std::uint32_t> places = places_by_id(mesh.ids);
@@ -76,7 +75,7 @@ EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box)
     if (!sides_.empty()) sides_[t] = mesh.sides[sorted[t].second];
     link(t);
     const LatticeTriangle s = shape(t);
-    set_shape(t, s, exact_normal(s[0], s[1], s[2]));
+    planes_[t] = exact_normal(s[0], s[1], s[2]);
     movable_[t] = std::ranges::all_of(s, [&](const auto& p) { return box_.contains(p); }) ? 1 : 0;
   }
   for (const std::uint32_t t : mesh.intersecting) intersecting_.push_back(place[t]);
@@ -105,12 +104,13 @@ void EditMesh::take_samples(const RefineMesh& mesh, const std::vector<std::uint3
   }
 }
 
-void EditMesh::set_shape(std::uint32_t t, const LatticeTriangle& shape, const Index3& plane) {
-  planes_[t] = plane;
-  if (changed_.empty())
-    grid_.put(t, LatticeBox::around(shape));
-  else
-    changed_[t] = 1;
+TriangleGrid& EditMesh::grid() {
+  if (!grid_) {
+    grid_.emplace(box_, triangles_.size());
+    for (std::uint32_t t = triangles(); t-- > 0;)
+      if (alive(t)) grid_->put(t, LatticeBox::around(shape(t)));
+  }
+  return *grid_;
 }
 
 void EditMesh::link(std::uint32_t t) {
@@ -213,17 +213,16 @@ void EditMesh::apply(const Change& change, const Step& step) {
   // Numbers of the old triangles serve for the new ones, of which there are no more.
   for (std::size_t i = 0; i < change.old.size(); ++i) {
     const std::uint32_t t = change.old[i];
+    if (!changed_.empty()) changed_[t] = 1;
     if (i >= change.now.size()) {
       triangles_[t] = {none, none, none};
-      if (changed_.empty())
-        grid_.remove(t);
-      else
-        changed_[t] = 1;
+      if (grid_) grid_->remove(t);
       continue;
     }
     triangles_[t] = change.now[i];
     link(t);
-    set_shape(t, change.shapes[i], change.planes[i]);
+    planes_[t] = change.planes[i];
+    if (grid_) grid_->put(t, LatticeBox::around(change.shapes[i]));
   }
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const std::uint32_t t = change.old[places_[i]];

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -114,10 +115,10 @@ class EditMesh {
   std::size_t hits(std::span<const std::uint32_t> some);
   // f(other) for each triangle that intersects t.
   template <class F>
-  void each_hit(std::uint32_t t, F&& f) const {
+  void each_hit(std::uint32_t t, F&& f) {
     const LatticeTriangle own = shape(t);
     const Index3& normal = planes_[t];
-    grid_.each_near(LatticeBox::around(own), [&](std::uint32_t other) {
+    grid().each_near(LatticeBox::around(own), [&](std::uint32_t other) {
       if (other != t && hit(other, triangles_[t], own, normal)) f(other);
     });
   }
@@ -144,7 +145,7 @@ class EditMesh {
     });
   }
   // Of those the pairs of which one is movable.
-  std::size_t count_pairs() const;
+  std::size_t count_pairs();
 
   // What a change does beside its triangles: `moved` lies at `to`; where it is not none, `gone` is no
   // more.
@@ -174,7 +175,7 @@ class EditMesh {
   void note_left(const Change& change, const Step& step);
   void note_left(const Change& change, std::uint32_t v);
   void take_samples(const RefineMesh& mesh, const std::vector<std::uint32_t>& place);
-  void set_shape(std::uint32_t t, const LatticeTriangle& shape, const Index3& plane);
+  TriangleGrid& grid();
   void mark_old(const Change& change);
   void link(std::uint32_t t);
   void unlink(std::uint32_t t);
@@ -193,7 +194,7 @@ class EditMesh {
   template <class F>
   bool with_uses(const Change& change, F&& f);
   bool umbrellas_are_clean(const Change& change);
-  bool others_stay_apart(const Change& change) const;
+  bool others_stay_apart(const Change& change);
 
   LatticeBox box_;
   std::vector<LatticePoint> positions_;
@@ -216,8 +217,9 @@ class EditMesh {
   std::vector<Left> left_;
   std::vector<std::uint32_t> places_, moved_samples_;
   NearestTriangles nearest_;  // of the change at hand
-  TriangleGrid grid_;
-  // Of triangles whose boxes in the grid are old, 1; empty where that may not be.
+  // Made when it is first asked for, which it never is of many meshes, and again after many changes.
+  std::optional<TriangleGrid> grid_;
+  // Of triangles that have changed since begin_changes(), 1.
   std::vector<std::uint8_t> changed_;
   std::vector<std::uint32_t> marks_;  // of triangles: equal to mark_ where they are to go
   std::uint32_t mark_ = 0;

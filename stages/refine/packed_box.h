@@ -47,13 +47,6 @@ class BoxPacker {
     return static_cast<std::int16_t>(
         std::clamp((coordinate - origin_[axis]) >> shift_, -largest, largest));
   }
-  // The lowest and the highest coordinate that are rounded to this.
-  std::int32_t lowest(std::int16_t packed, std::size_t axis) const {
-    return std::int32_t{packed} * (1 << shift_) + origin_[axis];
-  }
-  std::int32_t highest(std::int16_t packed, std::size_t axis) const {
-    return lowest(packed, axis) + (1 << shift_) - 1;
-  }
 
  private:
   static constexpr std::int32_t largest = 32000;
@@ -78,15 +71,6 @@ struct PackedBox {
     for (std::size_t k = 0; k < 6; ++k)
       if (other.lanes[k] < lanes[k]) lanes[k] = other.lanes[k];
   }
-  // What of it lies near the packer's place.
-  LatticeBox box(const BoxPacker& pack) const {
-    LatticeBox box;
-    for (std::size_t a = 0; a < 3; ++a) {
-      box.lo[a] = pack.lowest(lanes[a], a);
-      box.hi[a] = pack.highest(static_cast<std::int16_t>(-lanes[a + 3]), a);
-    }
-    return box;
-  }
   std::uint32_t number() const {
     return static_cast<std::uint16_t>(lanes[6]) |
            static_cast<std::uint32_t>(static_cast<std::uint16_t>(lanes[7])) << 16;
@@ -108,49 +92,6 @@ class BoxQuery {
 
  private:
   EightShorts most_{};
-};
-
-// Boxes with a number each, of which eight are held against another at once.
-class BoxList {
- public:
-  bool empty() const { return count_ == 0; }
-  void clear() { count_ = 0; }
-  void add(const PackedBox& box) {
-    if (count_ % lanes == 0) {
-      if (count_ / lanes == groups_.size()) groups_.emplace_back();
-      for (EightShorts& end : groups_[count_ / lanes].ends)
-        end = EightShorts{} + INT16_MAX;  // none
-    }
-    Group& group = groups_[count_ / lanes];
-    for (std::size_t k = 0; k < 6; ++k) group.ends[k][count_ % lanes] = box.lanes[k];
-    group.numbers[count_ % lanes] = box.number();
-    ++count_;
-  }
-  // f(number) of each that may meet the box, in the order in which they were added.
-  template <class F>
-  void each_meeting(const PackedBox& box, F&& f) const {
-    EightShorts most[6];
-    for (std::size_t a = 0; a < 3; ++a) {
-      most[a] = EightShorts{} + static_cast<std::int16_t>(-box.lanes[a + 3]);
-      most[a + 3] = EightShorts{} + static_cast<std::int16_t>(-box.lanes[a]);
-    }
-    for (std::size_t g = 0; g * lanes < count_; ++g) {
-      const Group& group = groups_[g];
-      EightShorts meets = group.ends[0] <= most[0];
-      for (std::size_t k = 1; k < 6; ++k) meets &= group.ends[k] <= most[k];
-      for (std::uint32_t bits = bits_of(meets); bits != 0; bits &= bits - 1)
-        f(group.numbers[static_cast<std::size_t>(std::countr_zero(bits))]);
-    }
-  }
-
- private:
-  static constexpr std::size_t lanes = 8;
-  struct Group {
-    EightShorts ends[6];
-    std::array<std::uint32_t, lanes> numbers;
-  };
-  std::vector<Group> groups_;
-  std::size_t count_ = 0;
 };
 
 // Some boxes to hold others against, eight at a time.

@@ -33,31 +33,6 @@ class TriangleGrid {
       return false;
     });
   }
-  // f(a, b) for triangles a of which takes(a) holds and each other one that may meet a: so of two that
-  // are both taken in both orders. Quicker than each_near of all: those of one bin look around together.
-  template <class Takes, class F>
-  void each_pair(Takes&& takes, F&& f) const {
-    std::vector<PackedBox> own;
-    BoxList near;
-    for (const std::vector<PackedBox>& bin : bins_) {
-      own.clear();
-      near.clear();
-      for (const PackedBox& one : bin)
-        if (takes(one.number())) own.push_back(one);
-      if (own.empty()) continue;
-      PackedBox all = own.front();
-      for (const PackedBox& one : own) all.extend(one);
-      const BoxQuery around(all);
-      none_of_bins(all.box(pack_), [&](const PackedBox& one) {
-        if (around.meets(one)) near.add(one);
-        return false;
-      });
-      for (const PackedBox& one : own)
-        near.each_meeting(one, [&](std::uint32_t other) {
-          if (other != one.number()) f(one.number(), other);
-        });
-    }
-  }
   BoxQueries queries() const { return BoxQueries(pack_); }
   // Whether f(triangle, boxes) is false for each that may meet some of these boxes, one bit each. It
   // ends where f is true.
