@@ -1,0 +1,143 @@
+// More places intersect than may be in memory at once: then seams mends in boxes that end where cubes
+// do, and mend what lies across.
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+#include "pipeline/executor/executor.h"
+#include "pipeline/refine/mend_stage.h"
+#include "pipeline/run/jobs.h"
+#include "pipeline/stage/refine_units.h"
+#include "pipeline/stage/unit_plan.h"
+#include "stages/refine/find_pairs.h"
+#include "stages/refine/mesh_part.h"
+#include "storage/artifact/top_artifact.h"
+#include "tests/pipeline/run/scene.h"
+
+namespace voxweld::testing {
+namespace {
+
+using Shapes = std::vector<LatticeTriangle>;
+
+// What a run that repairs has left up to refine, and what the next stages make of it here.
+class Repair {
+ public:
+  Repair(const Scene& scene, const Settings& settings)
+      : config_(load_config(scene.config(), settings + scene.in("scene"))), jobs_(config_) {
+    VOXWELD_EXPECT_DONE(scene.run(settings));
+    jobs_.open_volume(config_);
+    top_.emplace(jobs_.merge().path());
+    units_ = refine_units(*top_, config_.labels.mode, cubes_of(jobs_.seams().frame));
+    const auto plan = unit_plan(*top_, config_.labels.mode, collapses_by_sheets(config_));
+    MeshLayer stitched;
+    for (std::uint64_t unit = 0; unit < plan->size(); ++unit)
+      stitched.paths.push_back(stitch_artifact_path(jobs_.stitch(), *plan, unit));
+    layers_.push_back(stitched);
+    places_ = {Stage::refine, refined_meshes(jobs_.refine(), units_)};
+    folder_ = scene.directory();
+  }
+
+  std::size_t units() const { return units_.size(); }
+  // One more layer.
+  void mend(RefineJob job) {
+    job.folder = folder_ / ("layer" + std::to_string(layers_.size()));
+    RefineInputs inputs{job, units_, layers_, 0};
+    inputs.places = places_;
+    const std::unique_ptr<StageWork> work = mend_stage(inputs);
+    std::vector<std::uint64_t> numbers(units_.size());
+    std::iota(numbers.begin(), numbers.end(), 0u);
+    RunOptions options;
+    options.threads = 2;
+    LocalExecutor().run_units(
+        "mend", work->units(numbers),
+        [&](const Unit& unit, WorkerContext& worker) { work->run(unit, worker); }, options);
+    for (const std::uint64_t unit : numbers) EXPECT_TRUE(work->done(unit));
+    places_ = {job.stage, refined_meshes(job, units_)};
+    layers_.push_back(places_);
+  }
+  RefineJob seams(std::uint64_t most_places) const {
+    RefineJob job = jobs_.seams();
+    job.room.most_places = most_places;
+    return job;
+  }
+  const RefineJob& last() const { return jobs_.mend(); }
+
+  RefineMesh mesh() const {
+    CubeMeshes meshes(layers_);
+    MeshGather gather;
+    for (std::size_t i = 0; i < meshes.size(); ++i)
+      for (std::size_t p = 0; p < meshes.open(i)->pieces().size(); ++p) {
+        if (meshes.is_replaced(i, meshes.open(i)->pieces()[p])) continue;
+        for (const CubePart part : {CubePart::inside, CubePart::leaving})
+          gather.add(meshes.open(i)->read(p, part));
+      }
+    return gather.take();
+  }
+  // Boxes of what the last layer says intersects.
+  std::vector<LatticeBox> listed() const {
+    std::vector<LatticeBox> boxes;
+    for (const std::filesystem::path& path : places_.paths)
+      for (const IntersectionRecord& record : CubeMeshArtifact(path).intersecting())
+        boxes.push_back(record.box);
+    return boxes;
+  }
+  FoundPairs found() const {
+    return find_range_pairs(mesh(), CubeLattice(jobs_.seams().frame, 0), CubeRange{});
+  }
+
+ private:
+  Config config_;
+  Jobs jobs_;
+  std::optional<TopArtifact> top_;
+  std::vector<RefineUnit> units_;
+  std::vector<MeshLayer> layers_;
+  MeshLayer places_;
+  std::filesystem::path folder_;
+};
+
+Shapes shapes_of(const RefineMesh& mesh) {
+  Shapes shapes;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) shapes.push_back(mesh.shape(t));
+  std::ranges::sort(shapes);
+  return shapes;
+}
+
+// Each edge has as many triangles on the one side as on the other.
+bool is_closed(const RefineMesh& mesh) {
+  std::multiset<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const auto& c : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) edges.emplace(c[k], c[(k + 1) % 3]);
+  return std::ranges::all_of(edges, [&](const auto& edge) {
+    return edges.count(edge) == edges.count({edge.second, edge.first});
+  });
+}
+
+TEST(MendWithin, IsTheSameHoweverItIsCutAndLosesNothing) {
+  const Scene scene("porous", 128);
+  Shapes first;
+  for (const char* tiles : {"output.tile_vertices=2000", "output.tile_vertices=20000"}) {
+    SCOPED_TRACE(tiles);
+    Repair repair(scene, {"simplify.refine=repair", tiles});
+    EXPECT_GT(repair.units(), 4u);
+    const std::size_t before = repair.found().pairs;
+    EXPECT_GT(before, 200u);
+    repair.mend(repair.seams(3));
+    const std::size_t within = repair.found().pairs;
+    EXPECT_LT(within, before / 4);
+    EXPECT_GT(within, 0u) << "nothing lies across cubes";
+    const RefineMesh halfway = repair.mesh();
+    std::vector<LatticeBox> left;
+    for (const std::uint32_t t : repair.found().intersecting) left.push_back(halfway.box(t));
+    EXPECT_TRUE(std::ranges::is_permutation(repair.listed(), left)) << "all are listed, once each";
+    repair.mend(repair.last());
+    EXPECT_EQ(repair.found().pairs, 0u);
+    EXPECT_TRUE(repair.listed().empty());
+    EXPECT_TRUE(is_closed(repair.mesh()));
+    const Shapes shapes = shapes_of(repair.mesh());
+    if (first.empty()) first = shapes;
+    EXPECT_TRUE(shapes == first);
+  }
+}
+
+}  // namespace
+}  // namespace voxweld::testing
