@@ -144,13 +144,17 @@ class MendStage final : public RangeStage {
     gather.reserve(most.vertices, most.triangles, most.samples, most.sided);
     BoxReads::Held held = read_pieces(work, worker);
     std::uint64_t lost = 0;
+    // Triangles of blocks, modulo 2^64. Those beside all boxes stay.
+    std::map<std::uint64_t, std::uint64_t> more;
     for (const BoxReads& reads : work.boxes) {
       RefineCounts counts;
       const RefineMesh mended = mend_box(reads.read(held, [&] { worker.check_interrupt(); }),
                                          reads.box().box, job_.parameters, counts);
       // Others do the same box where it reaches into theirs, and take what is at home there.
       gather.add(mended, [&](std::size_t t) {
-        return range_of(unit).contains(cubes_.code(home_of(mended, t, cubes_)));
+        const bool takes = range_of(unit).contains(cubes_.code(home_of(mended, t, cubes_)));
+        if (takes) ++more[block_code(mended, t, blocks_)];
+        return takes;
       });
       const CubeKey owner = reads.box().owner;
       if (owner < begin_of(unit) || !(owner < end_of(unit))) continue;
@@ -158,17 +162,17 @@ class MendStage final : public RangeStage {
       lost += counts.collapses;  // each took a vertex
     }
     if (lost > 0) result.changes.push_back({work.label, lost});
-    std::map<std::uint64_t, std::uint64_t> more;  // triangles of blocks, modulo 2^64
     for (const auto& entry : held) {
       const HeldPart& before = entry.second;
-      for (const CubeCount& block : count_blocks(before.mesh, blocks_))
-        more[block.code] -= block.polygons;
       const std::vector<LatticeBox> near = boxes_near(work, before);
-      gather.add(before.mesh, [&](std::size_t t) { return !lies_in_any(before.boxes[t], near); });
+      gather.add(before.mesh, [&](std::size_t t) {
+        const bool stays = !lies_in_any(before.boxes[t], near);
+        if (!stays) --more[block_code(before.mesh, t, blocks_)];
+        return stays;
+      });
     }
     held.clear();
     const RefineMesh after = gather.take();
-    for (const CubeCount& block : count_blocks(after, blocks_)) more[block.code] += block.polygons;
     for (const auto& [code, triangles] : more)
       if (triangles != 0) result.blocks.push_back({work.label, code, triangles});
     add_intersections(work.label, after, after.intersecting, cubes_, result.intersecting);

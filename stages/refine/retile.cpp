@@ -12,12 +12,6 @@ namespace {
 
 constexpr std::uint32_t not_in_tile = 0xffffffffu;
 
-// Morton code of the block's lowest finest cell.
-std::uint64_t block_code(const RefineMesh& mesh, std::size_t triangle, const CubeLattice& blocks) {
-  const Index3 block = blocks.cube_of(mesh.positions[mesh.triangles[triangle][0]]);
-  return CellKey{tile_block_level, block}.code();
-}
-
 // What f(triangle, value) makes of a value for each block that has triangles, by the blocks' codes.
 template <class Value, class F>
 std::map<std::uint64_t, Value> by_block(const RefineMesh& mesh, const CubeLattice& blocks, F&& f) {
@@ -91,6 +85,11 @@ RefineMesh to_refine_mesh(TileMesh tile) {
 
 CubeLattice tile_blocks(const RefineFrame& frame) {
   return CubeLattice(frame, 0, tile_block_level);
+}
+
+std::uint64_t block_code(const RefineMesh& mesh, std::size_t triangle, const CubeLattice& blocks) {
+  const Index3 block = blocks.cube_of(mesh.positions[mesh.triangles[triangle][0]]);
+  return CellKey{tile_block_level, block}.code();
 }
 
 std::vector<CubeCount> count_blocks(const RefineMesh& mesh, const CubeLattice& blocks) {

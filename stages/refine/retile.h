@@ -19,6 +19,8 @@ RefineMesh to_refine_mesh(TileMesh tile);
 inline constexpr int tile_block_level = 4;
 CubeLattice tile_blocks(const RefineFrame& frame);
 
+// Its code: of the block's lowest finest cell.
+std::uint64_t block_code(const RefineMesh& mesh, std::size_t triangle, const CubeLattice& blocks);
 // How many triangles belong to each block, as polygons; ascending by code.
 std::vector<CubeCount> count_blocks(const RefineMesh& mesh, const CubeLattice& blocks);
 
