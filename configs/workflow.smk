@@ -8,7 +8,7 @@
 #   parts     into how many parts the stages but merge are cut (4)
 #   refine    0 where the mesh is not refined: simplify.refine is "off", or is not given and
 #             simplify.enabled is false or simplify.topology "free" (1)
-#   mend      0 where simplify.intersections is "report" or "ignore" (1)
+#   mend      0 where simplify.intersections is "report" or "ignore": no mend and remend (1)
 #   target    1 where the config has simplify.triangles or simplify.ratio: adds survey and recount (0)
 #   levels    1 where output.levels is given and more than 1: adds levels (0)
 #   voxweld   the program (the one on PATH)
@@ -71,7 +71,8 @@ if REFINE:
             "refine": parts_of("stitch"),
             "seams": parts_of("refine"),
             "mend": parts_of("seams"),
-            "retile": parts_of("mend" if MEND else "seams"),
+            "remend": parts_of("mend"),
+            "retile": parts_of("remend" if MEND else "seams"),
             "encode": parts_of("retile"),
         }
     )
@@ -109,7 +110,7 @@ rule part:
     output:
         touch(mark("{stage}-{part}-of-{parts}")),
     wildcard_constraints:
-        stage="ingest|build|stitch|survey|refine|recount|seams|mend|retile|encode",
+        stage="ingest|build|stitch|survey|refine|recount|seams|mend|remend|retile|encode",
         part="[0-9]+",
         parts=str(PARTS),
     threads: THREADS

@@ -130,6 +130,7 @@ void add_stage_commands(CLI::App& app, Program& program) {
       "With \"repair\" it mends what intersects, in boxes around it.",
       "Unless simplify.refine is off: mends what still intersects, mostly where both had their "
       "borders",
+      "Unless simplify.refine is off: mends what mend left, mostly at the borders of its boxes",
       "Unless simplify.refine is off: plans tiles of the refined mesh and cuts it into them",
       "Unless output.levels is 1: makes the coarser levels of detail",
       "Stage 5: writes the compressed mesh files and the manifest"};

@@ -56,8 +56,8 @@ std::vector<Setting> make_settings() {
 
 std::string_view stage_name(Stage stage) {
   constexpr std::array<std::string_view, all_stages.size()> names = {
-      "ingest",  "build", "merge", "stitch", "survey", "refine",
-      "recount", "seams", "mend",  "retile", "levels", "encode"};
+      "ingest", "build", "merge",  "stitch", "survey", "refine", "recount",
+      "seams",  "mend",  "remend", "retile", "levels", "encode"};
   return names[static_cast<std::size_t>(stage)];
 }
 
@@ -66,7 +66,9 @@ std::vector<Stage> stages_of(const Config& config) {
   if (!refines(config))
     std::erase_if(stages,
                   [](Stage stage) { return Stage::stitch < stage && stage < Stage::encode; });
-  if (!mends(config)) std::erase(stages, Stage::mend);
+  if (!mends(config))
+    std::erase_if(stages,
+                  [](Stage stage) { return stage == Stage::mend || stage == Stage::remend; });
   if (only_repairs(config) && !mends(config)) std::erase(stages, Stage::seams);
   if (!has_levels(config)) std::erase(stages, Stage::levels);
   if (!has_target(config))

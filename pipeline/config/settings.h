@@ -27,16 +27,18 @@ enum class Stage : std::uint8_t {
   recount,
   seams,
   mend,
+  remend,
   retile,
   levels,
   encode
 };
-inline constexpr std::array<Stage, 12> all_stages = {
-    Stage::ingest,  Stage::build, Stage::merge, Stage::stitch, Stage::survey, Stage::refine,
-    Stage::recount, Stage::seams, Stage::mend,  Stage::retile, Stage::levels, Stage::encode};
+inline constexpr std::array<Stage, 13> all_stages = {
+    Stage::ingest, Stage::build,   Stage::merge, Stage::stitch, Stage::survey,
+    Stage::refine, Stage::recount, Stage::seams, Stage::mend,   Stage::remend,
+    Stage::retile, Stage::levels,  Stage::encode};
 std::string_view stage_name(Stage stage);
-// Those a run of the config has, in their order: refine, seams, mend and retile where simplify.refine asks
-// for them (mend where triangles that intersect are mended), survey and recount where a number of triangles is asked for,
+// Those a run of the config has, in their order: refine, seams, mend, remend and retile where simplify.refine
+// asks for them (mend and remend where triangles that intersect are mended), survey and recount where a number of triangles is asked for,
 // levels where there is to be more than one.
 std::vector<Stage> stages_of(const Config& config);
 bool has_stage(const Config& config, Stage stage);

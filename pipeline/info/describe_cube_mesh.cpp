@@ -1,4 +1,4 @@
-// What stitch, refine, seams and mend leave of meshes that are refined, how far they went where that is
+// What stitch, refine, seams, mend and remend leave of meshes that are refined, how far they went where that is
 // chosen, and the plan of their tiles.
 #include "pipeline/info/kinds.h"
 #include "stages/refine/refine_range.h"

@@ -129,6 +129,11 @@ void Jobs::plan_refine(const Config& config, const OutputFrame& output) {
   } else {
     seams_ = {Stage::seams, 1, 0, frame, parameters, {}, {}};
   }
+  // What lay across borders of mend's boxes is to lie inside now, should these be cut again.
+  remend_ = mend_;
+  remend_.stage = Stage::remend;
+  remend_.room.cut = 0;
+  remend_.room.pass = 0;
   if (has_target(config)) {
     CollapseTarget target;
     if (config.simplify.triangles)
@@ -159,6 +164,7 @@ void Jobs::place_stages(const StagePaths& paths) {
   place(recount_, paths.recount, paths.recount_key);
   place(seams_, paths.seams, paths.seams_key);
   place(mend_, paths.mend, paths.mend_key);
+  place(remend_, paths.remend, paths.remend_key);
   place(retile_, paths.retile, paths.retile_key);
   place(levels_, paths.levels, paths.levels_key);
   place(encode_, paths.encode, paths.encode_key);
@@ -173,7 +179,7 @@ void Jobs::fit_cubes(const Config& config, std::uint64_t vertices) {
   const int level = target_cube_level(part, vertices, build_->grid.size());
   stitch_.cubes->level = level;
   for (RefineFrame* const frame : {&survey_.frame, &refine_.frame, &recount_.frame, &seams_.frame,
-                                   &mend_.frame, &retile_.frame, &levels_.frame})
+                                   &mend_.frame, &remend_.frame, &retile_.frame, &levels_.frame})
     frame->level = level;
   place_stages(stage_paths(config, output_info_, labels_, level));
 }
@@ -189,7 +195,7 @@ std::vector<std::filesystem::path> Jobs::later_folders() const {
   std::vector<std::filesystem::path> folders = {build_->folder, merge_.folder, stitch_.folder};
   if (stitch_.cubes) folders.insert(folders.end(), {refine_.folder, retile_.folder});
   if (!seams_.folder.empty()) folders.push_back(seams_.folder);
-  if (!mend_.folder.empty()) folders.push_back(mend_.folder);
+  if (!mend_.folder.empty()) folders.insert(folders.end(), {mend_.folder, remend_.folder});
   if (refine_.target) folders.insert(folders.end(), {survey_.folder, recount_.folder});
   if (!levels_.folder.empty()) folders.push_back(levels_.folder);
   folders.push_back(encode_.folder);

@@ -51,6 +51,7 @@ class Jobs {
   const RefineJob& refine() const { return refine_; }
   const RefineJob& seams() const { return seams_; }
   const RefineJob& mend() const { return mend_; }
+  const RefineJob& remend() const { return remend_; }
   // Of one that asks for a number of triangles.
   const RefineJob& survey() const { return survey_; }
   const RefineJob& recount() const { return recount_; }
@@ -78,7 +79,7 @@ class Jobs {
   std::optional<BuildJob> build_, finer_;
   MergeJob merge_;
   StitchJob stitch_;
-  RefineJob refine_, seams_, mend_, survey_, recount_;
+  RefineJob refine_, seams_, mend_, remend_, survey_, recount_;
   RetileJob retile_;
   LevelsJob levels_;
   EncodeJob encode_;

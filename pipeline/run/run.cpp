@@ -96,7 +96,7 @@ void on_steady_input(RunContext& context, Stages& stages, F&& work) {
   }
 }
 
-// ingest -> build -> merge -> stitch -> (refine -> seams -> mend -> retile -> (levels ->)) encode; where a
+// ingest -> build -> merge -> stitch -> (refine -> seams -> mend -> remend -> retile -> (levels ->)) encode; where a
 // number of triangles is asked for, survey before refine and recount before seams
 void run_stages(RunContext& context) {
   Stages stages(context);
@@ -205,7 +205,7 @@ InputError no_such_stage(const Config& config, Stage stage) {
     return error(
         fmt::format("simplify.refine = \"{}\"{}", refine_name(simplify.refine), why_off(config)),
         "set it to \"repair\" or \"collapse\"");
-  if (stage == Stage::mend || stage == Stage::seams)
+  if (stage == Stage::mend || stage == Stage::remend || stage == Stage::seams)
     return error(fmt::format("simplify.intersections = {}",
                              to_toml(*find_setting("simplify", "intersections")->get(config))),
                  "remove that key");

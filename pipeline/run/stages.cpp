@@ -48,6 +48,7 @@ std::unique_ptr<StageWork> Stages::make(Stage stage) {
     case Stage::recount:
     case Stage::seams:
     case Stage::mend:
+    case Stage::remend:
       return make_refine(stage);
     case Stage::retile:
       return retile_stage(jobs_.retile(), refined(), retile_plan());
@@ -105,19 +106,29 @@ std::unique_ptr<StageWork> Stages::make_refine(Stage stage) {
     default:
       break;
   }
-  RefineInputs mend =
-      inputs(stage == Stage::seams ? jobs_.seams() : jobs_.mend(), layers_before(stage));
-  if (repairs) mend.places = layer_of(stage == Stage::seams ? Stage::refine : Stage::seams);
+  RefineInputs mend = inputs(refine_job(stage), layers_before(stage));
+  if (stage == Stage::remend)
+    mend.places = layer_of(Stage::mend);
+  else if (repairs)
+    mend.places = layer_of(stage == Stage::seams ? Stage::refine : Stage::seams);
   return mend_stage(mend);
 }
 
-MeshLayer Stages::layer_of(Stage maker) {
-  if (maker != Stage::stitch) {
-    const RefineJob& job = maker == Stage::refine  ? jobs_.refine()
-                           : maker == Stage::seams ? jobs_.seams()
-                                                   : jobs_.mend();
-    return {maker, refined_meshes(job, refine_units())};
+const RefineJob& Stages::refine_job(Stage stage) const {
+  switch (stage) {
+    case Stage::seams:
+      return jobs_.seams();
+    case Stage::mend:
+      return jobs_.mend();
+    case Stage::remend:
+      return jobs_.remend();
+    default:
+      return jobs_.refine();
   }
+}
+
+MeshLayer Stages::layer_of(Stage maker) {
+  if (maker != Stage::stitch) return {maker, refined_meshes(refine_job(maker), refine_units())};
   MeshLayer stitched{maker, {}};
   for (std::uint64_t unit = 0; unit < merged_plan().size(); ++unit)
     stitched.paths.push_back(stitch_artifact_path(jobs_.stitch(), merged_plan(), unit));
@@ -128,7 +139,7 @@ MeshLayer Stages::layer_of(Stage maker) {
 std::vector<MeshLayer> Stages::layers_before(Stage stage) {
   std::vector<MeshLayer> layers;
   if (only_repairs(context_.config)) layers.push_back(layer_of(Stage::stitch));
-  for (const Stage maker : {Stage::seams, Stage::mend})
+  for (const Stage maker : {Stage::seams, Stage::mend, Stage::remend})
     if (maker < stage && has_stage(context_.config, maker)) layers.push_back(layer_of(maker));
   return layers;
 }
@@ -153,10 +164,9 @@ Manifest Stages::manifest() {
   check_input();
   std::optional<RefineFigures> figures;
   if (refines(context_.config)) figures = {refine_counts(jobs_.refine(), refine_units())};
-  for (const Stage stage : {Stage::seams, Stage::mend})
+  for (const Stage stage : {Stage::seams, Stage::mend, Stage::remend})
     if (has_stage(context_.config, stage))
-      figures->later.push_back(
-          refine_counts(stage == Stage::seams ? jobs_.seams() : jobs_.mend(), refine_units()));
+      figures->later.push_back(refine_counts(refine_job(stage), refine_units()));
   if (figures) figures->first_patch = only_repairs(context_.config) ? 0 : 1;
   if (const CollapseChoice* const last = choice(Stage::seams)) figures->target = last->chosen();
   return make_manifest(context_, jobs_, top(), figures);

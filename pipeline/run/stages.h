@@ -44,6 +44,7 @@ class Stages {
   std::unique_ptr<StageWork> make(Stage stage);
   void fit_cubes();
   std::unique_ptr<StageWork> make_refine(Stage stage);
+  const RefineJob& refine_job(Stage stage) const;  // of refine, or what comes behind it
   MeshLayer layer_of(Stage maker);
   std::vector<MeshLayer> layers_before(Stage stage);
   // With a target: the tolerance of refine or seams, put into its job.

@@ -15,6 +15,8 @@
 //   seams-rest    job
 //   mend          array   a third, where triangles still intersect
 //   mend-rest     job
+//   remend        array   a fourth, where they still do
+//   remend-rest   job
 //   retile        array   the refined mesh cut into tiles
 //   and with simplify.triangles or simplify.ratio, each followed by a job as the others are
 //   survey        array   before refine

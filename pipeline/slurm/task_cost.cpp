@@ -20,7 +20,7 @@ double usual_seconds_per_weight(StageName stage) {
   if (stage == "build") return 0.005;
   if (stage == "stitch") return 5e-7;
   if (stage == "refine" || stage == "seams") return 5e-6;
-  if (stage == "mend") return 1e-6;
+  if (stage == "mend" || stage == "remend") return 1e-6;
   if (stage == "survey" || stage == "recount") return 1e-5;
   if (stage == "retile") return 1e-6;
   if (stage == "encode") return 2e-6;

@@ -133,10 +133,10 @@ WorkPlan plan_work(const RunContext& context, const Jobs& jobs, std::int64_t slo
       const double weight = plan.vertices + polygons;
       if (pass == Stage::survey || pass == Stage::recount)
         add(pass, tiles, tiles, counts_bytes * tiles, usual_cost("survey", weight));
-      if (pass == Stage::refine || pass == Stage::seams || pass == Stage::mend) {
+      if (Stage::refine <= pass && pass <= Stage::remend && pass != Stage::recount) {
         // Where the mesh is only repaired, the first one looks and writes nothing.
         const bool looks = pass == Stage::refine && only_repairs(config);
-        const bool only_mends = pass == Stage::mend || only_repairs(config);
+        const bool only_mends = pass >= Stage::mend || only_repairs(config);
         add(pass, tiles, tiles, looks ? 0 : cubes_bytes * plan.vertices,
             usual_cost(only_mends ? "mend" : "refine", weight));
       }

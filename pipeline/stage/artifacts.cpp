@@ -117,8 +117,10 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info, const Label
       paths.seams = work / ("seams-" + short_hex(paths.seams_key));
     Hash128 last = paths.seams.empty() ? paths.refine_key : paths.seams_key;
     if (mends(config)) {
-      last = paths.mend_key = next(Stage::mend, version, paths.seams_key);
+      paths.mend_key = next(Stage::mend, version, paths.seams_key);
       paths.mend = work / ("mend-" + short_hex(paths.mend_key));
+      last = paths.remend_key = next(Stage::remend, version, paths.mend_key);
+      paths.remend = work / ("remend-" + short_hex(paths.remend_key));
     }
     paths.retile_key = next(Stage::retile, tile_plan_version << 16 | tile_version, last);
     paths.refine = work / ("refine-" + short_hex(paths.refine_key));

@@ -39,11 +39,11 @@ inline constexpr std::uint32_t levels_version = 3;
 
 // Folders of a run's artifacts, each named for what its stage and those before it read.
 struct StagePaths {
-  std::filesystem::path ingest, build, merge, stitch, survey, refine, recount, seams, mend, retile,
-      levels, encode;
+  std::filesystem::path ingest, build, merge, stitch, survey, refine, recount, seams, mend, remend,
+      retile, levels, encode;
   // Of the parameters, all stages before included.
   Hash128 build_key, merge_key, stitch_key, survey_key, refine_key, recount_key, seams_key,
-      mend_key, retile_key, levels_key, encode_key;
+      mend_key, remend_key, retile_key, levels_key, encode_key;
 };
 // Of stages that the config has not: nothing.
 // info: with output_geometry; for the ingest folder alone it is not looked at.

@@ -1,4 +1,4 @@
-// Meshes on disk that are sorted by cubes, as stitch, refine, seams and mend write them, and what
+// Meshes on disk that are sorted by cubes, as stitch, refine, seams, mend and remend write them, and what
 // stands beside them.
 #pragma once
 

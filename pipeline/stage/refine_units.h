@@ -1,4 +1,4 @@
-// What refine, seams and mend take as one unit of merge's plan: a range of cubes, of one surface or of one
+// What refine, seams, mend and remend take as one unit of merge's plan: a range of cubes, of one surface or of one
 // label, or small labels whole.
 #pragma once
 

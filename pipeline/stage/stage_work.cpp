@@ -10,7 +10,7 @@ namespace voxweld {
 
 const char* unit_option(Stage stage) {
   if (stage == Stage::ingest || stage == Stage::build) return "shards";
-  return Stage::survey <= stage && stage <= Stage::mend ? "ranges" : "tiles";
+  return Stage::survey <= stage && stage <= Stage::remend ? "ranges" : "tiles";
 }
 
 std::vector<std::uint64_t> StageLook::to_do() const {

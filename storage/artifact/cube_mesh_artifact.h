@@ -1,7 +1,7 @@
 // A part of a surface's mesh, sorted by the cubes its triangles are at home in: what passes between
-// stitch, refine, seams, mend and retile. With labels.mode = "each" parts of the surfaces of some
-// labels. Mend's has only the pieces that are to stand in place of those that seams left. Where a mesh is
-// only repaired, refine's has none, and that of seams those that stand in place of stitch's.
+// stitch, refine, seams, mend, remend and retile. With labels.mode = "each" parts of the surfaces of some
+// labels. Those of mend and remend have only the pieces that are to stand in place of those before.
+// Where a mesh is only repaired, refine's has none, and that of seams those that stand in place of stitch's.
 // Kind "cubm", a container with these sections:
 //   1                    CubeMeshSummary (one)
 //   2                    CubePieceRecord of each piece, ascending by label, code and cube

@@ -76,12 +76,12 @@ wait_until_finished handed
 same handed
 step "handed to Slurm: the same bytes"
 
-# Three more stages.
+# Five more stages.
 on fine run --set simplify.refine=auto || fail "the refined local run"
 refined=$(tree_hash "$data/fine.mesh")
 on refined run --set simplify.refine=auto --set run.executor=slurm || fail "the refined run"
 same refined "$refined"
-for stage in refine seams mend retile; do
+for stage in refine seams mend remend retile; do
   grep -q "$stage: job [0-9]* of" "$data/refined.run.log" || fail "no task did $stage"
 done
 step "refined: the same bytes"

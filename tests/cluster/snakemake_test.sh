@@ -86,7 +86,7 @@ same_as_reference "other files with levels of detail"
 echo "levels of detail: a stage more, the files of voxweld run"
 sed -i '/^levels/d' scan.toml ../reference/scan.toml
 edited 'refine = "off"' 15 refine=0
-echo "without refine: four stages fewer, the files of voxweld run"
+echo "without refine: five stages fewer, the files of voxweld run"
 sed -i '/^refine/d' scan.toml ../reference/scan.toml
 "$voxweld" --log-level warning run ../reference/scan.toml >"$folder/log" 2>&1 || fail "voxweld run"
 

@@ -12,9 +12,9 @@ TEST(CommandLine, EverySubcommandExplainsItself) {
   const ProgramResult all = run_voxweld({"--help"});
   EXPECT_EQ(all.exit_code, 0);
   for (const char* name :
-       {"run",    "ingest", "build",  "merge",   "stitch",   "survey", "refine", "recount",
-        "seams",  "mend",   "retile", "encode",  "edit",     "init",   "info",   "verify",
-        "render", "report", "export", "phantom", "settings", "clean",  "view"}) {
+       {"run",    "ingest", "build",  "merge",  "stitch",  "survey",   "refine", "recount",
+        "seams",  "mend",   "remend", "retile", "encode",  "edit",     "init",   "info",
+        "verify", "render", "report", "export", "phantom", "settings", "clean",  "view"}) {
     EXPECT_THAT(all.out, HasSubstr(std::string("\n  ") + name + " "));
     const ProgramResult help = run_voxweld({name, "--help"});
     EXPECT_EQ(help.exit_code, 0) << name;

@@ -49,7 +49,7 @@ TEST(LabelRefineWork, StageByStageAndInSharesItIsTheSame) {
   const Tree clean = scene.clean_tree(many_labels);
   for (const char* stage : {"ingest", "build", "merge"})
     VOXWELD_EXPECT_DONE(scene.command(stage, many_labels));
-  for (const char* stage : {"stitch", "refine", "seams", "mend", "retile", "encode"}) {
+  for (const char* stage : {"stitch", "refine", "seams", "mend", "remend", "retile", "encode"}) {
     const ProgramResult before = scene.command_with("run", many_labels, {"--dry-run"});
     VOXWELD_EXPECT_DONE(before);
     EXPECT_NE(before.out.find("would run"), std::string::npos) << before.out;

@@ -226,7 +226,7 @@ TEST(LevelsWork, StageByStageAndGoesOn) {
   const Scene scene("porous", 96);
   const Tree clean = scene.clean_tree(levels);
   for (const char* stage : {"ingest", "build", "merge", "stitch", "refine", "seams", "mend",
-                            "retile", "levels", "encode"})
+                            "remend", "retile", "levels", "encode"})
     VOXWELD_EXPECT_DONE(scene.command(stage, levels));
   EXPECT_EQ(difference(clean, output_tree(scene.output())), "");
   expect_goes_on(scene, levels, clean, {"levels", "retile"});

@@ -141,7 +141,7 @@ TEST(RefinedLabels, OfWhichThereAreHundredsShareUnits) {
   VOXWELD_EXPECT_DONE(scene.run(refined_labels));
   expect_sound(scene, count);
   const auto units = units_run(scene.output());
-  for (const char* stage : {"stitch", "refine", "seams", "mend", "retile", "encode"}) {
+  for (const char* stage : {"stitch", "refine", "seams", "mend", "remend", "retile", "encode"}) {
     EXPECT_GT(units.at(stage), 1u) << stage;
     EXPECT_LT(units.at(stage), count / 8) << stage;
   }

@@ -172,7 +172,8 @@ TEST(RefinedKinds, WhatIsOnlyCountedHasNoThirdPass) {
     VOXWELD_EXPECT_DONE(
         scene.run({"simplify.refine=repair", fmt::format("simplify.intersections={}", rule)}));
     const bool counted = std::string(rule) == "report";
-    EXPECT_EQ(units_run(scene.output()).contains("mend"), !counted);
+    for (const char* stage : {"mend", "remend"})
+      EXPECT_EQ(units_run(scene.output()).contains(stage), !counted) << stage;
     const std::uint64_t left = manifest_of(scene.output()).at("refine").at("intersecting_left");
     EXPECT_EQ(left > 0, counted);
     EXPECT_EQ(verify_output(scene.output(), options).intersections->pairs, left);
@@ -199,7 +200,7 @@ TEST(RefinedKinds, TheManifestSaysWhatWasDone) {
 TEST(RefinedKinds, WhatCannotBeRefinedIsRefused) {
   const Scene scene("part", 20);
   expect_refused(scene.run(refined + Settings{"simplify.topology=free"}), "no manifold");
-  for (const char* stage : {"refine", "seams", "mend", "retile"})
+  for (const char* stage : {"refine", "seams", "mend", "remend", "retile"})
     expect_refused(scene.command(stage), std::string("has no stage ") + stage);
 }
 

@@ -11,7 +11,8 @@
 
 namespace voxweld::testing {
 
-inline const std::vector<std::string> refine_stages = {"refine", "seams", "mend", "retile"};
+inline const std::vector<std::string> refine_stages = {"refine", "seams", "mend", "remend",
+                                                       "retile"};
 
 inline std::vector<std::filesystem::path> artifacts_of(const Scene& scene, const std::string& stage,
                                                        const std::string& ending) {
@@ -51,9 +52,10 @@ struct ReadArtifact {
 };
 
 inline const std::vector<ReadArtifact> refine_artifacts = {
-    {"stitch", ".cubes", "refine"},    {"refine", ".cubes", "seams"},
-    {"seams", ".cubes", "mend"},       {"mend", ".cubes", "retile"},
-    {"retile", "tile.plan", "encode"}, {"retile", ".tile", "encode"}};
+    {"stitch", ".cubes", "refine"}, {"refine", ".cubes", "seams"},
+    {"seams", ".cubes", "mend"},    {"mend", ".cubes", "remend"},
+    {"remend", ".cubes", "retile"}, {"retile", "tile.plan", "encode"},
+    {"retile", ".tile", "encode"}};
 
 // Changes a byte of one of each, some times, and runs again.
 inline void expect_damage_is_mended(const Scene& scene, const Settings& settings, int times,

@@ -10,8 +10,8 @@ const Settings settings = {"simplify.refine=collapse", "work.brick=16", "work.sh
 TEST(RefineWork, StageByStage) {
   const Scene scene("porous", 96);
   const Tree clean = scene.clean_tree(settings);
-  for (const char* stage :
-       {"ingest", "build", "merge", "stitch", "refine", "seams", "mend", "retile", "encode"}) {
+  for (const char* stage : {"ingest", "build", "merge", "stitch", "refine", "seams", "mend",
+                            "remend", "retile", "encode"}) {
     const ProgramResult before = scene.command_with("run", settings, {"--dry-run"});
     VOXWELD_EXPECT_DONE(before);
     VOXWELD_EXPECT_DONE(scene.command(stage, settings));
@@ -41,7 +41,7 @@ void expect_shares_are_the_whole(const Scene& scene, const Settings& of) {
   const Tree clean = scene.clean_tree(of);
   for (const char* stage : {"ingest", "build", "merge"})
     VOXWELD_EXPECT_DONE(scene.command(stage, of));
-  for (const char* stage : {"stitch", "refine", "seams", "mend", "retile", "encode"})
+  for (const char* stage : {"stitch", "refine", "seams", "mend", "remend", "retile", "encode"})
     for (const char* part : {"2/3", "0/3", "1/3"})
       VOXWELD_EXPECT_DONE(scene.command_with(stage, of, {"--part", part}));
   VOXWELD_EXPECT_DONE(scene.command("encode", of));
@@ -82,7 +82,8 @@ TEST(RefineWork, AnEditReachesFewUnits) {
     EXPECT_GT(units[stage], 0u) << stage;
     EXPECT_LT(units[stage], all.at(stage) / 3) << stage;
   }
-  EXPECT_LT(units["mend"], all.at("mend") / 3);  // none but of what intersects
+  for (const std::string stage : {"mend", "remend"})
+    EXPECT_LT(units[stage], all.at(stage) / 3) << stage;  // none but of what intersects
   EXPECT_EQ(difference(scene.clean_tree(settings), output_tree(scene.output())), "");
 }
 

@@ -12,8 +12,8 @@ namespace {
 const Settings collapsing = {"simplify.refine=collapse"};
 const Settings target_parts = {"work.brick=16", "work.shard=2", "output.tile_vertices=1024"};
 const Settings fifth = collapsing + target_parts + Settings{"simplify.ratio=0.2"};
-const std::vector<std::string> target_stages = {"survey", "refine", "recount",
-                                                "seams",  "mend",   "retile"};
+const std::vector<std::string> target_stages = {"survey", "refine", "recount", "seams",
+                                                "mend",   "remend", "retile"};
 
 nlohmann::json target_of(const Scene& scene) {
   return manifest_of(scene.output()).at("refine").at("target");
@@ -147,7 +147,7 @@ TEST(TargetWork, AllSharesAreTheWhole) {
     VOXWELD_EXPECT_DONE(scene.command(stage, fifth));
   expect_refused(scene.command_with("refine", fifth, {"--part", "0/2"}), "CONFIG` first");
   for (const char* stage :
-       {"stitch", "survey", "refine", "recount", "seams", "mend", "retile", "encode"}) {
+       {"stitch", "survey", "refine", "recount", "seams", "mend", "remend", "retile", "encode"}) {
     const ProgramResult before = scene.command_with("run", fifth, {"--dry-run"});
     EXPECT_NE(before.out.find("would run"), std::string::npos) << before.out;
     for (const char* part : {"2/3", "0/3", "1/3"})

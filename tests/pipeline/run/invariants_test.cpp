@@ -118,10 +118,10 @@ TEST_P(Invariants, AllSharesAreTheWhole) {
   const auto share = [&](const std::string& stage, const std::vector<std::string>& options) {
     VOXWELD_EXPECT_DONE(scene_.command_with(stage, settings() + scene_.in("shares"), options));
   };
-  for (const std::string stage :
-       {"ingest", "build", "merge", "stitch", "refine", "seams", "mend", "retile", "encode"}) {
-    const bool of_refined =
-        stage == "refine" || stage == "seams" || stage == "mend" || stage == "retile";
+  for (const std::string stage : {"ingest", "build", "merge", "stitch", "refine", "seams", "mend",
+                                  "remend", "retile", "encode"}) {
+    const bool of_refined = stage == "refine" || stage == "seams" || stage == "mend" ||
+                            stage == "remend" || stage == "retile";
     if (of_refined && !GetParam().is_refined) continue;
     if (stage != "merge")
       for (const char* which : {"1/2", "0/2"}) share(stage, {"--part", which});
@@ -164,7 +164,7 @@ void damage(const fs::path& file, int how, std::mt19937& random) {
 void forget_behind_build(const fs::path& work) {
   for (const auto& entry : fs::directory_iterator(work))
     for (const char* stage :
-         {"merge-", "stitch-", "refine-", "seams-", "mend-", "retile-", "encode-"})
+         {"merge-", "stitch-", "refine-", "seams-", "mend-", "remend-", "retile-", "encode-"})
       if (entry.path().filename().string().starts_with(stage)) fs::remove_all(entry.path());
 }
 

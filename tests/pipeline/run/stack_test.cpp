@@ -53,8 +53,8 @@ TEST_F(Stack, OnlyIngestLoadsTheImageLibrary) {
   const ProgramResult ingest = traced("ingest");
   ASSERT_EQ(ingest.exit_code, 0) << ingest.err;
   EXPECT_TRUE(loads_images(ingest));
-  for (const char* stage :
-       {"build", "merge", "stitch", "refine", "seams", "mend", "retile", "encode", "run"}) {
+  for (const char* stage : {"build", "merge", "stitch", "refine", "seams", "mend", "remend",
+                            "retile", "encode", "run"}) {
     const ProgramResult result = traced(stage);
     ASSERT_EQ(result.exit_code, 0) << stage;
     EXPECT_FALSE(loads_images(result)) << stage;

@@ -191,7 +191,7 @@ RC_GTEST_PROP(TaskPlan, ArgumentsNameTheUnits, ()) {
 
 TEST(TaskPlan, RangesOfCubesHaveTheirOwnOption) {
   const PlannedTask task{{3, 4, 9}, 1};
-  for (const char* stage : {"survey", "refine", "recount", "seams", "mend"}) {
+  for (const char* stage : {"survey", "refine", "recount", "seams", "mend", "remend"}) {
     const std::string text = task_arguments(stage, task);
     EXPECT_EQ(text, "--ranges 3-4,9 --inputs-checked");
     EXPECT_TRUE(task_selection(text).contains(4));
