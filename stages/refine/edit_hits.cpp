@@ -173,30 +173,33 @@ bool EditMesh::hit(std::uint32_t t, const Corners& corners, const LatticeTriangl
              : !apart(t, own, normal);
 }
 
-std::size_t EditMesh::hits(const Change& change, std::size_t most) {
+std::size_t EditMesh::hits(const Change& change, std::size_t most,
+                           std::span<const std::uint32_t> likely) {
   mark_old(change);
+  BoxQueries boxes = grid().queries();
+  for (const LatticeTriangle& t : change.shapes) boxes.add(LatticeBox::around(t));
   std::size_t count = 0;
-  for (std::size_t i = 0; i < change.shapes.size() && count < most; ++i) {
-    const LatticeTriangle& own = change.shapes[i];
-    const Index3& normal = change.planes[i];
+  const auto add = [&](std::uint32_t t, std::uint64_t near) {
+    for (; near != 0; near &= near - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(near));
+      count += hit(t, change.now[i], change.shapes[i], change.planes[i]) ? 1 : 0;
+    }
+    return count >= most;
+  };
+  for (const std::uint32_t t : likely) {
+    marks_[t] = mark_;
+    if (add(t, boxes.meeting(grid().packed(t, LatticeBox::around(shape(t)))))) return count;
+  }
+  for (std::size_t i = 0; i < change.shapes.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      count += intersect_by_planes(own, normal, change.shapes[j], change.planes[j]) ? 1 : 0;
-    const LatticeBox box = LatticeBox::around(own);
-    grid().each_near(box, [&](std::uint32_t t) {
-      if (count < most && marks_[t] != mark_) count += hit(t, change.now[i], own, normal) ? 1 : 0;
-    });
-  }
-  return count;
-}
-
-std::size_t EditMesh::hits(std::span<const std::uint32_t> some) {
-  ++mark_;
-  const std::uint32_t mark = mark_;
-  std::size_t count = 0;
-  for (const std::uint32_t t : some) {
-    each_hit(t, [&](std::uint32_t other) { count += marks_[other] != mark ? 1 : 0; });
-    marks_[t] = mark;
-  }
+      count += intersect_by_planes(change.shapes[i], change.planes[i], change.shapes[j],
+                                   change.planes[j])
+                   ? 1
+                   : 0;
+  if (count >= most) return count;
+  grid().none_near(boxes, [&](std::uint32_t t, std::uint64_t near) {
+    return marks_[t] != mark_ && add(t, near);
+  });
   return count;
 }
 

@@ -166,8 +166,9 @@ void EditMesh::note_left(const Change& change, std::uint32_t v) {
               left_.end());
 }
 
-bool EditMesh::keeps_samples(const Change& change, const Step& step, double most) {
+double EditMesh::squared_reach(const Change& change, const Step& step, double enough, double most) {
   const double limit = most * most;
+  double reach = enough * enough;
   places_.clear();
   note_left(change, step);
   nearest_.clear();
@@ -175,7 +176,8 @@ bool EditMesh::keeps_samples(const Change& change, const Step& step, double most
     nearest_.add(change.shapes[i], sides(change.old[i]));
   for (const Left& left : left_) {
     const Nearest now = nearest_.to(left.place, left.sides, 0);
-    if (now.squared > limit) return false;
+    reach = std::max(reach, now.squared);
+    if (reach > limit) return reach;
     places_.push_back(static_cast<std::uint32_t>(now.triangle));
   }
   for (std::size_t i = 0; i < change.old.size(); ++i) {
@@ -184,11 +186,12 @@ bool EditMesh::keeps_samples(const Change& change, const Step& step, double most
       // What takes the triangle's place is as good a guess as any.
       const Nearest now = nearest_.to(samples_[s], sides(t), i);
       places_.push_back(static_cast<std::uint32_t>(now.triangle));
-      if (now.squared <= limit) continue;
-      if (now.squared > squared_distance(samples_[s], shape(t))) return false;
+      if (now.squared <= reach || now.squared <= squared_distance(samples_[s], shape(t))) continue;
+      reach = now.squared;
+      if (reach > limit) return reach;
     }
   }
-  return true;
+  return reach;
 }
 
 void EditMesh::apply(const Change& change, const Step& step) {

@@ -109,10 +109,10 @@ class EditMesh {
   bool clean(const Change& change);
   // The same of those that share a vertex with a new one.
   bool clean_around(const Change& change);
-  // Intersections that they have; stops counting at `most`.
-  std::size_t hits(const Change& change, std::size_t most);
-  // The same of the triangles as they are: of those in `some` with each other and with all others.
-  std::size_t hits(std::span<const std::uint32_t> some);
+  // Intersections that they have; stops counting at `most`. likely: triangles that stay, to be looked
+  // at first, each once.
+  std::size_t hits(const Change& change, std::size_t most,
+                   std::span<const std::uint32_t> likely = {});
   // f(other) for each triangle that intersects t.
   template <class F>
   void each_hit(std::uint32_t t, F&& f) {
@@ -158,7 +158,12 @@ class EditMesh {
   // Whether no sample of the change's old triangles, and no place that a vertex leaves, would be
   // further from the new ones than `most`, or than it is now. Of the new ones only those count that
   // separate what its triangle does; a place that a vertex leaves is one of each sheet there.
-  bool keeps_samples(const Change& change, const Step& step, double most);
+  bool keeps_samples(const Change& change, const Step& step, double most) {
+    return squared_reach(change, step, most, most) <= most * most;
+  }
+  // The square of the least distance for which keeps_samples() would say yes: no more exactly than
+  // whether it is more than `most`, or no more than `enough`.
+  double squared_reach(const Change& change, const Step& step, double enough, double most);
   // Precondition: keeps_samples() has said yes to this change, and was not asked since. Samples go to
   // the nearest of the new triangles.
   void apply(const Change& change, const Step& step);

@@ -6,6 +6,7 @@
 
 #include "stages/exact/orientation.h"
 #include "stages/refine/edit_moves.h"
+#include "stages/refine/known_hits.h"
 #include "storage/types/brick_octree.h"
 
 namespace voxweld {
@@ -32,6 +33,7 @@ class Repairer {
         effort_(effort),
         most_(most),
         moves_(mesh),
+        hits_(mesh),
         touched_(mesh.vertices()),
         failed_(mesh.triangles()) {}
 
@@ -58,12 +60,7 @@ class Repairer {
     bool enough = false;  // none is left there
     int kind = 0;         // 0 a move, 1 a flip, 2 a collapse
   };
-  std::vector<std::uint32_t> intersecting(const std::vector<std::uint32_t>& among) const;
-  bool hit(std::uint32_t t) const {
-    bool any = false;
-    mesh_.each_hit(t, [&](std::uint32_t) { any = true; });
-    return any;
-  }
+  std::vector<std::uint32_t> intersecting(const std::vector<std::uint32_t>& among);
   bool mend(std::uint32_t t, int round);
   // All that can be tried was, and nothing around has changed since.
   bool has_failed(std::uint32_t t, const std::vector<std::uint32_t>& vertices) const {
@@ -87,6 +84,7 @@ class Repairer {
   RepairEffort effort_;
   const double most_;  // from a sample to its triangle
   EditMoves moves_;
+  KnownHits hits_;
   double reach_ = 0;       // of the moves that are tried
   bool is_tried_ = false;  // those of half the reach are
   bool anywhere_ = false;
@@ -94,7 +92,8 @@ class Repairer {
   Best best_;
   struct Known {
     std::vector<std::uint32_t> triangles;
-    std::size_t hits;
+    std::vector<std::uint32_t> others;  // that some of them intersect
+    std::size_t hits = 0;
   };
   std::vector<Known> known_;
   std::vector<std::uint32_t> ring_;
@@ -111,7 +110,7 @@ class Repairer {
 
 // Of what was mended or changed, and of what lies around that. A bad triangle may be gone, and those
 // that were changed with it may have come upon others.
-std::vector<std::uint32_t> Repairer::intersecting(const std::vector<std::uint32_t>& among) const {
+std::vector<std::uint32_t> Repairer::intersecting(const std::vector<std::uint32_t>& among) {
   std::vector<std::uint32_t> near;
   for (const std::uint32_t t : among) {
     if (!mesh_.alive(t)) continue;
@@ -119,24 +118,30 @@ std::vector<std::uint32_t> Repairer::intersecting(const std::vector<std::uint32_
   }
   std::sort(near.begin(), near.end());
   near.erase(std::unique(near.begin(), near.end()), near.end());
-  std::erase_if(near, [&](std::uint32_t t) { return !hit(t); });
+  std::erase_if(near, [&](std::uint32_t t) { return !hits_.any(t); });
   return near;
 }
 
 // Of the places that are within reach, those that were not so before.
 bool Repairer::in_turn(const EditMesh::Step& step) {
-  return mesh_.keeps_samples(change_, step, std::min(reach_, most_)) &&
-         !(is_tried_ && mesh_.keeps_samples(change_, step, std::min(reach_ / 2, most_)));
+  const double most = std::min(reach_, most_);
+  if (!is_tried_) return mesh_.keeps_samples(change_, step, most);
+  const double tried = std::min(reach_ / 2, most_);
+  const double reach = mesh_.squared_reach(change_, step, tried, most);
+  return reach <= most * most && reach > tried * tried;
 }
 
 void Repairer::consider(const EditMesh::Step& step, int kind) {
   if (best_.enough || !in_turn(step)) return;
   auto known = std::ranges::find(known_, change_.old, &Known::triangles);
-  if (known == known_.end())
-    known = known_.insert(known, Known{change_.old, mesh_.hits(change_.old)});
+  if (known == known_.end()) {
+    known = known_.insert(known, Known{change_.old, {}});
+    known->hits = hits_.pairs_of(change_.old, known->others);
+  }
   const std::size_t before = known->hits;
   if (before <= best_.fewer) return;
-  const std::size_t after = mesh_.hits(change_, before - best_.fewer);
+  // What they intersect now they most likely still do, which mostly is enough to know.
+  const std::size_t after = mesh_.hits(change_, before - best_.fewer, known->others);
   if (after + best_.fewer >= before) return;
   best_.fewer = before - after;
   best_.change = change_;
@@ -216,7 +221,7 @@ void Repairer::try_collapses(std::uint32_t t) {
 
 bool Repairer::mend(std::uint32_t t, int round) {
   std::vector<std::uint32_t> pair{t};
-  mesh_.each_hit(t, [&](std::uint32_t other) { pair.push_back(other); });
+  hits_.each(t, [&](std::uint32_t other) { pair.push_back(other); });
   if (pair.size() == 1) return false;
   std::sort(pair.begin() + 1, pair.end());
   std::vector<std::uint32_t> vertices;
@@ -250,7 +255,9 @@ bool Repairer::mend(std::uint32_t t, int round) {
   for (const Corners& c : best_.change.now)
     for (const std::uint32_t v : c) touched_[v] = clock_;
   mesh_.keeps_samples(best_.change, best_.step, std::numeric_limits<double>::infinity());
+  hits_.before(best_.change);
   mesh_.apply(best_.change, best_.step);
+  hits_.after(best_.change);
   ++(best_.kind == 0 ? counts_.moves : best_.kind == 1 ? counts_.flips : counts_.collapses);
   return true;
 }

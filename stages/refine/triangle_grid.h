@@ -34,6 +34,9 @@ class TriangleGrid {
     });
   }
   BoxQueries queries() const { return BoxQueries(pack_); }
+  PackedBox packed(std::uint32_t triangle, const LatticeBox& box) const {
+    return {pack_, box, triangle};
+  }
   // Whether f(triangle, boxes) is false for each that may meet some of these boxes, one bit each. It
   // ends where f is true.
   template <class F>
