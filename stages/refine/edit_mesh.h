@@ -116,11 +116,19 @@ class EditMesh {
   // f(other) for each triangle that intersects t.
   template <class F>
   void each_hit(std::uint32_t t, F&& f) {
-    const LatticeTriangle own = shape(t);
-    const Index3& normal = planes_[t];
-    grid().each_near(LatticeBox::around(own), [&](std::uint32_t other) {
-      if (other != t && hit(other, triangles_[t], own, normal)) f(other);
+    each_hit_if(
+        t, [&](std::uint32_t other) { return hit(t, other); }, f);
+  }
+  // The same where it is intersects(other) that says of those nearby whether they do.
+  template <class Intersects, class F>
+  void each_hit_if(std::uint32_t t, Intersects&& intersects, F&& f) {
+    grid().each_near(LatticeBox::around(shape(t)), [&](std::uint32_t other) {
+      if (other != t && intersects(other)) f(other);
     });
+  }
+  // Whether the one intersects the other.
+  bool hit(std::uint32_t t, std::uint32_t other) const {
+    return hit(other, triangles_[t], shape(t), planes_[t]);
   }
   // The triangles that intersect others, of pairs of which one is movable, ascending.
   std::vector<std::uint32_t> find_intersecting();

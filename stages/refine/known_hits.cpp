@@ -27,6 +27,12 @@ void KnownHits::remove(std::uint32_t t, std::uint32_t other) {
   }
 }
 
+bool KnownHits::holds(std::uint32_t t, std::uint32_t other) const {
+  for (std::uint32_t n = heads_[t]; n != end; n = nodes_[n].next)
+    if (nodes_[n].triangle == other) return true;
+  return false;
+}
+
 void KnownHits::forget(std::uint32_t t) {
   while (heads_[t] != end) {
     const std::uint32_t n = heads_[t];
@@ -39,7 +45,13 @@ void KnownHits::forget(std::uint32_t t) {
 
 void KnownHits::look_up(std::uint32_t t) {
   heads_[t] = end;
-  mesh_.each_hit(t, [&](std::uint32_t other) { add(t, other); });
+  // Of pairs of which the other one was looked up it is known.
+  mesh_.each_hit_if(
+      t,
+      [&](std::uint32_t other) {
+        return heads_[other] == unknown ? mesh_.hit(t, other) : holds(other, t);
+      },
+      [&](std::uint32_t other) { add(t, other); });
 }
 
 std::size_t KnownHits::pairs_of(std::span<const std::uint32_t> some,
@@ -73,7 +85,8 @@ void KnownHits::before(const Change& change) {
 void KnownHits::after(const Change& change) {
   const std::span<const std::uint32_t> made(change.old.data(), change.now.size());
   for (const std::uint32_t t : made) {
-    look_up(t);
+    heads_[t] = end;
+    mesh_.each_hit(t, [&](std::uint32_t other) { add(t, other); });
     for (std::uint32_t n = heads_[t]; n != end; n = nodes_[n].next) {
       const std::uint32_t other = nodes_[n].triangle;
       const bool is_new = std::ranges::find(made, other) != made.end();

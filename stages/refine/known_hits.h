@@ -49,6 +49,7 @@ class KnownHits {
   void look_up(std::uint32_t t);
   void add(std::uint32_t t, std::uint32_t other);
   void remove(std::uint32_t t, std::uint32_t other);
+  bool holds(std::uint32_t t, std::uint32_t other) const;
   void forget(std::uint32_t t);
 
   EditMesh& mesh_;

@@ -74,7 +74,16 @@ void NearestTriangles::add(const LatticeTriangle& shape, const MaterialPair& sid
     boxes_[group].lo[a][lane] = box.lo[a];
     boxes_[group].hi[a][lane] = box.hi[a];
   }
-  triangles_.push_back({MeasuredTriangle(shape), sides});
+  triangles_.push_back({shape, sides, 0});
+}
+
+double NearestTriangles::squared_distance(std::size_t triangle, const LatticePoint& point) {
+  Triangle& one = triangles_[triangle];
+  if (one.measured == 0) {
+    measured_.emplace_back(one.shape);
+    one.measured = static_cast<std::uint32_t>(measured_.size());
+  }
+  return measured_[one.measured - 1].squared_distance(point);
 }
 
 NearestTriangles::Floats NearestTriangles::Boxes::squared_distances(
@@ -90,11 +99,11 @@ NearestTriangles::Floats NearestTriangles::Boxes::squared_distances(
 }
 
 Nearest NearestTriangles::to(const LatticePoint& point, const MaterialPair& sides,
-                             std::size_t guess) const {
+                             std::size_t guess) {
   Nearest best{std::numeric_limits<double>::infinity(), 0};
   float most = std::numeric_limits<float>::infinity();
   const auto look = [&](std::size_t i) {
-    const double d = triangles_[i].shape.squared_distance(point);
+    const double d = squared_distance(i, point);
     if (d > best.squared || (d == best.squared && i > best.triangle)) return;
     best = {d, i};
     most = static_cast<float>(d * (1 + rounding));

@@ -35,26 +35,32 @@ class MeasuredTriangle {
 // Of few triangles the nearest to each of many points, among those that separate the same.
 class NearestTriangles {
  public:
-  void clear() { triangles_.clear(); }
+  void clear() {
+    triangles_.clear();
+    measured_.clear();
+  }
   void add(const LatticeTriangle& shape, const MaterialPair& sides);
   // guess: of the triangle that may well be it; any number will do. To the bit what a look at all of
   // them says, since a triangle is passed over only where its box is further than another triangle.
-  Nearest to(const LatticePoint& point, const MaterialPair& sides, std::size_t guess) const;
+  Nearest to(const LatticePoint& point, const MaterialPair& sides, std::size_t guess);
 
  private:
   static constexpr std::size_t lanes = 4;
   using Ints = std::int32_t __attribute__((vector_size(16)));
   using Floats = float __attribute__((vector_size(16)));
   struct Triangle {
-    MeasuredTriangle shape;
+    LatticeTriangle shape;
     MaterialPair sides;
+    std::uint32_t measured;  // its number in measured_, from 1 on; 0 where nobody has asked for it
   };
+  double squared_distance(std::size_t triangle, const LatticePoint& point);
   // Boxes of four triangles, to which distances are computed at once.
   struct Boxes {
     Ints lo[3], hi[3];
     Floats squared_distances(const LatticePoint& point) const;
   };
   std::vector<Triangle> triangles_;
+  std::vector<MeasuredTriangle> measured_;  // those that were near enough to be looked at
   std::vector<Boxes>
       boxes_;  // of a group of triangles; those beyond the last triangle are not looked at
 };
