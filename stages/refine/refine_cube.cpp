@@ -23,16 +23,15 @@ void mend(EditMesh& edit, bool checked, const RefineParameters& parameters, Refi
 
 // Nearly no collapse makes triangles intersect that share no vertex, so none is asked whether it does:
 // that takes up to a third of the time. What intersects in the end is mended, within the tolerance.
-// Returns whether that leaves no more pairs than there were.
+// Returns whether that leaves no pairs. Precondition: there are none before.
 bool collapse_then_mend(EditMesh& edit, const RefineParameters& parameters, RefineCounts& counts) {
-  const std::uint64_t before = edit.count_pairs();
-  const std::vector<std::uint32_t> old = edit.intersecting();
+  const std::vector<std::uint32_t> old = edit.intersecting();  // of pairs that cannot change
   edit.begin_changes();
   collapse_edges(edit, parameters, CollapseCare::around, counts);
   edit.set_intersecting(edit.end_changes());
   repair_intersections(edit, parameters, counts, RepairEffort::thorough, parameters.tolerance);
   edit.add_intersecting(old);
-  return edit.count_pairs() <= before;
+  return edit.count_pairs() == 0;
 }
 
 std::uint64_t count_movable(const EditMesh& edit) {
@@ -64,6 +63,9 @@ void refine_cube(RefineMesh& mesh, const LatticeBox& box, const RefineParameters
   if (parameters.mode == RefineMode::collapse) {
     if (parameters.intersections == IntersectionRule::ignore) {
       collapse_edges(*edit, parameters, CollapseCare::none, counts);
+    } else if (edit->count_pairs() > 0) {
+      // Noise, where others would come to intersect that cannot be mended either.
+      collapse_edges(*edit, parameters, CollapseCare::all, counts);
     } else if (!collapse_then_mend(*edit, parameters, counts)) {
       start();
       collapse_edges(*edit, parameters, CollapseCare::all, counts);
