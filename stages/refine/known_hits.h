@@ -35,11 +35,6 @@ class KnownHits {
   void before(const Change& change);
   void after(const Change& change);
 
-  // What it takes at most of a mesh with so many triangles and pairs of them that intersect.
-  static constexpr std::uint64_t bytes(std::uint64_t triangles, std::uint64_t pairs) {
-    return triangles * sizeof(std::uint32_t) + 2 * 2 * pairs * sizeof(Node);
-  }
-
  private:
   static constexpr std::uint32_t end = 0xffffffffu, unknown = 0xfffffffeu;
   struct Node {

@@ -23,12 +23,13 @@ void expect_survey_enough(const RefineMesh& mesh, const RefineFrame& frame, int 
   EXPECT_LE(testing::peak_bytes() - before, most) << mesh.triangles.size();
 }
 
-void expect_enough(const testing::VolumeMesh& made) {
+void expect_enough(const testing::VolumeMesh& made,
+                   IntersectionRule rule = IntersectionRule::report) {
   RefineMesh mesh = made.mesh;
   RefineParameters parameters;
   parameters.tolerance = 0.1 / made.frame.lattice.step;
   parameters.reach = 1 / made.frame.lattice.step;
-  parameters.intersections = IntersectionRule::report;
+  parameters.intersections = rule;
   for (int pass = 0; pass < refine_passes; ++pass) {
     const MeshSize size{mesh.positions.size(), mesh.triangles.size(),
                         mesh.samples.size() + mesh.positions.size(), mesh.sides.size()};
@@ -49,6 +50,9 @@ void expect_enough(const testing::VolumeMesh& made) {
 TEST(RefineMemory, OfANoisyCubeIsSaidBefore) {
   expect_enough(
       testing::mesh_of_volume({40, true, 3}, 0.05));  // more triangles than are done at once
+}
+TEST(RefineMemory, OfNoiseThatIsRepairedIsSaidBefore) {
+  expect_enough(testing::mesh_of_volume({40, true, 3}, 0.05), IntersectionRule::none);
 }
 TEST(RefineMemory, OfASmoothSurfaceIsSaidBefore) {
   expect_enough(testing::mesh_of_volume({80, false, 2}, 0.05));
