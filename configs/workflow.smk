@@ -9,6 +9,7 @@
 #   refine    0 where the mesh is not refined: simplify.refine is "off", or is not given and
 #             simplify.enabled is false or simplify.topology "free" (1)
 #   mend      0 where simplify.intersections is "report" or "ignore": no mend and remend (1)
+#   seams     0 where that is so and simplify.refine is "repair": no seams either (1)
 #   target    1 where the config has simplify.triangles or simplify.ratio: adds survey and recount (0)
 #   levels    1 where output.levels is given and more than 1: adds levels (0)
 #   voxweld   the program (the one on PATH)
@@ -42,7 +43,8 @@ def is_set(name, default):
 
 TARGET = is_set("target", 0)
 REFINE = TARGET or is_set("refine", 1)
-MEND = is_set("mend", 1)
+SEAMS = is_set("seams", 1)
+MEND = SEAMS and is_set("mend", 1)
 LEVELS = is_set("levels", 0)
 
 if PARTS < 1:
@@ -72,7 +74,7 @@ if REFINE:
             "seams": parts_of("refine"),
             "mend": parts_of("seams"),
             "remend": parts_of("mend"),
-            "retile": parts_of("remend" if MEND else "seams"),
+            "retile": parts_of("remend" if MEND else "seams" if SEAMS else "refine"),
             "encode": parts_of("retile"),
         }
     )

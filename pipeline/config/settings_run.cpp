@@ -26,8 +26,11 @@ std::vector<Setting> simplify_settings() {
       row({"simplify", "enabled", "Collapse octree cells where the surface allows it."},
           binding::member(simplify, &Simplify::enabled, FlagRule{}), collapse),
       row({"simplify", "tolerance",
-           "How far a vertex may be from the surface it stands for. Of refine = \"collapse\" also "
-           "how far a point of that mesh may come to lie from the refined one."},
+           "Limits two steps. First cells are merged: how far a vertex may then be from the part "
+           "of "
+           "the surface that it stands for, as metric measures it. With refine = \"collapse\" "
+           "edges "
+           "go after that: how far this may move the mesh."},
           binding::member(simplify, &Simplify::tolerance, PositiveNumberRule{}), tolerance),
       row({"simplify", "tolerance_unit",
            "\"voxel\": in smallest spacings; \"physical\": in the spacing's unit."},
@@ -48,7 +51,8 @@ std::vector<Setting> simplify_settings() {
       by_effect(row(
           {"simplify", "refine",
            "What is done to the mesh once it is stitched. \"repair\": triangles that cut each "
-           "other are mended, and the rest stays; \"collapse\": vertices go where they best lie, "
+           "other are mended, and what is not near them stays; \"collapse\": vertices go where "
+           "they best lie, "
            "out of their cells if need be, and edges are collapsed too, as far as tolerance lets "
            "them. \"auto\": \"collapse\", but \"off\" where cells are not (enabled = false), or "
            "with topology = \"free\"."},
@@ -56,9 +60,9 @@ std::vector<Setting> simplify_settings() {
           refined_from_build)),
       when_given(row(
           {"simplify", "intersections",
-           "What is done about triangles that cut each other, unless refine is \"off\". \"none\": "
-           "they are mended, and no new ones are made; \"report\": they are only counted; "
-           "\"ignore\": nothing.",
+           "Which triangles may cut each other, unless refine is \"off\". \"none\": they are "
+           "mended, and no new ones are made; \"report\": they stay, and are counted; \"ignore\": "
+           "they stay, and nobody looks.",
            "\"none\""},
           binding::choice_or_open(simplify, &Simplify::intersections, {"none", "report", "ignore"}),
           refined)),

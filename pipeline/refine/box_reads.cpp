@@ -25,61 +25,6 @@ double part_near(const LatticeBox& whole, const LatticeBox& box) {
 
 }  // namespace
 
-void MendPlan::make() {
-  std::map<Material, std::vector<IntersectionPlace>> places;
-  for (std::size_t i = 0; i < places_.size(); ++i)
-    for (const IntersectionRecord& record : CubeMeshArtifact(places_.path(i)).intersecting())
-      places[record.label].push_back({record.box, record.around});
-  for (const auto& of_label : places) {
-    const Material label = of_label.first;
-    for (const LatticeBox& box : mend_boxes(of_label.second, frame_, room_)) {
-      const auto number = static_cast<std::uint32_t>(boxes_.size());
-      const Index3 lo = cubes_.cube_of(box.lo), hi = cubes_.cube_of(box.hi);
-      boxes_.push_back({label, box, {label, cubes_.code(lo)}});
-      each_index({lo, hi + splat(1)}, [&](Index3 cube) {
-        reached_.emplace_back(CubeKey{label, cubes_.code(cube)}, number);
-      });
-    }
-  }
-  std::ranges::sort(reached_);
-}
-
-bool MendPlan::holds_all() {
-  std::call_once(counted_, [&] {
-    places_.entries();  // or one is missing
-    std::vector<std::uint64_t> counts(places_.size());
-    probe_all(counts.size(), [&](std::size_t i) {
-      counts[i] = CubeMeshArtifact(places_.path(i)).intersecting_count();
-    });
-    places_count_ = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
-  });
-  return places_count_ <= room_.most_places;
-}
-
-std::vector<MendBox> MendPlan::boxes_within(std::size_t artifact) const {
-  std::map<Material, std::vector<IntersectionPlace>> places;
-  for (const IntersectionRecord& record : places_.open(artifact)->intersecting())
-    places[record.label].push_back({record.box, record.around});
-  std::vector<MendBox> boxes;
-  for (const auto& [label, of_label] : places)
-    for (const LatticeBox& box : mend_boxes_within(of_label, frame_, room_, cubes_))
-      boxes.push_back({label, box, {label, cubes_.code(cubes_.cube_of(box.lo))}});
-  return boxes;
-}
-
-std::vector<MendBox> MendPlan::boxes(const CubeKey& begin, const CubeKey& end) {
-  std::call_once(made_, [&] { make(); });
-  std::vector<std::uint32_t> numbers;
-  auto at = std::ranges::lower_bound(reached_, begin, {}, [](const auto& r) { return r.first; });
-  for (; at != reached_.end() && at->first < end; ++at) numbers.push_back(at->second);
-  std::ranges::sort(numbers);
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-  std::vector<MendBox> boxes;
-  boxes.reserve(numbers.size());
-  for (const std::uint32_t number : numbers) boxes.push_back(boxes_[number]);
-  return boxes;
-}
-
 BoxReads::BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const MendBox& box)
     : meshes_(meshes), box_(box) {
   const CubeKey begin{box.label, 0}, end{box.label, CubeRange{}.end};

@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "pipeline/refine/cube_meshes.h"
+#include "pipeline/stage/refine_units.h"
 #include "stages/refine/mend_boxes.h"
 
 namespace voxweld {
@@ -16,39 +17,50 @@ struct MendBox {
   CubeKey owner;  // of the unit in whose counts it is
 };
 
-// All boxes of a mesh, planned once from what its artifacts say intersects. Thread-safe.
+// Where the boxes of a mesh lie, by what its artifacts say intersects. Thread-safe.
+//
+// Where there are few places all boxes are planned at once. Else each unit plans those that reach into its
+// cubes. They end where cubes of the room's `walls` do. So it needs no places but those in such cubes: its
+// neighbours', or where walls are those of the first pass its own alone.
 class MendPlan {
  public:
-  // places: artifacts that say what intersects. cubes: of the first pass.
-  MendPlan(CubeMeshes& places, const RefineFrame& frame, const MendRoom& room,
-           const CubeLattice& cubes)
-      : places_(places), frame_(frame), room_(room), cubes_(cubes) {}
+  // places: artifacts that say what intersects, one a unit. cubes: of the first pass. All outlive it.
+  struct Inputs {
+    CubeMeshes& places;
+    CubeMeshes& meshes;  // with all pieces
+    const std::vector<RefineUnit>& units;
+    const RefineFrame& frame;
+    const MendRoom& room;
+    const CubeLattice& cubes;
+  };
+  explicit MendPlan(const Inputs& inputs) : in_(inputs), walls_(inputs.frame, inputs.room.walls) {}
 
-  // Of the places that one artifact lists the boxes that end where their cubes do: so no unit has to know
-  // the places of others.
-  std::vector<MendBox> boxes_within(std::size_t artifact) const;
-
-  // Whether there are so few places that all may be in memory at once. It depends on the mesh alone.
-  bool holds_all();
-  // What it takes then.
+  // What it takes, beside what boxes() does.
   std::uint64_t bytes() { return holds_all() ? places_count_ * bytes_of_place : 0; }
 
-  // Those that reach into cubes from `begin` on and before `end`, ascending.
-  std::vector<MendBox> boxes(const CubeKey& begin, const CubeKey& end);
+  // Those that reach into a unit's cubes, by label and ascending. places: how many of them it had to hold
+  // for that.
+  std::vector<MendBox> boxes(std::size_t unit, std::uint64_t& places);
+  static constexpr std::uint64_t bytes_of_place = 320;
 
  private:
-  static constexpr std::uint64_t bytes_of_place = 200;
-
+  // Whether there are so few places that all may be in memory at once. It depends on the mesh alone.
+  bool holds_all();
   void make();
+  void find_neighbours();
+  std::size_t unit_at(const CubeKey& cube) const;
+  bool reaches(std::size_t unit, Material label, const LatticeBox& box) const;
+  std::vector<MendBox> planned_boxes(std::size_t unit);
+  std::vector<MendBox> boxes_within_walls(std::size_t unit, std::uint64_t& places);
 
-  CubeMeshes& places_;
-  const RefineFrame& frame_;
-  const MendRoom& room_;
-  const CubeLattice& cubes_;
-  std::once_flag counted_, made_;
+  const Inputs in_;
+  const CubeLattice walls_;
+  std::once_flag counted_, made_, neighbours_found_;
   std::uint64_t places_count_ = 0;
   std::vector<MendBox> boxes_;
   std::vector<std::pair<CubeKey, std::uint32_t>> reached_;  // ascending: a cube's key and a box
+  // Ascending: a unit, and one with triangles in a cube beside one of its own.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours_;
 };
 
 // A part of a piece, read once for several boxes.
@@ -77,7 +89,7 @@ class BoxReads {
   void limit(const CubeLattice& blocks);
 
   const MendBox& box() const { return box_; }
-  // What meets the box, at most.
+  // What meets the box, at most; after limit() about that much.
   const PartCounts& all() const { return all_; }
   std::uint64_t largest_part_bytes() const { return largest_part_; }
   void add_hashes(KeyHasher& key) const;

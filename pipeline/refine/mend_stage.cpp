@@ -1,6 +1,7 @@
 #include "pipeline/refine/mend_stage.h"
 
 #include <algorithm>
+#include <set>
 #include <tuple>
 
 #include "pipeline/refine/box_reads.h"
@@ -35,12 +36,15 @@ class MendStage final : public RangeStage {
   explicit MendStage(const RefineInputs& inputs)
       : RangeStage(inputs), blocks_(tile_blocks(job_.frame)) {
     if (inputs.places) listed_.emplace(std::vector<MeshLayer>{*inputs.places});
-    plan_.emplace(places(), job_.frame, job_.room, cubes_);
+    plan_.emplace(MendPlan::Inputs{places(), meshes_, units_, job_.frame, job_.room, cubes_});
   }
 
   bool done(std::uint64_t unit) override {
     const std::filesystem::path path = path_of(unit);
-    return is_current(path, [&] { return CubeMeshArtifact(path).key() == key(unit, works(unit)); });
+    return is_current(path, [&] {
+      std::uint64_t places = 0;
+      return CubeMeshArtifact(path).key() == key(unit, works(unit, places));
+    });
   }
   StageMemory memory(std::span<const std::uint64_t> numbers) override {
     StageMemory memory = RangeStage::memory(numbers);
@@ -48,16 +52,17 @@ class MendStage final : public RangeStage {
     return memory;
   }
   std::uint64_t bytes(std::uint64_t unit) override {
-    std::uint64_t most = 0;
-    for (const LabelWork& work : limited_works(unit)) most = std::max(most, bytes_of(work));
-    return most;
+    std::uint64_t most = 0, places = 0;
+    for (const LabelWork& work : limited_works(unit, places)) most = std::max(most, bytes_of(work));
+    return std::max(most, places * MendPlan::bytes_of_place);
   }
   void run(const Unit& unit, WorkerContext& worker) override {
-    const std::vector<LabelWork> all = limited_works(unit.key);
+    std::uint64_t places = 0;
+    const std::vector<LabelWork> all = limited_works(unit.key, places);
     CubeMeshWriter file(path_of(unit.key), key(unit.key, all));
     Result result;
     for (const LabelWork& work : all) mend(unit.key, work, worker, file, result);
-    if (listed_) add_beside(unit.key, all, result);
+    add_beside(unit.key, all, result);
     file.finish({as_record(result.counts), result.blocks, result.changes, result.intersecting});
   }
 
@@ -84,15 +89,10 @@ class MendStage final : public RangeStage {
     return {units_[unit].end_label - 1, range_of(unit).end};
   }
 
-  std::vector<MendBox> boxes(std::uint64_t unit) {
-    if (plan_->holds_all()) return plan_->boxes(begin_of(unit), end_of(unit));
-    // What lies across cubes is left for the next one.
-    return job_.stage == Stage::seams ? plan_->boxes_within(unit) : std::vector<MendBox>{};
-  }
-
-  std::vector<LabelWork> works(std::uint64_t unit) {
+  // places: that were held to find the boxes.
+  std::vector<LabelWork> works(std::uint64_t unit, std::uint64_t& places) {
     std::vector<LabelWork> works;
-    for (const MendBox& box : boxes(unit)) {
+    for (const MendBox& box : plan_->boxes(unit, places)) {
       if (works.empty() || works.back().label != box.label) works.push_back({box.label, {}, {}});
       works.back().boxes.emplace_back(meshes_, cubes_, box);
     }
@@ -101,8 +101,8 @@ class MendStage final : public RangeStage {
   }
 
   // For memory; a key does not ask how much there is.
-  std::vector<LabelWork> limited_works(std::uint64_t unit) {
-    std::vector<LabelWork> all = works(unit);
+  std::vector<LabelWork> limited_works(std::uint64_t unit, std::uint64_t& places) {
+    std::vector<LabelWork> all = works(unit, places);
     for (LabelWork& work : all)
       for (BoxReads& reads : work.boxes) reads.limit(blocks_);
     return all;
@@ -189,10 +189,15 @@ class MendStage final : public RangeStage {
     return near;
   }
 
-  // What lies in no box, of what was listed.
+  // What lies in no box, of what was listed. Of pieces that were written again it is known already.
   void add_beside(std::uint64_t unit, const std::vector<LabelWork>& works, Result& result) {
-    for (const IntersectionRecord& record : listed_->open(unit)->intersecting())
-      if (std::ranges::none_of(works, [&](const LabelWork& work) {
+    const auto place = [](const IntersectionRecord& record) {
+      return std::tuple(record.label, record.box.lo, record.box.hi);
+    };
+    std::set<std::tuple<Material, LatticePoint, LatticePoint>> known;
+    for (const IntersectionRecord& record : result.intersecting) known.insert(place(record));
+    for (const IntersectionRecord& record : places().open(unit)->intersecting())
+      if (!known.contains(place(record)) && std::ranges::none_of(works, [&](const LabelWork& work) {
             return work.label == record.label &&
                    std::ranges::any_of(work.boxes, [&](const BoxReads& reads) {
                      return lies_in(record.box, reads.box().box);
@@ -222,7 +227,7 @@ class MendStage final : public RangeStage {
 
   Hash128 key(std::uint64_t unit, const std::vector<LabelWork>& works) {
     KeyHasher key = begin_key(unit);
-    if (listed_) key.bytes(as_section(listed_->open(unit)->intersecting()));
+    key.bytes(as_section(places().open(unit)->intersecting()));
     for (const LabelWork& work : works) {
       key.integer(static_cast<std::int64_t>(work.label));
       for (const BoxReads& reads : work.boxes) reads.add_hashes(key);

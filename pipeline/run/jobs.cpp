@@ -122,18 +122,19 @@ void Jobs::plan_refine(const Config& config, const OutputFrame& output) {
     // Near what was found first: most of it takes no more room.
     seams_ = mend_;
     seams_.stage = Stage::seams;
-    seams_.room = {
-        .cut = 0, .most_places = std::uint64_t{1} << 18, .pass = 0, .cells = 1.5, .lengths = 0};
+    seams_.room = {.cut = 0, .pass = 0, .cells = 1.5, .lengths = 0};
     seams_.parameters.mode = RefineMode::repair;
-    mend_.room = {.pass = 0, .lengths = 0.25};
+    mend_.room = {.walls = 2, .pass = 0, .lengths = 0.25};
   } else {
     seams_ = {Stage::seams, 1, 0, frame, parameters, {}, {}};
+    mend_.room = {.walls = 2};
   }
   // What lay across borders of mend's boxes is to lie inside now, should these be cut again.
   remend_ = mend_;
   remend_.stage = Stage::remend;
-  remend_.room.cut = 0;
+  remend_.room.cut = 2;
   remend_.room.pass = 0;
+  remend_.room.walls = 0;
   if (has_target(config)) {
     CollapseTarget target;
     if (config.simplify.triangles)

@@ -37,8 +37,12 @@ void each_part(const RefineMesh& mesh, const Room& room, const TriangleNumbers& 
                const std::function<void(const LatticeBox&, const TriangleNumbers&)>& f,
                const std::function<void(std::uint32_t)>& left) {
   const auto& [box, whole] = room;
-  if (meeting.size() <= most_part_triangles || whole.hi[0] - whole.lo[0] < 2 * least_side)
-    return f(box, meeting);
+  const auto is_small = [&] {
+    for (std::size_t a = 0; a < 3; ++a)
+      if (whole.hi[a] - whole.lo[a] >= 2 * least_side) return false;
+    return true;
+  };
+  if (meeting.size() <= most_part_triangles || is_small()) return f(box, meeting);
   std::vector<LatticeBox> parts;
   for (const LatticeBox& octant : octants(whole)) {
     if (!octant.meets(box)) continue;

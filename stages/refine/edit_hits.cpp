@@ -271,6 +271,21 @@ void EditMesh::add_intersecting(std::span<const std::uint32_t> more) {
   recheck_intersecting();
 }
 
+void EditMesh::complete_intersecting() {
+  std::vector<std::uint32_t> all;
+  for (const std::uint32_t t : intersecting_) {
+    if (!alive(t)) continue;
+    bool any = false;
+    each_hit(t, [&](std::uint32_t other) {
+      any = true;
+      if (movable(t) || movable(other)) all.push_back(other);
+    });
+    if (any) all.push_back(t);
+  }
+  make_ascending(all);
+  intersecting_ = std::move(all);
+}
+
 std::size_t EditMesh::count_pairs() {
   std::size_t pairs = 0;
   for (const std::uint32_t t : intersecting_) {

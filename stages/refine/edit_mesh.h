@@ -152,6 +152,9 @@ class EditMesh {
       return !any;
     });
   }
+  // Leaves them out too, and takes in what the others intersect. So of a pair of which a neighbour may
+  // not list the one it knows the other. The same precondition.
+  void complete_intersecting();
   // Of those the pairs of which one is movable.
   std::size_t count_pairs();
 

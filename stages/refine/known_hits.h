@@ -10,7 +10,7 @@
 namespace voxweld {
 
 // What a triangle intersects is looked up when it is first asked for. After that it is kept up to date,
-// so the mesh may only change by what changed() is told.
+// so before() and after() have to be told of each change.
 class KnownHits {
  public:
   // mesh: outlives it.

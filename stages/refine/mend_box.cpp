@@ -41,6 +41,7 @@ class BoxMender {
   }
   void repair();
   void untie();
+  bool still_intersects(std::uint32_t t) const;
   LatticeBox room_around(std::uint32_t t, double times) const;
   bool untie_in(const LatticeBox& room);
 
@@ -72,6 +73,19 @@ void BoxMender::repair() {
   mended_ = refiner.take();
 }
 
+// Of mended_: what it did intersect may have been untied with something else.
+bool BoxMender::still_intersects(std::uint32_t t) const {
+  const LatticeBox box = mended_.box(t);
+  const LatticeTriangle shape = mended_.shape(t);
+  for (std::uint32_t other = 0; other < mended_.triangles.size(); ++other)
+    if (other != t && mended_.box(other).meets(box) &&
+        intersect_beyond_shared(shape, mended_.shape(other)))
+      return true;
+  return std::ranges::any_of(fixed_, [&](std::uint32_t other) {
+    return mesh_.box(other).meets(box) && intersect_beyond_shared(shape, mesh_.shape(other));
+  });
+}
+
 // Places that are left, one after the other.
 void BoxMender::untie() {
   std::set<std::array<VertexId, 3>> tried;
@@ -82,8 +96,14 @@ void BoxMender::untie() {
     const std::uint32_t t = *next;
     tried.insert(mended_.ids_of(t));
     // Vertices around it may have triangles that leave the first room, and stay where they are there.
-    for (const double times : {0.5, 1.0, 4.0})
-      if (untie_in(room_around(t, times))) break;
+    for (const double times : {0.5, 1.0, 4.0}) {
+      const LatticeBox room = room_around(t, times);
+      if (!untie_in(room)) continue;
+      std::erase_if(mended_.intersecting, [&](std::uint32_t left) {
+        return mended_.box(left).meets(room) && !still_intersects(left);
+      });
+      break;
+    }
   }
 }
 

@@ -9,8 +9,8 @@ namespace voxweld {
 // these, as they are then, with the vertices that they use. counts: of pairs with such a triangle,
 // before and after; and how many more samples have a distance than before, modulo 2^64.
 //
-// Preconditions: mesh holds all triangles that meet the box, and it is known which of them intersect.
-// parameters.mode is repair, or mend: that also goes about what no single change helps (untie.h).
+// Preconditions: mesh holds all triangles that meet the box. parameters.mode is repair, or mend: that
+// also goes about what no single change helps (untie.h).
 RefineMesh mend_box(const RefineMesh& mesh, const LatticeBox& box,
                     const RefineParameters& parameters, RefineCounts& counts);
 

@@ -56,7 +56,9 @@ std::vector<Cluster> with_room(const std::vector<IntersectionPlace>& places,
   const Steps room = steps_of(frame, wanted.cells);
   std::map<Steps, Cluster> clusters;
   for (const IntersectionPlace& place : places) {
-    const double points = points_in(homes.box(homes.cube_of(place.box.lo)));
+    // It is at home in one of them, and where the volume ends there are thin ones.
+    const double points = std::max(points_in(homes.box(homes.cube_of(place.box.lo))),
+                                   points_in(homes.box(homes.cube_of(place.box.hi))));
     Cluster grown{place.box, static_cast<double>(place.around) / points};
     Steps at{};
     const auto length = static_cast<std::int32_t>(wanted.lengths * longest_side(place.box));
@@ -143,15 +145,16 @@ class MendBoxes {
       : frame_(frame), cubes_(frame, cut, frame.level - 1) {}
 
   // What is too large with so much room has less, and is cut where there is no less.
-  void add(const std::vector<IntersectionPlace>& places, const MendRoom& room) {
+  void add(std::vector<IntersectionPlace> places, const MendRoom& room) {
     const std::vector<Cluster> clusters = apart(with_room(places, frame_, room));
-    const auto large = places_of_large(clusters, places);
+    auto large = places_of_large(clusters, places);
+    places = {};  // there may be very many, and less room makes copies of its own
     for (std::uint32_t i = 0; i < clusters.size(); ++i) {
       const auto found = large.find(i);
       if (found == large.end())
         boxes_.push_back(clusters[i].box);
       else if (room.cells > least_room_cells)
-        add(found->second, with_half(room));
+        add(std::move(found->second), with_half(room));
       else
         add_cubes(clusters[i].box, found->second);
     }
@@ -192,10 +195,10 @@ class MendBoxes {
 
 }  // namespace
 
-std::vector<LatticeBox> mend_boxes(const std::vector<IntersectionPlace>& places,
-                                   const RefineFrame& frame, const MendRoom& room) {
+std::vector<LatticeBox> mend_boxes(std::vector<IntersectionPlace> places, const RefineFrame& frame,
+                                   const MendRoom& room) {
   MendBoxes boxes(frame, room.cut);
-  boxes.add(places, room);
+  boxes.add(std::move(places), room);
   return boxes.take();
 }
 

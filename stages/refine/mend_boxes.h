@@ -17,10 +17,12 @@ struct IntersectionPlace {
 };
 
 struct MendRoom {
-  // Of the cubes of half the side by which boxes are cut, their CubeLattice's.
+  // Of the cubes of half the side by which boxes are cut, their CubeLattice's pass.
   int cut = 1;
-  // Of how many places boxes are planned together.
-  std::uint64_t most_places = std::uint64_t{1} << 20;
+  // Of how many places boxes are planned together. Where there are more, boxes end where the cubes of
+  // this pass do.
+  std::uint64_t most_places = std::uint64_t{1} << 18;
+  int walls = 0;
   int pass = 1;        // of the cubes by which `around` of places was counted
   double cells = 12;   // around a triangle
   double lengths = 1;  // and so many times as much as it is long
@@ -31,11 +33,11 @@ struct MendRoom {
 // Boxes that would meet become one. Where that may hold too many triangles, its places get less room;
 // and where the least does not help, it is cut by cubes of half the side, and cubes without places are
 // left out. So there a place may lie at a border after all. (With cut = 1 these borders lie between those
-// of the passes, and between those of cut = 0.)
+// of the passes, and those of cut = 0 and 2 lie elsewhere.)
 //
 // The result does not depend on the order of the places.
-std::vector<LatticeBox> mend_boxes(const std::vector<IntersectionPlace>& places,
-                                   const RefineFrame& frame, const MendRoom& room = {});
+std::vector<LatticeBox> mend_boxes(std::vector<IntersectionPlace> places, const RefineFrame& frame,
+                                   const MendRoom& room = {});
 
 // The same of places that lie in one of these cubes each, without looking beyond it: boxes end where the
 // cubes do. Other places are left out.

@@ -64,7 +64,7 @@ void refine_cube(RefineMesh& mesh, const LatticeBox& box, const RefineParameters
     if (parameters.intersections == IntersectionRule::ignore) {
       collapse_edges(*edit, parameters, CollapseCare::none, counts);
     } else if (edit->count_pairs() > 0) {
-      // Noise, where others would come to intersect that cannot be mended either.
+      // Mostly noise, where others would come to intersect that cannot be mended either.
       collapse_edges(*edit, parameters, CollapseCare::all, counts);
     } else if (!collapse_then_mend(*edit, parameters, counts)) {
       start();
@@ -72,6 +72,7 @@ void refine_cube(RefineMesh& mesh, const LatticeBox& box, const RefineParameters
     }
     settle_normals(*edit, parameters.reach, parameters.normals);
   }
+  if (parameters.intersections != IntersectionRule::ignore) edit->complete_intersecting();
   counts.pairs_left += edit->count_pairs();
   mesh = std::move(*edit).take();
 }

@@ -1,5 +1,5 @@
-// More places intersect than may be in memory at once: then seams mends in boxes that end where cubes
-// do, and mend what lies across.
+// More places intersect than may be in memory at once: then boxes end where cubes do, and what lies across
+// these is left to the next stage, whose cubes are others.
 #include <algorithm>
 #include <numeric>
 #include <set>
@@ -19,7 +19,8 @@ namespace {
 
 using Shapes = std::vector<LatticeTriangle>;
 
-// What a run that repairs has left up to refine, and what the next stages make of it here.
+// What a run that repairs has left up to refine, or one that collapses edges up to seams; and what the
+// next stages make of it here.
 class Repair {
  public:
   Repair(const Scene& scene, const Settings& settings)
@@ -28,13 +29,17 @@ class Repair {
     jobs_.open_volume(config_);
     top_.emplace(jobs_.merge().path());
     units_ = refine_units(*top_, config_.labels.mode, cubes_of(jobs_.seams().frame));
+    folder_ = scene.directory();
+    if (!only_repairs(config_)) {
+      layers_.push_back({Stage::seams, refined_meshes(jobs_.seams(), units_)});
+      return;
+    }
     const auto plan = unit_plan(*top_, config_.labels.mode, collapses_by_sheets(config_));
     MeshLayer stitched;
     for (std::uint64_t unit = 0; unit < plan->size(); ++unit)
       stitched.paths.push_back(stitch_artifact_path(jobs_.stitch(), *plan, unit));
     layers_.push_back(stitched);
     places_ = {Stage::refine, refined_meshes(jobs_.refine(), units_)};
-    folder_ = scene.directory();
   }
 
   std::size_t units() const { return units_.size(); }
@@ -53,14 +58,9 @@ class Repair {
         [&](const Unit& unit, WorkerContext& worker) { work->run(unit, worker); }, options);
     for (const std::uint64_t unit : numbers) EXPECT_TRUE(work->done(unit));
     places_ = {job.stage, refined_meshes(job, units_)};
-    layers_.push_back(places_);
+    layers_.push_back(*places_);
   }
-  RefineJob seams(std::uint64_t most_places) const {
-    RefineJob job = jobs_.seams();
-    job.room.most_places = most_places;
-    return job;
-  }
-  const RefineJob& last() const { return jobs_.mend(); }
+  const Jobs& jobs() const { return jobs_; }
 
   RefineMesh mesh() const {
     CubeMeshes meshes(layers_);
@@ -76,7 +76,7 @@ class Repair {
   // Boxes of what the last layer says intersects.
   std::vector<LatticeBox> listed() const {
     std::vector<LatticeBox> boxes;
-    for (const std::filesystem::path& path : places_.paths)
+    for (const std::filesystem::path& path : places_->paths)
       for (const IntersectionRecord& record : CubeMeshArtifact(path).intersecting())
         boxes.push_back(record.box);
     return boxes;
@@ -91,9 +91,14 @@ class Repair {
   std::optional<TopArtifact> top_;
   std::vector<RefineUnit> units_;
   std::vector<MeshLayer> layers_;
-  MeshLayer places_;
+  std::optional<MeshLayer> places_;  // none: layers_ say it
   std::filesystem::path folder_;
 };
+
+RefineJob with_most(RefineJob job, std::uint64_t places) {
+  job.room.most_places = places;
+  return job;
+}
 
 Shapes shapes_of(const RefineMesh& mesh) {
   Shapes shapes;
@@ -121,7 +126,7 @@ TEST(MendWithin, IsTheSameHoweverItIsCutAndLosesNothing) {
     EXPECT_GT(repair.units(), 4u);
     const std::size_t before = repair.found().pairs;
     EXPECT_GT(before, 200u);
-    repair.mend(repair.seams(3));
+    repair.mend(with_most(repair.jobs().seams(), 3));
     const std::size_t within = repair.found().pairs;
     EXPECT_LT(within, before / 4);
     EXPECT_GT(within, 0u) << "nothing lies across cubes";
@@ -129,9 +134,34 @@ TEST(MendWithin, IsTheSameHoweverItIsCutAndLosesNothing) {
     std::vector<LatticeBox> left;
     for (const std::uint32_t t : repair.found().intersecting) left.push_back(halfway.box(t));
     EXPECT_TRUE(std::ranges::is_permutation(repair.listed(), left)) << "all are listed, once each";
-    repair.mend(repair.last());
+    repair.mend(repair.jobs().mend());
     EXPECT_EQ(repair.found().pairs, 0u);
     EXPECT_TRUE(repair.listed().empty());
+    EXPECT_TRUE(is_closed(repair.mesh()));
+    const Shapes shapes = shapes_of(repair.mesh());
+    if (first.empty()) first = shapes;
+    EXPECT_TRUE(shapes == first);
+  }
+}
+
+// Boxes of mend and remend reach over units' borders, even if not all can be planned at once.
+TEST(MendWithin, BoxesBetweenUnitsAreTheSameHoweverTheseAreCut) {
+  const Scene scene("porous", 128);
+  Shapes first;
+  for (const char* tiles : {"output.tile_vertices=2000", "output.tile_vertices=20000"}) {
+    SCOPED_TRACE(tiles);
+    Repair repair(scene, {"simplify.refine=repair", tiles});
+    const std::size_t before = repair.found().pairs;
+    repair.mend(with_most(repair.jobs().mend(), 0));
+    const FoundPairs halfway = repair.found();
+    EXPECT_LT(halfway.pairs, before / 4);
+    EXPECT_GT(halfway.pairs, 0u) << "nothing lies across walls";
+    const RefineMesh mesh = repair.mesh();
+    const std::vector<LatticeBox> listed = repair.listed();
+    for (const std::uint32_t t : halfway.intersecting)
+      EXPECT_GT(std::ranges::count(listed, mesh.box(t)), 0) << "a place is lost";
+    repair.mend(with_most(repair.jobs().remend(), 0));
+    EXPECT_EQ(repair.found().pairs, 0u);
     EXPECT_TRUE(is_closed(repair.mesh()));
     const Shapes shapes = shapes_of(repair.mesh());
     if (first.empty()) first = shapes;
