@@ -26,11 +26,9 @@ std::vector<Setting> simplify_settings() {
       row({"simplify", "enabled", "Collapse octree cells where the surface allows it."},
           binding::member(simplify, &Simplify::enabled, FlagRule{}), collapse),
       row({"simplify", "tolerance",
-           "Limits two steps. First cells are merged: how far a vertex may then be from the part "
-           "of "
-           "the surface that it stands for, as metric measures it. With refine = \"collapse\" "
-           "edges "
-           "go after that: how far this may move the mesh."},
+           "Limits two steps. First cells are merged: how far a vertex may then be from the "
+           "part of the surface that it stands for. With refine = \"collapse\" edges go after "
+           "that: how far this may move the mesh."},
           binding::member(simplify, &Simplify::tolerance, PositiveNumberRule{}), tolerance),
       row({"simplify", "tolerance_unit",
            "\"voxel\": in smallest spacings; \"physical\": in the spacing's unit."},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <set>
 
 #include "pipeline/encode/output_files.h"
 #include "pipeline/encode/piece_list.h"
@@ -226,6 +227,21 @@ void list_tiles(const Listing& listing, Manifest& manifest, FileNames& leftovers
   manifest.files.push_back(labels->finish("labels"));
 }
 
+// Files of an earlier run, and the folders that have none then.
+void remove_earlier(const Listing& listing, FileNames& earlier) {
+  std::set<std::filesystem::path> folders;
+  earlier.each([&](const std::string& name) {
+    listing.check_interrupt();
+    std::filesystem::remove(listing.output / name);
+    for (std::filesystem::path at = name; at.has_parent_path(); folders.insert(at))
+      at = at.parent_path();
+  });
+  listing.check_interrupt();
+  std::error_code not_empty;
+  for (auto folder = folders.rbegin(); folder != folders.rend(); ++folder)  // inner ones first
+    std::filesystem::remove(listing.output / *folder, not_empty);
+}
+
 }  // namespace
 
 AssetRecord whole_record(const std::filesystem::path& path) {
@@ -247,11 +263,7 @@ void write_listing(const Listing& listing, FileNames& earlier, Manifest manifest
   }
   if (listing.levels) listing.levels(manifest, earlier);
   for (const FileRecord& file : manifest.files) earlier.leave_out(file.path);
-  earlier.each([&](const std::string& name) {
-    listing.check_interrupt();
-    std::filesystem::remove(listing.output / name);
-  });
-  listing.check_interrupt();
+  remove_earlier(listing, earlier);
   write_manifest(manifest, listing.output / manifest_name);
   finish_output(listing.output);
 }

@@ -58,9 +58,9 @@ cp -r scan.toml data ../reference
 [ "$(find ../reference/scan.mesh/tiles -name '*.drc' | wc -l)" -gt 3 ] || fail "fewer tiles than parts"
 
 workflow || fail "the workflow"
-[ "$(commands_run)" -eq 27 ] || fail "$(commands_run) commands were run, not 8 times 3 and 3"
+[ "$(commands_run)" -eq 30 ] || fail "$(commands_run) commands were run, not 9 times 3 and 3"
 same_as_reference "other files than voxweld run"
-echo "27 commands: the files of voxweld run"
+echo "30 commands: the files of voxweld run"
 
 workflow || fail "the workflow a second time"
 [ "$(commands_run)" -eq 0 ] || fail "a second run ran $(commands_run) commands"
@@ -73,21 +73,24 @@ edited() { # edited LINE COMMANDS [OPTION...]: the config with one more line
   [ "$(commands_run)" -eq "$2" ] || fail "$(commands_run) commands were run, not $2, with $1"
   same_as_reference "other files with $1"
 }
-edited 'metric = "sum"' 27
+edited 'metric = "sum"' 30
 echo "an edited config: the files of voxweld run"
-edited 'ratio = 0.3' 33 target=1
+edited 'ratio = 0.3' 36 target=1
 echo "a number of triangles: two stages more, the files of voxweld run"
 sed -i '/^ratio/d' scan.toml ../reference/scan.toml
 sed -i '/^\[output\]/a levels = "auto"' scan.toml ../reference/scan.toml
 "$voxweld" --log-level warning run ../reference/scan.toml >"$folder/log" 2>&1 || fail "voxweld run"
 workflow levels=1 || fail "the workflow with levels of detail"
-[ "$(commands_run)" -eq 28 ] || fail "$(commands_run) commands were run, not 28, with levels of detail"
+[ "$(commands_run)" -eq 31 ] || fail "$(commands_run) commands were run, not 31, with levels of detail"
 same_as_reference "other files with levels of detail"
 echo "levels of detail: a stage more, the files of voxweld run"
 sed -i '/^levels/d' scan.toml ../reference/scan.toml
 edited 'refine = "off"' 15 refine=0
 echo "without refine: five stages fewer, the files of voxweld run"
 sed -i '/^refine/d' scan.toml ../reference/scan.toml
+edited $'refine = "repair"\nintersections = "report"' 21 seams=0
+echo "only what intersects is counted: three stages fewer, the files of voxweld run"
+sed -i '/^refine/d; /^intersections/d' scan.toml ../reference/scan.toml
 "$voxweld" --log-level warning run ../reference/scan.toml >"$folder/log" 2>&1 || fail "voxweld run"
 
 # The input is gone for a moment when a part of the build is done.
@@ -99,6 +102,6 @@ if workflow; then fail "it went through without its input"; fi
 grep -q 'scan.nrrd' "$folder/log" || fail "the file that is missing is not named"
 mv away data
 workflow || fail "the run after the failed one"
-[ "$(commands_run)" -eq 22 ] || fail "$(commands_run) commands were run after 5, not the other 22"
+[ "$(commands_run)" -eq 25 ] || fail "$(commands_run) commands were run after 5, not the other 25"
 same_as_reference "other files after a failed run"
 echo "a run that failed: went on, the files of voxweld run"

@@ -191,8 +191,10 @@ TEST(LevelsWork, FollowsItsNumber) {
   VOXWELD_EXPECT_DONE(scene.run(levels + Settings{"output.levels=2"}));
   EXPECT_EQ(difference(two, output_tree(scene.output())), "");
   EXPECT_EQ(units_run(scene.output()).at("encode"), 0u);  // all of it was there
+  EXPECT_TRUE(std::filesystem::exists(scene.output() / "levels"));
   VOXWELD_EXPECT_DONE(scene.run(levels + Settings{"output.levels=1"}));
   EXPECT_EQ(difference(none, output_tree(scene.output())), "");
+  EXPECT_FALSE(std::filesystem::exists(scene.output() / "levels")) << "an empty folder stays";
 }
 
 // One tile is all there is: coarser ones have the same cube.

@@ -155,5 +155,22 @@ TEST_F(KnownHitsTest, HowFarSamplesComeIsWhatIsKept) {
   EXPECT_GT(between, 50u);
 }
 
+// A neighbour may list one triangle of a pair and not know that the other one can change.
+TEST_F(KnownHitsTest, OfAPairBothAreListedInTheEnd) {
+  for (int round = 0; round < 400; ++round)
+    if (propose() && mesh_.keeps_samples(change_, step_, 1e9)) mesh_.apply(change_, step_);
+  const std::vector<std::uint32_t> all = mesh_.find_intersecting();
+  ASSERT_GT(all.size(), 20u);
+  std::vector<std::uint32_t> some;  // of each pair one at least
+  for (const std::uint32_t t : all)
+    if (std::ranges::any_of(hit_by(t), [&](std::uint32_t other) { return other > t; }))
+      some.push_back(t);
+  ASSERT_LT(some.size(), all.size());
+  some.push_back(mesh_.triangles() - 1);  // and one that intersects nothing, if it is there
+  mesh_.set_intersecting(some);
+  mesh_.complete_intersecting();
+  EXPECT_EQ(mesh_.intersecting(), all);
+}
+
 }  // namespace
 }  // namespace voxweld
