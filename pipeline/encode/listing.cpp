@@ -238,8 +238,10 @@ void remove_earlier(const Listing& listing, FileNames& earlier) {
   });
   listing.check_interrupt();
   std::error_code not_empty;
-  for (auto folder = folders.rbegin(); folder != folders.rend(); ++folder)  // inner ones first
-    std::filesystem::remove(listing.output / *folder, not_empty);
+  for (auto folder = folders.rbegin(); folder != folders.rend(); ++folder) {  // inner ones first
+    const std::filesystem::path path = listing.output / *folder;
+    if (is_directory(symlink_status(path, not_empty))) std::filesystem::remove(path, not_empty);
+  }
 }
 
 }  // namespace

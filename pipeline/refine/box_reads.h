@@ -20,14 +20,13 @@ struct MendBox {
 // Where the boxes of a mesh lie, by what its artifacts say intersects. Thread-safe.
 //
 // Where there are few places all boxes are planned at once. Else each unit plans those that reach into its
-// cubes. They end where cubes of the room's `walls` do. So it needs no places but those in such cubes: its
-// neighbours', or where walls are those of the first pass its own alone.
+// cubes. They end where cubes of the room's `walls` do. So it needs no places but those in such cubes.
 class MendPlan {
  public:
-  // places: artifacts that say what intersects, one a unit. cubes: of the first pass. All outlive it.
+  // places: artifacts that say what intersects, by the cubes of whatever pass. cubes: of the first one.
+  // All outlive it.
   struct Inputs {
     CubeMeshes& places;
-    CubeMeshes& meshes;  // with all pieces
     const std::vector<RefineUnit>& units;
     const RefineFrame& frame;
     const MendRoom& room;
@@ -38,29 +37,41 @@ class MendPlan {
   // What it takes, beside what boxes() does.
   std::uint64_t bytes() { return holds_all() ? places_count_ * bytes_of_place : 0; }
 
-  // Those that reach into a unit's cubes, by label and ascending. places: how many of them it had to hold
-  // for that.
-  std::vector<MendBox> boxes(std::size_t unit, std::uint64_t& places);
+  // Of a unit the boxes that reach into its cubes, by label and ascending; and how many places had to be
+  // held for that.
+  struct Boxes {
+    std::vector<MendBox> boxes;
+    std::uint64_t places = 0;
+  };
+  Boxes boxes(std::size_t unit);
   static constexpr std::uint64_t bytes_of_place = 320;
 
- private:
   // Whether there are so few places that all may be in memory at once. It depends on the mesh alone.
   bool holds_all();
+  // Where there are more: those whose boxes begin in a cube of the unit, whoever lists them.
+  std::vector<IntersectionRecord> records(std::size_t unit);
+
+ private:
+  using Near = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
   void make();
-  void find_neighbours();
+  Near near_list(std::uint32_t list) const;
+  template <class F>
+  void each_record_near(std::size_t unit, F&& f);
   std::size_t unit_at(const CubeKey& cube) const;
   bool reaches(std::size_t unit, Material label, const LatticeBox& box) const;
   std::vector<MendBox> planned_boxes(std::size_t unit);
-  std::vector<MendBox> boxes_within_walls(std::size_t unit, std::uint64_t& places);
+  Boxes boxes_within_walls(std::size_t unit);
 
   const Inputs in_;
   const CubeLattice walls_;
-  std::once_flag counted_, made_, neighbours_found_;
+  std::once_flag counted_, made_, looked_;
   std::uint64_t places_count_ = 0;
   std::vector<MendBox> boxes_;
   std::vector<std::pair<CubeKey, std::uint32_t>> reached_;  // ascending: a cube's key and a box
-  // Ascending: a unit, and one with triangles in a cube beside one of its own.
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours_;
+  // Ascending: a unit, and an artifact with places that it has to know.
+  Near near_;
+  std::mutex planning_;  // for one unit at a time, which bounds what it takes
 };
 
 // A part of a piece, read once for several boxes.

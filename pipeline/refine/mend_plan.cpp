@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <numeric>
+#include <set>
 
 #include "pipeline/executor/probe.h"
 #include "pipeline/refine/box_reads.h"
@@ -18,9 +19,8 @@ bool MendPlan::holds_all() {
   return places_count_ <= in_.room.most_places;
 }
 
-std::vector<MendBox> MendPlan::boxes(std::size_t unit, std::uint64_t& places) {
-  places = 0;
-  return holds_all() ? planned_boxes(unit) : boxes_within_walls(unit, places);
+MendPlan::Boxes MendPlan::boxes(std::size_t unit) {
+  return holds_all() ? Boxes{planned_boxes(unit), 0} : boxes_within_walls(unit);
 }
 
 void MendPlan::make() {
@@ -66,34 +66,6 @@ std::size_t MendPlan::unit_at(const CubeKey& cube) const {
   return static_cast<std::size_t>(std::max<std::ptrdiff_t>(above - in_.units.begin(), 1) - 1);
 }
 
-// A cube at the walls has places of two cubes of the first pass beside each other on each axis, at most.
-void MendPlan::find_neighbours() {
-  for (std::uint32_t unit = 0; unit < in_.units.size(); ++unit)
-    neighbours_.emplace_back(unit, unit);
-  if (in_.room.walls == 0) return;
-  for (std::size_t i = 0; i < in_.meshes.size(); ++i) {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> some;
-    const auto artifact = in_.meshes.open(i);
-    for (const CubePieceRecord& piece : artifact->pieces()) {
-      const auto own = static_cast<std::uint32_t>(unit_at(piece.key()));
-      const Index3 cube = morton_decode(piece.cube);
-      each_index({splat(-1), splat(2)}, [&](Index3 step) {
-        const Index3 beside = cube + step;
-        if (beside.x < 0 || beside.y < 0 || beside.z < 0) return;
-        const auto unit =
-            static_cast<std::uint32_t>(unit_at({piece.label, in_.cubes.code(beside)}));
-        if (unit != own && (some.empty() || some.back() != std::pair(unit, own)))
-          some.emplace_back(unit, own);
-      });
-    }
-    std::ranges::sort(some);
-    some.erase(std::unique(some.begin(), some.end()), some.end());
-    neighbours_.insert(neighbours_.end(), some.begin(), some.end());
-  }
-  std::ranges::sort(neighbours_);
-  neighbours_.erase(std::unique(neighbours_.begin(), neighbours_.end()), neighbours_.end());
-}
-
 bool MendPlan::reaches(std::size_t unit, Material label, const LatticeBox& box) const {
   bool any = false;
   each_index({in_.cubes.cube_of(box.lo), in_.cubes.cube_of(box.hi) + splat(1)}, [&](Index3 cube) {
@@ -102,26 +74,73 @@ bool MendPlan::reaches(std::size_t unit, Material label, const LatticeBox& box) 
   return any;
 }
 
-std::vector<MendBox> MendPlan::boxes_within_walls(std::size_t unit, std::uint64_t& places) {
-  std::call_once(neighbours_found_, [&] { find_neighbours(); });
-  const RefineUnit& own = in_.units[unit];
-  std::map<Material, std::vector<IntersectionPlace>> near;
-  auto at = std::ranges::lower_bound(neighbours_, std::pair(static_cast<std::uint32_t>(unit), 0u));
-  for (; at != neighbours_.end() && at->first == unit; ++at)
-    for (const IntersectionRecord& record : in_.places.open(at->second)->intersecting()) {
-      if (record.label < own.first_label || record.label >= own.end_label) continue;
-      const Index3 cube = walls_.cube_of(record.box.lo);
-      if (cube == walls_.cube_of(record.box.hi) && reaches(unit, record.label, walls_.box(cube)))
-        near[record.label].push_back({record.box, record.around});
+// The units that have to know of places in the list: those that their cubes at the walls reach into, and
+// those in whose cubes they begin.
+MendPlan::Near MendPlan::near_list(std::uint32_t list) const {
+  std::map<Material, std::set<std::uint64_t>> walls, begins;  // Morton numbers of cubes
+  for (const IntersectionRecord& record : CubeMeshArtifact(in_.places.path(list)).intersecting()) {
+    begins[record.label].insert(morton_encode(in_.cubes.cube_of(record.box.lo)));
+    const Index3 cube = walls_.cube_of(record.box.lo);
+    if (cube == walls_.cube_of(record.box.hi)) walls[record.label].insert(morton_encode(cube));
+  }
+  Near near;
+  const auto add = [&](Material label, Index3 cube) {
+    near.emplace_back(static_cast<std::uint32_t>(unit_at({label, in_.cubes.code(cube)})), list);
+  };
+  for (const auto& [label, cubes] : begins)
+    for (const std::uint64_t cube : cubes) add(label, morton_decode(cube));
+  for (const auto& of_label : walls)
+    for (const std::uint64_t cube : of_label.second) {
+      const LatticeBox box = walls_.box(morton_decode(cube));
+      each_index({in_.cubes.cube_of(box.lo), in_.cubes.cube_of(box.hi) + splat(1)},
+                 [&](Index3 reached) { add(of_label.first, reached); });
     }
-  std::vector<MendBox> boxes;
+  std::ranges::sort(near);
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  return near;
+}
+
+template <class F>
+void MendPlan::each_record_near(std::size_t unit, F&& f) {
+  std::call_once(looked_, [&] {
+    std::vector<Near> near(in_.places.size());
+    probe_all(near.size(),
+              [&](std::size_t list) { near[list] = near_list(static_cast<std::uint32_t>(list)); });
+    for (const Near& some : near) near_.insert(near_.end(), some.begin(), some.end());
+    std::ranges::sort(near_);
+  });
+  const RefineUnit& own = in_.units[unit];
+  auto at = std::ranges::lower_bound(near_, std::pair(static_cast<std::uint32_t>(unit), 0u));
+  for (; at != near_.end() && at->first == unit; ++at)
+    for (const IntersectionRecord& record : in_.places.open(at->second)->intersecting())
+      if (record.label >= own.first_label && record.label < own.end_label) f(record);
+}
+
+std::vector<IntersectionRecord> MendPlan::records(std::size_t unit) {
+  std::vector<IntersectionRecord> records;
+  each_record_near(unit, [&](const IntersectionRecord& record) {
+    const Index3 cube = in_.cubes.cube_of(record.box.lo);
+    if (unit_at({record.label, in_.cubes.code(cube)}) == unit) records.push_back(record);
+  });
+  return records;
+}
+
+MendPlan::Boxes MendPlan::boxes_within_walls(std::size_t unit) {
+  const std::scoped_lock lock(planning_);
+  std::map<Material, std::vector<IntersectionPlace>> near;
+  each_record_near(unit, [&](const IntersectionRecord& record) {
+    const Index3 cube = walls_.cube_of(record.box.lo);
+    if (cube == walls_.cube_of(record.box.hi) && reaches(unit, record.label, walls_.box(cube)))
+      near[record.label].push_back({record.box, record.around});
+  });
+  Boxes found;
   for (const auto& [label, of_label] : near) {
-    places += of_label.size();
+    found.places += of_label.size();
     for (const LatticeBox& box : mend_boxes_within(of_label, in_.frame, in_.room, walls_))
       if (reaches(unit, label, box))
-        boxes.push_back({label, box, {label, in_.cubes.code(in_.cubes.cube_of(box.lo))}});
+        found.boxes.push_back({label, box, {label, in_.cubes.code(in_.cubes.cube_of(box.lo))}});
   }
-  return boxes;
+  return found;
 }
 
 }  // namespace voxweld

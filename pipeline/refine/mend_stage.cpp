@@ -36,14 +36,13 @@ class MendStage final : public RangeStage {
   explicit MendStage(const RefineInputs& inputs)
       : RangeStage(inputs), blocks_(tile_blocks(job_.frame)) {
     if (inputs.places) listed_.emplace(std::vector<MeshLayer>{*inputs.places});
-    plan_.emplace(MendPlan::Inputs{places(), meshes_, units_, job_.frame, job_.room, cubes_});
+    plan_.emplace(MendPlan::Inputs{places(), units_, job_.frame, job_.room, cubes_});
   }
 
   bool done(std::uint64_t unit) override {
     const std::filesystem::path path = path_of(unit);
     return is_current(path, [&] {
-      std::uint64_t places = 0;
-      return CubeMeshArtifact(path).key() == key(unit, works(unit, places));
+      return CubeMeshArtifact(path).key() == key(unit, works(plan_->boxes(unit).boxes, unit));
     });
   }
   StageMemory memory(std::span<const std::uint64_t> numbers) override {
@@ -52,13 +51,14 @@ class MendStage final : public RangeStage {
     return memory;
   }
   std::uint64_t bytes(std::uint64_t unit) override {
-    std::uint64_t most = 0, places = 0;
-    for (const LabelWork& work : limited_works(unit, places)) most = std::max(most, bytes_of(work));
-    return std::max(most, places * MendPlan::bytes_of_place);
+    const MendPlan::Boxes found = plan_->boxes(unit);
+    std::uint64_t most = found.places * MendPlan::bytes_of_place;
+    for (const LabelWork& work : limited_works(found.boxes, unit))
+      most = std::max(most, bytes_of(work));
+    return most;
   }
   void run(const Unit& unit, WorkerContext& worker) override {
-    std::uint64_t places = 0;
-    const std::vector<LabelWork> all = limited_works(unit.key, places);
+    const std::vector<LabelWork> all = limited_works(plan_->boxes(unit.key).boxes, unit.key);
     CubeMeshWriter file(path_of(unit.key), key(unit.key, all));
     Result result;
     for (const LabelWork& work : all) mend(unit.key, work, worker, file, result);
@@ -89,10 +89,9 @@ class MendStage final : public RangeStage {
     return {units_[unit].end_label - 1, range_of(unit).end};
   }
 
-  // places: that were held to find the boxes.
-  std::vector<LabelWork> works(std::uint64_t unit, std::uint64_t& places) {
+  std::vector<LabelWork> works(const std::vector<MendBox>& boxes, std::uint64_t unit) {
     std::vector<LabelWork> works;
-    for (const MendBox& box : plan_->boxes(unit, places)) {
+    for (const MendBox& box : boxes) {
       if (works.empty() || works.back().label != box.label) works.push_back({box.label, {}, {}});
       works.back().boxes.emplace_back(meshes_, cubes_, box);
     }
@@ -101,8 +100,8 @@ class MendStage final : public RangeStage {
   }
 
   // For memory; a key does not ask how much there is.
-  std::vector<LabelWork> limited_works(std::uint64_t unit, std::uint64_t& places) {
-    std::vector<LabelWork> all = works(unit, places);
+  std::vector<LabelWork> limited_works(const std::vector<MendBox>& boxes, std::uint64_t unit) {
+    std::vector<LabelWork> all = works(boxes, unit);
     for (LabelWork& work : all)
       for (BoxReads& reads : work.boxes) reads.limit(blocks_);
     return all;
@@ -189,14 +188,20 @@ class MendStage final : public RangeStage {
     return near;
   }
 
-  // What lies in no box, of what was listed. Of pieces that were written again it is known already.
+  // What was listed and may lie in no box. Where all boxes are planned at once each place meets one, so
+  // its piece is written again and says it; but for patches, whose places their unit lists.
+  std::vector<IntersectionRecord> records(std::uint64_t unit) {
+    if (!plan_->holds_all()) return plan_->records(unit);
+    return listed_ ? listed_->open(unit)->intersecting() : std::vector<IntersectionRecord>{};
+  }
+  // Those that do. Of pieces of the unit that were written again it is known already.
   void add_beside(std::uint64_t unit, const std::vector<LabelWork>& works, Result& result) {
     const auto place = [](const IntersectionRecord& record) {
       return std::tuple(record.label, record.box.lo, record.box.hi);
     };
     std::set<std::tuple<Material, LatticePoint, LatticePoint>> known;
     for (const IntersectionRecord& record : result.intersecting) known.insert(place(record));
-    for (const IntersectionRecord& record : places().open(unit)->intersecting())
+    for (const IntersectionRecord& record : records(unit))
       if (!known.contains(place(record)) && std::ranges::none_of(works, [&](const LabelWork& work) {
             return work.label == record.label &&
                    std::ranges::any_of(work.boxes, [&](const BoxReads& reads) {
@@ -227,7 +232,7 @@ class MendStage final : public RangeStage {
 
   Hash128 key(std::uint64_t unit, const std::vector<LabelWork>& works) {
     KeyHasher key = begin_key(unit);
-    key.bytes(as_section(places().open(unit)->intersecting()));
+    key.bytes(as_section(records(unit)));
     for (const LabelWork& work : works) {
       key.integer(static_cast<std::int64_t>(work.label));
       for (const BoxReads& reads : work.boxes) reads.add_hashes(key);
