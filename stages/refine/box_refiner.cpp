@@ -26,6 +26,13 @@ std::array<LatticeBox, 8> octants(const LatticeBox& box) {
   return parts;
 }
 
+// Not worth to be cut.
+bool is_small(const LatticeBox& box) {
+  for (std::size_t a = 0; a < 3; ++a)
+    if (box.hi[a] - box.lo[a] >= 2 * least_side) return false;
+  return true;
+}
+
 }  // namespace
 
 bool lies_in(const RefineMesh& mesh, std::size_t triangle, const LatticeBox& box) {
@@ -37,12 +44,7 @@ void each_part(const RefineMesh& mesh, const Room& room, const TriangleNumbers& 
                const std::function<void(const LatticeBox&, const TriangleNumbers&)>& f,
                const std::function<void(std::uint32_t)>& left) {
   const auto& [box, whole] = room;
-  const auto is_small = [&] {
-    for (std::size_t a = 0; a < 3; ++a)
-      if (whole.hi[a] - whole.lo[a] >= 2 * least_side) return false;
-    return true;
-  };
-  if (meeting.size() <= most_part_triangles || is_small()) return f(box, meeting);
+  if (meeting.size() <= most_part_triangles || is_small(whole)) return f(box, meeting);
   std::vector<LatticeBox> parts;
   for (const LatticeBox& octant : octants(whole)) {
     if (!octant.meets(box)) continue;
