@@ -34,8 +34,9 @@ class MendPlan {
   };
   explicit MendPlan(const Inputs& inputs) : in_(inputs), walls_(inputs.frame, inputs.room.walls) {}
 
-  // What it takes, beside what boxes() does.
-  std::uint64_t bytes() { return holds_all() ? places_count_ * bytes_of_place : 0; }
+  // What it keeps; and what planning all boxes takes, which is over before any unit is run.
+  std::uint64_t bytes();
+  std::uint64_t planning_bytes() { return holds_all() ? places_count_ * bytes_of_place : 0; }
 
   // Of a unit the boxes that reach into its cubes, by label and ascending; and how many places had to be
   // held for that.

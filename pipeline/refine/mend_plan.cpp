@@ -23,6 +23,12 @@ MendPlan::Boxes MendPlan::boxes(std::size_t unit) {
   return holds_all() ? Boxes{planned_boxes(unit), 0} : boxes_within_walls(unit);
 }
 
+std::uint64_t MendPlan::bytes() {
+  if (!holds_all()) return 0;
+  std::call_once(made_, [&] { make(); });
+  return boxes_.capacity() * sizeof(MendBox) + reached_.capacity() * sizeof(reached_[0]);
+}
+
 void MendPlan::make() {
   std::map<Material, std::vector<IntersectionPlace>> places;
   for (std::size_t i = 0; i < in_.places.size(); ++i)

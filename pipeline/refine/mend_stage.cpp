@@ -48,6 +48,7 @@ class MendStage final : public RangeStage {
   StageMemory memory(std::span<const std::uint64_t> numbers) override {
     StageMemory memory = RangeStage::memory(numbers);
     memory.base_bytes += plan_->bytes();
+    memory.per_unit_bytes = std::max(memory.per_unit_bytes, plan_->planning_bytes());
     return memory;
   }
   std::uint64_t bytes(std::uint64_t unit) override {
