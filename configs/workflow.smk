@@ -6,7 +6,7 @@
 # --config takes (in parentheses: what holds if it is not given)
 #   config    the config file of the run
 #   parts     into how many parts the stages but merge are cut (4)
-#   refine    0 where the mesh is not refined: simplify.refine is "off", or is not given and
+#   refine    0 where the mesh is not refined: simplify.refine is "off", or is "auto" (its default) and
 #             simplify.enabled is false or simplify.topology "free" (1)
 #   mend      0 where simplify.intersections is "report" or "ignore": no mend and remend (1)
 #   seams     0 where that is so and simplify.refine is "repair": no seams either (1)

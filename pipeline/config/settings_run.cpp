@@ -50,9 +50,9 @@ std::vector<Setting> simplify_settings() {
           {"simplify", "refine",
            "What is done to the mesh once it is stitched. \"repair\": triangles that cut each "
            "other are mended, and what is not near them stays; \"collapse\": vertices go where "
-           "they best lie, "
-           "out of their cells if need be, and edges are collapsed too, as far as tolerance lets "
-           "them. \"auto\": \"collapse\", but \"off\" where cells are not (enabled = false), or "
+           "they best lie, out of their cells if need be, and edges are collapsed too, as far as "
+           "tolerance lets them. \"auto\": \"collapse\", but \"off\" where cells are not (enabled "
+           "= false), or "
            "with topology = \"free\"."},
           binding::choice(simplify, &Simplify::refine, {"auto", "off", "repair", "collapse"}),
           refined_from_build)),

@@ -1,9 +1,11 @@
+#include "pipeline/refine/mend_plan.h"
+
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <set>
 
 #include "pipeline/executor/probe.h"
-#include "pipeline/refine/box_reads.h"
 
 namespace voxweld {
 

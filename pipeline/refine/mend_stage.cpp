@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "pipeline/refine/box_reads.h"
+#include "pipeline/refine/mend_plan.h"
 #include "pipeline/refine/range_stage.h"
 #include "pipeline/stage/cube_mesh.h"
 #include "stages/refine/mend_box.h"
@@ -42,7 +43,8 @@ class MendStage final : public RangeStage {
   bool done(std::uint64_t unit) override {
     const std::filesystem::path path = path_of(unit);
     return is_current(path, [&] {
-      return CubeMeshArtifact(path).key() == key(unit, works(plan_->boxes(unit).boxes, unit));
+      return CubeMeshArtifact(path).key() ==
+             key(unit, works(plan_->boxes(unit).boxes, unit), records(unit));
     });
   }
   StageMemory memory(std::span<const std::uint64_t> numbers) override {
@@ -60,10 +62,11 @@ class MendStage final : public RangeStage {
   }
   void run(const Unit& unit, WorkerContext& worker) override {
     const std::vector<LabelWork> all = limited_works(plan_->boxes(unit.key).boxes, unit.key);
-    CubeMeshWriter file(path_of(unit.key), key(unit.key, all));
+    const std::vector<IntersectionRecord> listed = records(unit.key);
+    CubeMeshWriter file(path_of(unit.key), key(unit.key, all, listed));
     Result result;
     for (const LabelWork& work : all) mend(unit.key, work, worker, file, result);
-    add_beside(unit.key, all, result);
+    add_beside(all, listed, result);
     file.finish({as_record(result.counts), result.blocks, result.changes, result.intersecting});
   }
 
@@ -196,13 +199,14 @@ class MendStage final : public RangeStage {
     return listed_ ? listed_->open(unit)->intersecting() : std::vector<IntersectionRecord>{};
   }
   // Those that do. Of pieces of the unit that were written again it is known already.
-  void add_beside(std::uint64_t unit, const std::vector<LabelWork>& works, Result& result) {
+  static void add_beside(const std::vector<LabelWork>& works,
+                         const std::vector<IntersectionRecord>& listed, Result& result) {
     const auto place = [](const IntersectionRecord& record) {
       return std::tuple(record.label, record.box.lo, record.box.hi);
     };
     std::set<std::tuple<Material, LatticePoint, LatticePoint>> known;
     for (const IntersectionRecord& record : result.intersecting) known.insert(place(record));
-    for (const IntersectionRecord& record : records(unit))
+    for (const IntersectionRecord& record : listed)
       if (!known.contains(place(record)) && std::ranges::none_of(works, [&](const LabelWork& work) {
             return work.label == record.label &&
                    std::ranges::any_of(work.boxes, [&](const BoxReads& reads) {
@@ -231,9 +235,10 @@ class MendStage final : public RangeStage {
     pass([](const Place&) { return true; });
   }
 
-  Hash128 key(std::uint64_t unit, const std::vector<LabelWork>& works) {
+  Hash128 key(std::uint64_t unit, const std::vector<LabelWork>& works,
+              const std::vector<IntersectionRecord>& listed) {
     KeyHasher key = begin_key(unit);
-    key.bytes(as_section(records(unit)));
+    key.bytes(as_section(listed));
     for (const LabelWork& work : works) {
       key.integer(static_cast<std::int64_t>(work.label));
       for (const BoxReads& reads : work.boxes) reads.add_hashes(key);

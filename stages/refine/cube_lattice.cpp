@@ -32,7 +32,7 @@ int target_cube_level(double part, std::uint64_t vertices, Index3 size) {
 
 CubeLattice::CubeLattice(const RefineFrame& frame, int pass, int level) {
   const std::int64_t side = std::int64_t{1} << level;
-  constexpr std::int64_t quarters[] = {0, 2, 1, 3};
+  constexpr std::int64_t quarters[] = {0, 2, 1};
   const std::int64_t shift = quarters[pass] * side / 4;
   cubes_ = std::max<std::int64_t>(1, (std::int64_t{1} << domain_level(frame.size)) / side);
   for (int axis = 0; axis < 3; ++axis) {

@@ -35,8 +35,8 @@ int target_cube_level(double part, std::uint64_t vertices, Index3 size);
 
 class CubeLattice {
  public:
-  // pass: 0 or 1; 2 and 3 are shifted by a quarter of a side and by three, and have no code(). level:
-  // log2 of the cells a side, where it is not the frame's.
+  // pass: 0 or 1; 2 is shifted by a quarter of a side, and has no code(). level: log2 of the cells a
+  // side, where it is not the frame's.
   CubeLattice(const RefineFrame& frame, int pass) : CubeLattice(frame, pass, frame.level) {}
   CubeLattice(const RefineFrame& frame, int pass, int level);
 
