@@ -152,7 +152,7 @@ struct OutputConfig {
                                       "glb"};  // by name, as listed; not empty, no duplicates
   Merged merged = Merged::automatic;
   bool tiles = true;               // false only where merged is not `never`
-  std::int64_t tile_vertices = 0;  // 0: 500000, fewer with levels or little memory
+  std::int64_t tile_vertices = 0;  // 0: 250000, fewer with levels or little memory
   std::int64_t levels = 1;         // of detail, the mesh itself among them; 0: as many as there are
   double precision = 0.01;         // voxels (the smallest spacing)
   bool normals = true;

@@ -95,7 +95,7 @@ std::vector<Setting> output_settings() {
       row({"output", "tiles", "Write the tiles, the pieces of the mesh, as files of their own."},
           binding::member(output, &Output::tiles, FlagRule{}), encode),
       row({"output", "tile_vertices",
-           "The most vertices a tile may have. \"auto\" is 500000, or 65536 with levels of "
+           "The most vertices a tile may have. \"auto\" is 250000, or 65536 with levels of "
            "detail, and less where run.memory is too small to encode several such tiles at once."},
           binding::integer_or_auto(output, &Output::tile_vertices, IntegerRule{1024, 1000000000}),
           merge),

@@ -47,7 +47,7 @@ struct MergeJob {
   const BuildJob* build = nullptr;
   std::filesystem::path folder;
   Hash128 key;  // of the parameters; the artifact also says which octrees it was merged from
-  std::uint64_t tile_vertices = 500000;
+  std::uint64_t tile_vertices = 250000;
 
   std::filesystem::path path() const { return folder / "top.tree"; }
 };
@@ -93,7 +93,7 @@ struct RefineJob {
 struct RetileJob {
   RefineFrame frame;
   OutputLattice lattice;  // of the tiles, as the files have it
-  std::uint64_t tile_vertices = 500000;
+  std::uint64_t tile_vertices = 250000;
   bool normals = true;  // of the tiles
   std::filesystem::path folder;
   Hash128 key;  // of the parameters; the plan also says which meshes it was made of
