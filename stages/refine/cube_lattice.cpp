@@ -44,8 +44,9 @@ CubeLattice::CubeLattice(const RefineFrame& frame, int pass, int level) {
     std::int64_t cell = side - shift;
     for (; cell < end; cell += side) borders.push_back(first_of_cell(frame, axis, cell));
     ends_[a] = first_of_cell(frame, axis, cell);
-    // What is moved stays in its cube, and so in the volume.
-    borders.push_back(first_of_cell(frame, axis, end));
+    // What is moved stays in its cube, and so in the volume. The last cell holds its far end too, to the
+    // step that this is rounded to: a surface that is closed at the border may have vertices there.
+    borders.push_back(first_of_cell(frame, axis, end) + 1);
     const double steps = static_cast<double>(side) * frame.spacing[axis] / frame.lattice.step;
     sides_[a] = std::max(1, static_cast<std::int32_t>(steps));
   }

@@ -69,7 +69,7 @@ WeldedMesh welded(const std::vector<const ListedMesh*>& shown) {
 
 class Levels : public ::testing::TestWithParam<const char*> {
  protected:
-  static Scene scene() { return Scene(GetParam(), GetParam() == std::string("porous") ? 80 : 112); }
+  static Scene scene() { return Scene(GetParam(), 80); }
 };
 
 TEST_P(Levels, AnyMixIsClosedAndOfOneTopology) {
@@ -183,7 +183,7 @@ INSTANTIATE_TEST_SUITE_P(Phantoms, Levels, ::testing::Values("gyroid", "porous")
 
 // Of an earlier run with other levels nothing stays behind.
 TEST(LevelsWork, FollowsItsNumber) {
-  const Scene scene("gyroid", 96);
+  const Scene scene("gyroid", 72);
   const Tree none = scene.clean_tree(levels + Settings{"output.levels=1"});
   const Tree two = scene.clean_tree(levels + Settings{"output.levels=2"});
   VOXWELD_EXPECT_DONE(scene.run(levels));
@@ -209,7 +209,7 @@ TEST(LevelsWork, OfOneTile) {
 }
 
 TEST(LevelsWork, BetweenLabelsAreClosed) {
-  const Scene scene(volume_of({96, 90, 80}, [](Index3 at) {
+  const Scene scene(volume_of({80, 76, 72}, [](Index3 at) {
     return 1 + (at.x + at.z / 3) / 23 + 10 * ((at.y + at.x / 5) / 19);
   }));
   const Settings shared = levels + Settings{"labels.mode=shared"};
@@ -219,13 +219,13 @@ TEST(LevelsWork, BetweenLabelsAreClosed) {
 }
 
 TEST(LevelsWork, OfAnOpenBorder) {
-  const Scene scene("gyroid", 96);
+  const Scene scene("gyroid", 72);
   VOXWELD_EXPECT_DONE(scene.run(levels + Settings{"surface.border=open"}));
   EXPECT_GE(expect_good(scene.output()).levels, 1u);
 }
 
 TEST(LevelsWork, StageByStageAndGoesOn) {
-  const Scene scene("porous", 96);
+  const Scene scene("porous", 72);
   const Tree clean = scene.clean_tree(levels);
   for (const char* stage : {"ingest", "build", "merge", "stitch", "refine", "seams", "mend",
                             "remend", "retile", "levels", "encode"})
@@ -235,17 +235,17 @@ TEST(LevelsWork, StageByStageAndGoesOn) {
 }
 
 TEST(LevelsWork, DamageIsFoundAndMended) {
-  expect_damage_is_mended(Scene("porous", 96), levels, 3,
+  expect_damage_is_mended(Scene("porous", 72), levels, 3,
                           {{"levels", ".cubes", "encode"}, {"levels", ".cubes", "levels"}});
 }
 
 TEST(LevelsWork, KillsLoseNothing) {
-  expect_kills_lose_nothing(Scene("porous", 96), levels, 3, 0.5);
+  expect_kills_lose_nothing(Scene("porous", 72), levels, 3, 0.5);
 }
 
 // A share needs what others make of the level before.
 TEST(LevelsWork, AShareThatComesTooEarlySaysSo) {
-  const Scene scene("gyroid", 128);
+  const Scene scene("gyroid", 80);
   VOXWELD_EXPECT_DONE(scene.run(levels));
   const Tree clean = output_tree(scene.output());
   scene.forget_stages({"levels"});
@@ -269,7 +269,7 @@ TEST(LevelsWork, AreRefusedWhereThereCanBeNone) {
 }
 
 TEST(LevelsWork, AreShownAndTold) {
-  const Scene scene("gyroid", 128);
+  const Scene scene("gyroid", 80);
   VOXWELD_EXPECT_DONE(scene.run(levels + Settings{"output.report=true"}));
   const auto listed = manifest_of(scene.output()).at("levels");
   const std::string output = scene.output().string();
@@ -296,7 +296,7 @@ TEST(LevelsWork, AreShownAndTold) {
 
 // A coarser tolerance has nothing to do with levels, and makes none.
 TEST(LevelsWork, ExtractMakesNone) {
-  const Scene scene("gyroid", 96);
+  const Scene scene("gyroid", 72);
   VOXWELD_EXPECT_DONE(scene.run(levels));
   const std::string made = (scene.directory() / "coarse.drc").string();
   const ProgramResult extracted =
@@ -309,7 +309,7 @@ TEST(LevelsWork, ExtractMakesNone) {
 
 // Where a tile of a level is another one, there is a crack, and verify sees it.
 TEST(LevelsWork, ACrackIsFound) {
-  const Scene scene("gyroid", 128);
+  const Scene scene("gyroid", 80);
   VOXWELD_EXPECT_DONE(
       scene.run(levels + Settings{"output.formats=[\"ply\"]", "output.merged=false"}));
   TileListReader reader(scene.output() / levels_name);

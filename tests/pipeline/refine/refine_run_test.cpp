@@ -11,7 +11,7 @@ const Settings refined = {"simplify.refine=collapse", "simplify.tolerance=0.3"};
 class Refined : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(Refined, IsTheSameWhateverThePartition) {
-  const Scene scene(GetParam(), 96);
+  const Scene scene(GetParam(), 72);
   const Tree tree = scene.expect_one_tree(
       refined + Settings{"output.tile_vertices=2000"},
       {{"work.brick=16", "work.shard=2", "run.threads=1"},
@@ -21,7 +21,7 @@ TEST_P(Refined, IsTheSameWhateverThePartition) {
 }
 
 TEST_P(Refined, IsTheSameWhateverTheTiles) {
-  const Scene scene(GetParam(), 96);
+  const Scene scene(GetParam(), 72);
   const Tree one = merged_files(scene.clean_tree(refined));
   for (const int vertices : {1024, 3000, 9000})
     EXPECT_EQ(
@@ -32,7 +32,7 @@ TEST_P(Refined, IsTheSameWhateverTheTiles) {
 }
 
 TEST_P(Refined, IsSound) {
-  const Scene scene(GetParam(), 96);
+  const Scene scene(GetParam(), 72);
   for (const char* mode : {"repair", "collapse"})
     for (const char* border : {"closed", "open"}) {
       SCOPED_TRACE(fmt::format("{} {}", mode, border));

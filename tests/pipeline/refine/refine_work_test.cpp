@@ -8,7 +8,7 @@ const Settings settings = {"simplify.refine=collapse", "work.brick=16", "work.sh
                            "output.tile_vertices=1024"};
 
 TEST(RefineWork, StageByStage) {
-  const Scene scene("porous", 96);
+  const Scene scene("porous", 72);
   const Tree clean = scene.clean_tree(settings);
   for (const char* stage : {"ingest", "build", "merge", "stitch", "refine", "seams", "mend",
                             "remend", "retile", "encode"}) {
@@ -51,7 +51,7 @@ void expect_shares_are_the_whole(const Scene& scene, const Settings& of) {
 }
 
 TEST(RefineWork, AllSharesAreTheWhole) {
-  expect_shares_are_the_whole(Scene("porous", 96), settings);
+  expect_shares_are_the_whole(Scene("porous", 72), settings);
 }
 TEST(RefineWork, AllSharesBetweenLabelsAreTheWhole) {
   const Scene scene(volume_of({96, 90, 80}, [](Index3 at) {
@@ -61,12 +61,12 @@ TEST(RefineWork, AllSharesBetweenLabelsAreTheWhole) {
 }
 
 TEST(RefineWork, GoesOnWhereItStopped) {
-  const Scene scene("porous", 96);
+  const Scene scene("porous", 72);
   expect_goes_on(scene, settings, scene.clean_tree(settings), refine_stages);
 }
 
 TEST(RefineWork, DamageIsFoundAndMended) {
-  expect_damage_is_mended(Scene("porous", 96), settings, 1, refine_artifacts);
+  expect_damage_is_mended(Scene("porous", 72), settings, 1, refine_artifacts);
 }
 
 // Three cubes a side, the last of them of the ring's alone.

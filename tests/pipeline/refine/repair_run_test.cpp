@@ -21,10 +21,28 @@ RawVolume noise(Index3 size, unsigned seed) {
   return volume_of(size, [&](Index3) { return any(random); });
 }
 
+// Here vertices lie exactly where the last cells of the volume end.
+TEST(RepairRun, WhatReachesTheFarBorderIsMendedToo) {
+  for (const auto& [size, seed] : {std::pair("30", "357"), std::pair("33", "260")}) {
+    const Scene scene("porous", 24);
+    VOXWELD_EXPECT_DONE(run_voxweld({"phantom", "porous", "--size", size, "--seed", seed, "--type",
+                                     "float32", "-o", scene.volume().string(), "--force"}));
+    for (const char* mode : {"repair", "collapse"}) {
+      SCOPED_TRACE(std::string(size) + " " + mode);
+      VOXWELD_EXPECT_DONE(scene.run({"surface.isovalue=0", "simplify.tolerance=0.3",
+                                     std::string("simplify.refine=") + mode}));
+      const auto counts = manifest_of(scene.output()).at("refine");
+      EXPECT_GT(counts.at("intersecting_before"), 0);
+      EXPECT_EQ(counts.at("intersecting_left"), 0);
+      EXPECT_EQ(pairs_of(scene), 0u);
+    }
+  }
+}
+
 TEST(RepairRun, IsTheSameHoweverItIsCut) {
   for (const char* phantom : {"part", "porous"}) {
     SCOPED_TRACE(phantom);
-    const Scene scene(phantom, 128);
+    const Scene scene(phantom, 96);
     const Tree tree = scene.expect_one_tree(
         small, {{"work.brick=16", "work.shard=2", "run.threads=1"},
                 {"work.brick=32", "work.shard=1", "run.threads=3"},
@@ -81,7 +99,7 @@ TEST(RepairRun, OfLabelsIsTheSameHoweverItIsCut) {
 }
 
 TEST(RepairRun, MendsAllAndLeavesTheRest) {
-  const Scene scene("part", 128);
+  const Scene scene("part", 96);
   VOXWELD_EXPECT_DONE(scene.run({"simplify.refine=off"}));
   const std::uint64_t before = pairs_of(scene), triangles = expect_good(scene.output()).triangles;
   EXPECT_GT(before, 20u);
@@ -103,7 +121,7 @@ TEST(RepairRun, MendsAllAndLeavesTheRest) {
 }
 
 TEST(RepairRun, OnlyCountedNothingChanges) {
-  const Scene scene("part", 128);
+  const Scene scene("part", 96);
   VOXWELD_EXPECT_DONE(scene.run({"simplify.refine=off"}));
   const std::uint64_t before = pairs_of(scene), triangles = expect_good(scene.output()).triangles;
   for (const char* rule : {"report", "ignore"}) {

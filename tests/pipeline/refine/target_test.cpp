@@ -32,7 +32,7 @@ void expect_near(const Scene& scene, double wanted) {
 
 TEST(Target, OfARatioIsMet) {
   for (const char* phantom : {"part", "torus"}) {
-    const Scene scene(phantom, 96);
+    const Scene scene(phantom, 72);
     VOXWELD_EXPECT_DONE(scene.run());
     const auto plain = static_cast<double>(triangles_left(scene));
     for (const double ratio : {0.7, 0.3, 0.1}) {
@@ -195,7 +195,7 @@ TEST(TargetWork, KilledItLosesNothing) {
 // What the edit reaches is surveyed anew and no more. All is refined anew only if the tolerance is
 // another then.
 TEST(TargetWork, AnEditSurveysFewUnits) {
-  const Scene scene("gyroid", 112);
+  const Scene scene("gyroid", 80);
   const EditScene edits(scene);
   const Settings asked = collapsing + target_parts + Settings{"simplify.ratio=0.5"};
   VOXWELD_EXPECT_DONE(scene.run(asked));

@@ -140,7 +140,12 @@ TEST(OutputOwner, RunsWithOtherEditsWaitForTheShardsTheyShare) {
       VOXWELD_EXPECT_DONE(run_voxweld({"run", one}));
     }
     EXPECT_EQ(difference(of_one, output_tree(scene.directory() / "one.mesh")), "");
-    for (int i = 0; i < 300 && !fs::exists(scene.directory() / "other.mesh" / "manifest.json"); ++i)
+    // A run lets go of its folder after its last file.
+    const fs::path output = scene.directory() / "other.mesh";
+    const auto is_done = [&] {
+      return fs::exists(output / "manifest.json") && !fs::exists(output / "voxweld.lock");
+    };
+    for (int i = 0; i < 300 && !is_done(); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     EXPECT_EQ(difference(of_other, output_tree(scene.directory() / "other.mesh")), "");
     EXPECT_THAT(text_of_file(said), HasSubstr("at work on the same files for " + one.string()));

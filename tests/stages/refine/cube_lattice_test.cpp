@@ -1,0 +1,39 @@
+#include "stages/refine/cube_lattice.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "stages/stitch/lattice_plan.h"
+
+namespace voxweld {
+namespace {
+
+// Wherever that is between two steps: a vertex there is rounded to the one or the other.
+TEST(CubeLattice, HoldsBothEndsOfTheVolume) {
+  for (const double spacing : {1.0, 0.3, 0.77, 12.5})
+    for (const std::int64_t samples : {1, 30, 62, 63, 64, 65, 127, 200}) {
+      RefineFrame frame;
+      frame.size = splat(samples);
+      frame.spacing = {spacing, spacing, spacing};
+      frame.lattice = plan_lattice({frame.size, frame.spacing, 0.01});
+      const auto on_lattice = [&](double at) {
+        return static_cast<std::int32_t>(
+            std::lround((at - frame.lattice.origin[0]) / frame.lattice.step));
+      };
+      const std::int32_t first = on_lattice(-spacing);
+      const std::int32_t last = on_lattice(static_cast<double>(samples) * spacing);
+      for (const int pass : {0, 1, 2}) {
+        SCOPED_TRACE(testing::Message() << spacing << " " << samples << " " << pass);
+        const CubeLattice cubes(frame, pass);
+        for (const LatticePoint& end : {LatticePoint{first, first, first}, {last, last, last}}) {
+          EXPECT_TRUE(cubes.bounds().contains(end));
+          EXPECT_TRUE(cubes.box(cubes.cube_of(end)).contains(end));
+        }
+        EXPECT_LE(cubes.bounds().hi[0], last + 1);
+      }
+    }
+}
+
+}  // namespace
+}  // namespace voxweld
