@@ -262,8 +262,8 @@ std::uint64_t level_bytes(std::int64_t vertices) {
 }  // namespace
 
 std::int64_t fitting_tile_vertices(const Config& config) {
-  // Twice as many would be as fast to make, but take more memory, and one thread would encode most of a
-  // small mesh. Where there are levels viewers take a few tiles of each, of about a megabyte.
+  // Larger tiles are not made quicker, take more memory, and leave most of a small mesh to one thread.
+  // Where there are levels viewers take a few tiles of each, so these have about a megabyte.
   const std::int64_t good = has_levels(config) ? 65536 : 250000;
   constexpr std::int64_t least = 1024;
   // Depends on the config alone, so that every process of a run has the same.

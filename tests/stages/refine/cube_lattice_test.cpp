@@ -28,7 +28,9 @@ TEST(CubeLattice, HoldsBothEndsOfTheVolume) {
         const CubeLattice cubes(frame, pass);
         for (const LatticePoint& end : {LatticePoint{first, first, first}, {last, last, last}}) {
           EXPECT_TRUE(cubes.bounds().contains(end));
-          EXPECT_TRUE(cubes.box(cubes.cube_of(end)).contains(end));
+          const Index3 cube = cubes.cube_of(end);
+          EXPECT_TRUE(cubes.box(cube).contains(end));
+          EXPECT_TRUE(cubes.whole(cube).contains(end));
         }
         EXPECT_LE(cubes.bounds().hi[0], last + 1);
       }
