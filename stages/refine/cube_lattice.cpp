@@ -89,7 +89,7 @@ LatticeBox CubeLattice::whole(Index3 cube) const {
   LatticeBox whole = box(cube);
   for (std::size_t a = 0; a < 3; ++a) {
     const auto at = static_cast<std::size_t>(cube[static_cast<int>(a)]);
-    if (at == 0) whole.lo[a] = begins_[a];
+    if (at == 0) whole.lo[a] = std::min(whole.lo[a], begins_[a]);
     if (at + 2 == borders_[a].size()) whole.hi[a] = std::max(whole.hi[a], ends_[a] - 1);
   }
   return whole;
