@@ -15,6 +15,14 @@ std::int32_t first_of_cell(const RefineFrame& frame, int axis, std::int64_t cell
       static_cast<std::int64_t>(frame.lattice.origin[static_cast<std::size_t>(axis)] / step));
 }
 
+// The highest coordinate that a vertex may have. Of a surface that is closed at the volume's end, or
+// lies in a node that is cut there, vertices lie on that end, or are snapped a little beyond it.
+std::int32_t last_of_volume(const RefineFrame& frame, int axis) {
+  const std::int32_t end = first_of_cell(frame, axis, frame.size[axis] + 1);
+  const std::int32_t last_there_is = (std::int32_t{1} << frame.lattice.bits) - 1;
+  return std::max(end, std::min(end + most_snap_steps, last_there_is));
+}
+
 }  // namespace
 
 int target_cube_level(double part, std::uint64_t vertices, Index3 size) {
@@ -44,9 +52,7 @@ CubeLattice::CubeLattice(const RefineFrame& frame, int pass, int level) {
     std::int64_t cell = side - shift;
     for (; cell < end; cell += side) borders.push_back(first_of_cell(frame, axis, cell));
     ends_[a] = first_of_cell(frame, axis, cell);
-    // What is moved stays in its cube, and so in the volume. The last cell holds its far end too, to the
-    // step that this is rounded to: a surface that is closed at the border may have vertices there.
-    borders.push_back(first_of_cell(frame, axis, end) + 1);
+    borders.push_back(last_of_volume(frame, axis) + 1);
     const double steps = static_cast<double>(side) * frame.spacing[axis] / frame.lattice.step;
     sides_[a] = std::max(1, static_cast<std::int32_t>(steps));
   }

@@ -46,7 +46,8 @@ class CubeLattice {
   LatticeBox box(Index3 cube) const;  // of the lattice points in it
   // The same as if the volume did not end at its borders: it may begin below 0.
   LatticeBox whole(Index3 cube) const;
-  LatticeBox bounds() const;  // of those in the volume's cells, and so of all cubes
+  // Of all cubes: the volume's cells, and at their far end as far as vertices are snapped.
+  LatticeBox bounds() const;
   // Orders cubes along the Morton curve, and is what ranges of cubes are given in: of the cube
   // without the shift of whose lower border this one's middle is, at the upper border of the domain
   // the last one. So several cubes there have one code.

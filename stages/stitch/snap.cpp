@@ -126,7 +126,7 @@ LatticePoint snap_in_group(const SnapFrame& frame, CellKey node, bool shares,
   if (!shares && group.size() == 1) return relative(frame, nearest(frame, node, box, group[0]));
   // Of level 0 a node has four vertices at most and eight points or more; of any other two points a
   // side or more of those that its level may take, so within so many steps there are enough.
-  static const std::vector<Index3> steps = steps_by_distance(12);
+  static const std::vector<Index3> steps = steps_by_distance(most_snap_steps);
   const LevelPoints points(node.level);
   std::vector<Index3> taken;
   for (const std::array<float, 3>& offset : group) {

@@ -31,6 +31,8 @@ struct OutputLattice {
   friend constexpr bool operator==(const OutputLattice&, const OutputLattice&) = default;
 };
 inline constexpr int max_lattice_bits = 22;
+// So that none coincide, vertices lie up to so many steps from where they best would, on each axis.
+inline constexpr int most_snap_steps = 12;
 
 // by: multiples of the step.
 constexpr OutputLattice moved(OutputLattice lattice, Vec3 by) {

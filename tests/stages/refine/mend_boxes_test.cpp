@@ -65,14 +65,14 @@ TEST(MendBoxes, APlaceHasRoomEvenAtBordersOfCubes) {
   }
 }
 
-// Vertices may be moved anywhere in a box, and beyond the volume there is nothing to write them by. Its
-// last cells hold their far ends.
+// Vertices may be moved anywhere in a box, and far beyond the volume there is nothing to write them by.
 TEST(MendBoxes, AndCubesStayInTheVolume) {
   for (const std::int64_t side : {44, 127, 128, 500}) {
     SCOPED_TRACE(side);
     const RefineFrame frame = frame_of(side);
     const std::int32_t end = cells(frame, static_cast<double>(side) + 1);
-    const LatticeBox volume{{0, 0, 0}, {end, end, end}};
+    const std::int32_t last = std::min(end + most_snap_steps, (1 << frame.lattice.bits) - 1);
+    const LatticeBox volume{{0, 0, 0}, {last, last, last}};
     for (int pass = 0; pass < refine_passes; ++pass) {
       const CubeLattice cubes(frame, pass);
       EXPECT_EQ(cubes.bounds(), volume);
