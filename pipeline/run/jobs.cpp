@@ -115,6 +115,7 @@ void Jobs::plan_refine(const Config& config, const OutputFrame& output) {
   parameters.reach =
       std::min({frame.spacing.x, frame.spacing.y, frame.spacing.z}) / frame.lattice.step;
   parameters.places = parameters.tolerance;
+  if (build_->parameters.surface.border == Border::open) parameters.samples = sample_box(frame);
   mend_ = {Stage::mend, 0, 0, frame, parameters, {}, {}};
   mend_.parameters.mode = RefineMode::mend;
   refine_ = {Stage::refine, 0, 1, frame, parameters, {}, {}};

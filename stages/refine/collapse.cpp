@@ -8,6 +8,7 @@
 #include "stages/refine/edge_queue.h"
 #include "stages/refine/edit_moves.h"
 #include "stages/refine/quadric.h"
+#include "stages/refine/rim_places.h"
 
 namespace voxweld {
 namespace {
@@ -30,7 +31,8 @@ class Collapser {
         care_(care),
         counts_(counts),
         quadrics_(mesh.vertices()),
-        moves_(mesh) {
+        moves_(mesh),
+        rims_(mesh) {
     origin_ = mesh.box().lo;
     for (std::uint32_t t = 0; t < mesh.triangles(); ++t) add_plane(t);
   }
@@ -71,7 +73,23 @@ class Collapser {
     const Vec3 unit = n * (1 / length);
     const Quadric q = Quadric::of_plane(unit, -dot(unit, local(s[0])), length);
     for (const std::uint32_t v : mesh_.corners(t)) quadrics_[v] += q;
+    for (std::size_t k = 0; k < 3; ++k)
+      add_rim(mesh_.corners(t)[k], mesh_.corners(t)[(k + 1) % 3], unit);
   }
+  // Where the edge is one of an open border: a plane through it that stands on its triangle keeps the
+  // border's line.
+  void add_rim(std::uint32_t u, std::uint32_t v, Vec3 unit) {
+    if (!is_rim(u) && !is_rim(v)) return;
+    if (mesh_.around_edge(is_rim(u) ? u : v, is_rim(u) ? v : u) != 1) return;
+    const Vec3 at = local(mesh_.position(u)), edge = local(mesh_.position(v)) - at;
+    const Vec3 n = cross(edge, unit);
+    const double length = std::sqrt(dot(n, n));
+    if (!(length > 0)) return;
+    const Quadric q = Quadric::of_plane(n * (1 / length), -dot(n, at) / length, length * length);
+    for (const std::uint32_t end : {u, v})
+      if (is_rim(end)) quadrics_[end] += q;
+  }
+  bool is_rim(std::uint32_t v) const { return mesh_.kind(v) == StarKind::rim; }
   // Places for both, the cheapest first.
   struct Candidates {
     std::array<Candidate, 4> places;
@@ -89,6 +107,7 @@ class Collapser {
   }
   bool is_too_far(double squared) const { return squared > tolerance_ * tolerance_; }
   Vec3 best_place(const Quadric& q, const EdgeEnds& ends) const;
+  double least_cost(const Quadric& q, const EdgeEnds& ends) const;
   Candidates candidates(const EdgeEnds& ends) const;
   void push(std::uint32_t u, std::uint32_t v);
   void push_around(std::uint32_t v, bool upwards_only);
@@ -110,6 +129,7 @@ class Collapser {
   std::vector<Quadric> quadrics_;
   EdgeQueue queue_;
   EditMoves moves_;
+  RimPlaces rims_;
   Change change_;
 };
 
@@ -127,7 +147,10 @@ Collapser::Candidates Collapser::candidates(const EdgeEnds& ends) const {
   const Quadric q = quadric(ends);
   const LatticePoint &a = mesh_.position(ends.gone), &b = mesh_.position(ends.keep);
   const auto add = [&](const LatticePoint& p) { out.add({q.squared_distance(local(p)), p}); };
-  if (!ends.stays) {
+  // A rim's vertices keep to places of the rim, or it would not end where it has to.
+  if (is_rim(ends.gone)) {
+    if (!ends.stays) add(a);
+  } else if (!ends.stays) {
     const Vec3 middle = (local(a) + local(b)) * 0.5;
     for (const LatticePoint& p : {lattice(best_place(q, ends)), lattice(middle)})
       if (mesh_.box().contains(p)) add(p);
@@ -137,15 +160,23 @@ Collapser::Candidates Collapser::candidates(const EdgeEnds& ends) const {
   return out;
 }
 
-// By the best place there is: a lattice point near it costs little more.
+// Of the best place there is: a lattice point near it costs little more.
+double Collapser::least_cost(const Quadric& q, const EdgeEnds& ends) const {
+  const auto cost_at = [&](std::uint32_t v) {
+    return q.squared_distance(local(mesh_.position(v)));
+  };
+  if (ends.stays) return cost_at(ends.keep);
+  if (is_rim(ends.gone)) return std::min(cost_at(ends.keep), cost_at(ends.gone));
+  return q.squared_distance(best_place(q, ends));
+}
+
 void Collapser::push(std::uint32_t u, std::uint32_t v) {
   const auto ends = moves_.ends(u, v);
   if (!ends) return;
   const Quadric q = quadric(*ends);
-  const Vec3 keep = local(mesh_.position(ends->keep));
-  const double cost = q.squared_distance(ends->stays ? keep : best_place(q, *ends));
+  const double cost = least_cost(q, *ends);
   if (is_too_far(cost)) return;
-  const Vec3 edge = local(mesh_.position(ends->gone)) - keep;
+  const Vec3 edge = local(mesh_.position(ends->gone)) - local(mesh_.position(ends->keep));
   queue_.push(cost + shortest_first * dot(edge, edge), {u, v, mesh_.version(u), mesh_.version(v)});
 }
 
@@ -154,8 +185,12 @@ void Collapser::push_around(std::uint32_t v, bool upwards_only) {
   mesh_.each_around(v, [&](std::uint32_t t) {
     // Each edge of a ring has one triangle in which it comes after v.
     const Corners& c = mesh_.corners(t);
-    const std::uint32_t w = c[(corner_of(c, v) + 1) % 3];
+    const std::size_t k = corner_of(c, v);
+    const std::uint32_t w = c[(k + 1) % 3], before = c[(k + 2) % 3];
     if (!upwards_only || w > v) push(std::min(v, w), std::max(v, w));
+    // That by which a rim comes to v has only the one in which it comes before.
+    if (is_rim(v) && (!upwards_only || before > v) && mesh_.around_edge(v, before) == 1)
+      push(std::min(v, before), std::max(v, before));
   });
 }
 
@@ -222,7 +257,9 @@ void Collapser::try_edge(std::uint32_t u, std::uint32_t v) {
     if (mesh_.freedom(keep) != Freedom::free && !has_normals_for(keep)) continue;
     const EditMesh::Step step{keep, place.at, gone};
     if (!mesh_.keeps_samples(change_, step, tolerance_)) continue;
+    if (is_rim(gone) && !rims_.keeps(gone, keep, place.at, tolerance_)) continue;
     if (!is_clean()) continue;
+    if (is_rim(gone)) rims_.apply();
     set_normals(gone, keep, place.at);
     mesh_.apply(change_, step);
     quadrics_[keep] += quadrics_[gone];

@@ -6,13 +6,21 @@
 namespace voxweld {
 namespace {
 
+// Where a cell begins, in lattice steps from the origin of the output's coordinates.
+double begin_of_cell(const RefineFrame& frame, int axis, std::int64_t cell) {
+  return static_cast<double>(frame.first[axis] + cell - 1) * frame.spacing[axis] /
+         frame.lattice.step;
+}
+
+std::int32_t lattice_coordinate(const RefineFrame& frame, int axis, double whole) {
+  const double origin = frame.lattice.origin[static_cast<std::size_t>(axis)] / frame.lattice.step;
+  return static_cast<std::int32_t>(static_cast<std::int64_t>(whole) -
+                                   static_cast<std::int64_t>(origin));
+}
+
 // The lowest lattice coordinate of what lies at the beginning of cell u or beyond.
 std::int32_t first_of_cell(const RefineFrame& frame, int axis, std::int64_t cell) {
-  const double step = frame.lattice.step;
-  const double at = static_cast<double>(frame.first[axis] + cell - 1) * frame.spacing[axis] / step;
-  return static_cast<std::int32_t>(
-      static_cast<std::int64_t>(std::ceil(at)) -
-      static_cast<std::int64_t>(frame.lattice.origin[static_cast<std::size_t>(axis)] / step));
+  return lattice_coordinate(frame, axis, std::ceil(begin_of_cell(frame, axis, cell)));
 }
 
 // The highest coordinate that a vertex may have. Of a surface that is closed at the volume's end, or
@@ -24,6 +32,17 @@ std::int32_t last_of_volume(const RefineFrame& frame, int axis) {
 }
 
 }  // namespace
+
+LatticeBox sample_box(const RefineFrame& frame) {
+  LatticeBox box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    // Samples lie at the begins of cells 1 to size.
+    box.lo[a] = lattice_coordinate(frame, axis, std::floor(begin_of_cell(frame, axis, 1)));
+    box.hi[a] = first_of_cell(frame, axis, frame.size[axis]);
+  }
+  return box;
+}
 
 int target_cube_level(double part, std::uint64_t vertices, Index3 size) {
   constexpr double most_vertices = 1 << 18;

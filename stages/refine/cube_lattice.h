@@ -27,6 +27,9 @@ struct RefineFrame {
   int level = refine_cube_level;
 };
 
+// From the first samples to the last ones. Where samples lie between lattice points, to those beyond.
+LatticeBox sample_box(const RefineFrame& frame);
+
 // The level of the cubes of a mesh of which this part of its triangles is to be left: 7 or 8 where that
 // is a quarter or a sixteenth, since triangles get twice or four times as long, and a cube without room
 // for them could not get rid of more. vertices: as the mesh comes. A cube has no more of them than

@@ -1,6 +1,7 @@
 #include "stages/refine/edit_mesh.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 namespace voxweld {
@@ -48,7 +49,9 @@ std::vector<NumberedCorners> by_corners(const RefineMesh& mesh,
 
 }  // namespace
 
-EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box) : box_(box) {
+EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box,
+                   const std::optional<LatticeBox>& samples)
+    : box_(box), samples_box_(samples) {
   const auto n = static_cast<std::uint32_t>(mesh.positions.size());
   const auto m = static_cast<std::uint32_t>(mesh.triangles.size());
   const std::vector<std::uint32_t> places = places_by_id(mesh.ids);
@@ -140,9 +143,17 @@ void EditMesh::find_freedom(std::uint32_t v, std::vector<LinkEdge>& link) {
     all_inside = all_inside && movable(t);
   });
   kinds_[v] = kind_of_star(link);
+  if (kinds_[v] == StarKind::rim && !samples_box_) kinds_[v] = StarKind::point;
   // Of one surface, where borders end it.
   if (kinds_[v] == StarKind::point && sides_.empty()) return;
   freedom_[v] = all_inside ? Freedom::free : Freedom::anchor;
+}
+
+std::int32_t EditMesh::depth(const LatticePoint& p) const {
+  std::int32_t depth = std::numeric_limits<std::int32_t>::max();
+  for (std::size_t a = 0; a < 3; ++a)
+    depth = std::min({depth, p[a] - samples_box_->lo[a], samples_box_->hi[a] - p[a]});
+  return depth;
 }
 
 void EditMesh::note_left(const Change& change, const Step& step) {

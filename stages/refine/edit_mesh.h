@@ -1,6 +1,7 @@
 // A mesh that is being changed in one cube: who its neighbours are, what may move, what stands where.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -55,7 +56,9 @@ class EditMesh {
   static constexpr std::uint32_t none = 0xffffffffu;
 
   // Vertices are numbered by their ids, triangles by their vertices, whatever the order in `mesh`.
-  EditMesh(const RefineMesh& mesh, const LatticeBox& box);
+  // samples: RefineParameters'.
+  EditMesh(const RefineMesh& mesh, const LatticeBox& box,
+           const std::optional<LatticeBox>& samples = {});
   RefineMesh take() &&;
 
   const LatticeBox& box() const { return box_; }
@@ -69,6 +72,10 @@ class EditMesh {
   Freedom freedom(std::uint32_t v) const { return freedom_[v]; }
   // Precondition: it is not fixed. No change that is made here changes it.
   StarKind kind(std::uint32_t v) const { return kinds_[v]; }
+  // No vertex of a rim goes further into the volume than it is, so that all know where the mesh may end.
+  bool keeps_border(std::uint32_t v, const LatticePoint& to) const {
+    return kinds_[v] != StarKind::rim || depth(to) <= std::max(0, depth(positions_[v]));
+  }
   bool may_go(std::uint32_t v) const {
     return freedom_[v] == Freedom::free && kinds_[v] != StarKind::point;
   }
@@ -196,6 +203,8 @@ class EditMesh {
   void link(std::uint32_t t);
   void unlink(std::uint32_t t);
   void find_freedom(std::uint32_t v, std::vector<LinkEdge>& link);  // link: room for it
+  // How far within the samples' box; 0 or less beyond it. Precondition: there is one.
+  std::int32_t depth(const LatticePoint& p) const;
   bool hit(std::uint32_t t, const Corners& corners, const LatticeTriangle& own,
            const Index3& normal) const;
   bool apart(std::uint32_t t, const LatticeTriangle& shape, const Index3& normal) const;
@@ -213,6 +222,7 @@ class EditMesh {
   bool others_stay_apart(const Change& change);
 
   LatticeBox box_;
+  std::optional<LatticeBox> samples_box_;
   std::vector<LatticePoint> positions_;
   std::vector<VertexId> ids_;
   std::vector<LatticePoint> aims_;

@@ -49,7 +49,9 @@ std::optional<EdgeEnds> EditMoves::ends(std::uint32_t u, std::uint32_t v) const 
   else if (a != Freedom::free || b != Freedom::free)
     ends = a == Freedom::free ? EdgeEnds{u, v, true} : EdgeEnds{v, u, true};
   if (!mesh_.may_go(ends.gone)) return std::nullopt;
-  if (mesh_.kind(ends.gone) == StarKind::line && mesh_.around_edge(u, v) == 2) return std::nullopt;
+  const StarKind gone = mesh_.kind(ends.gone);
+  if (gone == StarKind::line && mesh_.around_edge(u, v) == 2) return std::nullopt;
+  if (gone == StarKind::rim && mesh_.around_edge(u, v) != 1) return std::nullopt;
   return ends;
 }
 

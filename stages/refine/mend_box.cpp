@@ -128,7 +128,7 @@ bool BoxMender::untie_in(const LatticeBox& room) {
     if (mesh_.box(t).meets(room)) gather.add_triangle(mesh_, t, mesh_.intersects(t));
   const RefineMesh near = gather.take();
   if (near.triangles.size() > most_around) return false;
-  EditMesh edit(near, room);
+  EditMesh edit(near, room, parameters_.samples);
   const std::size_t before = edit.count_pairs();
   RefineCounts untied;
   untie_intersections(edit, parameters_, untied);

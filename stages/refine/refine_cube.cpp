@@ -56,7 +56,7 @@ void refine_cube(RefineMesh& mesh, const LatticeBox& box, const RefineParameters
   std::optional<EditMesh> edit;
   const auto start = [&] {
     counts = before;
-    edit.emplace(mesh, box);
+    edit.emplace(mesh, box, parameters.samples);
     mend(*edit, mesh.checked, parameters, counts);
   };
   start();
@@ -79,7 +79,7 @@ void refine_cube(RefineMesh& mesh, const LatticeBox& box, const RefineParameters
 
 CollapseSurvey survey_cube(const RefineMesh& mesh, const LatticeBox& box,
                            const RefineParameters& parameters, std::span<const double> tolerances) {
-  EditMesh edit(mesh, box);
+  EditMesh edit(mesh, box, parameters.samples);
   RefineCounts counts;
   CollapseSurvey survey;
   survey.inside = count_movable(edit);

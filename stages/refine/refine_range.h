@@ -33,6 +33,9 @@ struct RefineParameters {
   double reach = 0;
   // And where a vertex goes where it best lies, if not the tolerance.
   std::optional<double> places = {};
+  // Where the volume's border is open: the box of its samples. Elsewhere no vertex at a mesh's end is
+  // changed.
+  std::optional<LatticeBox> samples = {};
   // What leaves this box is fixed too, and all beyond it.
   std::optional<LatticeBox> within = {};
   NormalRule normals = {};

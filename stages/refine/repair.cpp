@@ -180,6 +180,7 @@ void Repairer::try_moves(std::uint32_t v) {
   const auto consider_step = [&](Vec3 step) {
     const LatticePoint to = nearest_point(from + step);
     if (best_.enough || to == mesh_.position(v) || !mesh_.box().contains(to)) return;
+    if (!mesh_.keeps_border(v, to)) return;
     if (moves_.move(v, to, change_)) consider({v, to, EditMesh::none}, 0);
   };
   for (const Vec3& step : {flat * 0.25, flat * 0.5, flat, way * 0.25, way * 0.5, way})
@@ -204,6 +205,7 @@ void Repairer::try_collapse(std::uint32_t one, std::uint32_t other) {
   const LatticePoint middle = nearest_point((to_double(a) + to_double(b)) * 0.5);
   for (const LatticePoint& at : {b, a, middle}) {
     if (best_.enough || (at != b && stays)) return;
+    if (!mesh_.keeps_border(v, at)) continue;
     if (moves_.collapse(u, v, at, change_)) consider({v, at, u}, 2);
   }
 }

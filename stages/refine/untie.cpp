@@ -99,7 +99,8 @@ bool Untier::try_moves(std::uint32_t v, double length) {
     const LatticePoint to{from[0] + static_cast<std::int32_t>(d.x) * step,
                           from[1] + static_cast<std::int32_t>(d.y) * step,
                           from[2] + static_cast<std::int32_t>(d.z) * step};
-    if (!mesh_.box().contains(to) || !moves.move(v, to, trial.change)) return;
+    if (!mesh_.box().contains(to) || !mesh_.keeps_border(v, to)) return;
+    if (!moves.move(v, to, trial.change)) return;
     trial.step = {v, to, EditMesh::none};
     untied = attempt(trial, &RefineCounts::moves);
   });

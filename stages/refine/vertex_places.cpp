@@ -115,7 +115,8 @@ void Placer::move(std::uint32_t v) {
   LatticePoint middle{};
   for (std::size_t a = 0; a < 3; ++a) middle[a] = from[a] + (aim[a] - from[a]) / 2;
   for (const LatticePoint& at : {aim, middle}) {
-    if (at == from || !mesh_.box().contains(at) || !moves_.move(v, at, change_)) continue;
+    if (at == from || !mesh_.box().contains(at) || !mesh_.keeps_border(v, at)) continue;
+    if (!moves_.move(v, at, change_)) continue;
     // The place that it leaves was none of the surface.
     if (!apply({v, at, EditMesh::none, false}, 0)) continue;
     ++counts_.moves;

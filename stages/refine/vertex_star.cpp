@@ -61,11 +61,19 @@ bool is_ring(std::span<const LinkEdge> edges) {
   return node == edges[0].from && seen == edges.size();
 }
 
+// One sheet from the one end to the other. Precondition: one edge begins or ends at ends[0].
+bool is_fan(const Link& link, std::span<const LinkEdge> edges, const std::uint32_t (&ends)[2]) {
+  std::size_t first = 0;
+  while (edges[first].from != ends[0] && edges[first].to != ends[0]) ++first;
+  const Link::Path fan = link.path(ends[0], first);
+  return fan.sound && fan.end == ends[1] && fan.edges == edges.size();
+}
+
 }  // namespace
 
 StarKind kind_of_star(std::span<const LinkEdge> edges) {
-  if (edges.size() < 3) return StarKind::point;
-  if (is_ring(edges)) return StarKind::disc;
+  if (edges.empty()) return StarKind::point;
+  if (edges.size() > 2 && is_ring(edges)) return StarKind::disc;
   const Link link(edges);
   std::uint32_t ends[2] = {};
   std::size_t count = 0;
@@ -77,10 +85,12 @@ StarKind kind_of_star(std::span<const LinkEdge> edges) {
       ends[count++] = node;
     }
   if (count == 0) {
+    if (edges.size() < 3) return StarKind::point;
     const Link::Path ring = link.path(edges[0].from, 0);
     return ring.sound && ring.edges == edges.size() ? StarKind::disc : StarKind::point;
   }
-  if (count == 1 || link.degree(ends[0]) < 3) return StarKind::point;
+  if (count == 1) return StarKind::point;
+  if (link.degree(ends[0]) == 1) return is_fan(link, edges, ends) ? StarKind::rim : StarKind::point;
   // Each page runs from the one end of the line to the other. Of pages of one triangle, which have
   // the same three corners, there can be but one.
   std::size_t covered = 0, single = 0;

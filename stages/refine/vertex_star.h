@@ -14,7 +14,8 @@ namespace voxweld {
 enum class StarKind : std::uint8_t {
   disc,   // one ring, which separates one pair of labels
   line,   // three or more sheets that meet in one line through it, like the pages of a book
-  point,  // all else: where lines meet or end, where sheets touch, at an open border
+  rim,    // one fan of one sheet, which an open border ends
+  point,  // all else: where lines meet or end, where sheets touch
 };
 
 // Of a triangle at the vertex the opposite edge, in the triangle's direction.

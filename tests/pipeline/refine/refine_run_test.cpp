@@ -47,6 +47,35 @@ TEST_P(Refined, IsSound) {
 INSTANTIATE_TEST_SUITE_P(Phantoms, Refined, ::testing::Values("gyroid", "part", "porous"),
                          [](const auto& each) { return each.param; });
 
+// An open border that much of the surface comes to. (The solids above keep clear of it.)
+class OpenBorder : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(OpenBorder, HasFewerEdgesAndNoTriangleThroughAnother) {
+  const bool noise = std::string(GetParam()) == "noise";
+  const Scene scene(GetParam(), noise ? 26 : 64);
+  const Settings open =
+      refined + Settings{"surface.border=open", "output.tile_vertices=2000",
+                         noise ? "input.crop=[4,5,6,22,21,20]" : "input.crop=[14,9,12,50,47,53]"};
+  VOXWELD_EXPECT_DONE(scene.run(open + Settings{"simplify.refine=off"}));
+  const VerifyReport plain = expect_good(scene.output());
+  ASSERT_GT(plain.boundary_edges, 200u);
+  for (const char* mode : {"repair", "collapse"}) {
+    SCOPED_TRACE(mode);
+    VOXWELD_EXPECT_DONE(scene.run(open + Settings{std::string("simplify.refine=") + mode}));
+    const VerifyReport report = expect_good(scene.output());
+    EXPECT_EQ(manifest_of(scene.output()).at("refine").at("intersecting_left"), 0);
+    EXPECT_GT(report.boundary_edges, 0u);
+    if (std::string(mode) == "collapse") {
+      EXPECT_LT(report.boundary_edges, plain.boundary_edges * (noise ? 95 : 75) / 100);
+    }
+  }
+  scene.expect_one_tree(open, {{"work.brick=16", "work.shard=2", "run.threads=1"},
+                               {"work.brick=64", "work.shard=1", "run.threads=3"}});
+}
+
+INSTANTIATE_TEST_SUITE_P(Phantoms, OpenBorder, ::testing::Values("gyroid", "porous", "noise"),
+                         [](const auto& each) { return each.param; });
+
 // Columns of labels that lean within a ball, others around them.
 RawVolume leaning_labels(Index3 size) {
   return volume_of(size, [&](Index3 s) {

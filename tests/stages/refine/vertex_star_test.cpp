@@ -49,11 +49,35 @@ TEST(VertexStar, ThreePagesMeetInALine) {
   EXPECT_EQ(kind_of_star(link), StarKind::point) << "a page of two pairs";
 }
 
+TEST(VertexStar, OneFanIsARim) {
+  for (const std::vector<std::uint32_t>& nodes :
+       {std::vector<std::uint32_t>{1, 2}, {1, 2, 3}, {4, 3, 2, 1}, {1, 2, 3, 4, 5}}) {
+    std::vector<LinkEdge> fan;
+    add_page(fan, nodes, ab);
+    EXPECT_EQ(kind_of_star(fan), StarKind::rim) << nodes.size();
+    std::ranges::reverse(fan);
+    EXPECT_EQ(kind_of_star(fan), StarKind::rim) << nodes.size();
+  }
+  std::vector<LinkEdge> fans;
+  add_page(fans, {1, 2, 3}, ab);
+  add_page(fans, {4, 5}, ab);
+  EXPECT_EQ(kind_of_star(fans), StarKind::point) << "two of them";
+  std::vector<LinkEdge> touched;
+  add_page(touched, {1, 2, 3}, ab);
+  add_page(touched, {4, 5, 6, 4}, ab);
+  EXPECT_EQ(kind_of_star(touched), StarKind::point) << "one that a sheet touches";
+  std::vector<LinkEdge> mixed;
+  add_page(mixed, {1, 2, 3}, ab);
+  mixed[1].sides = bc;
+  EXPECT_EQ(kind_of_star(mixed), StarKind::point) << "of two pairs";
+  std::vector<LinkEdge> turned;
+  add_page(turned, {1, 2, 3}, ab);
+  std::swap(turned[1].from, turned[1].to);
+  EXPECT_EQ(kind_of_star(turned), StarKind::point) << "of two directions";
+}
+
 TEST(VertexStar, AllElseIsAPoint) {
   EXPECT_EQ(kind_of_star({}), StarKind::point);
-  std::vector<LinkEdge> fan;
-  add_page(fan, {1, 2, 3, 4}, ab);
-  EXPECT_EQ(kind_of_star(fan), StarKind::point) << "an open border";
   std::vector<LinkEdge> two;
   add_page(two, {1, 2, 3, 1}, ab);
   add_page(two, {4, 5, 6, 4}, ab);
