@@ -1,14 +1,25 @@
 #!/usr/bin/env bash
 # Builds with sanitizers and runs tests under them; any finding fails.
 # Usage: tests/sanitize.sh asan|tsan [TEST_PROGRAM...]
-#   asan: addresses, leaks and undefined behaviour; tsan: data races.
+#        tests/sanitize.sh clang TEST_PROGRAM...
+#   asan: addresses, leaks and undefined behaviour; tsan: data races; clang: what asan looks for, built
+#   by clang together with tests/coverage_fuzz.sh, which is quicker where both are wanted.
 #   With test programs named (test_storage ...) only those are built and run, else all of ctest.
 set -euo pipefail
-usage() { sed -n '2,5s/^# //p' "${BASH_SOURCE[0]}"; }
+usage() { sed -n '2,7s/^# //p' "${BASH_SOURCE[0]}"; }
 
 kind=${1:-}
+folder=build-$kind preset=$kind
 case $kind in
   asan | tsan) shift ;;
+  clang)
+    shift
+    folder=build-fuzz preset=fuzzers
+    [ $# -gt 0 ] || {
+      echo "clang: name the test programs to run; see --help" >&2
+      exit 2
+    }
+    ;;
   -h | --help)
     usage
     exit 0
@@ -19,7 +30,7 @@ case $kind in
     ;;
 esac
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-build=$root/build-$kind
+build=$root/$folder
 jobs=$(nproc)
 
 export ASAN_OPTIONS=${ASAN_OPTIONS:-strict_string_checks=1:detect_stack_use_after_return=1}
@@ -32,7 +43,7 @@ if [ "$kind" = tsan ] && setarch "$(uname -m)" -R true 2>/dev/null; then
   fixed_addresses=(setarch "$(uname -m)" -R)
 fi
 
-cmake -C "$root/configs/presets/$kind.cmake" -S "$root" -B "$build" -G Ninja >/dev/null
+cmake -C "$root/configs/presets/$preset.cmake" -S "$root" -B "$build" -G Ninja >/dev/null
 if [ $# -eq 0 ]; then
   "${fixed_addresses[@]}" cmake --build "$build" -j "$jobs"
   "${fixed_addresses[@]}" ctest --test-dir "$build" --output-on-failure -j "$jobs"

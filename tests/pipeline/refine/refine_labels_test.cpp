@@ -54,7 +54,7 @@ TEST(RefinedLabel, HasTheMeshOfARunOfItAloneInRangesOfCubes) {
 }
 
 TEST(RefinedLabel, HasTheMeshOfARunOfItAloneInNoise) {
-  expect_labels_as_alone(cell_labels({34, 33, 20}, 4, 1.0, 2), collapsed + small_parts, 2);
+  expect_labels_as_alone(cell_labels({30, 27, 18}, 4, 1.0, 2), collapsed + small_parts, 2);
 }
 
 TEST(RefinedLabel, HasTheMeshOfARunOfItAloneWithOpenBorders) {

@@ -59,7 +59,7 @@ TEST(Target, OfANumberIsMet) {
 }
 
 TEST(Target, IsTheSameWhateverThePartition) {
-  const Scene scene("porous", 70);
+  const Scene scene("porous", 64);
   const std::vector<Settings> variants = {
       {"work.brick=16", "work.shard=2", "run.threads=1"},
       {"work.brick=32", "work.shard=1", "run.threads=3"},

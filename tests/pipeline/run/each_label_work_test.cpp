@@ -165,27 +165,25 @@ void cut_file(const fs::path& file, std::mt19937& random) {
   write_whole_file(file, bytes, Durability::rename_only);
 }
 
-// After the damage a run, and one with everything after build to be done again, which reads what
-// the first may have trusted.
+// What a run would trust it has to read: there everything after build is to be done again.
 TEST(EachLabelWork, DamageIsMended) {
   const Scene scene(cell_labels({45, 40, 33}, 12, 0.02, 6));
   VOXWELD_EXPECT_DONE(scene.run(small_batches));
   const Tree clean = output_tree(scene.output());
   std::mt19937 random(8);
-  for (const char* ending : {".octree", "top.tree", ".tile", ".record", ".drc", ".glb",
-                             "manifest.json", "tiles.jsonl", "labels.jsonl"})
+  for (const std::string ending : {".octree", "top.tree", ".tile", ".record", ".drc", ".glb",
+                                   "manifest.json", "tiles.jsonl", "labels.jsonl"})
     for (const auto& how : {std::function(change_a_bit_of), std::function(cut_file)}) {
       SCOPED_TRACE(ending);
       auto files = files_ending(scene.work(), ending);
       if (files.empty()) files = files_ending(scene.output(), ending);
       ASSERT_FALSE(files.empty());
       how(files[random() % files.size()], random);
-      for (const bool from_build : {false, true}) {
-        if (from_build) scene.forget_stages({"merge", "stitch", "encode"});
-        const ProgramResult result = scene.run(small_batches);
-        VOXWELD_EXPECT_DONE(result);
-        EXPECT_EQ(difference(clean, output_tree(scene.output())), "") << result.err;
-      }
+      if (ending == ".octree" || ending == "top.tree" || ending == ".tile")
+        scene.forget_stages({"merge", "stitch", "encode"});
+      const ProgramResult result = scene.run(small_batches);
+      VOXWELD_EXPECT_DONE(result);
+      EXPECT_EQ(difference(clean, output_tree(scene.output())), "") << result.err;
     }
 }
 

@@ -42,7 +42,7 @@ TEST_F(VdbDamage, ChangedBytesAnywhere) {
                                     std::uint32_t{io::COMPRESS_ZIP | io::COMPRESS_ACTIVE_MASK},
                                     std::uint32_t{io::COMPRESS_BLOSC | io::COMPRESS_ACTIVE_MASK}}) {
     const Bytes whole = sound(flags);
-    for (int i = 0; i < 100; ++i) {
+    for (int i = 0; i < 40; ++i) {
       Bytes bytes = whole;
       // Half of them where the headers and the upper nodes are.
       const std::size_t range =
