@@ -26,9 +26,7 @@ std::int32_t first_of_cell(const RefineFrame& frame, int axis, std::int64_t cell
 // The highest coordinate that a vertex may have. Of a surface that is closed at the volume's end, or
 // lies in a node that is cut there, vertices lie on that end, or are snapped a little beyond it.
 std::int32_t last_of_volume(const RefineFrame& frame, int axis) {
-  const std::int32_t end = first_of_cell(frame, axis, frame.size[axis] + 1);
-  const std::int32_t last_there_is = (std::int32_t{1} << frame.lattice.bits) - 1;
-  return std::max(end, std::min(end + most_snap_steps, last_there_is));
+  return first_of_cell(frame, axis, frame.size[axis] + 1) + most_snap_steps;
 }
 
 }  // namespace

@@ -16,9 +16,10 @@ double power_of_two_at_most(double v) {
   return std::ldexp(1.0, exponent - 1);
 }
 
+// With room for vertices that are snapped beyond the end.
 int bits_for(double extent, double step) {
   int bits = 1;
-  while (std::ldexp(1.0, bits) < extent / step + 1) ++bits;
+  while (std::ldexp(1.0, bits) < extent / step + 1 + most_snap_steps) ++bits;
   return bits;
 }
 

@@ -4,6 +4,7 @@
 
 #include "storage/store/store_source.h"
 #include "storage/support/error.h"
+#include "storage/support/file_io.h"
 #include "tests/storage/store/memory_source.h"
 #include "tests/support/temp_directory.h"
 
