@@ -87,7 +87,7 @@ done
 step "refined: the same bytes"
 
 # A level after the other.
-levels=(--set simplify.refine=auto --set output.levels=2 --set output.tile_vertices=2000)
+levels=(--set simplify.refine=auto --set output.levels=auto --set output.tile_vertices=2000)
 on leveled run "${levels[@]}" || fail "the local run with levels"
 coarse=$(tree_hash "$data/leveled.mesh")
 on levels run "${levels[@]}" --set run.executor=slurm || fail "the run with levels"
