@@ -1,7 +1,6 @@
 #include "stages/refine/rim_places.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "stages/exact/orientation.h"
 
@@ -17,24 +16,14 @@ double squared_distance(const LatticePoint& p, const LatticePoint& a, const Latt
 
 }  // namespace
 
-// The vertex from which the rim comes to v, or none: of a vertex of another kind none is asked for.
-std::uint32_t RimPlaces::before(std::uint32_t v) const {
+// The next vertex of the rim, or the one before v; none where v itself is of another kind.
+std::uint32_t RimPlaces::neighbour(std::uint32_t v, Way way) const {
   std::uint32_t found = EditMesh::none;
   if (mesh_.kind(v) != StarKind::rim) return found;
+  const std::size_t step = way == Way::forwards ? 1 : 2;  // as triangles at the rim run
   mesh_.each_around(v, [&](std::uint32_t t) {
     const Corners& c = mesh_.corners(t);
-    const std::uint32_t w = c[(corner_of(c, v) + 2) % 3];
-    if (mesh_.around_edge(v, w) == 1) found = w;
-  });
-  return found;
-}
-
-std::uint32_t RimPlaces::after(std::uint32_t v) const {
-  std::uint32_t found = EditMesh::none;
-  if (mesh_.kind(v) != StarKind::rim) return found;
-  mesh_.each_around(v, [&](std::uint32_t t) {
-    const Corners& c = mesh_.corners(t);
-    const std::uint32_t w = c[(corner_of(c, v) + 1) % 3];
+    const std::uint32_t w = c[(corner_of(c, v) + step) % 3];
     if (mesh_.around_edge(v, w) == 1) found = w;
   });
   return found;
@@ -49,9 +38,10 @@ void RimPlaces::take(std::uint32_t from, std::uint32_t to) {
 }
 
 bool RimPlaces::keeps(std::uint32_t gone, std::uint32_t keep, const LatticePoint& at, double most) {
-  const bool forwards = after(gone) == keep;
+  const bool forwards = neighbour(gone, Way::forwards) == keep;
   const std::uint32_t first = forwards ? gone : keep, second = forwards ? keep : gone;
-  const std::uint32_t from = before(first), to = after(second);
+  const std::uint32_t from = neighbour(first, Way::backwards),
+                      to = neighbour(second, Way::forwards);
   taken_.clear();
   old_.clear();
   take(from, first);

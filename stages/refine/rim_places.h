@@ -3,6 +3,7 @@
 // beyond what was the rim.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <unordered_map>
 #include <vector>
@@ -30,8 +31,8 @@ class RimPlaces {
     bool is_there() const { return from != EditMesh::none && to != EditMesh::none; }
     std::uint64_t key() const { return std::uint64_t{from} << 32 | to; }
   };
-  std::uint32_t before(std::uint32_t v) const;
-  std::uint32_t after(std::uint32_t v) const;
+  enum class Way : std::uint8_t { backwards, forwards };
+  std::uint32_t neighbour(std::uint32_t v, Way way) const;
   void take(std::uint32_t from, std::uint32_t to);
 
   const EditMesh& mesh_;

@@ -71,7 +71,7 @@ TEST(MendBoxes, AndCubesStayInTheVolume) {
     SCOPED_TRACE(side);
     const RefineFrame frame = frame_of(side);
     const std::int32_t end = cells(frame, static_cast<double>(side) + 1);
-    const std::int32_t last = std::min(end + most_snap_steps, (1 << frame.lattice.bits) - 1);
+    const std::int32_t last = end + most_snap_steps;
     const LatticeBox volume{{0, 0, 0}, {last, last, last}};
     for (int pass = 0; pass < refine_passes; ++pass) {
       const CubeLattice cubes(frame, pass);

@@ -3,7 +3,6 @@
 
 #include "stages/refine/collapse.h"
 #include "stages/refine/edit_moves.h"
-#include "stages/refine/repair.h"
 
 namespace voxweld {
 namespace rim {
@@ -15,7 +14,7 @@ constexpr std::int32_t count = (last - first) / side + 1;
 // The volume ends where the sheet does.
 constexpr LatticeBox samples{{first, first, first}, {last, last, last}};
 
-// A flat one of count^2 vertices, which vertices and triangles may be left out of.
+// A flat one of count^2 vertices, which triangles may be left out of.
 template <class Takes>
 RefineMesh sheet(Takes&& takes) {
   RefineMesh mesh;
