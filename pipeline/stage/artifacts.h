@@ -33,7 +33,7 @@ namespace voxweld {
 // Goes up whenever encode's bytes change. (The versions of the others stand beside their formats.)
 inline constexpr std::uint32_t encode_version = 3;
 // And whenever those of refine change.
-inline constexpr std::uint32_t refine_version = 12;
+inline constexpr std::uint32_t refine_version = 13;
 // And those of levels, beside what refine does.
 inline constexpr std::uint32_t levels_version = 3;
 

@@ -177,28 +177,33 @@ void EditMesh::note_left(const Change& change, std::uint32_t v) {
               left_.end());
 }
 
-double EditMesh::squared_reach(const Change& change, const Step& step, double enough, double most) {
+double EditMesh::measure(const Change& change, const Step& step, double enough, double most,
+                         bool finds_places) {
   const double limit = most * most;
   double reach = enough * enough;
+  // Any triangle will do that is no further than another sample is.
+  const auto to_nearest = [&](const LatticePoint& place, const MaterialPair& sides,
+                              std::size_t guess) {
+    const Nearest now = nearest_.to(place, sides, guess, finds_places ? -1 : reach);
+    places_.push_back(static_cast<std::uint32_t>(now.triangle));
+    return now.squared;
+  };
   places_.clear();
   note_left(change, step);
   nearest_.clear();
   for (std::size_t i = 0; i < change.shapes.size(); ++i)
     nearest_.add(change.shapes[i], sides(change.old[i]));
   for (const Left& left : left_) {
-    const Nearest now = nearest_.to(left.place, left.sides, 0);
-    reach = std::max(reach, now.squared);
+    reach = std::max(reach, to_nearest(left.place, left.sides, 0));
     if (reach > limit) return reach;
-    places_.push_back(static_cast<std::uint32_t>(now.triangle));
   }
   for (std::size_t i = 0; i < change.old.size(); ++i) {
     const std::uint32_t t = change.old[i];
     for (std::uint32_t s = sample_heads_[t]; s != none; s = sample_next_[s]) {
       // What takes the triangle's place is as good a guess as any.
-      const Nearest now = nearest_.to(samples_[s], sides(t), i);
-      places_.push_back(static_cast<std::uint32_t>(now.triangle));
-      if (now.squared <= reach || now.squared <= squared_distance(samples_[s], shape(t))) continue;
-      reach = now.squared;
+      const double now = to_nearest(samples_[s], sides(t), i);
+      if (now <= reach || now <= squared_distance(samples_[s], shape(t))) continue;
+      reach = now;
       if (reach > limit) return reach;
     }
   }

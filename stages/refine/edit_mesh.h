@@ -64,6 +64,7 @@ class EditMesh {
   const LatticeBox& box() const { return box_; }
   std::uint32_t vertices() const { return static_cast<std::uint32_t>(positions_.size()); }
   std::uint32_t triangles() const { return static_cast<std::uint32_t>(triangles_.size()); }
+  VertexId id(std::uint32_t v) const { return ids_[v]; }
   const LatticePoint& position(std::uint32_t v) const { return positions_[v]; }
   // Where it would best lie: its position where nothing is known.
   const LatticePoint& aim(std::uint32_t v) const {
@@ -177,11 +178,14 @@ class EditMesh {
   // further from the new ones than `most`, or than it is now. Of the new ones only those count that
   // separate what its triangle does; a place that a vertex leaves is one of each sheet there.
   bool keeps_samples(const Change& change, const Step& step, double most) {
-    return squared_reach(change, step, most, most) <= most * most;
+    return measure(change, step, most, most, true) <= most * most;
   }
   // The square of the least distance for which keeps_samples() would say yes: no more exactly than
-  // whether it is more than `most`, or no more than `enough`.
-  double squared_reach(const Change& change, const Step& step, double enough, double most);
+  // whether it is more than `most`, or no more than `enough`. Quicker than that, as which triangle is
+  // nearest to a sample does not matter.
+  double squared_reach(const Change& change, const Step& step, double enough, double most) {
+    return measure(change, step, enough, most, false);
+  }
   // Precondition: keeps_samples() has said yes to this change, and was not asked since. Samples go to
   // the nearest of the new triangles.
   void apply(const Change& change, const Step& step);
@@ -194,6 +198,9 @@ class EditMesh {
   }
 
  private:
+  // squared_reach(). finds_places: places_ tells the nearest triangles then.
+  double measure(const Change& change, const Step& step, double enough, double most,
+                 bool finds_places);
   // The places that vertices leave.
   void note_left(const Change& change, const Step& step);
   void note_left(const Change& change, std::uint32_t v);

@@ -1,6 +1,7 @@
 #include "stages/refine/mend_box.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -43,7 +44,7 @@ class BoxMender {
   void untie();
   bool still_intersects(std::uint32_t t) const;
   LatticeBox room_around(std::uint32_t t, double times) const;
-  bool untie_in(const LatticeBox& room);
+  bool untie_in(const LatticeBox& room, std::set<Knot>& tied);
 
   const RefineMesh& mesh_;
   const LatticeBox& box_;
@@ -89,16 +90,21 @@ bool BoxMender::still_intersects(std::uint32_t t) const {
 // Places that are left, one after the other.
 void BoxMender::untie() {
   std::set<std::array<VertexId, 3>> tried;
+  // Vertices around a place may have triangles that leave the first room, and stay where they are there.
+  struct Trial {
+    double times;
+    std::set<Knot> tied{};
+  };
+  std::array<Trial, 2> trials{{{0.5}, {4.0}}};
   while (tried.size() < most_trials) {
     const auto next = std::ranges::find_if(
         mended_.intersecting, [&](std::uint32_t t) { return !tried.contains(mended_.ids_of(t)); });
     if (next == mended_.intersecting.end()) return;
     const std::uint32_t t = *next;
     tried.insert(mended_.ids_of(t));
-    // Vertices around it may have triangles that leave the first room, and stay where they are there.
-    for (const double times : {0.5, 1.0, 4.0}) {
-      const LatticeBox room = room_around(t, times);
-      if (!untie_in(room)) continue;
+    for (Trial& trial : trials) {
+      const LatticeBox room = room_around(t, trial.times);
+      if (!untie_in(room, trial.tied)) continue;
       std::erase_if(mended_.intersecting, [&](std::uint32_t left) {
         return mended_.box(left).meets(room) && !still_intersects(left);
       });
@@ -121,7 +127,7 @@ LatticeBox BoxMender::room_around(std::uint32_t t, double times) const {
 }
 
 // Whether fewer pairs are left.
-bool BoxMender::untie_in(const LatticeBox& room) {
+bool BoxMender::untie_in(const LatticeBox& room, std::set<Knot>& tied) {
   MeshGather gather;
   gather.add(mended_, [&](std::size_t t) { return mended_.box(t).meets(room); });
   for (const std::uint32_t t : fixed_)
@@ -131,7 +137,7 @@ bool BoxMender::untie_in(const LatticeBox& room) {
   EditMesh edit(near, room, parameters_.samples);
   const std::size_t before = edit.count_pairs();
   RefineCounts untied;
-  untie_intersections(edit, parameters_, untied);
+  untie_intersections(edit, parameters_, tied, untied);
   const std::size_t after = edit.count_pairs();
   if (after >= before) return false;
   counts_.add(untied);

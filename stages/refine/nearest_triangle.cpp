@@ -99,7 +99,7 @@ NearestTriangles::Floats NearestTriangles::Boxes::squared_distances(
 }
 
 Nearest NearestTriangles::to(const LatticePoint& point, const MaterialPair& sides,
-                             std::size_t guess) {
+                             std::size_t guess, double enough) {
   Nearest best{std::numeric_limits<double>::infinity(), 0};
   float most = std::numeric_limits<float>::infinity();
   const auto look = [&](std::size_t i) {
@@ -109,6 +109,7 @@ Nearest NearestTriangles::to(const LatticePoint& point, const MaterialPair& side
     most = static_cast<float>(d * (1 + rounding));
   };
   if (guess < triangles_.size() && triangles_[guess].sides == sides) look(guess);
+  if (best.squared <= enough) return best;
   for (std::size_t first = 0; first < triangles_.size(); first += lanes) {
     const Floats far = boxes_[first / lanes].squared_distances(point);
     for (std::uint32_t near = bits_of(far <= most); near != 0; near &= near - 1) {
@@ -116,6 +117,7 @@ Nearest NearestTriangles::to(const LatticePoint& point, const MaterialPair& side
       const std::size_t i = first + lane;
       if (i >= triangles_.size()) break;
       if (far[lane] <= most && i != guess && triangles_[i].sides == sides) look(i);
+      if (best.squared <= enough) return best;
     }
   }
   return best;

@@ -40,9 +40,12 @@ class NearestTriangles {
     measured_.clear();
   }
   void add(const LatticeTriangle& shape, const MaterialPair& sides);
-  // guess: of the triangle that may well be it; any number will do. To the bit what a look at all of
-  // them says, since a triangle is passed over only where its box is further than another triangle.
-  Nearest to(const LatticePoint& point, const MaterialPair& sides, std::size_t guess);
+  // guess: of the triangle that may well be it; any number will do. enough: the square of a distance
+  // at which any triangle will do. To the bit what a look at all of them says, or where it says no more
+  // than enough, something else that is no more: a triangle is passed over only where its box is
+  // further than another triangle.
+  Nearest to(const LatticePoint& point, const MaterialPair& sides, std::size_t guess,
+             double enough = -1);
 
  private:
   static constexpr std::size_t lanes = 4;

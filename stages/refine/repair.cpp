@@ -125,10 +125,9 @@ std::vector<std::uint32_t> Repairer::intersecting(const std::vector<std::uint32_
 // Of the places that are within reach, those that were not so before.
 bool Repairer::in_turn(const EditMesh::Step& step) {
   const double most = std::min(reach_, most_);
-  if (!is_tried_) return mesh_.keeps_samples(change_, step, most);
-  const double tried = std::min(reach_ / 2, most_);
+  const double tried = is_tried_ ? std::min(reach_ / 2, most_) : most;
   const double reach = mesh_.squared_reach(change_, step, tried, most);
-  return reach <= most * most && reach > tried * tried;
+  return reach <= most * most && (!is_tried_ || reach > tried * tried);
 }
 
 void Repairer::consider(const EditMesh::Step& step, int kind) {

@@ -8,7 +8,30 @@
 namespace voxweld {
 namespace {
 
-constexpr std::size_t most_pairs = 4;
+constexpr std::size_t most_failures = 4;
+constexpr std::size_t most_in_knot = 32;
+
+// All that hang together, or some around the triangle where these are many; ascending.
+std::vector<std::uint32_t> knot_around(EditMesh& mesh, std::uint32_t t) {
+  std::vector<std::uint32_t> knot{t};
+  for (std::size_t i = 0; i < knot.size() && knot.size() < most_in_knot; ++i)
+    mesh.each_hit(knot[i], [&](std::uint32_t other) {
+      if (std::ranges::find(knot, other) == knot.end()) knot.push_back(other);
+    });
+  std::sort(knot.begin(), knot.end());
+  return knot;
+}
+
+Knot ids_of(const EditMesh& mesh, const std::vector<std::uint32_t>& triangles) {
+  Knot knot;
+  for (const std::uint32_t t : triangles) {
+    const Corners& c = mesh.corners(t);
+    knot.push_back({mesh.id(c[0]), mesh.id(c[1]), mesh.id(c[2])});
+    std::sort(knot.back().begin(), knot.back().end());
+  }
+  std::sort(knot.begin(), knot.end());
+  return knot;
+}
 
 struct Trial {
   Change change;
@@ -21,55 +44,50 @@ class Untier {
       : mesh_(mesh), parameters_(parameters), counts_(counts) {}
 
   // Whether fewer pairs are left now.
-  bool untie(std::uint32_t t);
+  bool untie(const std::vector<std::uint32_t>& knot);
 
  private:
-  std::vector<std::uint32_t> vertices_around(std::uint32_t t) const;
-  bool try_changes_of(std::uint32_t t);
+  std::vector<std::uint32_t> vertices_of(const std::vector<std::uint32_t>& triangles) const;
+  bool try_changes_of(const std::vector<std::uint32_t>& knot);
   bool try_moves(std::uint32_t v, double length);
   bool attempt(const Trial& trial, std::uint64_t RefineCounts::*kind);
 
   EditMesh& mesh_;
   const RefineParameters& parameters_;
   RefineCounts& counts_;
+  std::vector<std::uint32_t> knot_;
   std::size_t pairs_ = 0;
   RepairEffort effort_ = RepairEffort::quick;  // of trials
 };
 
-// Of it and of what it intersects.
-std::vector<std::uint32_t> Untier::vertices_around(std::uint32_t t) const {
+std::vector<std::uint32_t> Untier::vertices_of(const std::vector<std::uint32_t>& triangles) const {
   std::vector<std::uint32_t> vertices;
-  const auto add = [&](std::uint32_t one) {
-    vertices.insert(vertices.end(), mesh_.corners(one).begin(), mesh_.corners(one).end());
-  };
-  add(t);
-  mesh_.each_hit(t, add);
+  for (const std::uint32_t t : triangles)
+    vertices.insert(vertices.end(), mesh_.corners(t).begin(), mesh_.corners(t).end());
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   return vertices;
 }
 
 // Most that can be untied is so by a flip or a collapse, and what is left to repair then is seldom hard.
-bool Untier::untie(std::uint32_t t) {
+bool Untier::untie(const std::vector<std::uint32_t>& knot) {
+  knot_ = knot;
   pairs_ = mesh_.count_pairs();
   effort_ = RepairEffort::quick;
-  if (try_changes_of(t)) return true;
-  const std::vector<std::uint32_t> vertices = vertices_around(t);
+  if (try_changes_of(knot)) return true;
+  const std::vector<std::uint32_t> vertices = vertices_of(knot);
   for (const double length : {0.125, 0.25, 1.0})
     for (const std::uint32_t v : vertices)
       if (try_moves(v, length * parameters_.reach)) return true;
   effort_ = RepairEffort::thorough;
-  return try_changes_of(t);
+  return try_changes_of(knot);
 }
 
-// Flips of the edges of t and of what it intersects, and their collapses.
-bool Untier::try_changes_of(std::uint32_t t) {
-  std::vector<std::uint32_t> triangles{t};
-  mesh_.each_hit(t, [&](std::uint32_t other) { triangles.push_back(other); });
-  std::sort(triangles.begin(), triangles.end());
+// Flips of their edges, and collapses.
+bool Untier::try_changes_of(const std::vector<std::uint32_t>& knot) {
   EditMoves moves(mesh_);
   Trial trial;
-  for (const std::uint32_t one : triangles) {
+  for (const std::uint32_t one : knot) {
     if (!mesh_.movable(one)) continue;
     const Corners corners = mesh_.corners(one);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -111,7 +129,8 @@ bool Untier::attempt(const Trial& trial, std::uint64_t RefineCounts::*kind) {
   EditMesh copy = mesh_;
   if (!copy.keeps_samples(trial.change, trial.step, 2 * parameters_.reach)) return false;
   copy.apply(trial.change, trial.step);
-  std::vector<std::uint32_t> bad = mesh_.intersecting();
+  // What else intersects has been repaired as far as that goes.
+  std::vector<std::uint32_t> bad = knot_;
   const auto kept = static_cast<std::ptrdiff_t>(trial.change.now.size());
   bad.insert(bad.end(), trial.change.old.begin(), trial.change.old.begin() + kept);
   std::sort(bad.begin(), bad.end());
@@ -120,6 +139,7 @@ bool Untier::attempt(const Trial& trial, std::uint64_t RefineCounts::*kind) {
   copy.recheck_intersecting();
   RefineCounts counts;
   repair_intersections(copy, parameters_, counts, effort_);
+  copy.add_intersecting(mesh_.intersecting());
   if (copy.count_pairs() >= pairs_) return false;
   mesh_ = std::move(copy);
   counts_.add(counts);
@@ -129,18 +149,23 @@ bool Untier::attempt(const Trial& trial, std::uint64_t RefineCounts::*kind) {
 
 }  // namespace
 
-void untie_intersections(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts) {
-  std::vector<std::uint32_t> tied;  // nothing helps with them
-  for (std::size_t i = 0; i < most_pairs;) {
+void untie_intersections(EditMesh& mesh, const RefineParameters& parameters, std::set<Knot>& tied,
+                         RefineCounts& counts) {
+  std::vector<std::uint32_t> done;  // that are tied
+  for (std::size_t failures = 0; failures < most_failures;) {
     const auto& bad = mesh.intersecting();
     const auto next = std::ranges::find_if(bad, [&](std::uint32_t t) {
-      return mesh.movable(t) && std::ranges::find(tied, t) == tied.end();
+      return mesh.movable(t) && std::ranges::find(done, t) == done.end();
     });
     if (next == bad.end()) return;
-    const std::uint32_t t = *next;
-    if (Untier(mesh, parameters, counts).untie(t)) continue;
-    tied.push_back(t);
-    ++i;
+    const std::vector<std::uint32_t> knot = knot_around(mesh, *next);
+    Knot ids = ids_of(mesh, knot);
+    if (!tied.contains(ids)) {
+      if (Untier(mesh, parameters, counts).untie(knot)) continue;
+      tied.insert(std::move(ids));
+      ++failures;
+    }
+    done.insert(done.end(), knot.begin(), knot.end());
   }
 }
 

@@ -60,6 +60,37 @@ TEST(NearestTriangles, SayWhatAllOfThemSay) {
   }
 }
 
+// Where it is near enough any will do, and is what is said to be so far.
+TEST(NearestTriangles, StopWhereOneIsNearEnough) {
+  Random random;
+  std::size_t others = 0;
+  for (int round = 0; round < 400; ++round) {
+    NearestTriangles nearest;
+    std::vector<LatticeTriangle> shapes;
+    const std::size_t count = 1 + static_cast<std::size_t>(random(0, 12));
+    for (std::size_t i = 0; i < count; ++i) {
+      shapes.push_back(random.triangle(0, 100));
+      nearest.add(shapes.back(), {});
+    }
+    for (int k = 0; k < 20; ++k) {
+      const LatticePoint point = random.point(-50, 150);
+      const Nearest plain = testing::nearest_triangle(point, shapes);
+      const double enough = random(0, 3000);
+      const Nearest found = nearest.to(
+          point, {}, static_cast<std::size_t>(random(0, 2 * static_cast<int>(count))), enough);
+      EXPECT_EQ(found.squared, squared_distance(point, shapes[found.triangle]));
+      if (plain.squared > enough) {
+        EXPECT_EQ(found.squared, plain.squared);
+        EXPECT_EQ(found.triangle, plain.triangle);
+      } else {
+        EXPECT_LE(found.squared, enough);
+        others += found.triangle != plain.triangle ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(others, 100u);
+}
+
 TEST(NearestTriangles, AreOfTheSameSides) {
   NearestTriangles nearest;
   nearest.add({{{0, 0, 0}, {9, 0, 0}, {0, 9, 0}}}, {1, 2});

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <set>
 
 #include "stages/exact/intersections.h"
 #include "stages/refine/refine_range.h"
@@ -153,7 +154,8 @@ TEST(RefineVolume, UntiesWhatNoSingleChangeMends) {
   repair_intersections(edit, refine, counts, RepairEffort::thorough);
   EXPECT_GT(edit.count_pairs(), 0u);
   RefineCounts untied;
-  untie_intersections(edit, refine, untied);
+  std::set<Knot> tied;
+  untie_intersections(edit, refine, tied, untied);
   EXPECT_EQ(edit.count_pairs(), 0u);
   EXPECT_GT(untied.moves + untied.flips + untied.collapses, 1u);
   const RefineMesh mesh = std::move(edit).take();
@@ -164,6 +166,34 @@ TEST(RefineVolume, UntiesWhatNoSingleChangeMends) {
   EXPECT_TRUE(testing::nonmanifold_vertices(seen.triangles).empty());
   EXPECT_EQ(testing::euler_characteristic(seen.triangles),
             testing::euler_characteristic(made.mesh.triangles));
+}
+
+// They are known by what does not depend on the mesh at hand.
+TEST(RefineVolume, KnotsThatNothingHelpsWithAreLeftOut) {
+  const testing::VolumeMesh made = testing::mesh_of_volume({12, true, 13}, 0.02);
+  const auto repaired = [&](const RefineParameters& refine) {
+    EditMesh edit(made.mesh, LatticeBox::around(made.mesh.positions));
+    edit.set_intersecting(edit.find_intersecting());
+    RefineCounts counts;
+    repair_intersections(edit, refine, counts, RepairEffort::thorough);
+    return edit;
+  };
+  const RefineParameters refine = testing::refining(made.frame, 0.02, RefineMode::mend);
+  RefineParameters stiff = refine;
+  stiff.reach = 0;  // nothing may be tried
+  std::set<Knot> tied;
+  RefineCounts none;
+  EditMesh edit = repaired(refine);
+  const std::size_t pairs = edit.count_pairs();
+  untie_intersections(edit, stiff, tied, none);
+  EXPECT_EQ(edit.count_pairs(), pairs);
+  ASSERT_FALSE(tied.empty());
+  const std::set<Knot> known = tied;
+  EditMesh same = repaired(refine);
+  untie_intersections(same, refine, tied, none);
+  EXPECT_EQ(same.count_pairs(), pairs);
+  EXPECT_EQ(tied, known);
+  EXPECT_EQ(none.moves + none.flips + none.collapses, 0u);
 }
 
 TEST(RefineVolume, RandomVolumesStaySoundAndLoseTheirIntersections) {
