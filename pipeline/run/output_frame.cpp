@@ -25,12 +25,13 @@ OutputFrame output_frame(const Config& config, const VolumeGeometry& geometry) {
   LatticeRequest request{geometry.size, geometry.spacing,
                          config.output.precision * smallest_spacing(geometry)};
   const OutputLattice from_zero = plan_lattice(request);
-  OutputFrame frame{output_geometry(geometry, from_zero), {from_zero, geometry.spacing}, {}};
+  OutputFrame frame{
+      output_geometry(geometry, from_zero), {from_zero, geometry.spacing, {}, geometry.size}, {}};
   if (frame.geometry.first != geometry.first) {
     warn_of_origin(config, geometry.first);
   } else if (config.input.crop && !std::ranges::any_of(config.filters, moves_samples)) {
     request.first = config.input.crop->lo;
-    frame.snap = {plan_lattice(request), geometry.spacing, request.first};
+    frame.snap = {plan_lattice(request), geometry.spacing, request.first, geometry.size};
   } else {
     frame.first = geometry.first;
   }

@@ -88,7 +88,7 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info, const Label
   };
   paths.merge_key = next(Stage::merge, top_version, paths.build_key);
   paths.merge = work / ("merge-" + short_hex(paths.merge_key));
-  paths.stitch_key = next(Stage::stitch, tile_version, paths.merge_key);
+  paths.stitch_key = next(Stage::stitch, stitch_version << 16 | tile_version, paths.merge_key);
   if (g.first != Vec3{}) {
     KeyHasher stitch;
     stitch.hash(paths.stitch_key).text("first");

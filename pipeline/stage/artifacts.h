@@ -32,7 +32,9 @@ namespace voxweld {
 
 // Goes up whenever encode's bytes change. (The versions of the others stand beside their formats.)
 inline constexpr std::uint32_t encode_version = 3;
-// And whenever those of refine change.
+// And whenever vertices lie elsewhere on the lattice.
+inline constexpr std::uint32_t stitch_version = 1;
+// And whenever the bytes of refine change.
 inline constexpr std::uint32_t refine_version = 13;
 // And those of levels, beside what refine does.
 inline constexpr std::uint32_t levels_version = 3;

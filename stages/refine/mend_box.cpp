@@ -95,7 +95,7 @@ void BoxMender::untie() {
     double times;
     std::set<Knot> tied{};
   };
-  std::array<Trial, 2> trials{{{0.5}, {4.0}}};
+  std::array<Trial, 3> trials{{{0.5}, {1.0}, {4.0}}};
   while (tried.size() < most_trials) {
     const auto next = std::ranges::find_if(
         mended_.intersecting, [&](std::uint32_t t) { return !tried.contains(mended_.ids_of(t)); });

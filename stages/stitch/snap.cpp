@@ -25,6 +25,18 @@ std::int64_t origin(const SnapFrame& frame, std::size_t axis) {
   return static_cast<std::int64_t>(frame.lattice.origin[axis] / frame.lattice.step);
 }
 
+// Those of them that do not lie beyond the volume's end, or so many steps at most. A node of several
+// cells may reach far beyond it, and planes that meet there say nothing of the surface.
+Box3 within_volume(const SnapFrame& frame, const Box3& interior, int beyond) {
+  Box3 box = interior;
+  for (int a = 0; a < 3; ++a) {
+    const double end = static_cast<double>(frame.first[a] + frame.size[a]) * frame.spacing[a];
+    const auto last = static_cast<std::int64_t>(std::ceil(end / frame.lattice.step));
+    box.hi[a] = std::min(box.hi[a], last + beyond + 1);
+  }
+  return box;
+}
+
 // All lattice points, in absolute coordinates.
 Box3 whole(const SnapFrame& frame) {
   const Index3 lo{origin(frame, 0), origin(frame, 1), origin(frame, 2)};
@@ -94,7 +106,8 @@ class LevelPoints {
 }  // namespace
 
 LatticePoint snap_vertex(const SnapFrame& frame, CellKey leaf, const std::array<float, 3>& offset) {
-  return relative(frame, nearest(frame, leaf, interior(frame, leaf), offset));
+  return relative(frame,
+                  nearest(frame, leaf, within_volume(frame, interior(frame, leaf), 0), offset));
 }
 
 LatticePoint point_of(const SnapFrame& frame, CellKey leaf, const std::array<float, 3>& offset) {
@@ -122,15 +135,16 @@ LatticePoint snap_sheets(const SnapFrame& frame, CellKey leaf, std::span<const L
 
 LatticePoint snap_in_group(const SnapFrame& frame, CellKey node, bool shares,
                            std::span<const std::array<float, 3>> group) {
-  const Box3 box = interior(frame, node);
-  if (!shares && group.size() == 1) return relative(frame, nearest(frame, node, box, group[0]));
+  const Box3 sought = within_volume(frame, interior(frame, node), 0);
+  if (!shares && group.size() == 1) return relative(frame, nearest(frame, node, sought, group[0]));
+  const Box3 box = within_volume(frame, interior(frame, node), most_snap_steps);
   // Of level 0 a node has four vertices at most and eight points or more; of any other two points a
   // side or more of those that its level may take, so within so many steps there are enough.
   static const std::vector<Index3> steps = steps_by_distance(most_snap_steps);
   const LevelPoints points(node.level);
   std::vector<Index3> taken;
   for (const std::array<float, 3>& offset : group) {
-    const Index3 wanted = nearest(frame, node, box, offset);
+    const Index3 wanted = nearest(frame, node, sought, offset);
     const auto free = std::find_if(steps.begin(), steps.end(), [&](const Index3& step) {
       const Index3 q = wanted + step;
       return box.contains(q) && (!shares || points.has(q)) &&

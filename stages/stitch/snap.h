@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "storage/types/brick_octree.h"
@@ -15,6 +16,9 @@ struct SnapFrame {
   OutputLattice lattice;
   Vec3 spacing{1, 1, 1};
   Index3 first{};  // as LatticeRequest has it
+  // Samples a side of the volume, which ends where the next ones would be. No vertex lies beyond that,
+  // but for at most most_snap_steps where others lie.
+  Index3 size = splat(std::numeric_limits<std::int32_t>::max());
 };
 
 // The nearest lattice point strictly inside the leaf's box, so that vertices of different leaves

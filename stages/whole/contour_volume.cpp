@@ -140,8 +140,10 @@ TileMesh stitch_tile(const VolumeBricks& bricks, const VolumeContour& plan,
   const ContourOptions& options = bricks.options;
   const Vec3 spacing = bricks.parameters.spacing;
   const OutputLattice lattice = plan_lattice({bricks.size, spacing, options.precision});
-  const StitchParameters parameters{
-      {lattice, spacing}, options.first, options.normals, bricks.parameters.simplify.overhang > 0};
+  const StitchParameters parameters{{lattice, spacing, {}, bricks.size},
+                                    options.first,
+                                    options.normals,
+                                    bricks.parameters.simplify.overhang > 0};
   Pieces pieces(bricks);
   if (collapses_by_sheets(bricks.parameters))
     return stitch_tile(tile, parameters, pieces.of_tile(tile), plan.above, pieces);
