@@ -21,6 +21,16 @@ bool share_a_vertex(const Corners& a, const Corners& b) {
   return false;
 }
 
+// Whether different vertices of theirs lie at one place. Then triangles that share another one have an
+// edge in common as places are, which is no edge that they share.
+bool vertices_meet(const Corners& a, const LatticeTriangle& at, const Corners& b,
+                   const LatticeTriangle& bt) {
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      if (a[i] != b[j] && same_place(at[i], bt[j])) return true;
+  return false;
+}
+
 // axis: 1 to 3 along it, -1 to -3 against it.
 bool runs_along(const Index3& normal, int axis) {
   const std::int64_t along = normal[std::abs(axis) - 1];
@@ -47,15 +57,29 @@ void EditMesh::gather_umbrella(std::uint32_t v, const Change* change) {
       const auto i = static_cast<std::size_t>(std::countr_zero(left));
       const LatticeTriangle& s = change->shapes[i];
       const std::size_t k = corner_of(change->now[i], v);
-      umbrella_.push_back({&s[k], &s[(k + 1) % 3], &s[(k + 2) % 3], &change->planes[i], none});
+      const Corners& c = change->now[i];
+      umbrella_.push_back({&s[k], &s[(k + 1) % 3], &s[(k + 2) % 3], &change->planes[i], none,
+                           c[(k + 1) % 3], c[(k + 2) % 3]});
     }
   each_around(v, [&](std::uint32_t t) {
     if (change != nullptr && marks_[t] == mark_) return;
     const Corners& c = triangles_[t];
     const std::size_t k = corner_of(c, v);
+    const std::uint32_t next = c[(k + 1) % 3], last = c[(k + 2) % 3];
     umbrella_.push_back(
-        {&positions_[v], &positions_[c[(k + 1) % 3]], &positions_[c[(k + 2) % 3]], &planes_[t], t});
+        {&positions_[v], &positions_[next], &positions_[last], &planes_[t], t, next, last});
   });
+}
+
+// Of one umbrella.
+bool EditMesh::intersect(const Rib& a, const Rib& b) {
+  const auto meet = [](std::uint32_t v, const LatticePoint& p, std::uint32_t w,
+                       const LatticePoint& q) { return v != w && same_place(p, q); };
+  return meet(a.next_vertex, *a.next, b.next_vertex, *b.next) ||
+         meet(a.next_vertex, *a.next, b.last_vertex, *b.last) ||
+         meet(a.last_vertex, *a.last, b.next_vertex, *b.next) ||
+         meet(a.last_vertex, *a.last, b.last_vertex, *b.last) ||
+         intersect_by_planes(a.shape(), *a.normal, b.shape(), *b.normal);
 }
 
 // Of the umbrella that was gathered.
@@ -143,9 +167,7 @@ bool EditMesh::umbrellas_are_clean(const Change& change) {
     if (proper_axis(v) != 0) continue;
     for (std::size_t i = 0; i < umbrella_.size() && umbrella_[i].triangle == none; ++i)
       for (std::size_t j = i + 1; j < umbrella_.size(); ++j)
-        if (intersect_by_planes(umbrella_[i].shape(), *umbrella_[i].normal, umbrella_[j].shape(),
-                                *umbrella_[j].normal))
-          return false;
+        if (intersect(umbrella_[i], umbrella_[j])) return false;
   }
   return true;
 }
@@ -168,9 +190,10 @@ bool EditMesh::others_stay_apart(const Change& change) {
 // Of triangles of the mesh.
 bool EditMesh::hit(std::uint32_t t, const Corners& corners, const LatticeTriangle& own,
                    const Index3& normal) const {
-  return share_a_vertex(corners, triangles_[t])
-             ? intersect_by_planes(own, normal, shape(t), planes_[t])
-             : !apart(t, own, normal);
+  if (!share_a_vertex(corners, triangles_[t])) return !apart(t, own, normal);
+  const LatticeTriangle other = shape(t);
+  return vertices_meet(corners, own, triangles_[t], other) ||
+         intersect_by_planes(own, normal, other, planes_[t]);
 }
 
 std::size_t EditMesh::hits(const Change& change, std::size_t most,
@@ -192,8 +215,9 @@ std::size_t EditMesh::hits(const Change& change, std::size_t most,
   }
   for (std::size_t i = 0; i < change.shapes.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      count += intersect_by_planes(change.shapes[i], change.planes[i], change.shapes[j],
-                                   change.planes[j])
+      count += vertices_meet(change.now[i], change.shapes[i], change.now[j], change.shapes[j]) ||
+                       intersect_by_planes(change.shapes[i], change.planes[i], change.shapes[j],
+                                           change.planes[j])
                    ? 1
                    : 0;
   if (count >= most) return count;
@@ -218,10 +242,7 @@ std::vector<std::uint32_t> EditMesh::find_intersecting() {
     for (std::size_t i = 0; i < umbrella_.size(); ++i)
       for (std::size_t j = i + 1; j < umbrella_.size(); ++j) {
         const std::uint32_t a = umbrella_[i].triangle, b = umbrella_[j].triangle;
-        if ((movable(a) || movable(b)) &&
-            intersect_by_planes(umbrella_[i].shape(), *umbrella_[i].normal, umbrella_[j].shape(),
-                                *umbrella_[j].normal))
-          add(a, b);
+        if ((movable(a) || movable(b)) && intersect(umbrella_[i], umbrella_[j])) add(a, b);
       }
   }
   add_intersecting_apart([&](std::uint32_t t) { return movable(t); }, bad);

@@ -217,6 +217,15 @@ class EditMesh {
   bool apart(std::uint32_t t, const LatticeTriangle& shape, const Index3& normal) const;
   // An axis and a direction on it: 1 to 3 along it, -1 to -3 against it, 0 none.
   using SignedAxis = std::int8_t;
+  // A triangle around a vertex, the vertex first.
+  struct Rib {
+    const LatticePoint *at, *next, *last;
+    const Index3* normal;
+    std::uint32_t triangle;  // none: a new one
+    std::uint32_t next_vertex, last_vertex;
+    LatticeTriangle shape() const { return {*at, *next, *last}; }
+  };
+  static bool intersect(const Rib& a, const Rib& b);
   void gather_umbrella(std::uint32_t v, const Change* change);
   SignedAxis proper_axis(std::uint32_t v) const;
   bool stays_proper(std::uint32_t v, const Change& change);
@@ -263,13 +272,6 @@ class EditMesh {
   // that have any.
   std::vector<std::uint64_t> uses_;
   std::vector<std::uint32_t> used_;
-  // A triangle around a vertex, the vertex first.
-  struct Rib {
-    const LatticePoint *at, *next, *last;
-    const Index3* normal;
-    std::uint32_t triangle;  // none: a new one
-    LatticeTriangle shape() const { return {*at, *next, *last}; }
-  };
   std::vector<Rib> umbrella_;
   // Of vertices: along which axis all triangles around it are known to run the same way and once
   // around, as they are now.

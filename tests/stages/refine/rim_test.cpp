@@ -64,6 +64,35 @@ TEST(Rim, OfAFlatSheetItsCornersStay) {
                 {first, first, 300}, {first, last, 300}, {last, first, 300}, {last, last, 300}}));
 }
 
+// Two fans that meet in a vertex: as places are, triangles of the one and of the other would share an edge.
+TEST(Rim, NoVertexComesToLieOnAnother) {
+  RefineMesh made;
+  made.positions = {
+      {300, 300, 100}, {200, 300, 200}, {200, 350, 250}, {400, 300, 200}, {400, 350, 250}};
+  for (std::uint64_t v = 0; v < made.positions.size(); ++v) made.ids.push_back({v});
+  made.triangles = {{0, 1, 2}, {0, 3, 4}};
+  EditMesh mesh(made, box, samples);
+  ASSERT_EQ(mesh.freedom(1), Freedom::free);
+  EditMoves moves(mesh);
+  Change change;
+  for (const std::uint32_t other : {3U, 4U}) {
+    ASSERT_TRUE(moves.move(1, mesh.position(other), change));
+    EXPECT_FALSE(mesh.clean(change));
+    EXPECT_FALSE(mesh.clean_around(change));
+    EXPECT_EQ(mesh.hits(change, 9), 1u);
+  }
+  LatticePoint beside = mesh.position(3);
+  --beside[1];
+  ASSERT_TRUE(moves.move(1, beside, change));
+  EXPECT_TRUE(mesh.clean(change));
+  EXPECT_EQ(mesh.hits(change, 9), 0u);
+  // Where they do so already it is found.
+  made.positions[1] = made.positions[3];
+  EditMesh meeting(made, box, samples);
+  EXPECT_EQ(meeting.find_intersecting(), (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_TRUE(meeting.hit(0, 1));
+}
+
 TEST(Rim, WhereNoBorderIsOpenItStays) {
   EditMesh mesh(sheet(), box);
   RefineCounts counts;
