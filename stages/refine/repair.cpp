@@ -1,6 +1,7 @@
 #include "stages/refine/repair.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -13,6 +14,7 @@ namespace voxweld {
 namespace {
 
 constexpr int most_rounds = 12;
+constexpr std::size_t most_reaches = 8;
 
 Vec3 to_double(const LatticePoint& p) {
   return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
@@ -37,6 +39,12 @@ class Repairer {
         touched_(mesh.vertices()),
         failed_(mesh.triangles()) {}
 
+  // All that is not around these was tried before.
+  void know_all_but(std::span<const std::uint32_t> vertices) {
+    std::ranges::fill(failed_, Failure{clock_, true});
+    ++clock_;
+    for (const std::uint32_t v : vertices) touched_[v] = clock_;
+  }
   void run() {
     std::vector<std::uint32_t> bad = mesh_.intersecting();
     for (int round = 0; round < most_rounds && !bad.empty(); ++round) {
@@ -61,6 +69,7 @@ class Repairer {
     int kind = 0;         // 0 a move, 1 a flip, 2 a collapse
   };
   std::vector<std::uint32_t> intersecting(const std::vector<std::uint32_t>& among);
+  void begin_reaches(int round);
   bool mend(std::uint32_t t, int round);
   // All that can be tried was, and nothing around has changed since.
   bool has_failed(std::uint32_t t, const std::vector<std::uint32_t>& vertices) const {
@@ -73,8 +82,8 @@ class Repairer {
   void try_flips(std::uint32_t t);
   void try_collapse(std::uint32_t one, std::uint32_t other);
   void try_collapses(std::uint32_t t);
+  bool is_done() const { return bests_[0].enough; }
   // change_: made by moves_.
-  bool in_turn(const EditMesh::Step& step);
   void consider(const EditMesh::Step& step, int kind);
   Vec3 along_surface(std::uint32_t v, Vec3 way) const;
 
@@ -85,11 +94,13 @@ class Repairer {
   const double most_;  // from a sample to its triangle
   EditMoves moves_;
   KnownHits hits_;
-  double reach_ = 0;       // of the moves that are tried
-  bool is_tried_ = false;  // those of half the reach are
+  // How far samples may go, each twice the one before. The least with which something helps counts, so
+  // once that is found those beyond it are left out.
+  std::array<double, most_reaches> reaches_{};
+  std::size_t count_ = 0;  // of them
   bool anywhere_ = false;
   Change change_;
-  Best best_;
+  std::array<Best, most_reaches> bests_;
   struct Known {
     std::vector<std::uint32_t> triangles;
     std::vector<std::uint32_t> others;  // that some of them intersect
@@ -122,31 +133,27 @@ std::vector<std::uint32_t> Repairer::intersecting(const std::vector<std::uint32_
   return near;
 }
 
-// Of the places that are within reach, those that were not so before.
-bool Repairer::in_turn(const EditMesh::Step& step) {
-  const double most = std::min(reach_, most_);
-  const double tried = is_tried_ ? std::min(reach_ / 2, most_) : most;
-  const double reach = mesh_.squared_reach(change_, step, tried, most);
-  return reach <= most * most && (!is_tried_ || reach > tried * tried);
-}
-
+// With the least reach that allows it.
 void Repairer::consider(const EditMesh::Step& step, int kind) {
-  if (best_.enough || !in_turn(step)) return;
+  const double most = reaches_[count_ - 1];
+  const double reach = mesh_.squared_reach(change_, step, reaches_[0], most);
+  if (reach > most * most) return;
+  std::size_t least = 0;
+  while (reach > reaches_[least] * reaches_[least]) ++least;
+  Best& best = bests_[least];
+  if (best.enough) return;
   auto known = std::ranges::find(known_, change_.old, &Known::triangles);
   if (known == known_.end()) {
     known = known_.insert(known, Known{change_.old, {}});
     known->hits = hits_.pairs_of(change_.old, known->others);
   }
   const std::size_t before = known->hits;
-  if (before <= best_.fewer) return;
+  if (before <= best.fewer) return;
   // What they intersect now they most likely still do, which mostly is enough to know.
-  const std::size_t after = mesh_.hits(change_, before - best_.fewer, known->others);
-  if (after + best_.fewer >= before) return;
-  best_.fewer = before - after;
-  best_.change = change_;
-  best_.step = step;
-  best_.kind = kind;
-  best_.enough = after == 0;
+  const std::size_t after = mesh_.hits(change_, before - best.fewer, known->others);
+  if (after + best.fewer >= before) return;
+  best = {before - after, change_, step, after == 0, kind};
+  count_ = least + 1;
 }
 
 // What of `way` does not lead off the surface, as the vertex' normals have it.
@@ -178,7 +185,7 @@ void Repairer::try_moves(std::uint32_t v) {
   const Vec3 flat = along_surface(v, way);
   const auto consider_step = [&](Vec3 step) {
     const LatticePoint to = nearest_point(from + step);
-    if (best_.enough || to == mesh_.position(v) || !mesh_.box().contains(to)) return;
+    if (is_done() || to == mesh_.position(v) || !mesh_.box().contains(to)) return;
     if (!mesh_.keeps_border(v, to)) return;
     if (moves_.move(v, to, change_)) consider({v, to, EditMesh::none}, 0);
   };
@@ -203,7 +210,7 @@ void Repairer::try_collapse(std::uint32_t one, std::uint32_t other) {
   const LatticePoint a = mesh_.position(u), b = mesh_.position(v);
   const LatticePoint middle = nearest_point((to_double(a) + to_double(b)) * 0.5);
   for (const LatticePoint& at : {b, a, middle}) {
-    if (best_.enough || (at != b && stays)) return;
+    if (is_done() || (at != b && stays)) return;
     if (!mesh_.keeps_border(v, at)) continue;
     if (moves_.collapse(u, v, at, change_)) consider({v, at, u}, 2);
   }
@@ -220,6 +227,19 @@ void Repairer::try_collapses(std::uint32_t t) {
   }
 }
 
+// First what changes the surface least.
+void Repairer::begin_reaches(int round) {
+  const double last = parameters_.reach * (anywhere_ ? 4 : 1);
+  double reach = std::min(parameters_.reach, std::ldexp(parameters_.reach / 16, round));
+  count_ = 0;
+  for (bool more = true; more; reach *= 2, ++count_) {
+    more = reach < last;
+    reaches_[count_] = std::min(reach, most_);
+    bests_[count_].fewer = 0;
+    bests_[count_].enough = false;
+  }
+}
+
 bool Repairer::mend(std::uint32_t t, int round) {
   std::vector<std::uint32_t> pair{t};
   hits_.each(t, [&](std::uint32_t other) { pair.push_back(other); });
@@ -231,35 +251,29 @@ bool Repairer::mend(std::uint32_t t, int round) {
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   if (has_failed(t, vertices)) return false;
-  // What changes the surface least.
-  best_.fewer = 0;
-  best_.enough = false;
   known_.clear();
-  reach_ = std::min(parameters_.reach, std::ldexp(parameters_.reach / 16, round));
-  is_tried_ = false;
-  for (; best_.fewer == 0; reach_ *= 2, is_tried_ = true) {
-    for (std::size_t i = 0; i < vertices.size() && !best_.enough; ++i) try_moves(vertices[i]);
-    for (const std::uint32_t one : pair)
-      if (!best_.enough && mesh_.movable(one)) {
-        try_flips(one);
-        try_collapses(one);
-      }
-    if (reach_ >= parameters_.reach * (anywhere_ ? 4 : 1)) break;
-  }
-  if (best_.fewer == 0) {
+  begin_reaches(round);
+  for (std::size_t i = 0; i < vertices.size() && !is_done(); ++i) try_moves(vertices[i]);
+  for (const std::uint32_t one : pair)
+    if (!is_done() && mesh_.movable(one)) {
+      try_flips(one);
+      try_collapses(one);
+    }
+  Best& best = bests_[count_ - 1];
+  if (best.fewer == 0) {
     failed_[t] = {clock_, anywhere_};
     return false;
   }
-  const auto kept = static_cast<std::ptrdiff_t>(best_.change.now.size());
-  changed_.insert(changed_.end(), best_.change.old.begin(), best_.change.old.begin() + kept);
+  const auto kept = static_cast<std::ptrdiff_t>(best.change.now.size());
+  changed_.insert(changed_.end(), best.change.old.begin(), best.change.old.begin() + kept);
   ++clock_;
-  for (const Corners& c : best_.change.now)
+  for (const Corners& c : best.change.now)
     for (const std::uint32_t v : c) touched_[v] = clock_;
-  mesh_.keeps_samples(best_.change, best_.step, std::numeric_limits<double>::infinity());
-  hits_.before(best_.change);
-  mesh_.apply(best_.change, best_.step);
-  hits_.after(best_.change);
-  ++(best_.kind == 0 ? counts_.moves : best_.kind == 1 ? counts_.flips : counts_.collapses);
+  mesh_.keeps_samples(best.change, best.step, std::numeric_limits<double>::infinity());
+  hits_.before(best.change);
+  mesh_.apply(best.change, best.step);
+  hits_.after(best.change);
+  ++(best.kind == 0 ? counts_.moves : best.kind == 1 ? counts_.flips : counts_.collapses);
   return true;
 }
 
@@ -268,6 +282,13 @@ bool Repairer::mend(std::uint32_t t, int round) {
 void repair_intersections(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts,
                           RepairEffort effort, double most) {
   Repairer(mesh, parameters, counts, effort, most).run();
+}
+
+void repair_around(EditMesh& mesh, std::span<const std::uint32_t> changed,
+                   const RefineParameters& parameters, RefineCounts& counts, RepairEffort effort) {
+  Repairer repairer(mesh, parameters, counts, effort, std::numeric_limits<double>::infinity());
+  repairer.know_all_but(changed);
+  repairer.run();
 }
 
 }  // namespace voxweld

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "stages/refine/edit_mesh.h"
 #include "stages/refine/refine_range.h"
@@ -20,5 +21,10 @@ enum class RepairEffort : std::uint8_t {
 void repair_intersections(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts,
                           RepairEffort effort,
                           double most = std::numeric_limits<double>::infinity());
+
+// The same of a mesh that was repaired with as much effort before and has changed since, around some
+// vertices: nothing is tried again where none of them is.
+void repair_around(EditMesh& mesh, std::span<const std::uint32_t> changed,
+                   const RefineParameters& parameters, RefineCounts& counts, RepairEffort effort);
 
 }  // namespace voxweld

@@ -137,8 +137,11 @@ bool Untier::attempt(const Trial& trial, std::uint64_t RefineCounts::*kind) {
   bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
   copy.set_intersecting(std::move(bad));
   copy.recheck_intersecting();
+  std::vector<std::uint32_t> changed;
+  for (const Corners& corners : trial.change.now)
+    changed.insert(changed.end(), corners.begin(), corners.end());
   RefineCounts counts;
-  repair_intersections(copy, parameters_, counts, effort_);
+  repair_around(copy, changed, parameters_, counts, effort_);
   copy.add_intersecting(mesh_.intersecting());
   if (copy.count_pairs() >= pairs_) return false;
   mesh_ = std::move(copy);

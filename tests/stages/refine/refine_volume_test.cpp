@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <numeric>
 #include <set>
 
 #include "stages/exact/intersections.h"
@@ -166,6 +167,29 @@ TEST(RefineVolume, UntiesWhatNoSingleChangeMends) {
   EXPECT_TRUE(testing::nonmanifold_vertices(seen.triangles).empty());
   EXPECT_EQ(testing::euler_characteristic(seen.triangles),
             testing::euler_characteristic(made.mesh.triangles));
+}
+
+// What was changed is all that is looked around.
+TEST(RefineVolume, RepairsAroundWhatWasChanged) {
+  const testing::VolumeMesh made = testing::mesh_of_volume({12, true, 13}, 0.02);
+  const RefineParameters refine = testing::refining(made.frame, 0.02, RefineMode::mend);
+  const auto unrepaired = [&] {
+    EditMesh edit(made.mesh, LatticeBox::around(made.mesh.positions));
+    edit.set_intersecting(edit.find_intersecting());
+    return edit;
+  };
+  const auto changes = [](const RefineCounts& c) { return c.moves + c.flips + c.collapses; };
+  EditMesh all = unrepaired(), nothing = unrepaired(), everything = unrepaired();
+  std::vector<std::uint32_t> vertices(all.vertices());
+  std::iota(vertices.begin(), vertices.end(), 0U);
+  RefineCounts of_all, of_nothing, of_everything;
+  repair_intersections(all, refine, of_all, RepairEffort::thorough);
+  repair_around(nothing, {}, refine, of_nothing, RepairEffort::thorough);
+  repair_around(everything, vertices, refine, of_everything, RepairEffort::thorough);
+  EXPECT_EQ(changes(of_nothing), 0u);
+  EXPECT_GT(changes(of_all), 0u);
+  EXPECT_EQ(changes(of_everything), changes(of_all));
+  EXPECT_EQ(std::move(everything).take().positions, std::move(all).take().positions);
 }
 
 // They are known by what does not depend on the mesh at hand.
