@@ -14,10 +14,14 @@ constexpr std::size_t most_in_knot = 32;
 // All that hang together, or some around the triangle where these are many; ascending.
 std::vector<std::uint32_t> knot_around(EditMesh& mesh, std::uint32_t t) {
   std::vector<std::uint32_t> knot{t};
-  for (std::size_t i = 0; i < knot.size() && knot.size() < most_in_knot; ++i)
+  for (std::size_t i = 0; i < knot.size() && knot.size() < most_in_knot; ++i) {
+    const auto known = static_cast<std::ptrdiff_t>(knot.size());
     mesh.each_hit(knot[i], [&](std::uint32_t other) {
       if (std::ranges::find(knot, other) == knot.end()) knot.push_back(other);
     });
+    // Which these are may not depend on where the search comes upon them.
+    std::sort(knot.begin() + known, knot.end());
+  }
   std::sort(knot.begin(), knot.end());
   return knot;
 }
