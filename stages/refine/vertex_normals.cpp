@@ -53,8 +53,11 @@ class Directions {
   std::array<PackedNormal, max_clusters> packed() const {
     std::array<PackedNormal, max_clusters> out;
     out.fill(no_normal);
-    for (std::size_t k = 0; k < count_; ++k)
-      out[k] = pack_normal(sums_[k] * (1 / length(sums_[k])));
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < count_; ++k) {
+      const double size = length(sums_[k]);  // opposite ones may cancel
+      if (size > 0) out[count++] = pack_normal(sums_[k] * (1 / size));
+    }
     return out;
   }
 
