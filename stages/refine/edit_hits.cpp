@@ -21,14 +21,14 @@ bool share_a_vertex(const Corners& a, const Corners& b) {
   return false;
 }
 
-// Whether different vertices of theirs lie at one place. Then triangles that share another one have an
-// edge in common as places are, which is no edge that they share.
-bool vertices_meet(const Corners& a, const LatticeTriangle& at, const Corners& b,
-                   const LatticeTriangle& bt) {
+// Of triangles that share a vertex. Where different vertices lie at one place these seem to share more
+// than they do, as places are.
+bool intersect(const Corners& a, const LatticeTriangle& shape_a, const Index3& normal_a,
+               const Corners& b, const LatticeTriangle& shape_b, const Index3& normal_b) {
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j)
-      if (a[i] != b[j] && same_place(at[i], bt[j])) return true;
-  return false;
+      if (a[i] != b[j] && same_place(shape_a[i], shape_b[j])) return true;
+  return intersect_by_planes(shape_a, normal_a, shape_b, normal_b);
 }
 
 // axis: 1 to 3 along it, -1 to -3 against it.
@@ -44,6 +44,12 @@ void make_ascending(std::vector<std::uint32_t>& numbers) {
 
 }  // namespace
 
+// Of one umbrella.
+bool EditMesh::ribs_intersect(std::size_t i, std::size_t j) const {
+  const Rib &a = umbrella_[i], &b = umbrella_[j];
+  return intersect(a.corners, a.shape(), *a.normal, b.corners, b.shape(), *b.normal);
+}
+
 // Whether triangle t and `other`, which share no vertex, have nothing in common, not even a place.
 bool EditMesh::apart(std::uint32_t t, const LatticeTriangle& other, const Index3& normal) const {
   return lie_apart(shape(t), planes_[t], other, normal);
@@ -56,10 +62,10 @@ void EditMesh::gather_umbrella(std::uint32_t v, const Change* change) {
     for (std::uint64_t left = uses_[v]; left != 0; left &= left - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(left));
       const LatticeTriangle& s = change->shapes[i];
-      const std::size_t k = corner_of(change->now[i], v);
       const Corners& c = change->now[i];
-      umbrella_.push_back({&s[k], &s[(k + 1) % 3], &s[(k + 2) % 3], &change->planes[i], none,
-                           c[(k + 1) % 3], c[(k + 2) % 3]});
+      const std::size_t k = corner_of(c, v), next = (k + 1) % 3, last = (k + 2) % 3;
+      umbrella_.push_back(
+          {&s[k], &s[next], &s[last], &change->planes[i], none, {v, c[next], c[last]}});
     }
   each_around(v, [&](std::uint32_t t) {
     if (change != nullptr && marks_[t] == mark_) return;
@@ -67,19 +73,8 @@ void EditMesh::gather_umbrella(std::uint32_t v, const Change* change) {
     const std::size_t k = corner_of(c, v);
     const std::uint32_t next = c[(k + 1) % 3], last = c[(k + 2) % 3];
     umbrella_.push_back(
-        {&positions_[v], &positions_[next], &positions_[last], &planes_[t], t, next, last});
+        {&positions_[v], &positions_[next], &positions_[last], &planes_[t], t, {v, next, last}});
   });
-}
-
-// Of one umbrella.
-bool EditMesh::intersect(const Rib& a, const Rib& b) {
-  const auto meet = [](std::uint32_t v, const LatticePoint& p, std::uint32_t w,
-                       const LatticePoint& q) { return v != w && same_place(p, q); };
-  return meet(a.next_vertex, *a.next, b.next_vertex, *b.next) ||
-         meet(a.next_vertex, *a.next, b.last_vertex, *b.last) ||
-         meet(a.last_vertex, *a.last, b.next_vertex, *b.next) ||
-         meet(a.last_vertex, *a.last, b.last_vertex, *b.last) ||
-         intersect_by_planes(a.shape(), *a.normal, b.shape(), *b.normal);
 }
 
 // Of the umbrella that was gathered.
@@ -167,7 +162,7 @@ bool EditMesh::umbrellas_are_clean(const Change& change) {
     if (proper_axis(v) != 0) continue;
     for (std::size_t i = 0; i < umbrella_.size() && umbrella_[i].triangle == none; ++i)
       for (std::size_t j = i + 1; j < umbrella_.size(); ++j)
-        if (intersect(umbrella_[i], umbrella_[j])) return false;
+        if (ribs_intersect(i, j)) return false;
   }
   return true;
 }
@@ -191,9 +186,7 @@ bool EditMesh::others_stay_apart(const Change& change) {
 bool EditMesh::hit(std::uint32_t t, const Corners& corners, const LatticeTriangle& own,
                    const Index3& normal) const {
   if (!share_a_vertex(corners, triangles_[t])) return !apart(t, own, normal);
-  const LatticeTriangle other = shape(t);
-  return vertices_meet(corners, own, triangles_[t], other) ||
-         intersect_by_planes(own, normal, other, planes_[t]);
+  return intersect(corners, own, normal, triangles_[t], shape(t), planes_[t]);
 }
 
 std::size_t EditMesh::hits(const Change& change, std::size_t most,
@@ -215,9 +208,8 @@ std::size_t EditMesh::hits(const Change& change, std::size_t most,
   }
   for (std::size_t i = 0; i < change.shapes.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      count += vertices_meet(change.now[i], change.shapes[i], change.now[j], change.shapes[j]) ||
-                       intersect_by_planes(change.shapes[i], change.planes[i], change.shapes[j],
-                                           change.planes[j])
+      count += intersect(change.now[i], change.shapes[i], change.planes[i], change.now[j],
+                         change.shapes[j], change.planes[j])
                    ? 1
                    : 0;
   if (count >= most) return count;
@@ -242,7 +234,7 @@ std::vector<std::uint32_t> EditMesh::find_intersecting() {
     for (std::size_t i = 0; i < umbrella_.size(); ++i)
       for (std::size_t j = i + 1; j < umbrella_.size(); ++j) {
         const std::uint32_t a = umbrella_[i].triangle, b = umbrella_[j].triangle;
-        if ((movable(a) || movable(b)) && intersect(umbrella_[i], umbrella_[j])) add(a, b);
+        if ((movable(a) || movable(b)) && ribs_intersect(i, j)) add(a, b);
       }
   }
   add_intersecting_apart([&](std::uint32_t t) { return movable(t); }, bad);

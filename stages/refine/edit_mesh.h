@@ -222,10 +222,10 @@ class EditMesh {
     const LatticePoint *at, *next, *last;
     const Index3* normal;
     std::uint32_t triangle;  // none: a new one
-    std::uint32_t next_vertex, last_vertex;
+    Corners corners;         // in that order
     LatticeTriangle shape() const { return {*at, *next, *last}; }
   };
-  static bool intersect(const Rib& a, const Rib& b);
+  bool ribs_intersect(std::size_t i, std::size_t j) const;
   void gather_umbrella(std::uint32_t v, const Change* change);
   SignedAxis proper_axis(std::uint32_t v) const;
   bool stays_proper(std::uint32_t v, const Change& change);

@@ -44,29 +44,30 @@ struct Trial {
 
 class Untier {
  public:
-  Untier(EditMesh& mesh, const RefineParameters& parameters, RefineCounts& counts)
-      : mesh_(mesh), parameters_(parameters), counts_(counts) {}
+  Untier(EditMesh& mesh, const std::vector<std::uint32_t>& knot, const RefineParameters& parameters,
+         RefineCounts& counts)
+      : mesh_(mesh), knot_(knot), parameters_(parameters), counts_(counts) {}
 
   // Whether fewer pairs are left now.
-  bool untie(const std::vector<std::uint32_t>& knot);
+  bool untie();
 
  private:
-  std::vector<std::uint32_t> vertices_of(const std::vector<std::uint32_t>& triangles) const;
-  bool try_changes_of(const std::vector<std::uint32_t>& knot);
+  std::vector<std::uint32_t> vertices() const;
+  bool try_changes();
   bool try_moves(std::uint32_t v, double length);
   bool attempt(const Trial& trial, std::uint64_t RefineCounts::*kind);
 
   EditMesh& mesh_;
+  const std::vector<std::uint32_t>& knot_;
   const RefineParameters& parameters_;
   RefineCounts& counts_;
-  std::vector<std::uint32_t> knot_;
   std::size_t pairs_ = 0;
   RepairEffort effort_ = RepairEffort::quick;  // of trials
 };
 
-std::vector<std::uint32_t> Untier::vertices_of(const std::vector<std::uint32_t>& triangles) const {
+std::vector<std::uint32_t> Untier::vertices() const {
   std::vector<std::uint32_t> vertices;
-  for (const std::uint32_t t : triangles)
+  for (const std::uint32_t t : knot_)
     vertices.insert(vertices.end(), mesh_.corners(t).begin(), mesh_.corners(t).end());
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
@@ -74,24 +75,23 @@ std::vector<std::uint32_t> Untier::vertices_of(const std::vector<std::uint32_t>&
 }
 
 // Most that can be untied is so by a flip or a collapse, and what is left to repair then is seldom hard.
-bool Untier::untie(const std::vector<std::uint32_t>& knot) {
-  knot_ = knot;
+bool Untier::untie() {
   pairs_ = mesh_.count_pairs();
   effort_ = RepairEffort::quick;
-  if (try_changes_of(knot)) return true;
-  const std::vector<std::uint32_t> vertices = vertices_of(knot);
+  if (try_changes()) return true;
+  const std::vector<std::uint32_t> around = vertices();
   for (const double length : {0.125, 0.25, 1.0})
-    for (const std::uint32_t v : vertices)
+    for (const std::uint32_t v : around)
       if (try_moves(v, length * parameters_.reach)) return true;
   effort_ = RepairEffort::thorough;
-  return try_changes_of(knot);
+  return try_changes();
 }
 
 // Flips of their edges, and collapses.
-bool Untier::try_changes_of(const std::vector<std::uint32_t>& knot) {
+bool Untier::try_changes() {
   EditMoves moves(mesh_);
   Trial trial;
-  for (const std::uint32_t one : knot) {
+  for (const std::uint32_t one : knot_) {
     if (!mesh_.movable(one)) continue;
     const Corners corners = mesh_.corners(one);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -168,7 +168,7 @@ void untie_intersections(EditMesh& mesh, const RefineParameters& parameters, std
     const std::vector<std::uint32_t> knot = knot_around(mesh, *next);
     Knot ids = ids_of(mesh, knot);
     if (!tied.contains(ids)) {
-      if (Untier(mesh, parameters, counts).untie(knot)) continue;
+      if (Untier(mesh, knot, parameters, counts).untie()) continue;
       tied.insert(std::move(ids));
       ++failures;
     }

@@ -135,9 +135,9 @@ LatticePoint snap_sheets(const SnapFrame& frame, CellKey leaf, std::span<const L
 
 LatticePoint snap_in_group(const SnapFrame& frame, CellKey node, bool shares,
                            std::span<const std::array<float, 3>> group) {
-  const Box3 sought = within_volume(frame, interior(frame, node), 0);
+  const Box3 inside = interior(frame, node), sought = within_volume(frame, inside, 0);
   if (!shares && group.size() == 1) return relative(frame, nearest(frame, node, sought, group[0]));
-  const Box3 box = within_volume(frame, interior(frame, node), most_snap_steps);
+  const Box3 box = within_volume(frame, inside, most_snap_steps);
   // Of level 0 a node has four vertices at most and eight points or more; of any other two points a
   // side or more of those that its level may take, so within so many steps there are enough.
   static const std::vector<Index3> steps = steps_by_distance(most_snap_steps);
