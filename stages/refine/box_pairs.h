@@ -1,9 +1,11 @@
 // All pairs of boxes that meet.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "stages/refine/packed_box.h"
@@ -19,23 +21,38 @@ class BoxPairs {
   // f(a, b) once for each two that may meet, a < b, in an order that depends on the boxes alone.
   template <class F>
   void each(F&& f) const {
-    for (std::size_t g = 0; g < count(0); ++g) visit(levels_.size() - 1, 0, g, group_of(0, g), f);
+    std::vector<std::size_t> near;
+    for (std::size_t first = 0; first < levels_[0].size(); first += branches) {
+      near.clear();
+      add_near(first / branches, near);
+      const std::size_t end = std::min(first + branches, levels_[0].size());
+      for (std::size_t g = first; g < end; ++g) meet(Group(*this, g), near, f);
+    }
   }
 
  private:
   static constexpr std::size_t branches = 8;
-  // Low corners of eight boxes, and high ones negated.
-  struct Eight {
-    EightShorts ends[6];
+  // Low corners of eight boxes, and high ones negated. Where there is no box: of one that meets none.
+  struct alignas(16) Eight {
+    std::array<std::int16_t, branches> ends[6];
+
+    Eight() {
+      for (auto& end : ends) end.fill(INT16_MAX);
+    }
+    EightShorts end(std::size_t k) const {
+      EightShorts lanes;
+      std::memcpy(&lanes, ends[k].data(), sizeof lanes);
+      return lanes;
+    }
   };
   // What those must be at most to meet a box.
   struct Most {
     EightShorts ends[6];
 
     std::uint32_t meeting(const Eight& eight) const {
-      EightShorts meets = eight.ends[0] <= ends[0];
-      for (std::size_t k = 1; k < 6; ++k) meets &= eight.ends[k] <= ends[k];
-      return bits_of(meets);
+      EightShorts apart = eight.end(0) > ends[0];  // quicker than to ask what is not larger
+      for (std::size_t k = 1; k < 6; ++k) apart |= eight.end(k) > ends[k];
+      return bits_of(apart) ^ 0xffu;
     }
   };
   static Most most_of(const Eight& eight, std::size_t lane) {
@@ -46,37 +63,56 @@ class BoxPairs {
     }
     return most;
   }
-  std::size_t count(std::size_t level) const { return levels_[level].size(); }
   // To meet the box around all of `eight` number n of that level.
-  Most group_of(std::size_t level, std::size_t n) const {
+  Most around(std::size_t level, std::size_t n) const {
     return most_of(levels_[level + 1][n / branches], n % branches);
   }
+  // Eight boxes to hold others against, all together and each.
+  struct Group {
+    Group(const BoxPairs& boxes, std::size_t n) : number(n), around(boxes.around(0, n)) {
+      for (std::size_t i = 0; i < branches; ++i) each[i] = most_of(boxes.levels_[0][n], i);
+    }
+    std::size_t number;
+    Most around, each[branches];
+  };
 
-  // Under number n of the level the groups of boxes from g on that may meet the box around group g.
+  // Blocks are numbers of level 1, of eight groups each. Those from `block` on that may meet it.
+  void add_near(std::size_t block, std::vector<std::size_t>& near) const {
+    if (levels_.size() > 2)
+      add_near(levels_.size() - 1, 0, block, around(1, block), near);
+    else
+      near.push_back(0);  // there is one
+  }
+  // Of those under number n of the level, which is above 1. most: to meet the block.
+  void add_near(std::size_t level, std::size_t n, std::size_t block, const Most& most,
+                std::vector<std::size_t>& near) const;
+
   template <class F>
-  void visit(std::size_t level, std::size_t n, std::size_t g, const Most& most, F& f) const {
-    if (level == 0) return meet(g, n, most, f);
-    std::uint32_t bits = most.meeting(levels_[level][n]);
-    for (; bits != 0; bits &= bits - 1) {
-      const std::size_t below = n * branches + static_cast<std::size_t>(std::countr_zero(bits));
-      if ((below + 1) << (3 * (level - 1)) > g) visit(level - 1, below, g, most, f);
+  void meet(const Group& group, const std::vector<std::size_t>& blocks, F& f) const {
+    for (const std::size_t block : blocks) {
+      std::uint32_t bits = group.around.meeting(levels_[1][block]);
+      for (; bits != 0; bits &= bits - 1) {
+        const std::size_t other =
+            block * branches + static_cast<std::size_t>(std::countr_zero(bits));
+        if (other >= group.number) meet(group, other, f);
+      }
     }
   }
 
-  // Of two groups. most: to meet the box around group g.
+  // Of two groups.
   template <class F>
-  void meet(std::size_t g, std::size_t h, const Most& most, F& f) const {
-    const Eight &ours = levels_[0][g], &theirs = levels_[0][h];
-    const std::uint32_t near = most.meeting(theirs);
-    if (near == 0) return;
-    for (std::uint32_t some = group_of(0, h).meeting(ours); some != 0; some &= some - 1) {
-      const auto i = static_cast<std::size_t>(std::countr_zero(some));
-      std::uint32_t bits = most_of(ours, i).meeting(theirs) & near;
-      if (g == h) bits &= ~1u << i;
-      for (; bits != 0; bits &= bits - 1)
-        f(static_cast<std::uint32_t>(g * branches + i),
-          static_cast<std::uint32_t>(h * branches +
-                                     static_cast<std::size_t>(std::countr_zero(bits))));
+  void meet(const Group& group, std::size_t other, F& f) const {
+    const Eight& theirs = levels_[0][other];
+    if (group.around.meeting(theirs) == 0) return;
+    // All 64 pairs at once: processors guess the ends of eight loops badly.
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < branches; ++i)
+      bits |= std::uint64_t{group.each[i].meeting(theirs)} << (branches * i);
+    if (group.number == other) bits &= 0x0080c0e0f0f8fcfeu;  // each pair once
+    for (; bits != 0; bits &= bits - 1) {
+      const auto pair = static_cast<std::size_t>(std::countr_zero(bits));
+      f(static_cast<std::uint32_t>(group.number * branches + pair / branches),
+        static_cast<std::uint32_t>(other * branches + pair % branches));
     }
   }
 

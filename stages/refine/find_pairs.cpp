@@ -3,21 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+#include <span>
+#include <utility>
 
 #include "stages/refine/box_pairs.h"
 #include "stages/refine/plane_tests.h"
 #include "stages/refine/vertex_cubes.h"
+#include "storage/types/index_table.h"
 
 namespace voxweld {
 namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
 
-// A triangle around a vertex, the vertex first.
-struct Rib {
-  std::uint32_t triangle = 0, next = 0, last = 0;  // its other two vertices
-};
+// A normal, rounded: its signs are exact.
+using Direction = float __attribute__((vector_size(16)));
 
 bool have_common_vertex(const Corners& a, const Corners& b) {
   bool common = false;
@@ -25,32 +25,35 @@ bool have_common_vertex(const Corners& a, const Corners& b) {
   return common;
 }
 
-// Whether each triangle has a neighbour on either side and none has two: then they make rings around
-// the vertex.
-bool are_closed(const std::vector<Rib>& ribs) {
-  return std::ranges::all_of(ribs, [&](const Rib& rib) {
-    int after = 0, alike = 0;
-    for (const Rib& other : ribs) {
-      after += other.last == rib.next ? 1 : 0;
-      alike += other.next == rib.next ? 1 : 0;
-    }
-    return after == 1 && alike == 1;
-  });
-}
+// What is known of the triangles around a vertex.
+struct Star {
+  Direction sum{};            // of their normals
+  std::uint64_t balance = 0;  // of each triangle the vertex behind it less the one before it, mixed
+  std::uint32_t changes = 0;  // of the side of the vertex on which what is around it lies
+  std::uint32_t triangle = 0;  // the last one of them
+  std::uint8_t axis = 0;       // along which the sum is largest
+  bool any_own = false;
+  bool bends = false;  // normals do not all go the sum's way along the axis, or several sheets meet
+
+  // Whether the triangles, seen along the axis, run the same way and once around the vertex. Then none
+  // of them intersect. They make rings where nothing is left in the balance, but for a chance of 2^-64.
+  bool is_proper() const { return !bends && changes == 2 && balance == 0; }
+};
 
 class PairFinder {
  public:
   PairFinder(const RefineMesh& mesh, const CubeLattice& cubes, const CubeRange& own)
-      : mesh_(mesh),
-        own_(mesh.triangles.size()),
-        inside_(mesh.triangles.size()),
-        planes_(mesh.triangles.size()) {
+      : mesh_(mesh), own_(mesh.triangles.size()), inside_(mesh.triangles.size()) {
     const VertexCubes places(mesh, cubes);
+    Index3 home{-1, -1, -1};
+    std::uint8_t is_own = 0;  // a triangle at home there
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-      own_[t] = own.contains(cubes.code(places.home(t))) ? 1 : 0;
+      if (const Index3 cube = places.home(t); cube != home) {
+        home = cube;
+        is_own = own.contains(cubes.code(cube)) ? 1 : 0;
+      }
+      own_[t] = is_own;
       inside_[t] = places.is_inside(t) ? 1 : 0;
-      const LatticeTriangle s = mesh.shape(t);
-      planes_[t] = exact_normal(s[0], s[1], s[2]);
     }
   }
 
@@ -75,8 +78,12 @@ class PairFinder {
 
  private:
   void add_around_vertices();
-  bool is_proper(const LatticePoint& at, const std::vector<Rib>& ribs) const;
+  std::vector<Star> find_stars() const;
   void add_apart();
+  Index3 normal(std::uint32_t t) const {
+    const LatticeTriangle s = mesh_.shape(t);
+    return exact_normal(s[0], s[1], s[2]);
+  }
   // Of a pair the triangle in whose range it is counted. A range knows others' triangles only where
   // those leave their cube.
   std::uint32_t counted_by(std::uint32_t a, std::uint32_t b) const {
@@ -89,61 +96,73 @@ class PairFinder {
 
   const RefineMesh& mesh_;
   std::vector<std::uint8_t> own_, inside_;  // at home in the range; all in one cube
-  std::vector<Index3> planes_;              // exact normals
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;
 };
 
 // Of pairs that share a vertex.
 void PairFinder::add_around_vertices() {
-  std::vector<std::uint32_t> begins(mesh_.positions.size() + 1), corners(3 * own_.size());
-  for (const Corners& c : mesh_.triangles)
-    for (const std::uint32_t v : c) ++begins[v];
-  std::partial_sum(begins.begin(), begins.end(), begins.begin());
-  for (auto t = static_cast<std::uint32_t>(own_.size()); t-- > 0;)
-    for (std::uint32_t k = 0; k < 3; ++k) corners[--begins[mesh_.triangles[t][k]]] = 3 * t + k;
-  std::vector<Rib> ribs;
-  for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
-    ribs.clear();
-    bool any_own = false;
-    for (std::uint32_t i = begins[v]; i < begins[v + 1]; ++i) {
-      const std::uint32_t t = corners[i] / 3, k = corners[i] % 3;
-      any_own = any_own || own_[t] != 0;
-      ribs.push_back({t, mesh_.triangles[t][(k + 1) % 3], mesh_.triangles[t][(k + 2) % 3]});
-    }
-    if (!any_own || is_proper(mesh_.positions[v], ribs)) continue;
-    for (std::size_t i = 0; i < ribs.size(); ++i)
-      for (std::size_t j = i + 1; j < ribs.size(); ++j) {
-        const std::uint32_t a = ribs[i].triangle, b = ribs[j].triangle;
-        if (own_[a] + own_[b] > 0 &&
-            intersect_by_planes(mesh_.shape(a), planes_[a], mesh_.shape(b), planes_[b]))
-          add(a, b);
-      }
+  std::vector<std::uint8_t> asks;  // of a vertex, for a closer look
+  asks.reserve(mesh_.positions.size());
+  for (const Star& star : find_stars()) asks.push_back(star.any_own && !star.is_proper() ? 1 : 0);
+  struct Rib {
+    std::uint32_t vertex, triangle;
+    LatticeTriangle shape;
+    Index3 normal;
+  };
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> corners;  // vertex, triangle
+  for (std::uint32_t t = 0; t < own_.size(); ++t) {
+    const auto [a, b, c] = mesh_.triangles[t];
+    if ((asks[a] | asks[b] | asks[c]) == 0) continue;
+    for (const std::uint32_t v : {a, b, c})
+      if (asks[v] != 0) corners.emplace_back(v, t);
+  }
+  std::ranges::sort(corners);
+  std::vector<Rib> ribs;  // of one vertex
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const auto [v, t] = corners[i];
+    if (!ribs.empty() && ribs[0].vertex != v) ribs.clear();
+    ribs.push_back({v, t, mesh_.shape(t), normal(t)});
+    const Rib& a = ribs.back();
+    for (const Rib& b : std::span(ribs).first(ribs.size() - 1))
+      if (own_[a.triangle] + own_[b.triangle] > 0 &&
+          intersect_by_planes(a.shape, a.normal, b.shape, b.normal))
+        add(a.triangle, b.triangle);
   }
 }
 
-// Whether the triangles around a vertex at this place, seen along one axis, run the same way and once
-// around it. Then none of them intersect.
-bool PairFinder::is_proper(const LatticePoint& at, const std::vector<Rib>& ribs) const {
-  std::array<double, 3> sums{};  // the axis along which they are largest together
-  for (const Rib& rib : ribs)
-    for (int a = 0; a < 3; ++a)
-      sums[static_cast<std::size_t>(a)] += static_cast<double>(planes_[rib.triangle][a]);
-  std::size_t axis = 0;
-  for (std::size_t a = 1; a < 3; ++a)
-    if (std::abs(sums[a]) > std::abs(sums[axis])) axis = a;
-  const std::size_t up = (axis + 1) % 3;
-  std::size_t changes = 0;
-  for (const Rib& rib : ribs) {
-    const std::int64_t along = planes_[rib.triangle][static_cast<int>(axis)];
-    if (sums[axis] > 0 ? along <= 0 : along >= 0) return false;
-    changes += (mesh_.positions[rib.next][up] < at[up]) != (mesh_.positions[rib.last][up] < at[up]);
+// Triangles come one after the other, and not those of each vertex: so they need no lists.
+std::vector<Star> PairFinder::find_stars() const {
+  std::vector<Direction> normals(own_.size());
+  std::vector<Star> stars(mesh_.positions.size());
+  for (std::uint32_t t = 0; t < own_.size(); ++t) {
+    const Index3 exact = normal(t);
+    for (int a = 0; a < 3; ++a) normals[t][a] = static_cast<float>(exact[a]);
+    for (const std::uint32_t v : mesh_.triangles[t]) {
+      stars[v].sum += normals[t];
+      stars[v].triangle = t;
+    }
   }
-  // Where several sheets meet, their shadows may lie on each other.
+  for (Star& star : stars)
+    for (std::uint8_t a = 1; a < 3; ++a)
+      if (std::abs(star.sum[a]) > std::abs(star.sum[star.axis])) star.axis = a;
   const auto& sides = mesh_.sides;
-  const bool one_sheet = sides.empty() || std::ranges::all_of(ribs, [&](const Rib& rib) {
-                           return sides[rib.triangle] == sides[ribs[0].triangle];
-                         });
-  return changes == 2 && one_sheet && are_closed(ribs);
+  for (std::uint32_t t = 0; t < own_.size(); ++t) {
+    const Corners& c = mesh_.triangles[t];
+    const LatticeTriangle shape = mesh_.shape(t);
+    const std::uint64_t marks[3] = {mix_bits(c[0]), mix_bits(c[1]), mix_bits(c[2])};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t next = (k + 1) % 3, last = (k + 2) % 3;
+      Star& star = stars[c[k]];
+      const std::size_t axis = star.axis, up = axis == 2 ? 0 : axis + 1;
+      // Where several sheets meet, their shadows may lie on each other.
+      star.bends |= !(normals[t][axis] * star.sum[axis] > 0) ||
+                    (!sides.empty() && sides[t] != sides[star.triangle]);
+      star.changes += (shape[next][up] < shape[k][up]) != (shape[last][up] < shape[k][up]);
+      star.balance += marks[next] - marks[last];
+      star.any_own |= own_[t] != 0;
+    }
+  }
+  return stars;
 }
 
 // Of pairs that share none.
@@ -153,7 +172,7 @@ void PairFinder::add_apart() {
   for (std::size_t t = 0; t < own_.size(); ++t) boxes.push_back(mesh_.box(t));
   BoxPairs(boxes).each([&](std::uint32_t a, std::uint32_t b) {
     if (own_[a] + own_[b] > 0 && !have_common_vertex(mesh_.triangles[a], mesh_.triangles[b]) &&
-        !lie_apart(mesh_.shape(a), planes_[a], mesh_.shape(b), planes_[b]))
+        !lie_apart(mesh_.shape(a), normal(a), mesh_.shape(b), normal(b)))
       add(a, b);
   });
 }
@@ -166,11 +185,12 @@ FoundPairs find_range_pairs(const RefineMesh& mesh, const CubeLattice& cubes,
 }
 
 std::uint64_t find_pairs_bytes(const MeshSize& all) {
-  // Planes and corners; boxes, and these as pairs are found; of vertices their cubes and where their
-  // corners begin.
-  return all.triangles *
-             (sizeof(Index3) + 2 + std::max<std::uint64_t>(12, 2 * sizeof(LatticeBox))) +
-         box_pairs_bytes(all.triangles) + all.vertices * (VertexCubes::bytes + 4);
+  // Of vertices their cubes, or stars, and of triangles normals and what is around vertices that are not
+  // proper, or boxes, and these as pairs are found.
+  constexpr std::uint64_t around = sizeof(Direction) + 3 * 2 * 8;
+  return all.triangles * (2 + std::max<std::uint64_t>(around, 2 * sizeof(LatticeBox))) +
+         box_pairs_bytes(all.triangles) +
+         all.vertices * std::max<std::uint64_t>(VertexCubes::bytes, sizeof(Star));
 }
 
 }  // namespace voxweld
