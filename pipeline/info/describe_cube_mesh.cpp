@@ -34,6 +34,12 @@ std::uint64_t label_count(std::span<const CubePieceRecord> pieces) {
   return count;
 }
 
+std::uint64_t removed_count(std::span<const CubePieceRecord> pieces) {
+  std::uint64_t count = 0;
+  for (const CubePieceRecord& piece : pieces) count += piece.removed;
+  return count;
+}
+
 }  // namespace
 
 InfoDocument describe_cube_mesh(const fs::path& path, const InfoOptions& options) {
@@ -46,6 +52,8 @@ InfoDocument describe_cube_mesh(const fs::path& path, const InfoOptions& options
   document["vertices"] = summary.all.vertices;
   document["triangles"] = summary.all.triangles;
   document["leaving_triangles"] = summary.leaving;
+  // Of a patch, of what was there before.
+  document["removed_triangles"] = removed_count(artifact.pieces());
   document["samples"] = summary.all.samples;
   if (summary.all.triangles > 0) document["box"] = box_facts(summary.box);
   document["refined"] = refine_facts(artifact.counted<RefineCounts>());
@@ -56,6 +64,8 @@ InfoDocument describe_cube_mesh(const fs::path& path, const InfoOptions& options
                                      {"at", facts_of(morton_decode(piece.cube))},
                                      {"triangles", piece.inside.triangles},
                                      {"leaving_triangles", piece.leaving.triangles},
+                                     {"removed_triangles", piece.removed},
+                                     {"boxes", piece.holes},
                                      {"samples", piece.inside.samples + piece.leaving.samples}});
   return document;
 }

@@ -40,8 +40,9 @@ BoxReads::BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const MendBox& 
     each_piece_of(*meshes.open(i), begin, end, [&](std::size_t p, const CubePieceRecord& piece) {
       const bool inside = piece.inside.triangles > 0 && near.contains(morton_decode(piece.cube));
       const bool leaving = piece.leaving.triangles > 0 && piece.leaving_box.meets(box.box);
-      if ((inside || leaving) && (counted_.empty() || counted_.back() != i)) counted_.push_back(i);
-      if (meshes.is_replaced(i, piece)) return;
+      const bool holes = piece.holes > 0 && near.contains(morton_decode(piece.cube));
+      if ((inside || leaving || holes) && (counted_.empty() || counted_.back() != i))
+        counted_.push_back(i);
       if (inside) add({i, p, CubePart::inside}, piece.inside);
       if (leaving) add({i, p, CubePart::leaving}, piece.leaving);
     });
@@ -74,13 +75,34 @@ void BoxReads::limit(const CubeLattice& blocks) {
 
 void BoxReads::add_hashes(KeyHasher& key) const {
   for (std::size_t a = 0; a < 3; ++a) key.integer(box_.box.lo[a]).integer(box_.box.hi[a]);
-  for (const Read& read : parts_)
-    key.hash(meshes_.open(read.artifact)->part_hash(read.piece, read.part));
+  for (const Read& read : parts_) meshes_.add_hashes(key, read.artifact, read.piece, read.part);
 }
 
-HeldPart::HeldPart(RefineMesh part) : mesh(std::move(part)) {
-  boxes.reserve(mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) boxes.push_back(mesh.box(t));
+HeldPart::HeldPart(RefineMesh part) : mesh_(std::move(part)) {
+  const std::size_t count = mesh_.triangles.size();
+  around_.reserve((count + run - 1) / run);
+  for (std::size_t first = 0; first < count; first += run) {
+    const auto place = [&](std::uint32_t v) { return mesh_.positions[v]; };
+    LatticePoint lo = place(mesh_.triangles[first][0]), hi = lo;
+    for (std::size_t t = first; t < std::min(first + run, count); ++t)
+      for (const std::uint32_t v : mesh_.triangles[t])
+        for (std::size_t a = 0; a < 3; ++a) {
+          lo[a] = std::min(lo[a], place(v)[a]);
+          hi[a] = std::max(hi[a], place(v)[a]);
+        }
+    around_.push_back({lo, hi});
+  }
+}
+
+std::vector<std::uint32_t> HeldPart::meeting(const LatticeBox& box) const {
+  std::vector<std::uint32_t> found;
+  for (std::size_t i = 0; i < around_.size(); ++i) {
+    if (!around_[i].meets(box)) continue;
+    const std::size_t end = std::min((i + 1) * run, mesh_.triangles.size());
+    for (std::size_t t = i * run; t < end; ++t)
+      if (mesh_.box(t).meets(box)) found.push_back(static_cast<std::uint32_t>(t));
+  }
+  return found;
 }
 
 RefineMesh BoxReads::read(const Held& held, const std::function<void()>& between) const {
@@ -88,13 +110,11 @@ RefineMesh BoxReads::read(const Held& held, const std::function<void()>& between
   mesh.reserve(all_.vertices, all_.triangles, all_.samples, all_.sided);
   for (const Read& read : parts_) {
     between();
-    const auto add = [&](const HeldPart& part) {
-      mesh.add(part.mesh, [&](std::size_t t) { return part.boxes[t].meets(box_.box); });
-    };
+    const auto add = [&](const HeldPart& part) { mesh.add(part.mesh(), part.meeting(box_.box)); };
     if (const auto there = held.find(read); there != held.end())
       add(there->second);
     else
-      add(HeldPart(meshes_.open(read.artifact)->read(read.piece, read.part)));
+      add(HeldPart(meshes_.read(read.artifact, read.piece, read.part)));
   }
   return mesh.take();
 }

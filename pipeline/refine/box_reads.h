@@ -9,11 +9,24 @@
 namespace voxweld {
 
 // A part of a piece, read once for several boxes.
-struct HeldPart {
+class HeldPart {
+ public:
   explicit HeldPart(RefineMesh part);
 
-  RefineMesh mesh;
-  std::vector<LatticeBox> boxes;  // around its triangles
+  const RefineMesh& mesh() const { return mesh_; }
+  // The triangles that meet the box, ascending.
+  std::vector<std::uint32_t> meeting(const LatticeBox& box) const;
+  // Bytes beside the mesh.
+  static std::uint64_t bytes(std::uint64_t triangles) {
+    return triangles * sizeof(LatticeBox) / run + sizeof(LatticeBox);
+  }
+
+ private:
+  static constexpr std::size_t run = 16;
+
+  RefineMesh mesh_;
+  std::vector<LatticeBox>
+      around_;  // so many triangles that follow each other, which mostly lie close
 };
 
 // The pieces of one label with triangles that may meet a box.

@@ -77,25 +77,39 @@ std::shared_ptr<const CubeMeshArtifact> CubeMeshes::open(std::size_t artifact) {
                    [&] { return std::make_shared<const CubeMeshArtifact>(path(artifact)); });
 }
 
-void CubeMeshes::find_patched() {
-  for (std::size_t i = 0; i < size(); ++i)
-    if (layer(i) > 0)
-      for (const CubePieceRecord& piece : open(i)->pieces())
-        patched_cubes_.push_back({{piece.label, piece.cube}, layer(i)});
-  std::ranges::sort(patched_cubes_, [](const auto& a, const auto& b) {
-    return a.first != b.first ? a.first < b.first : a.second > b.second;
+template <class F>
+void CubeMeshes::each_over(const PieceSpans& spans, std::size_t artifact,
+                           const CubePieceRecord& piece, F&& f) {
+  const std::size_t own = layer(artifact);
+  if (own == artifacts_.back().layer) return;
+  CubeKey end = piece.key();
+  ++end.code;
+  spans.each(piece.key(), end, [&](std::size_t i) {
+    if (layer(i) <= own) return;
+    const auto patch = open(i);
+    each_piece_of(*patch, piece.key(), end, [&](std::size_t p, const CubePieceRecord& over) {
+      if (over.cube == piece.cube && over.holes > 0) f(*patch, p);
+    });
   });
-  const auto is_same_cube = [](const auto& a, const auto& b) { return a.first == b.first; };
-  patched_cubes_.erase(std::unique(patched_cubes_.begin(), patched_cubes_.end(), is_same_cube),
-                       patched_cubes_.end());
 }
 
-bool CubeMeshes::is_replaced(std::size_t artifact, const CubePieceRecord& piece) {
-  std::call_once(looked_for_patches_, [&] { find_patched(); });
-  const std::pair place(piece.label, piece.cube);
-  const auto at =
-      std::ranges::lower_bound(patched_cubes_, place, {}, [](const auto& p) { return p.first; });
-  return at != patched_cubes_.end() && at->first == place && layer(artifact) < at->second;
+RefineMesh CubeMeshes::read(const PieceSpans& spans, std::size_t artifact, std::size_t piece,
+                            CubePart part) {
+  const auto file = open(artifact);
+  RefineMesh mesh = file->read(piece, part);
+  if (mesh.triangles.empty()) return mesh;
+  each_over(
+      spans, artifact, file->pieces()[piece],
+      [&](const CubeMeshArtifact& patch, std::size_t p) { remove_inside(mesh, patch.holes(p)); });
+  return mesh;
+}
+
+void CubeMeshes::add_hashes(KeyHasher& key, const PieceSpans& spans, std::size_t artifact,
+                            std::size_t piece, CubePart part) {
+  const auto file = open(artifact);
+  key.hash(file->part_hash(piece, part));
+  each_over(spans, artifact, file->pieces()[piece],
+            [&](const CubeMeshArtifact& patch, std::size_t p) { key.hash(patch.holes_hash(p)); });
 }
 
 RangeReads::RangeReads(CubeMeshes& meshes, const CubeLattice& cubes, Material label,
@@ -146,10 +160,9 @@ void RangeReads::add_others(const CubeRange& own) {
 
 void RangeReads::add_hashes(KeyHasher& key) const {
   for (const PieceRead& read : pieces_) {
-    const auto artifact = meshes_.open(read.artifact);
-    key.integer(static_cast<std::int64_t>(artifact->pieces()[read.piece].cube));
-    if (read.whole) key.hash(artifact->part_hash(read.piece, CubePart::inside));
-    key.hash(artifact->part_hash(read.piece, CubePart::leaving));
+    key.integer(static_cast<std::int64_t>(meshes_.open(read.artifact)->pieces()[read.piece].cube));
+    if (read.whole) meshes_.add_hashes(key, read.artifact, read.piece, CubePart::inside);
+    meshes_.add_hashes(key, read.artifact, read.piece, CubePart::leaving);
   }
 }
 
@@ -158,14 +171,14 @@ RefineMesh RangeReads::read(const std::function<void()>& between) const {
   mesh.reserve(all_.vertices, all_.triangles, all_.samples, all_.sided);
   for (const PieceRead& read : pieces_) {
     between();
-    const auto artifact = meshes_.open(read.artifact);
-    const RefineMesh leaving = artifact->read(read.piece, CubePart::leaving);
+    const RefineMesh leaving = meshes_.read(read.artifact, read.piece, CubePart::leaving);
     if (read.whole) {
-      mesh.add(artifact->read(read.piece, CubePart::inside));
+      mesh.add(meshes_.read(read.artifact, read.piece, CubePart::inside));
       mesh.add(leaving);
       continue;
     }
-    const auto near = those_near(near_, artifact->pieces()[read.piece].leaving_box);
+    const auto near =
+        those_near(near_, meshes_.open(read.artifact)->pieces()[read.piece].leaving_box);
     mesh.add(leaving, [&](std::size_t t) { return meets_any(leaving.box(t), near); });
   }
   return mesh.take();

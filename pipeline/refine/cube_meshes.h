@@ -57,7 +57,7 @@ struct MeshLayer {
   std::vector<std::filesystem::path> paths;
 };
 
-// A mesh: what one stage left, and patches that others laid over it. A patch's pieces stand in place of
+// A mesh: what one stage left, and patches that others laid over it, whose pieces take triangles out of
 // those of the same label and cube in the layers below. What of each artifact is needed to find pieces is
 // held, and read when it is first asked for; some of the artifacts are held open. Thread-safe.
 class CubeMeshes {
@@ -75,8 +75,6 @@ class CubeMeshes {
   bool begins_layer(std::size_t artifact) const {
     return artifact == 0 || layer(artifact) != layer(artifact - 1);
   }
-  // Whether a patch stands in place of this piece of the artifact.
-  bool is_replaced(std::size_t artifact, const CubePieceRecord& piece);
   std::size_t size() const { return artifacts_.size(); }
   const std::filesystem::path& path(std::size_t artifact) const {
     return artifacts_[artifact].path;
@@ -91,10 +89,26 @@ class CubeMeshes {
   std::vector<Material> labels(Material first, Material end);
   std::shared_ptr<const CubeMeshArtifact> open(std::size_t artifact);
 
+  // What is there of a part of a piece: without what patches have taken out. spans: of all artifacts,
+  // where it is not spans().
+  RefineMesh read(std::size_t artifact, std::size_t piece, CubePart part) {
+    return read(spans(), artifact, piece, part);
+  }
+  RefineMesh read(const PieceSpans& spans, std::size_t artifact, std::size_t piece, CubePart part);
+  // Feeds what that is made of.
+  void add_hashes(KeyHasher& key, std::size_t artifact, std::size_t piece, CubePart part) {
+    add_hashes(key, spans(), artifact, piece, part);
+  }
+  void add_hashes(KeyHasher& key, const PieceSpans& spans, std::size_t artifact, std::size_t piece,
+                  CubePart part);
+
  private:
   static constexpr std::size_t most_open = 64;
 
-  void find_patched();
+  // f(artifact, number in it) of the patches' pieces over this one.
+  template <class F>
+  void each_over(const PieceSpans& spans, std::size_t artifact, const CubePieceRecord& piece,
+                 F&& f);
 
   struct Artifact {
     Stage maker = Stage::stitch;
@@ -106,9 +120,6 @@ class CubeMeshes {
   std::vector<Entry> entries_;
   PieceSpans spans_;
   BoundedCache<CubeMeshArtifact> open_{most_open};
-  std::once_flag looked_for_patches_;
-  // The uppermost patch of each cube that has one, in order.
-  std::vector<std::pair<std::pair<Material, std::uint64_t>, std::size_t>> patched_cubes_;
 };
 
 // A piece to read: all of it, or of those triangles that leave its cube the ones near enough.

@@ -4,10 +4,38 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <tuple>
 
 #include "pipeline/executor/probe.h"
+#include "stages/exact/box_tree.h"
 
 namespace voxweld {
+namespace {
+
+// Of some places, of one label, those that lie in none of the boxes.
+std::vector<IntersectionRecord> those_beside(const std::vector<IntersectionRecord>& places,
+                                             const std::vector<LatticeBox>& boxes) {
+  const BoxTree tree(boxes);
+  std::vector<IntersectionRecord> beside;
+  std::ranges::copy_if(places, std::back_inserter(beside), [&](const IntersectionRecord& place) {
+    return !tree.any_meeting(place.box, [&](std::uint32_t i) {
+      return boxes[i].contains(place.box.lo) && boxes[i].contains(place.box.hi);
+    });
+  });
+  std::ranges::sort(beside, {}, [](const IntersectionRecord& place) {
+    return std::tuple(place.box.lo, place.box.hi, place.around);
+  });
+  return beside;
+}
+
+std::vector<IntersectionPlace> places_of(const std::vector<IntersectionRecord>& records) {
+  std::vector<IntersectionPlace> places;
+  places.reserve(records.size());
+  for (const IntersectionRecord& record : records) places.push_back({record.box, record.around});
+  return places;
+}
+
+}  // namespace
 
 bool MendPlan::holds_all() {
   std::call_once(counted_, [&] {
@@ -22,23 +50,27 @@ bool MendPlan::holds_all() {
 }
 
 MendPlan::Boxes MendPlan::boxes(std::size_t unit) {
-  return holds_all() ? Boxes{planned_boxes(unit), 0} : boxes_within_walls(unit);
+  return holds_all() ? planned_boxes(unit) : boxes_within_walls(unit);
 }
 
 std::uint64_t MendPlan::bytes() {
   if (!holds_all()) return 0;
   std::call_once(made_, [&] { make(); });
-  return boxes_.capacity() * sizeof(MendBox) + reached_.capacity() * sizeof(reached_[0]);
+  return boxes_.capacity() * sizeof(MendBox) + reached_.capacity() * sizeof(reached_[0]) +
+         beside_.capacity() * sizeof(IntersectionRecord);
 }
 
 void MendPlan::make() {
-  std::map<Material, std::vector<IntersectionPlace>> places;
+  std::map<Material, std::vector<IntersectionRecord>> places;
   for (std::size_t i = 0; i < in_.places.size(); ++i)
     for (const IntersectionRecord& record : CubeMeshArtifact(in_.places.path(i)).intersecting())
-      places[record.label].push_back({record.box, record.around});
-  for (auto& of_label : places) {
+      places[record.label].push_back(record);
+  for (const auto& of_label : places) {
     const Material label = of_label.first;
-    for (const LatticeBox& box : mend_boxes(std::move(of_label.second), in_.frame, in_.room)) {
+    const auto boxes = mend_boxes(places_of(of_label.second), in_.frame, in_.room);
+    const auto beside = those_beside(of_label.second, boxes);
+    beside_.insert(beside_.end(), beside.begin(), beside.end());
+    for (const LatticeBox& box : boxes) {
       const auto number = static_cast<std::uint32_t>(boxes_.size());
       const Index3 lo = in_.cubes.cube_of(box.lo), hi = in_.cubes.cube_of(box.hi);
       boxes_.push_back({label, box, {label, in_.cubes.code(lo)}});
@@ -48,9 +80,11 @@ void MendPlan::make() {
     }
   }
   std::ranges::sort(reached_);
+  std::ranges::stable_sort(beside_, {},
+                           [&](const IntersectionRecord& record) { return begin_of(record); });
 }
 
-std::vector<MendBox> MendPlan::planned_boxes(std::size_t unit) {
+MendPlan::Boxes MendPlan::planned_boxes(std::size_t unit) {
   std::call_once(made_, [&] { make(); });
   const RefineUnit& own = in_.units[unit];
   const CubeKey begin{own.first_label, own.range.cubes.begin};
@@ -60,10 +94,15 @@ std::vector<MendBox> MendPlan::planned_boxes(std::size_t unit) {
   for (; at != reached_.end() && at->first < end; ++at) numbers.push_back(at->second);
   std::ranges::sort(numbers);
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-  std::vector<MendBox> boxes;
-  boxes.reserve(numbers.size());
-  for (const std::uint32_t number : numbers) boxes.push_back(boxes_[number]);
-  return boxes;
+  Boxes found;
+  found.boxes.reserve(numbers.size());
+  for (const std::uint32_t number : numbers) found.boxes.push_back(boxes_[number]);
+  const auto first_of = [&](const CubeKey& cube) {
+    return std::ranges::lower_bound(
+        beside_, cube, {}, [&](const IntersectionRecord& record) { return begin_of(record); });
+  };
+  found.beside.assign(first_of(begin), first_of(end));
+  return found;
 }
 
 // Units are sorted by label, and of a label by cubes; one of several labels has all their cubes.
@@ -124,27 +163,27 @@ void MendPlan::each_record_near(std::size_t unit, F&& f) {
       if (record.label >= own.first_label && record.label < own.end_label) f(record);
 }
 
-std::vector<IntersectionRecord> MendPlan::records(std::size_t unit) {
-  std::vector<IntersectionRecord> records;
-  each_record_near(unit, [&](const IntersectionRecord& record) {
-    const Index3 cube = in_.cubes.cube_of(record.box.lo);
-    if (unit_at({record.label, in_.cubes.code(cube)}) == unit) records.push_back(record);
-  });
-  return records;
-}
-
 MendPlan::Boxes MendPlan::boxes_within_walls(std::size_t unit) {
   const std::scoped_lock lock(planning_);
-  std::map<Material, std::vector<IntersectionPlace>> near;
+  struct OfLabel {
+    std::vector<IntersectionPlace> places;
+    std::vector<IntersectionRecord> own;  // that begin in the unit's cubes
+  };
+  std::map<Material, OfLabel> near;
   each_record_near(unit, [&](const IntersectionRecord& record) {
     const Index3 cube = walls_.cube_of(record.box.lo);
+    OfLabel& of_label = near[record.label];
     if (cube == walls_.cube_of(record.box.hi) && reaches(unit, record.label, walls_.box(cube)))
-      near[record.label].push_back({record.box, record.around});
+      of_label.places.push_back({record.box, record.around});
+    if (unit_at(begin_of(record)) == unit) of_label.own.push_back(record);
   });
   Boxes found;
   for (const auto& [label, of_label] : near) {
-    found.places += of_label.size();
-    for (const LatticeBox& box : mend_boxes_within(of_label, in_.frame, in_.room, walls_))
+    found.places += of_label.places.size();
+    const auto boxes = mend_boxes_within(of_label.places, in_.frame, in_.room, walls_);
+    const auto beside = those_beside(of_label.own, boxes);
+    found.beside.insert(found.beside.end(), beside.begin(), beside.end());
+    for (const LatticeBox& box : boxes)
       if (reaches(unit, label, box))
         found.boxes.push_back({label, box, {label, in_.cubes.code(in_.cubes.cube_of(box.lo))}});
   }

@@ -39,19 +39,18 @@ class MendPlan {
   std::uint64_t bytes();
   std::uint64_t planning_bytes() { return holds_all() ? places_count_ * bytes_of_place : 0; }
 
-  // Of a unit the boxes that reach into its cubes, by label and ascending; and how many places had to be
-  // held for that.
+  // Of a unit the boxes that reach into its cubes, by label and ascending; what lies in no box, of those
+  // places that begin in its cubes, whoever lists them; and how many places had to be held for that.
   struct Boxes {
     std::vector<MendBox> boxes;
+    std::vector<IntersectionRecord> beside;
     std::uint64_t places = 0;
   };
   Boxes boxes(std::size_t unit);
-  static constexpr std::uint64_t bytes_of_place = 320;
+  static constexpr std::uint64_t bytes_of_place = 360;
 
   // Whether there are so few places that all may be in memory at once. It depends on the mesh alone.
   bool holds_all();
-  // Where there are more: those whose boxes begin in a cube of the unit, whoever lists them.
-  std::vector<IntersectionRecord> records(std::size_t unit);
 
  private:
   using Near = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
@@ -62,7 +61,10 @@ class MendPlan {
   void each_record_near(std::size_t unit, F&& f);
   std::size_t unit_at(const CubeKey& cube) const;
   bool reaches(std::size_t unit, Material label, const LatticeBox& box) const;
-  std::vector<MendBox> planned_boxes(std::size_t unit);
+  CubeKey begin_of(const IntersectionRecord& record) const {
+    return {record.label, in_.cubes.code(in_.cubes.cube_of(record.box.lo))};
+  }
+  Boxes planned_boxes(std::size_t unit);
   Boxes boxes_within_walls(std::size_t unit);
 
   const Inputs in_;
@@ -71,6 +73,7 @@ class MendPlan {
   std::uint64_t places_count_ = 0;
   std::vector<MendBox> boxes_;
   std::vector<std::pair<CubeKey, std::uint32_t>> reached_;  // ascending: a cube's key and a box
+  std::vector<IntersectionRecord> beside_;                  // by the cubes that they begin in
   // Ascending: a unit, and an artifact with places that it has to know.
   Near near_;
   std::mutex planning_;  // for one unit at a time, which bounds what it takes

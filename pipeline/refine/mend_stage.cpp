@@ -1,13 +1,12 @@
 #include "pipeline/refine/mend_stage.h"
 
 #include <algorithm>
-#include <set>
-#include <tuple>
+#include <map>
 
 #include "pipeline/refine/box_reads.h"
 #include "pipeline/refine/mend_plan.h"
 #include "pipeline/refine/range_stage.h"
-#include "pipeline/stage/cube_mesh.h"
+#include "stages/refine/box_refiner.h"
 #include "stages/refine/mend_box.h"
 #include "stages/refine/mesh_part.h"
 #include "stages/refine/retile.h"
@@ -15,22 +14,15 @@
 namespace voxweld {
 namespace {
 
-using Place = std::pair<std::uint64_t, std::uint64_t>;  // of a piece of one label: code and cube
+using Place = std::pair<std::uint64_t, std::uint64_t>;  // of a cube: code and Morton number
 
-struct OwnPiece {
-  std::size_t artifact = 0, piece = 0;
-  CubePieceRecord record;
-
-  Place place() const { return {record.code, record.cube}; }
+// A cube of the unit that boxes reach into.
+struct OwnCube {
+  std::vector<LatticeBox> boxes;
+  std::uint64_t before = 0;   // triangles at home there
+  std::uint64_t removed = 0;  // of these, in the boxes
+  std::uint64_t added = 0;    // in their place
 };
-
-bool lies_in(const LatticeBox& inner, const LatticeBox& box) {
-  return box.contains(inner.lo) && box.contains(inner.hi);
-}
-
-bool lies_in_any(const LatticeBox& inner, const std::vector<LatticeBox>& boxes) {
-  return std::ranges::any_of(boxes, [&](const LatticeBox& box) { return lies_in(inner, box); });
-}
 
 class MendStage final : public RangeStage {
  public:
@@ -43,8 +35,8 @@ class MendStage final : public RangeStage {
   bool done(std::uint64_t unit) override {
     const std::filesystem::path path = path_of(unit);
     return is_current(path, [&] {
-      return CubeMeshArtifact(path).key() ==
-             key(unit, works(plan_->boxes(unit).boxes, unit), records(unit));
+      const MendPlan::Boxes found = plan_->boxes(unit);
+      return CubeMeshArtifact(path).key() == key(unit, works(found.boxes, unit), found.beside);
     });
   }
   StageMemory memory(std::span<const std::uint64_t> numbers) override {
@@ -61,21 +53,23 @@ class MendStage final : public RangeStage {
     return most;
   }
   void run(const Unit& unit, WorkerContext& worker) override {
-    const std::vector<LabelWork> all = limited_works(plan_->boxes(unit.key).boxes, unit.key);
-    const std::vector<IntersectionRecord> listed = records(unit.key);
-    CubeMeshWriter file(path_of(unit.key), key(unit.key, all, listed));
+    MendPlan::Boxes found = plan_->boxes(unit.key);
+    std::vector<LabelWork> all = limited_works(found.boxes, unit.key);
+    CubeMeshWriter file(path_of(unit.key), key(unit.key, all, found.beside));
     Result result;
-    for (const LabelWork& work : all) mend(unit.key, work, worker, file, result);
-    add_beside(all, listed, result);
+    for (LabelWork& work : all) mend(unit.key, work, worker, file, result);
+    result.intersecting.insert(result.intersecting.end(), found.beside.begin(), found.beside.end());
     file.finish({as_record(result.counts), result.blocks, result.changes, result.intersecting});
   }
 
  private:
-  // Of one label the boxes that reach into the unit's cubes, and the pieces there that they reach.
+  // Of one label the boxes that reach into the unit's cubes, these cubes, and the pieces there.
   struct LabelWork {
     Material label = 0;
     std::vector<BoxReads> boxes;
-    std::vector<OwnPiece> pieces;  // ascending by place; several may have the same
+    std::map<Place, OwnCube> cubes;
+    std::vector<PieceRead> pieces;
+    PartCounts most;  // in the pieces
   };
   struct Result {
     RefineCounts counts;
@@ -92,12 +86,19 @@ class MendStage final : public RangeStage {
   CubeKey end_of(std::uint64_t unit) const {
     return {units_[unit].end_label - 1, range_of(unit).end};
   }
+  Place place_of(Index3 cube) const { return {cubes_.code(cube), morton_encode(cube)}; }
 
   std::vector<LabelWork> works(const std::vector<MendBox>& boxes, std::uint64_t unit) {
     std::vector<LabelWork> works;
     for (const MendBox& box : boxes) {
-      if (works.empty() || works.back().label != box.label) works.push_back({box.label, {}, {}});
+      if (works.empty() || works.back().label != box.label)
+        works.push_back({box.label, {}, {}, {}, {}});
       works.back().boxes.emplace_back(meshes_, cubes_, box);
+      each_index({cubes_.cube_of(box.box.lo), cubes_.cube_of(box.box.hi) + splat(1)},
+                 [&](Index3 cube) {
+                   if (range_of(unit).contains(cubes_.code(cube)))
+                     works.back().cubes[place_of(cube)].boxes.push_back(box.box);
+                 });
     }
     for (LabelWork& work : works) find_pieces(unit, work);
     return works;
@@ -112,51 +113,62 @@ class MendStage final : public RangeStage {
   }
 
   void find_pieces(std::uint64_t unit, LabelWork& work) {
-    std::vector<Box3> near;
-    for (const BoxReads& reads : work.boxes) {
-      const LatticeBox& box = reads.box().box;
-      near.push_back({cubes_.cube_of(box.lo), cubes_.cube_of(box.hi) + splat(1)});
-    }
     const CubeKey begin{work.label, range_of(unit).begin}, end{work.label, range_of(unit).end};
     meshes_.spans().each(begin, end, [&](std::size_t i) {
       each_piece_of(*meshes_.open(i), begin, end, [&](std::size_t p, const CubePieceRecord& piece) {
-        const Index3 cube = morton_decode(piece.cube);
-        if (meshes_.is_replaced(i, piece)) return;
-        if (std::ranges::any_of(near, [&](const Box3& box) { return box.contains(cube); }))
-          work.pieces.push_back({i, p, piece});
+        const auto cube = work.cubes.find({piece.code, piece.cube});
+        if (cube == work.cubes.end()) return;
+        cube->second.before += piece.inside.triangles + piece.leaving.triangles - piece.removed;
+        work.pieces.push_back({i, p, true});
+        work.most += piece.inside;
+        work.most += piece.leaving;
       });
     });
-    std::ranges::stable_sort(work.pieces, {}, &OwnPiece::place);
   }
 
   BoxReads::Held read_pieces(const LabelWork& work, const WorkerContext& worker) {
     BoxReads::Held held;
-    for (const OwnPiece& own : work.pieces) {
+    for (const PieceRead& own : work.pieces) {
       worker.check_interrupt();
-      const auto artifact = meshes_.open(own.artifact);
       for (const CubePart part : {CubePart::inside, CubePart::leaving})
-        held.try_emplace({own.artifact, own.piece, part}, artifact->read(own.piece, part));
+        held.try_emplace({own.artifact, own.piece, part},
+                         meshes_.read(own.artifact, own.piece, part));
     }
     return held;
   }
 
-  void mend(std::uint64_t unit, const LabelWork& work, const WorkerContext& worker,
-            CubeMeshWriter& file, Result& result) {
+  void mend(std::uint64_t unit, LabelWork& work, const WorkerContext& worker, CubeMeshWriter& file,
+            Result& result) {
     MeshGather gather;
     const PartCounts most = counts_after(work);
     gather.reserve(most.vertices, most.triangles, most.samples, most.sided);
     BoxReads::Held held = read_pieces(work, worker);
     std::uint64_t lost = 0;
-    // Triangles of blocks, modulo 2^64. Those beside all boxes stay.
-    std::map<std::uint64_t, std::uint64_t> more;
+    std::map<std::uint64_t, std::uint64_t> more;  // triangles of blocks, modulo 2^64
+    // f(cube) where the triangle is at home in a cube of the unit.
+    const auto if_own = [&](const RefineMesh& mesh, std::size_t t, auto&& f) {
+      const Place place = place_of(home_of(mesh, t, cubes_));
+      if (range_of(unit).contains(place.first)) f(work.cubes.at(place));
+    };
     for (const BoxReads& reads : work.boxes) {
       RefineCounts counts;
-      const RefineMesh mended = mend_box(reads.read(held, [&] { worker.check_interrupt(); }),
-                                         reads.box().box, job_.parameters, counts);
+      const LatticeBox& box = reads.box().box;
+      const RefineMesh mesh = reads.read(held, [&] { worker.check_interrupt(); });
+      for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        if (lies_in(mesh, t, box))
+          if_own(mesh, t, [&](OwnCube& cube) {
+            ++cube.removed;
+            --more[block_code(mesh, t, blocks_)];
+          });
+      const RefineMesh mended = mend_box(mesh, box, job_.parameters, counts);
       // Others do the same box where it reaches into theirs, and take what is at home there.
       gather.add(mended, [&](std::size_t t) {
-        const bool takes = range_of(unit).contains(cubes_.code(home_of(mended, t, cubes_)));
-        if (takes) ++more[block_code(mended, t, blocks_)];
+        bool takes = false;
+        if_own(mended, t, [&](OwnCube& cube) {
+          takes = true;
+          ++cube.added;
+          ++more[block_code(mended, t, blocks_)];
+        });
         return takes;
       });
       const CubeKey owner = reads.box().owner;
@@ -164,111 +176,68 @@ class MendStage final : public RangeStage {
       result.counts.add(counts);
       lost += counts.collapses;  // each took a vertex
     }
-    if (lost > 0) result.changes.push_back({work.label, lost});
-    for (const auto& entry : held) {
-      const HeldPart& before = entry.second;
-      const std::vector<LatticeBox> near = boxes_near(work, before);
-      gather.add(before.mesh, [&](std::size_t t) {
-        const bool stays = !lies_in_any(before.boxes[t], near);
-        if (!stays) --more[block_code(before.mesh, t, blocks_)];
-        return stays;
-      });
-    }
     held.clear();
-    const RefineMesh after = gather.take();
+    if (lost > 0) result.changes.push_back({work.label, lost});
     for (const auto& [code, triangles] : more)
       if (triangles != 0) result.blocks.push_back({work.label, code, triangles});
-    add_intersections(work.label, after, after.intersecting, cubes_, result.intersecting);
+    const RefineMesh after = gather.take();
+    for (const std::uint32_t t : after.intersecting)
+      if_own(after, t, [&](const OwnCube& cube) {
+        result.intersecting.push_back(
+            {work.label, after.box(t), cube.before - cube.removed + cube.added});
+      });
     write_pieces(work, after, file);
   }
 
-  static std::vector<LatticeBox> boxes_near(const LabelWork& work, const HeldPart& part) {
-    std::vector<LatticeBox> near;
-    if (part.boxes.empty()) return near;
-    LatticeBox all = part.boxes.front();
-    for (const LatticeBox& box : part.boxes) all.extend(box);
-    for (const BoxReads& reads : work.boxes)
-      if (reads.box().box.meets(all)) near.push_back(reads.box().box);
-    return near;
-  }
-
-  // What was listed and may lie in no box. Where all boxes are planned at once each place meets one, so
-  // its piece is written again and says it; but for patches, whose places their unit lists.
-  std::vector<IntersectionRecord> records(std::uint64_t unit) {
-    if (!plan_->holds_all()) return plan_->records(unit);
-    return listed_ ? listed_->open(unit)->intersecting() : std::vector<IntersectionRecord>{};
-  }
-  // Those that do. Of pieces of the unit that were written again it is known already.
-  static void add_beside(const std::vector<LabelWork>& works,
-                         const std::vector<IntersectionRecord>& listed, Result& result) {
-    const auto place = [](const IntersectionRecord& record) {
-      return std::tuple(record.label, record.box.lo, record.box.hi);
-    };
-    std::set<std::tuple<Material, LatticePoint, LatticePoint>> known;
-    for (const IntersectionRecord& record : result.intersecting) known.insert(place(record));
-    for (const IntersectionRecord& record : listed)
-      if (!known.contains(place(record)) && std::ranges::none_of(works, [&](const LabelWork& work) {
-            return work.label == record.label &&
-                   std::ranges::any_of(work.boxes, [&](const BoxReads& reads) {
-                     return lies_in(record.box, reads.box().box);
-                   });
-          }))
-        result.intersecting.push_back(record);
-  }
-
-  // All that are there now, and an empty one where there was one and is none any more.
+  // Of the cubes in whose boxes there was a triangle or is one.
   void write_pieces(const LabelWork& work, const RefineMesh& mesh, CubeMeshWriter& file) const {
-    auto before = work.pieces.begin();
-    const auto pass = [&](auto&& is_before) {
-      for (; before != work.pieces.end() && is_before(before->place());) {
-        const Place place = before->place();
-        file.piece({work.label, place.first}, morton_decode(place.second), {}, {});
-        while (before != work.pieces.end() && before->place() == place) ++before;
-      }
+    auto next = work.cubes.begin();
+    const auto write = [&](const RefineMesh& inside, const RefineMesh& leaving) {
+      const auto& [place, cube] = *next++;
+      file.piece({work.label, place.first}, morton_decode(place.second), inside, leaving,
+                 {cube.boxes, cube.removed});
+    };
+    const auto pass_to = [&](auto end) {
+      while (next != end)
+        if (next->second.removed > 0)
+          write({}, {});
+        else
+          ++next;
     };
     each_piece(mesh, cubes_, [&](const CubePiece& piece) {
-      const Place place{piece.code, morton_encode(piece.cube)};
-      pass([&](const Place& other) { return other < place; });
-      while (before != work.pieces.end() && before->place() == place) ++before;
-      file.piece({work.label, piece.code}, piece.cube, piece.inside, piece.leaving);
+      pass_to(work.cubes.find({piece.code, morton_encode(piece.cube)}));
+      write(piece.inside, piece.leaving);
     });
-    pass([](const Place&) { return true; });
+    pass_to(work.cubes.end());
   }
 
   Hash128 key(std::uint64_t unit, const std::vector<LabelWork>& works,
-              const std::vector<IntersectionRecord>& listed) {
+              const std::vector<IntersectionRecord>& beside) {
     KeyHasher key = begin_key(unit);
-    key.bytes(as_section(listed));
+    key.bytes(as_section(beside));
     for (const LabelWork& work : works) {
       key.integer(static_cast<std::int64_t>(work.label));
       for (const BoxReads& reads : work.boxes) reads.add_hashes(key);
-      for (const OwnPiece& own : work.pieces) {
-        const auto artifact = meshes_.open(own.artifact);
-        key.integer(static_cast<std::int64_t>(own.record.cube));
-        for (const CubePart part : {CubePart::inside, CubePart::leaving})
-          key.hash(artifact->part_hash(own.piece, part));
-      }
+      for (const auto& [place, cube] : work.cubes)
+        key.integer(static_cast<std::int64_t>(cube.before));
     }
     return key.finish();
   }
 
-  // What is at home in the unit's pieces afterwards: what was, and what has come over the border.
+  // What is at home in the boxes afterwards, at most: what was in their cubes, and what has come over
+  // the border.
   static PartCounts counts_after(const LabelWork& work) {
     constexpr std::uint64_t more = 1 << 12;
-    PartCounts after;
-    for (const OwnPiece& own : work.pieces) {
-      after += own.record.inside;
-      after += own.record.leaving;
-    }
     const auto grown = [](std::uint64_t count) { return count + count / 8 + more; };
-    PartCounts all{grown(after.vertices), grown(after.triangles), grown(after.samples), 0};
+    PartCounts all{grown(work.most.vertices), grown(work.most.triangles), grown(work.most.samples),
+                   0};
     for (const BoxReads& reads : work.boxes)
       all.samples += reads.all().vertices;  // that go or move
-    if (after.sided > 0) all.sided = all.triangles;
+    if (work.most.sided > 0) all.sided = all.triangles;
     return all;
   }
 
-  static std::uint64_t bytes_of(const LabelWork& work) {
+  std::uint64_t bytes_of(const LabelWork& work) {
     std::uint64_t box_bytes = 0, held = 0;
     for (const BoxReads& reads : work.boxes) {
       PartCounts own = reads.all();
@@ -276,9 +245,12 @@ class MendStage final : public RangeStage {
       box_bytes = std::max({box_bytes, reading_bytes(reads.all(), reads.largest_part_bytes()),
                             refining_bytes(reads.all(), own)});
     }
-    for (const OwnPiece& own : work.pieces)
-      for (const PartCounts& part : {own.record.inside, own.record.leaving})
-        held += part_bytes(part) / 2 + part.triangles * sizeof(LatticeBox);
+    for (const PieceRead& own : work.pieces) {
+      const auto artifact = meshes_.open(own.artifact);
+      const CubePieceRecord& piece = artifact->pieces()[own.piece];
+      for (const PartCounts& part : {piece.inside, piece.leaving})
+        held += part_bytes(part) / 2 + HeldPart::bytes(part.triangles);
+    }
     const PartCounts after = counts_after(work);
     return gather_bytes(after.vertices, after.triangles, after.samples, after.sided) +
            std::max(held + box_bytes, piece_bytes(after.vertices, after.triangles, after.sided));

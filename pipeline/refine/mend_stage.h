@@ -1,7 +1,6 @@
-// Mend: what still intersects after refine and seams, repaired in boxes of its own. It leaves only the
-// pieces that are not as they were. Where the mesh is only repaired, seams is one such stage too: it mends
-// what find has found, in small boxes. Remend is one more: it mends what mend left at
-// borders of its boxes.
+// Mend: what still intersects after refine and seams, repaired in boxes of its own. It leaves a patch.
+// Where the mesh is only repaired, seams is one such stage too: it mends what find has found, in small
+// boxes. Remend is one more: it mends what mend left at borders of its boxes.
 #pragma once
 
 #include <memory>

@@ -30,7 +30,7 @@ void NodeReads::each_piece(const CubeRange& range, F&& f) const {
   const CubeKey begin{0, range.begin}, end{0, range.end};
   meshes.spans().each(begin, end, [&](std::size_t i) {
     each_piece_of(*meshes.open(i), begin, end, [&](std::size_t p, const CubePieceRecord& piece) {
-      if (!meshes.is_replaced(i, piece)) f(Piece{i, p}, piece);
+      f(Piece{i, p}, piece);
     });
   });
 }
@@ -61,7 +61,7 @@ void NodeReads::find_others() {
     const auto pieces = artifact->pieces();
     for (std::size_t p = 0; p < pieces.size(); ++p)
       if (!own.contains(pieces[p].code) && pieces[p].leaving.triangles > 0 &&
-          pieces[p].leaving_box.meets(box_) && !meshes.is_replaced(i, pieces[p]))
+          pieces[p].leaving_box.meets(box_))
         others_.push_back({i, p});
   }
 }
@@ -87,14 +87,13 @@ bool NodeReads::children_are_there() const {
 }
 
 void NodeReads::add_hashes(KeyHasher& key) const {
-  for (const Piece& piece : all_) {
-    const auto artifact = sources_.meshes.open(piece.artifact);
+  CubeMeshes& meshes = sources_.meshes;
+  for (const Piece& piece : all_)
     for (const CubePart part : {CubePart::inside, CubePart::leaving})
-      key.hash(artifact->part_hash(piece.piece, part));
-  }
+      meshes.add_hashes(key, piece.artifact, piece.piece, part);
   key.integer(static_cast<std::int64_t>(all_.size()));
   for (const Piece& piece : others_)
-    key.hash(sources_.meshes.open(piece.artifact)->part_hash(piece.piece, CubePart::leaving));
+    meshes.add_hashes(key, piece.artifact, piece.piece, CubePart::leaving);
 }
 
 PartCounts NodeReads::counts() const {
@@ -129,9 +128,8 @@ RefineMesh NodeReads::read(const std::function<void()>& between) const {
   mesh.reserve(all.vertices, all.triangles, all.samples, all.sided);
   for (const Piece& piece : own_) {
     between();
-    const auto artifact = sources_.meshes.open(piece.artifact);
-    mesh.add(artifact->read(piece.piece, CubePart::inside));
-    mesh.add(artifact->read(piece.piece, CubePart::leaving));
+    for (const CubePart part : {CubePart::inside, CubePart::leaving})
+      mesh.add(sources_.meshes.read(piece.artifact, piece.piece, part));
   }
   each_child([&](const CubeMeshArtifact& child) {
     for (std::size_t p = 0; p < child.pieces().size(); ++p) {
@@ -142,8 +140,7 @@ RefineMesh NodeReads::read(const std::function<void()>& between) const {
   });
   for (const Piece& piece : others_) {
     between();
-    const RefineMesh leaving =
-        sources_.meshes.open(piece.artifact)->read(piece.piece, CubePart::leaving);
+    const RefineMesh leaving = sources_.meshes.read(piece.artifact, piece.piece, CubePart::leaving);
     mesh.add(leaving, [&](std::size_t t) { return leaving.box(t).meets(box_); });
   }
   return mesh.take();

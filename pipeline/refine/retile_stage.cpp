@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
 #include "stages/refine/mesh_part.h"
 #include "stages/refine/retile.h"
@@ -91,9 +90,8 @@ class RetileStage final : public StageWork {
     mesh.reserve(planned.vertices, 2 * planned.polygons, 0, found.sided ? 2 * planned.polygons : 0);
     for (const PieceRead& piece : found.pieces) {
       worker.check_interrupt();
-      const auto artifact = open_planned(piece.artifact);
       for (const CubePart part : {CubePart::inside, CubePart::leaving}) {
-        RefineMesh triangles = artifact->read(piece.piece, part);
+        RefineMesh triangles = meshes_.read(spans_, piece.artifact, piece.piece, part);
         triangles.samples.clear();
         mesh.add(triangles,
                  [&](std::size_t t) { return belongs_to(triangles, t, blocks_, planned.key()); });
@@ -122,18 +120,8 @@ class RetileStage final : public StageWork {
     const CubeKey begin{refined.material, tile.code >> bits},
         end{refined.material, (last >> bits) + 1};
     TilePieces found;
-    // Of each cube the layer whose piece it is; those below have others that are not there any more.
-    std::map<std::uint64_t, std::size_t> uppermost;
-    spans_.each(begin, end, [&](std::size_t i) {
-      if (meshes_.layer(i) == 0) return;
-      each_piece_of(*open_planned(i), begin, end, [&](std::size_t, const CubePieceRecord& piece) {
-        uppermost[piece.cube] = meshes_.layer(i);
-      });
-    });
     spans_.each(begin, end, [&](std::size_t i) {
       each_piece_of(*open_planned(i), begin, end, [&](std::size_t p, const CubePieceRecord& piece) {
-        const auto patched = uppermost.find(piece.cube);
-        if (patched != uppermost.end() && meshes_.layer(i) < patched->second) return;
         found.pieces.push_back({i, p, true});
         found.sided = found.sided || piece.inside.sided + piece.leaving.sided > 0;
         found.largest_part =
@@ -149,11 +137,9 @@ class RetileStage final : public StageWork {
     for (const UnitTile& refined : plan_.units().tiles(unit)) {
       key.integer(static_cast<std::int64_t>(refined.material));
       key.integer(static_cast<std::int64_t>(refined.tile.code)).integer(refined.tile.level);
-      for (const PieceRead& piece : pieces_of(refined).pieces) {
-        const auto artifact = open_planned(piece.artifact);
+      for (const PieceRead& piece : pieces_of(refined).pieces)
         for (const CubePart part : {CubePart::inside, CubePart::leaving})
-          key.hash(artifact->part_hash(piece.piece, part));
-      }
+          meshes_.add_hashes(key, spans_, piece.artifact, piece.piece, part);
     }
     return key.finish();
   }

@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "stages/exact/box_tree.h"
 #include "stages/refine/vertex_cubes.h"
 
 namespace voxweld {
@@ -58,11 +59,17 @@ std::uint32_t Extract::number(std::uint32_t v, RefineMesh& part, std::vector<std
 }
 
 void MeshGather::add(const RefineMesh& part, const std::function<bool(std::size_t)>& takes) {
-  if (part.triangles.empty()) return;
+  std::vector<std::uint32_t> triangles;
+  for (std::uint32_t t = 0; t < part.triangles.size(); ++t)
+    if (takes(t)) triangles.push_back(t);
+  add(part, triangles);
+}
+
+void MeshGather::add(const RefineMesh& part, const std::vector<std::uint32_t>& triangles) {
+  if (triangles.empty()) return;
   mesh_.checked = part.checked && (mesh_.checked || mesh_.triangles.empty());
   Part from(part);
-  for (std::uint32_t t = 0; t < part.triangles.size(); ++t)
-    if (takes(t)) add_triangle(from, t, part.intersects(t));
+  for (const std::uint32_t t : triangles) add_triangle(from, t, part.intersects(t));
 }
 
 template <class Number>
@@ -116,6 +123,31 @@ void MeshGather::reserve(std::uint64_t vertices, std::uint64_t triangles, std::u
   mesh_.sides.reserve(sided);
   mesh_.samples.reserve(samples);
   numbers_.reserve(vertices);
+}
+
+void remove_inside(RefineMesh& mesh, const std::vector<LatticeBox>& boxes) {
+  const BoxTree tree(boxes);
+  std::vector<std::uint32_t> box_of(mesh.positions.size(), no_number);
+  for (std::size_t v = 0; v < box_of.size(); ++v)
+    tree.any_meeting({mesh.positions[v], mesh.positions[v]}, [&](std::uint32_t box) {
+      box_of[v] = box;
+      return true;
+    });
+  std::vector<std::uint32_t> number(mesh.triangles.size(), no_number);
+  std::uint32_t left = 0;
+  for (std::size_t t = 0; t < number.size(); ++t) {
+    const auto [a, b, c] = mesh.triangles[t];
+    if (box_of[a] != no_number && box_of[a] == box_of[b] && box_of[a] == box_of[c]) continue;
+    if (!mesh.sides.empty()) mesh.sides[left] = mesh.sides[t];
+    mesh.triangles[left] = {a, b, c};
+    number[t] = left++;
+  }
+  mesh.triangles.resize(left);
+  if (!mesh.sides.empty()) mesh.sides.resize(left);
+  std::erase_if(mesh.samples, [&](SurfaceSample& sample) {
+    return (sample.triangle = number[sample.triangle]) == no_number;
+  });
+  std::erase_if(mesh.intersecting, [&](std::uint32_t& t) { return (t = number[t]) == no_number; });
 }
 
 std::uint64_t mesh_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples,

@@ -82,6 +82,8 @@ class MeshGather {
   }
   // The triangles of the part for which takes(number) holds.
   void add(const RefineMesh& part, const std::function<bool(std::size_t)>& takes);
+  // Those with these numbers.
+  void add(const RefineMesh& part, const std::vector<std::uint32_t>& triangles);
   // One triangle; with Part where there are many. Precondition: nothing was taken out since the first
   // one of this Part.
   void add_triangle(const RefineMesh& part, std::uint32_t triangle, bool intersects);
@@ -98,6 +100,9 @@ class MeshGather {
   RefineMesh mesh_;
   VertexTable numbers_{VertexIdHash{&mesh_.ids}};
 };
+
+// Takes out the triangles with all corners in one of these boxes, which do not meet. Vertices stay.
+void remove_inside(RefineMesh& mesh, const std::vector<LatticeBox>& boxes);
 
 // Bytes of a mesh in memory. sided: how many of the triangles have sides.
 std::uint64_t mesh_bytes(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples,

@@ -18,13 +18,17 @@ enum CubeMeshSection : std::uint64_t {
 
 constexpr const char* contradicting = "its sections contradict each other";
 
-static_assert(sizeof(CubePieceRecord) == 3 * 8 + 2 * 32 + 24);
+static_assert(sizeof(CubePieceRecord) == 3 * 8 + 2 * 32 + 24 + 2 * 8);
 static_assert(sizeof(CubeMeshSummary) == 8 + 32 + 8 + 2 * 16 + 2 * 24);
 static_assert(sizeof(SurfaceSample) == 16);
 static_assert(sizeof(IntersectionRecord) == 8 + 24 + 8);
 
 std::uint64_t part_section(std::size_t piece, CubePart part) {
   return (std::uint64_t{piece} + 1) << 8 | static_cast<std::uint64_t>(part);
+}
+
+std::uint64_t holes_section(std::size_t piece) {
+  return (std::uint64_t{piece} + 1) << 8 | 3;
 }
 
 struct PartHead {
@@ -114,8 +118,8 @@ void CubeMeshWriter::add(const PartCounts& counts, const LatticeBox& box, bool l
 }
 
 void CubeMeshWriter::piece(CubeKey key, Index3 cube, const RefineMesh& inside,
-                           const RefineMesh& leaving) {
-  CubePieceRecord record{key.label, key.code, morton_encode(cube), {}, {}, {}};
+                           const RefineMesh& leaving, const PieceHoles& holes) {
+  CubePieceRecord record{key.label, key.code, morton_encode(cube), {}, {}, {}, 0, 0};
   record.inside = part(CubePart::inside, inside);
   record.leaving = part(CubePart::leaving, leaving);
   if (record.inside.triangles > 0) add(record.inside, LatticeBox::around(inside.positions), false);
@@ -123,6 +127,10 @@ void CubeMeshWriter::piece(CubeKey key, Index3 cube, const RefineMesh& inside,
     record.leaving_box = LatticeBox::around(leaving.positions);
     add(record.leaving, record.leaving_box, true);
   }
+  if (!holes.boxes.empty())
+    file_.section(holes_section(pieces_.size()), std::as_bytes(holes.boxes));
+  record.holes = holes.boxes.size();
+  record.removed = holes.removed;
   if (pieces_.empty()) summary_.lowest = key;
   summary_.highest = key;
   pieces_.push_back(record);
@@ -146,9 +154,24 @@ CubeMeshArtifact::CubeMeshArtifact(const std::filesystem::path& path)
   if (pieces_.size() != summary_.pieces || !pieces_ascend(pieces_)) file_.damaged(contradicting);
 }
 
+Hash128 CubeMeshArtifact::hash_of(std::uint64_t section) const {
+  const SectionRecord* found = file_.find(section);
+  return found == nullptr ? Hash128{} : found->hash;
+}
+
 Hash128 CubeMeshArtifact::part_hash(std::size_t piece, CubePart part) const {
-  const SectionRecord* section = file_.find(part_section(piece, part));
-  return section == nullptr ? Hash128{} : section->hash;
+  return hash_of(part_section(piece, part));
+}
+
+Hash128 CubeMeshArtifact::holes_hash(std::size_t piece) const {
+  return hash_of(holes_section(piece));
+}
+
+std::vector<LatticeBox> CubeMeshArtifact::holes(std::size_t piece) const {
+  std::vector<LatticeBox> boxes;
+  if (pieces_[piece].holes > 0) file_.read_array(holes_section(piece), boxes);
+  if (boxes.size() != pieces_[piece].holes) file_.damaged(contradicting);
+  return boxes;
 }
 
 RefineMesh CubeMeshArtifact::read(std::size_t piece, CubePart part) const {

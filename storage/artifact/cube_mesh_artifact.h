@@ -1,7 +1,8 @@
 // A part of a surface's mesh, sorted by the cubes its triangles are at home in: what passes between
 // stitch, refine, seams, mend, remend and retile. With labels.mode = "each" parts of the surfaces of some
-// labels. Those of mend and remend have only the pieces that are to stand in place of those before.
-// Where a mesh is only repaired, refine's has none, and that of seams those that stand in place of stitch's.
+// labels. Those of mend and remend are patches: each piece has boxes, and its triangles stand in place of
+// all those before it that are at home in its cube and have all corners in one of its boxes. Where a mesh
+// is only repaired, refine's has no pieces, and that of seams is a patch of stitch's.
 // Kind "cubm", a container with these sections:
 //   1                    CubeMeshSummary (one)
 //   2                    CubePieceRecord of each piece, ascending by label, code and cube
@@ -12,6 +13,7 @@
 //                        stages that mend follows
 //   (piece + 1) << 8 | 1 of the piece's triangles those inside the cube, where there are any
 //   (piece + 1) << 8 | 2 and those that leave it
+//   (piece + 1) << 8 | 3 of a patch's piece the boxes, which do not meet: LatticeBox
 // A part stands for itself:
 //   u64 x 8 vertices, triangles, samples, triangles with sides (all or none), 1 where there are
 //   normals, 1 where there are aims, 1 where intersections have been looked for, and how many triangles
@@ -29,7 +31,7 @@
 namespace voxweld {
 
 inline constexpr std::array<char, 4> cube_mesh_kind = {'c', 'u', 'b', 'm'};
-inline constexpr std::uint32_t cube_mesh_version = 5;
+inline constexpr std::uint32_t cube_mesh_version = 6;
 
 struct PartCounts {
   std::uint64_t vertices = 0, triangles = 0, samples = 0;
@@ -59,7 +61,9 @@ struct CubePieceRecord {
   std::uint64_t code = 0;
   std::uint64_t cube = 0;  // Morton number
   PartCounts inside, leaving;
-  LatticeBox leaving_box;  // around them, where there are any
+  LatticeBox leaving_box;     // around them, where there are any
+  std::uint64_t holes = 0;    // boxes, of a patch
+  std::uint64_t removed = 0;  // triangles before it in whose place it stands
 
   CubeKey key() const { return {label, code}; }
 };
@@ -104,13 +108,20 @@ struct CubeMeshTables {
   std::span<const IntersectionRecord> intersecting = {};
 };
 
+// Where a piece of a patch stands in place of what was before, and of how many triangles.
+struct PieceHoles {
+  std::span<const LatticeBox> boxes = {};
+  std::uint64_t removed = 0;
+};
+
 class CubeMeshWriter {
  public:
   CubeMeshWriter(const std::filesystem::path& path, Hash128 key)
       : file_(path, {cube_mesh_kind, cube_mesh_version, key}) {}
 
   // Ascending by key, then by cube.
-  void piece(CubeKey key, Index3 cube, const RefineMesh& inside, const RefineMesh& leaving);
+  void piece(CubeKey key, Index3 cube, const RefineMesh& inside, const RefineMesh& leaving,
+             const PieceHoles& holes = {});
   Hash128 finish(const CubeMeshTables& tables);
 
  private:
@@ -132,6 +143,8 @@ class CubeMeshArtifact : public OpenArtifact {
   // Of an empty part the same for all.
   Hash128 part_hash(std::size_t piece, CubePart part) const;
   RefineMesh read(std::size_t piece, CubePart part) const;
+  std::vector<LatticeBox> holes(std::size_t piece) const;
+  Hash128 holes_hash(std::size_t piece) const;  // where there are none the same for all
   template <class T>
   T counted() const {
     return file_.read_record<T>(3, "has no counts of its making");
@@ -142,6 +155,8 @@ class CubeMeshArtifact : public OpenArtifact {
   std::uint64_t intersecting_count() const;
 
  private:
+  Hash128 hash_of(std::uint64_t section) const;
+
   CubeMeshSummary summary_;
   std::vector<CubePieceRecord> pieces_;
 };

@@ -96,11 +96,13 @@ void read_bins(const fs::path& path) {
 }
 void read_cubes(const fs::path& path) {
   const CubeMeshArtifact cubes(path);
-  for (std::size_t i = 0; i < std::min<std::size_t>(cubes.pieces().size(), 64); ++i)
+  for (std::size_t i = 0; i < std::min<std::size_t>(cubes.pieces().size(), 64); ++i) {
     for (const CubePart part : {CubePart::inside, CubePart::leaving}) {
       cubes.part_hash(i, part);
       cubes.read(i, part);
     }
+    cubes.holes(i);
+  }
   cubes.blocks();
   cubes.changes();
 }

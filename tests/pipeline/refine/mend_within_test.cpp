@@ -66,11 +66,9 @@ class Repair {
     CubeMeshes meshes(layers_);
     MeshGather gather;
     for (std::size_t i = 0; i < meshes.size(); ++i)
-      for (std::size_t p = 0; p < meshes.open(i)->pieces().size(); ++p) {
-        if (meshes.is_replaced(i, meshes.open(i)->pieces()[p])) continue;
+      for (std::size_t p = 0; p < meshes.open(i)->pieces().size(); ++p)
         for (const CubePart part : {CubePart::inside, CubePart::leaving})
-          gather.add(meshes.open(i)->read(p, part));
-      }
+          gather.add(meshes.read(i, p, part));
     return gather.take();
   }
   // Boxes of what the last layer says intersects.

@@ -74,8 +74,10 @@ void read_all_of_cubes(const fs::path& path) {
   artifact.counted<RefineCounts>();
   artifact.blocks();
   artifact.changes();
-  for (std::size_t i = 0; i < artifact.pieces().size(); ++i)
+  for (std::size_t i = 0; i < artifact.pieces().size(); ++i) {
     for (const CubePart part : {CubePart::inside, CubePart::leaving}) artifact.read(i, part);
+    artifact.holes(i);
+  }
 }
 
 void read_all_of_tile_plan(const fs::path& path) {

@@ -70,5 +70,41 @@ TEST(Gather, TakesWhatItIsTold) {
   EXPECT_TRUE(gather.mesh().triangles.empty());
 }
 
+// A patch stands in place of what lies in its boxes.
+TEST(RemoveInside, TakesOutWhatLiesInOneBox) {
+  const RefineMesh before = with_sides(torus());
+  LatticeBox lower = LatticeBox::around(before.positions), upper = lower;
+  const std::int32_t middle = (lower.lo[0] + lower.hi[0]) / 2;
+  lower.hi[0] = middle - 1;
+  lower.lo[1] = (lower.lo[1] + lower.hi[1]) / 2;
+  upper.lo[0] = middle;
+  const auto lies_in = [](const LatticeBox& box, const LatticeBox& triangle) {
+    return box.contains(triangle.lo) && box.contains(triangle.hi);
+  };
+  RefineMesh after = before;
+  for (std::uint32_t t = 0; t < before.triangles.size(); t += 5) after.intersecting.push_back(t);
+  remove_inside(after, {upper, lower});
+  std::uint32_t left = 0, across = 0;
+  SampleReader old_samples(before), samples(after);
+  for (std::uint32_t t = 0; t < before.triangles.size(); ++t) {
+    const LatticeBox box = before.box(t);
+    if (lies_in(lower, box) || lies_in(upper, box)) continue;
+    across += lower.meets(box) && upper.meets(box) ? 1 : 0;
+    ASSERT_LT(left, after.triangles.size());
+    EXPECT_EQ(after.triangles[left], before.triangles[t]);
+    EXPECT_EQ(after.sides[left], before.sides[t]);
+    EXPECT_EQ(after.intersects(left), t % 5 == 0);
+    std::vector<LatticePoint> old_points, points;
+    old_samples.each(t, [&](const SurfaceSample& s) { old_points.push_back(s.point); });
+    samples.each(left, [&](const SurfaceSample& s) { points.push_back(s.point); });
+    EXPECT_EQ(points, old_points);
+    ++left;
+  }
+  EXPECT_EQ(after.triangles.size(), left);
+  EXPECT_EQ(after.sides.size(), left);
+  EXPECT_GT(across, 0u) << "a triangle with corners in both boxes stays";
+  EXPECT_LT(left, before.triangles.size() / 2);
+}
+
 }  // namespace
 }  // namespace voxweld

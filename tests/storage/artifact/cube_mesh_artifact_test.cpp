@@ -42,8 +42,9 @@ class CubeMeshFile : public ::testing::Test {
     CubeMeshWriter out(path(), {1, 2});
     out.piece({0, 3}, {1, 1, 0}, triangle({10, 20, 30}, true, 2), {});
     out.piece({0, 3}, {2, 1, 0}, {}, triangle({50, 0, 5}, false, 0));
+    const std::vector<LatticeBox> boxes = {{{1, 2, 3}, {9, 9, 9}}, {{1, 2, 10}, {9, 9, 10}}};
     out.piece({7, 1}, {1, 0, 1}, triangle({7, 8, 9}, true, 0),
-              between({4, exterior}, triangle({90, 8, 9}, true, 1)));
+              between({4, exterior}, triangle({90, 8, 9}, true, 1)), {boxes, 17});
     const Counted counted{11, 12};
     const std::vector<BlockRecord> blocks = {{0, 64, 1}, {7, 0, 3}};
     const std::vector<LabelChange> changes = {{7, 5}};
@@ -61,6 +62,7 @@ class CubeMeshFile : public ::testing::Test {
           for (std::size_t i = 0; i < file.pieces().size(); ++i) {
             file.read(i, CubePart::inside);
             file.read(i, CubePart::leaving);
+            file.holes(i);
           }
         },
         DamagedArtifact);
@@ -107,6 +109,19 @@ TEST_F(CubeMeshFile, ReadsBack) {
   EXPECT_EQ(read.samples, wrote.samples);
   EXPECT_TRUE(file.read(1, CubePart::leaving).normals.empty());
   EXPECT_TRUE(file.read(1, CubePart::inside).triangles.empty());
+}
+
+TEST_F(CubeMeshFile, PatchesSayWhatTheyStandInPlaceOf) {
+  write();
+  const CubeMeshArtifact file(path());
+  EXPECT_EQ(file.pieces()[2].holes, 2u);
+  EXPECT_EQ(file.pieces()[2].removed, 17u);
+  EXPECT_EQ(file.holes(2),
+            (std::vector<LatticeBox>{{{1, 2, 3}, {9, 9, 9}}, {{1, 2, 10}, {9, 9, 10}}}));
+  EXPECT_EQ(file.pieces()[0].holes, 0u);
+  EXPECT_TRUE(file.holes(0).empty());
+  EXPECT_EQ(file.holes_hash(0), file.holes_hash(1));
+  EXPECT_NE(file.holes_hash(0), file.holes_hash(2));
 }
 
 // Each part has a hash of its own, so that what reads one does not depend on the other.
