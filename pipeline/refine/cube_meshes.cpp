@@ -49,7 +49,8 @@ const std::vector<CubeMeshes::Entry>& CubeMeshes::entries() {
                         "run CONFIG` for all",
                         path(i).string(), stage_name(artifacts_[i].maker)));
       const CubeMeshArtifact artifact(path(i));
-      entries[i] = {artifact.summary(), artifact.content_hash()};
+      entries[i] = {artifact.summary(), artifact.content_hash(), artifact.intersecting_count(),
+                    artifact.counts_triangles()};
     });
     entries_ = std::move(entries);
     for (std::size_t i = 0; i < size(); ++i) {

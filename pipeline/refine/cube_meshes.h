@@ -65,6 +65,8 @@ class CubeMeshes {
   struct Entry {
     CubeMeshSummary summary;
     Hash128 content;
+    std::uint64_t intersecting = 0;  // records of triangles that intersect others
+    bool counts = false;  // whether it says how many triangles there are, or vertices lost
   };
 
   // From the lowest layer to the uppermost.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <set>
 #include <tuple>
 
@@ -39,12 +38,7 @@ std::vector<IntersectionPlace> places_of(const std::vector<IntersectionRecord>& 
 
 bool MendPlan::holds_all() {
   std::call_once(counted_, [&] {
-    in_.places.entries();  // or one is missing
-    std::vector<std::uint64_t> counts(in_.places.size());
-    probe_all(counts.size(), [&](std::size_t i) {
-      counts[i] = CubeMeshArtifact(in_.places.path(i)).intersecting_count();
-    });
-    places_count_ = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+    for (const CubeMeshes::Entry& entry : in_.places.entries()) places_count_ += entry.intersecting;
   });
   return places_count_ <= in_.room.most_places;
 }
@@ -62,9 +56,11 @@ std::uint64_t MendPlan::bytes() {
 
 void MendPlan::make() {
   std::map<Material, std::vector<IntersectionRecord>> places;
-  for (std::size_t i = 0; i < in_.places.size(); ++i)
-    for (const IntersectionRecord& record : CubeMeshArtifact(in_.places.path(i)).intersecting())
-      places[record.label].push_back(record);
+  const auto& entries = in_.places.entries();
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    if (entries[i].intersecting > 0)
+      for (const IntersectionRecord& record : CubeMeshArtifact(in_.places.path(i)).intersecting())
+        places[record.label].push_back(record);
   for (const auto& of_label : places) {
     const Material label = of_label.first;
     const auto boxes = mend_boxes(places_of(of_label.second), in_.frame, in_.room);

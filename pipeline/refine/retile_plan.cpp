@@ -49,9 +49,11 @@ class SortedBlocks {
   explicit SortedBlocks(const RetileInputs& inputs)
       : job_(inputs.job), labels_(inputs.labels), blocks_(job_.folder.parent_path(), sorter_bytes) {
     CubeMeshes& meshes = inputs.meshes;
+    const auto& entries = meshes.entries();
     probe_in_order<Counts>(
         meshes.size(), meshes_ahead,
         [&](std::size_t i) {
+          if (!entries[i].counts) return Counts{};
           const auto mesh = meshes.open(i);
           return Counts{mesh->blocks(), mesh->changes()};
         },

@@ -55,6 +55,15 @@ std::string kind_text(std::array<char, 4> kind) {
   return {kind.begin(), kind.end()};
 }
 
+// Takes off a hash that stands behind the rest.
+Hash128 hash_behind(std::span<const std::byte>& bytes) {
+  Hash128 hash;
+  const std::span<const std::byte> last = bytes.last(sizeof hash);
+  std::memcpy(&hash, last.data(), sizeof hash);
+  bytes = bytes.first(bytes.size() - sizeof hash);
+  return hash;
+}
+
 }  // namespace
 
 ArtifactWriter::ArtifactWriter(const std::filesystem::path& path, const ArtifactStamp& stamp)
@@ -121,25 +130,28 @@ ArtifactReader::ArtifactReader(const std::filesystem::path& path, std::array<cha
       (header.index_size - sizeof(Hash128)) % sizeof(SectionRecord) != 0)
     damaged(fmt::format("has {} bytes, its header expects more than {}", file_.size(),
                         header.index_offset + header.index_size));
-  index_.resize((header.index_size - sizeof(Hash128)) / sizeof(SectionRecord));
-  file_.read(header.index_offset, std::as_writable_bytes(std::span(index_)));
-  const std::uint64_t origin = header.index_offset + header.index_size;
-  file_.read(origin - sizeof content_hash_, std::as_writable_bytes(std::span(&content_hash_, 1)));
-  if (hash_bytes(std::as_bytes(std::span(index_))) != content_hash_)
-    damaged("the index's checksum is wrong");
-  read_origin(origin);
+  const std::uint64_t behind = file_.size() - (header.index_offset + header.index_size);
+  constexpr std::uint64_t most = 1 << 20;
+  if (behind < sizeof(Origin) + sizeof(Hash128)) damaged("truncated: who made it is missing");
+  if (behind > most) damaged(fmt::format("has {} bytes after its index", behind));
+  // All at once: on a network file system each look takes its time.
+  std::vector<std::byte> rest(header.index_size + behind);
+  file_.read(header.index_offset, rest);
+  const std::span<const std::byte> all(rest);
+  read_index(all.first(header.index_size));
+  read_origin(all.subspan(header.index_size));
   key_ = header.key;
 }
 
-void ArtifactReader::read_origin(std::uint64_t offset) {
-  const std::uint64_t there = file_.size() - offset;
-  constexpr std::uint64_t most = 1 << 20;
-  if (there < sizeof(Origin) + sizeof(Hash128)) damaged("truncated: who made it is missing");
-  if (there > most) damaged(fmt::format("has {} bytes after its index", there));
-  std::vector<std::byte> bytes(there - sizeof(Hash128));
-  Hash128 hash;
-  file_.read(offset, bytes);
-  file_.read(file_.size() - sizeof hash, std::as_writable_bytes(std::span(&hash, 1)));
+void ArtifactReader::read_index(std::span<const std::byte> bytes) {
+  content_hash_ = hash_behind(bytes);
+  index_.resize(bytes.size() / sizeof(SectionRecord));
+  if (!index_.empty()) std::memcpy(index_.data(), bytes.data(), bytes.size());
+  if (hash_bytes(bytes) != content_hash_) damaged("the index's checksum is wrong");
+}
+
+void ArtifactReader::read_origin(std::span<const std::byte> bytes) {
+  const Hash128 hash = hash_behind(bytes);
   if (hash_bytes(bytes) != hash) damaged("the checksum of who made it is wrong");
   Origin origin;
   std::memcpy(&origin, bytes.data(), sizeof origin);

@@ -126,7 +126,8 @@ class ArtifactReader {
  private:
   void read_checked(const SectionRecord& record, std::span<std::byte> out) const;
   const SectionRecord& required(std::uint64_t name) const;
-  void read_origin(std::uint64_t offset);
+  void read_index(std::span<const std::byte> bytes);
+  void read_origin(std::span<const std::byte> bytes);
 
   ReadFile file_;
   Hash128 key_, content_hash_, input_stamp_;

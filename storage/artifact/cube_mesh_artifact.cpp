@@ -159,6 +159,11 @@ Hash128 CubeMeshArtifact::hash_of(std::uint64_t section) const {
   return found == nullptr ? Hash128{} : found->hash;
 }
 
+std::uint64_t CubeMeshArtifact::size_of(std::uint64_t section) const {
+  const SectionRecord* found = file_.find(section);
+  return found == nullptr ? 0 : found->size;
+}
+
 Hash128 CubeMeshArtifact::part_hash(std::size_t piece, CubePart part) const {
   return hash_of(part_section(piece, part));
 }
@@ -212,8 +217,11 @@ std::vector<IntersectionRecord> CubeMeshArtifact::intersecting() const {
 }
 
 std::uint64_t CubeMeshArtifact::intersecting_count() const {
-  const SectionRecord* section = file_.find(cube_intersecting_section);
-  return section == nullptr ? 0 : section->size / sizeof(IntersectionRecord);
+  return size_of(cube_intersecting_section) / sizeof(IntersectionRecord);
+}
+
+bool CubeMeshArtifact::counts_triangles() const {
+  return size_of(cube_blocks_section) + size_of(cube_changes_section) > 0;
 }
 
 }  // namespace voxweld

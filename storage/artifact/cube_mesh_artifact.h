@@ -152,10 +152,13 @@ class CubeMeshArtifact : public OpenArtifact {
   std::vector<BlockRecord> blocks() const;
   std::vector<LabelChange> changes() const;
   std::vector<IntersectionRecord> intersecting() const;
+  // Without reading them: how many, and whether there are blocks or changes.
   std::uint64_t intersecting_count() const;
+  bool counts_triangles() const;
 
  private:
   Hash128 hash_of(std::uint64_t section) const;
+  std::uint64_t size_of(std::uint64_t section) const;
 
   CubeMeshSummary summary_;
   std::vector<CubePieceRecord> pieces_;
