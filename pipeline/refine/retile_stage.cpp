@@ -87,14 +87,19 @@ class RetileStage final : public StageWork {
     const PlannedTile& planned = refined.tile;
     MeshGather mesh;
     const TilePieces found = pieces_of(refined);
+    // Of a smaller tile each of its pieces may have triangles in others, too.
+    const bool holds_cubes = static_cast<int>(planned.level) >= job_.frame.level;
     mesh.reserve(planned.vertices, 2 * planned.polygons, 0, found.sided ? 2 * planned.polygons : 0);
     for (const PieceRead& piece : found.pieces) {
       worker.check_interrupt();
       for (const CubePart part : {CubePart::inside, CubePart::leaving}) {
         RefineMesh triangles = meshes_.read(spans_, piece.artifact, piece.piece, part);
         triangles.samples.clear();
-        mesh.add(triangles,
-                 [&](std::size_t t) { return belongs_to(triangles, t, blocks_, planned.key()); });
+        if (holds_cubes)
+          mesh.add(triangles);
+        else
+          mesh.add(triangles,
+                   [&](std::size_t t) { return belongs_to(triangles, t, blocks_, planned.key()); });
       }
     }
     TileMesh out = to_tile_mesh(mesh.mesh(), planned.key(), job_.lattice, blocks_);

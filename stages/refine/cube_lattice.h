@@ -71,4 +71,24 @@ struct CubeRange {
   bool contains(std::uint64_t code) const { return begin <= code && code < end; }
 };
 
+// Finds the cubes of points that mostly lie in the cube of the one before.
+class NearbyCubes {
+ public:
+  explicit NearbyCubes(const CubeLattice& cubes) : cubes_(cubes) {}
+
+  // Whether it is not that of the point before.
+  bool moves_to(const LatticePoint& point) {
+    if (box_.contains(point)) return false;
+    cube_ = cubes_.cube_of(point);
+    box_ = cubes_.box(cube_);
+    return true;
+  }
+  Index3 cube() const { return cube_; }
+
+ private:
+  const CubeLattice& cubes_;
+  Index3 cube_;
+  LatticeBox box_{{1, 1, 1}, {0, 0, 0}};  // holds nothing
+};
+
 }  // namespace voxweld

@@ -67,34 +67,51 @@ void MeshGather::add(const RefineMesh& part, const std::function<bool(std::size_
 
 void MeshGather::add(const RefineMesh& part, const std::vector<std::uint32_t>& triangles) {
   if (triangles.empty()) return;
-  mesh_.checked = part.checked && (mesh_.checked || mesh_.triangles.empty());
+  begin(part);
   Part from(part);
   for (const std::uint32_t t : triangles) add_triangle(from, t, part.intersects(t));
 }
 
-template <class Number>
-void MeshGather::add_triangle(const RefineMesh& part, SampleReader& samples, std::uint32_t triangle,
-                              bool intersects, Number&& number) {
-  const auto as = static_cast<std::uint32_t>(mesh_.triangles.size());
-  copy_notes(part, samples, triangle, mesh_, as);
-  if (intersects) mesh_.intersecting.push_back(as);
-  auto corners = part.triangles[triangle];
-  for (std::uint32_t& v : corners) v = number(v);
-  mesh_.triangles.push_back(corners);
+void MeshGather::add(const RefineMesh& part) {
+  if (part.triangles.empty()) return;
+  begin(part);
+  const auto first = static_cast<std::uint32_t>(mesh_.triangles.size());
+  Part from(part);
+  for (const auto& corners : part.triangles) add_corners(from, corners);
+  mesh_.sides.insert(mesh_.sides.end(), part.sides.begin(), part.sides.end());
+  for (const SurfaceSample& sample : part.samples)
+    mesh_.samples.push_back({sample.point, first + sample.triangle});
+  for (const std::uint32_t t : part.intersecting) mesh_.intersecting.push_back(first + t);
+}
+
+void MeshGather::begin(const RefineMesh& part) {
+  mesh_.checked = part.checked && (mesh_.checked || mesh_.triangles.empty());
 }
 
 void MeshGather::add_triangle(const RefineMesh& part, std::uint32_t triangle, bool intersects) {
   SampleReader samples(part);
-  add_triangle(part, samples, triangle, intersects,
-               [&](std::uint32_t v) { return number(part, v); });
+  const auto as = static_cast<std::uint32_t>(mesh_.triangles.size());
+  copy_notes(part, samples, triangle, mesh_, as);
+  if (intersects) mesh_.intersecting.push_back(as);
+  auto corners = part.triangles[triangle];
+  for (std::uint32_t& v : corners) v = number(part, v);
+  mesh_.triangles.push_back(corners);
 }
 
 void MeshGather::add_triangle(Part& part, std::uint32_t triangle, bool intersects) {
-  add_triangle(part.mesh(), part.samples_, triangle, intersects, [&](std::uint32_t v) {
+  const auto as = static_cast<std::uint32_t>(mesh_.triangles.size());
+  copy_notes(part.mesh(), part.samples_, triangle, mesh_, as);
+  if (intersects) mesh_.intersecting.push_back(as);
+  add_corners(part, part.mesh().triangles[triangle]);
+}
+
+void MeshGather::add_corners(Part& part, std::array<std::uint32_t, 3> corners) {
+  for (std::uint32_t& v : corners) {
     std::uint32_t& known = part.numbers_[v];
     if (known == VertexTable::none) known = number(part.mesh(), v);
-    return known;
-  });
+    v = known;
+  }
+  mesh_.triangles.push_back(corners);
 }
 
 std::uint32_t MeshGather::number(const RefineMesh& part, std::uint32_t v) {

@@ -77,9 +77,7 @@ class MeshGather {
   // Makes room for so many, so that gather_bytes() is enough.
   void reserve(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples,
                std::uint64_t sided = 0);
-  void add(const RefineMesh& part) {
-    add(part, [](std::size_t) { return true; });
-  }
+  void add(const RefineMesh& part);
   // The triangles of the part for which takes(number) holds.
   void add(const RefineMesh& part, const std::function<bool(std::size_t)>& takes);
   // Those with these numbers.
@@ -93,9 +91,8 @@ class MeshGather {
 
  private:
   std::uint32_t number(const RefineMesh& part, std::uint32_t v);
-  template <class Number>
-  void add_triangle(const RefineMesh& part, SampleReader& samples, std::uint32_t triangle,
-                    bool intersects, Number&& number);
+  void begin(const RefineMesh& part);
+  void add_corners(Part& part, std::array<std::uint32_t, 3> corners);
 
   RefineMesh mesh_;
   VertexTable numbers_{VertexIdHash{&mesh_.ids}};

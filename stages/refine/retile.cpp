@@ -16,10 +16,11 @@ constexpr std::uint32_t not_in_tile = 0xffffffffu;
 template <class Value, class F>
 std::map<std::uint64_t, Value> by_block(const RefineMesh& mesh, const CubeLattice& blocks, F&& f) {
   std::map<std::uint64_t, Value> values;
-  auto last = values.end();  // mostly the next one's, too
+  NearbyCubes nearby(blocks);
+  auto last = values.end();
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const std::uint64_t code = block_code(mesh, t, blocks);
-    if (last == values.end() || last->first != code) last = values.try_emplace(code).first;
+    if (nearby.moves_to(mesh.positions[mesh.triangles[t][0]]) || last == values.end())
+      last = values.try_emplace(CellKey{tile_block_level, nearby.cube()}.code()).first;
     f(t, last->second);
   }
   return values;
@@ -32,12 +33,19 @@ std::vector<std::uint32_t> in_order(const RefineMesh& mesh, const CubeLattice& b
       mesh, blocks, [](std::uint32_t t, std::vector<std::uint32_t>& list) { list.push_back(t); });
   std::vector<std::uint32_t> order;
   order.reserve(mesh.triangles.size());
-  std::vector<std::pair<std::array<VertexId, 3>, std::uint32_t>> sorted;
+  struct Place {
+    VertexId first;  // mostly tells the order
+    std::uint32_t triangle;
+  };
+  std::vector<Place> sorted;
   for (const auto& [code, list] : lists) {
     sorted.clear();
-    for (const std::uint32_t t : list) sorted.emplace_back(mesh.ids_of(t), t);
-    std::sort(sorted.begin(), sorted.end());
-    for (const auto& [ids, t] : sorted) order.push_back(t);
+    for (const std::uint32_t t : list) sorted.push_back({mesh.ids[mesh.triangles[t][0]], t});
+    std::ranges::sort(sorted, [&](const Place& a, const Place& b) {
+      if (a.first != b.first) return a.first < b.first;
+      return mesh.ids_of(a.triangle) < mesh.ids_of(b.triangle);
+    });
+    for (const Place& place : sorted) order.push_back(place.triangle);
   }
   return order;
 }
@@ -114,6 +122,12 @@ TileMesh to_tile_mesh(const RefineMesh& mesh, CellKey tile, const OutputLattice&
   out.lattice = lattice;
   out.polygon_triangles = mesh.triangles.size();
   out.pairs = distinct_sides(mesh);
+  out.positions.reserve(mesh.positions.size());
+  out.ids.reserve(mesh.positions.size());
+  out.normals.reserve(mesh.normals.size());
+  out.triangles.reserve(mesh.triangles.size());
+  out.corner_normals.reserve(mesh.normals.empty() ? 0 : mesh.triangles.size());
+  out.triangle_pairs.reserve(mesh.sides.size());
   std::vector<std::uint32_t> number(mesh.positions.size(), not_in_tile);
   for (const std::uint32_t t : in_order(mesh, blocks)) {
     auto triangle = mesh.triangles[t];

@@ -18,8 +18,10 @@ class VertexCubes {
 
   VertexCubes(const RefineMesh& mesh, const CubeLattice& cubes) : mesh_(mesh) {
     cubes_.reserve(mesh.positions.size());
+    NearbyCubes nearby(cubes);
     for (const LatticePoint& p : mesh.positions) {
-      const Index3 cube = cubes.cube_of(p);
+      nearby.moves_to(p);
+      const Index3 cube = nearby.cube();
       cubes_.push_back({static_cast<std::uint16_t>(cube.x), static_cast<std::uint16_t>(cube.y),
                         static_cast<std::uint16_t>(cube.z)});
     }
