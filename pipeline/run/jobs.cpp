@@ -90,7 +90,7 @@ void Jobs::open_volume(Config& config) {
             static_cast<std::uint64_t>(config.output.tile_vertices)};
   stitch_.build = &*build_;
   stitch_.merge = &merge_;
-  stitch_.parameters.frame = output.snap;
+  stitch_.parameters.frame = output.volume;
   stitch_.parameters.first = output.first;
   stitch_.parameters.normals = config.output.normals;
   encode_ = {&stitch_, info.geometry, {}, config.output.directory, {}};
@@ -103,8 +103,7 @@ void Jobs::open_volume(Config& config) {
 }
 
 void Jobs::plan_refine(const Config& config, const OutputFrame& output) {
-  const RefineFrame frame{output.snap.lattice, output.snap.spacing, output.snap.first,
-                          build_->grid.size()};
+  const RefineFrame frame{output.volume};
   stitch_.cubes = frame;
   stitch_.parameters.aims = build_->parameters.simplify.overhang > 0;
   stitch_.parameters.normals = true;  // refine goes by them

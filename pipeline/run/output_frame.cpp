@@ -31,7 +31,7 @@ OutputFrame output_frame(const Config& config, const VolumeGeometry& geometry) {
     warn_of_origin(config, geometry.first);
   } else if (config.input.crop && !std::ranges::any_of(config.filters, moves_samples)) {
     request.first = config.input.crop->lo;
-    frame.snap = {plan_lattice(request), geometry.spacing, request.first, geometry.size};
+    frame.volume = {plan_lattice(request), geometry.spacing, request.first, geometry.size};
   } else {
     frame.first = geometry.first;
   }

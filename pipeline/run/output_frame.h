@@ -2,14 +2,14 @@
 #pragma once
 
 #include "pipeline/config/config.h"
-#include "stages/stitch/tile_stitcher.h"
+#include "storage/types/lattice_frame.h"
 #include "storage/types/volume.h"
 
 namespace voxweld {
 
 struct OutputFrame {
   VolumeGeometry geometry;  // of the files: what their manifest says
-  SnapFrame snap;
+  LatticeFrame volume;
   Vec3 first{};  // as StitchParameters has it
 };
 

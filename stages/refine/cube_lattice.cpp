@@ -6,27 +6,20 @@
 namespace voxweld {
 namespace {
 
-// Where a cell begins, in lattice steps from the origin of the output's coordinates.
-double begin_of_cell(const RefineFrame& frame, int axis, std::int64_t cell) {
-  return static_cast<double>(frame.first[axis] + cell - 1) * frame.spacing[axis] /
-         frame.lattice.step;
-}
-
-std::int32_t lattice_coordinate(const RefineFrame& frame, int axis, double whole) {
-  const double origin = frame.lattice.origin[static_cast<std::size_t>(axis)] / frame.lattice.step;
-  return static_cast<std::int32_t>(static_cast<std::int64_t>(whole) -
-                                   static_cast<std::int64_t>(origin));
+// steps: from 0 of the output's coordinates.
+std::int32_t lattice_coordinate(const LatticeFrame& frame, int axis, double steps) {
+  return static_cast<std::int32_t>(static_cast<std::int64_t>(steps) - frame.origin(axis));
 }
 
 // The lowest lattice coordinate of what lies at the beginning of cell u or beyond.
-std::int32_t first_of_cell(const RefineFrame& frame, int axis, std::int64_t cell) {
-  return lattice_coordinate(frame, axis, std::ceil(begin_of_cell(frame, axis, cell)));
+std::int32_t first_of_cell(const LatticeFrame& frame, int axis, std::int64_t cell) {
+  return lattice_coordinate(frame, axis, std::ceil(frame.begin_of_cell(axis, cell)));
 }
 
 // The highest coordinate that a vertex may have. Of a surface that is closed at the volume's end, or
 // lies in a node that is cut there, vertices lie on that end, or are snapped a little beyond it.
-std::int32_t last_of_volume(const RefineFrame& frame, int axis) {
-  return first_of_cell(frame, axis, frame.size[axis] + 1) + most_snap_steps;
+std::int32_t last_of_volume(const LatticeFrame& frame, int axis) {
+  return static_cast<std::int32_t>(frame.end(axis) - frame.origin(axis)) + most_snap_steps;
 }
 
 }  // namespace
@@ -36,7 +29,7 @@ LatticeBox sample_box(const RefineFrame& frame) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
     // Samples lie at the begins of cells 1 to size.
-    box.lo[a] = lattice_coordinate(frame, axis, std::floor(begin_of_cell(frame, axis, 1)));
+    box.lo[a] = lattice_coordinate(frame, axis, std::floor(frame.begin_of_cell(axis, 1)));
     box.hi[a] = first_of_cell(frame, axis, frame.size[axis]);
   }
   return box;

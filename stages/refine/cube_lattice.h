@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "storage/types/lattice_box.h"
+#include "storage/types/lattice_frame.h"
 #include "storage/types/morton.h"
 
 namespace voxweld {
@@ -18,13 +19,8 @@ namespace voxweld {
 inline constexpr int refine_cube_level = 6;  // log2 of the cells a side
 inline constexpr int refine_passes = 2;
 
-// How cells lie on the output lattice: cell u begins at (first + u - 1) * spacing.
-struct RefineFrame {
-  OutputLattice lattice;
-  Vec3 spacing{1, 1, 1};
-  Index3 first{};
-  Index3 size;  // samples a side of the volume
-  int level = refine_cube_level;
+struct RefineFrame : LatticeFrame {
+  int level = refine_cube_level;  // of its cubes
 };
 
 // From the first samples to the last ones. Where samples lie between lattice points, to those beyond.

@@ -8,7 +8,7 @@ namespace voxweld {
 namespace {
 
 // The lattice points inside of the leaf's box, in absolute coordinates.
-Box3 interior(const SnapFrame& frame, CellKey leaf) {
+Box3 interior(const LatticeFrame& frame, CellKey leaf) {
   Box3 box;
   const double h = frame.lattice.step;
   for (int a = 0; a < 3; ++a) {
@@ -21,30 +21,22 @@ Box3 interior(const SnapFrame& frame, CellKey leaf) {
   return box;
 }
 
-std::int64_t origin(const SnapFrame& frame, std::size_t axis) {
-  return static_cast<std::int64_t>(frame.lattice.origin[axis] / frame.lattice.step);
-}
-
 // Those of them that do not lie beyond the volume's end, or so many steps at most. A node of several
 // cells may reach far beyond it, and planes that meet there say nothing of the surface.
-Box3 within_volume(const SnapFrame& frame, const Box3& interior, int beyond) {
+Box3 within_volume(const LatticeFrame& frame, const Box3& interior, int beyond) {
   Box3 box = interior;
-  for (int a = 0; a < 3; ++a) {
-    const double end = static_cast<double>(frame.first[a] + frame.size[a]) * frame.spacing[a];
-    const auto last = static_cast<std::int64_t>(std::ceil(end / frame.lattice.step));
-    box.hi[a] = std::min(box.hi[a], last + beyond + 1);
-  }
+  for (int a = 0; a < 3; ++a) box.hi[a] = std::min(box.hi[a], frame.end(a) + beyond + 1);
   return box;
 }
 
 // All lattice points, in absolute coordinates.
-Box3 whole(const SnapFrame& frame) {
-  const Index3 lo{origin(frame, 0), origin(frame, 1), origin(frame, 2)};
+Box3 whole(const LatticeFrame& frame) {
+  const Index3 lo{frame.origin(0), frame.origin(1), frame.origin(2)};
   return {lo, lo + splat(std::int64_t{1} << frame.lattice.bits)};
 }
 
 // Of those in the box.
-Index3 nearest(const SnapFrame& frame, CellKey leaf, const Box3& box,
+Index3 nearest(const LatticeFrame& frame, CellKey leaf, const Box3& box,
                const std::array<float, 3>& offset) {
   Index3 q;
   for (int a = 0; a < 3; ++a) {
@@ -59,10 +51,10 @@ Index3 nearest(const SnapFrame& frame, CellKey leaf, const Box3& box,
   return q;
 }
 
-LatticePoint relative(const SnapFrame& frame, Index3 q) {
+LatticePoint relative(const LatticeFrame& frame, Index3 q) {
   LatticePoint point;
-  for (std::size_t i = 0; i < 3; ++i)
-    point[i] = static_cast<std::int32_t>(q[static_cast<int>(i)] - origin(frame, i));
+  for (int a = 0; a < 3; ++a)
+    point[static_cast<std::size_t>(a)] = static_cast<std::int32_t>(q[a] - frame.origin(a));
   return point;
 }
 
@@ -105,16 +97,18 @@ class LevelPoints {
 
 }  // namespace
 
-LatticePoint snap_vertex(const SnapFrame& frame, CellKey leaf, const std::array<float, 3>& offset) {
+LatticePoint snap_vertex(const LatticeFrame& frame, CellKey leaf,
+                         const std::array<float, 3>& offset) {
   return relative(frame,
                   nearest(frame, leaf, within_volume(frame, interior(frame, leaf), 0), offset));
 }
 
-LatticePoint point_of(const SnapFrame& frame, CellKey leaf, const std::array<float, 3>& offset) {
+LatticePoint point_of(const LatticeFrame& frame, CellKey leaf, const std::array<float, 3>& offset) {
   return relative(frame, nearest(frame, leaf, whole(frame), offset));
 }
 
-LatticePoint snap_sheets(const SnapFrame& frame, CellKey leaf, std::span<const LeafVertex> sheets) {
+LatticePoint snap_sheets(const LatticeFrame& frame, CellKey leaf,
+                         std::span<const LeafVertex> sheets) {
   // A cell's interior is at least three points a side, so four sheets always find a place.
   static const std::vector<Index3> steps = steps_by_distance(2);
   const Box3 box = interior(frame, leaf);
@@ -133,7 +127,7 @@ LatticePoint snap_sheets(const SnapFrame& frame, CellKey leaf, std::span<const L
   return relative(frame, taken[count - 1]);
 }
 
-LatticePoint snap_in_group(const SnapFrame& frame, CellKey node, bool shares,
+LatticePoint snap_in_group(const LatticeFrame& frame, CellKey node, bool shares,
                            std::span<const std::array<float, 3>> group) {
   const Box3 inside = interior(frame, node), sought = within_volume(frame, inside, 0);
   if (!shares && group.size() == 1) return relative(frame, nearest(frame, node, sought, group[0]));

@@ -20,7 +20,7 @@
 namespace voxweld {
 
 struct StitchParameters {
-  SnapFrame frame;
+  LatticeFrame frame;
   Vec3 first{};  // output coordinates of sample (0, 0, 0), multiples of the lattice's step
   bool normals = true;
   bool aims = false;  // TileMesh::aims are wanted

@@ -64,7 +64,7 @@ BENCHMARK(refine_a_cube)
 // Vertices onto the output lattice: items are vertices.
 void quantize(benchmark::State& state) {
   const GyroidTile& tile = GyroidTile::get();
-  const SnapFrame frame{tile.frame.lattice, tile.frame.spacing, tile.frame.first};
+  const LatticeFrame frame{tile.frame.lattice, tile.frame.spacing, tile.frame.first};
   std::mt19937 random(1);
   std::uniform_real_distribution<float> inside(-0.5F, 0.5F);
   std::vector<std::array<float, 3>> offsets(4096);
