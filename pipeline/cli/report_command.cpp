@@ -38,7 +38,7 @@ int report(const ReportArguments& arguments, const Program& program) {
   std::string text;
   {
     const PromptStop prompt(program.interrupt);
-    text = report_text({directory, file, true, &program.interrupt});
+    text = report_text({.directory = directory, .file = file, .interrupt = &program.interrupt});
   }
   program.interrupt.check();
   write_whole_file(file, as_bytes(text), Durability::rename_only);

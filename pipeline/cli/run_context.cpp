@@ -121,7 +121,8 @@ void report_run(const RunContext& context) {
   const OutputConfig& output = context.config.output;
   if (!output.report) return;
   const std::filesystem::path file = output.directory / report_name;
-  const ReportOptions options{output.directory, file, context.threads > 1, context.interrupt};
+  const ReportOptions options{output.directory, file, context.threads > 1,
+                              context.config.run.memory, context.interrupt};
   try {
     if (std::filesystem::exists(file) && !is_report(file) && !context.force)
       throw InputError(fmt::format(

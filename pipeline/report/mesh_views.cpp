@@ -20,6 +20,48 @@ struct LabelledMesh {
   std::optional<Material> label;
 };
 
+constexpr std::uint64_t triangle_bytes = 64;                    // at most, as it is decoded
+constexpr std::uint64_t file_bytes = std::uint64_t{256} << 20;  // decoding one takes less
+
+// The meshes of an output directory in their order, some of them decoded at the same time.
+class Meshes {
+ public:
+  using Use = std::function<void(LabelledMesh&&)>;
+
+  Meshes(const std::filesystem::path& directory, const ViewOptions& options)
+      : directory_(directory), options_(options) {
+    if (options.threads) at_once_ = std::clamp<std::uint64_t>(options.memory / file_bytes, 1, 4);
+  }
+  void each(const Use& use) const {
+    std::vector<File> files;
+    each_mesh_file(directory_,
+                   [&](const std::filesystem::path& file, std::optional<Material> label) {
+                     files.push_back({file, label});
+                     if (files.size() == at_once_) take(files, use);
+                   });
+    take(files, use);
+  }
+
+ private:
+  struct File {
+    std::filesystem::path path;
+    std::optional<Material> label;
+  };
+  void take(std::vector<File>& files, const Use& use) const {
+    if (options_.interrupt != nullptr) options_.interrupt->check();
+    const auto how = files.size() > 1 ? std::launch::async : std::launch::deferred;
+    std::vector<std::future<DecodedMesh>> decoded;
+    for (const File& file : files)
+      decoded.push_back(std::async(how, [&] { return load_mesh(file.path); }));
+    for (std::size_t i = 0; i < files.size(); ++i) use({decoded[i].get(), files[i].label});
+    files.clear();
+  }
+
+  const std::filesystem::path& directory_;
+  const ViewOptions& options_;
+  std::uint64_t at_once_ = 1;
+};
+
 // f(i) of each picture.
 void each_picture(bool threads, const std::function<void(std::size_t)>& f) {
   std::vector<std::future<void>> under_way;
@@ -61,12 +103,11 @@ MeshViews draw_views(const std::filesystem::path& directory, const ViewOptions& 
   MeshViews views;
   GrowingBounds bounds;
   std::vector<LabelledMesh> kept;
-  const bool keep = options.triangles <= options.most_kept;
-  each_mesh_file(directory, [&](const std::filesystem::path& file, std::optional<Material> label) {
-    if (options.interrupt != nullptr) options.interrupt->check();
-    DecodedMesh mesh = load_mesh(file);
-    bounds.add(mesh);
-    if (keep) kept.push_back({std::move(mesh), label});
+  const bool keep = options.triangles <= options.memory / 4 / triangle_bytes;
+  const Meshes meshes(directory, options);
+  meshes.each([&](LabelledMesh&& one) {
+    bounds.add(one.mesh);
+    if (keep) kept.push_back(std::move(one));
   });
   views.bounds = bounds.bounds();
   const MaterialTable colours = listed_colours(directory);
@@ -87,9 +128,8 @@ MeshViews draw_views(const std::filesystem::path& directory, const ViewOptions& 
       for (const LabelledMesh& one : kept) renderers[i].draw(one.mesh, one.label);
     });
   else
-    for_each_mesh(directory, [&](const DecodedMesh& mesh, std::optional<Material> label) {
-      if (options.interrupt != nullptr) options.interrupt->check();
-      each_picture(options.threads, [&](std::size_t i) { renderers[i].draw(mesh, label); });
+    meshes.each([&](LabelledMesh&& one) {
+      each_picture(options.threads, [&](std::size_t i) { renderers[i].draw(one.mesh, one.label); });
     });
   each_picture(options.threads, [&](std::size_t i) { views.pictures[i] = renderers[i].finish(); });
   return views;

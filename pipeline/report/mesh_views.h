@@ -12,9 +12,9 @@ namespace voxweld {
 
 struct ViewOptions {
   int width = 440, height = 360, supersample = 2;
-  bool threads = true;  // a thread for each picture
-  // Meshes of a run with fewer triangles are kept in memory and so read once.
-  std::uint64_t most_kept = 1'000'000;
+  bool threads = true;  // a thread for each picture, and some that decode
+  // Bytes: what does not take a quarter of that is kept, and so read once.
+  std::uint64_t memory = std::uint64_t{256} << 20;
   std::uint64_t triangles = 0;  // there are, as the manifest says
   bool closed = false;          // the mesh hides its own back sides
   const InterruptFlag* interrupt = nullptr;
@@ -28,7 +28,7 @@ struct MeshViews {
   std::array<Image, 3> pictures;
 };
 
-// A tile at a time, so that memory does not grow with the mesh. Throws what for_each_mesh throws;
+// Some tiles at a time, so that memory does not grow with the mesh. Throws what for_each_mesh throws;
 // Interrupted.
 MeshViews draw_views(const std::filesystem::path& directory, const ViewOptions& options);
 

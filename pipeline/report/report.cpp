@@ -66,6 +66,7 @@ PageSection view_section(const ReportOptions& options, const Run& run,
                          std::optional<MeshBounds>& bounds) {
   ViewOptions view;
   view.threads = options.threads;
+  view.memory = options.memory;
   view.triangles = run.manifest.counts.output_triangles;
   // A triangle between labels is the front of one of them and the back of the other.
   view.closed = !run.manifest.open_border && run.manifest.labels != LabelMode::shared;

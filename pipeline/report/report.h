@@ -1,6 +1,7 @@
 // The report of a finished run: one HTML file for people.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -12,6 +13,8 @@ struct ReportOptions {
   std::filesystem::path directory;  // the output directory
   std::filesystem::path file;       // what to write
   bool threads = true;              // more than one may be used
+  std::uint64_t memory = std::uint64_t{512}
+                         << 20;  // bytes that meshes may take, beside little else
   const InterruptFlag* interrupt = nullptr;
 };
 
