@@ -1,6 +1,7 @@
 // Pictures of a mesh of several tiles: the same however much of it is in memory at once.
 #include "pipeline/report/mesh_views.h"
 
+#include "pipeline/output/load.h"
 #include "tests/pipeline/cli/workplace.h"
 
 namespace voxweld::testing {
@@ -15,6 +16,9 @@ TEST(MeshViews, AreTheSameWhateverIsKeptAndDecodedAtOnce) {
   options.threads = false;
   options.memory = 0;  // nothing is kept
   const std::filesystem::path directory = place.at("scene.mesh");
+  std::size_t tiles = 0;
+  each_mesh_file(directory, [&](const auto&, const auto&) { ++tiles; });
+  EXPECT_GT(tiles, 5u);
   const MeshViews plain = draw_views(directory, options);
   EXPECT_TRUE(std::ranges::any_of(plain.pictures[0].rgb,
                                   [&](auto sample) { return sample != plain.pictures[0].rgb[0]; }));
