@@ -35,7 +35,7 @@ inline constexpr std::uint32_t encode_version = 3;
 // And whenever vertices lie elsewhere on the lattice.
 inline constexpr std::uint32_t stitch_version = 1;
 // And whenever the bytes of refine change.
-inline constexpr std::uint32_t refine_version = 13;
+inline constexpr std::uint32_t refine_version = 14;
 // And those of levels, beside what refine does.
 inline constexpr std::uint32_t levels_version = 3;
 

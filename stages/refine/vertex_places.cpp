@@ -16,6 +16,10 @@ constexpr int rounds = 2;  // a vertex may have to make room for another
 constexpr double least_agreement = 0.3;
 constexpr double poor_agreement = 0.85;
 constexpr double least_gain = 0.01;  // of a flip, in squared cells
+// A move may lose so much: what is around a vertex may be as far from its place, and go there later. With
+// none at all the worst vertices at creases stay; with any at all there are more triangles where normals
+// are noise.
+constexpr double most_loss = 0.05;
 
 class Placer {
  public:
@@ -23,6 +27,7 @@ class Placer {
       : mesh_(mesh),
         tolerance_(parameters.places.value_or(parameters.tolerance)),
         least_gain_(least_gain * parameters.reach * parameters.reach),
+        most_loss_(most_loss * parameters.reach * parameters.reach),
         counts_(counts),
         moves_(mesh),
         fine_(mesh.triangles()) {
@@ -60,7 +65,7 @@ class Placer {
   void flip(std::uint32_t t);
 
   EditMesh& mesh_;
-  double tolerance_, least_gain_;
+  double tolerance_, least_gain_, most_loss_;
   RefineCounts& counts_;
   EditMoves moves_;
   Change change_;
@@ -112,13 +117,13 @@ bool Placer::apply(const EditMesh::Step& step, double least) {
 void Placer::move(std::uint32_t v) {
   const LatticePoint from = mesh_.position(v), aim = mesh_.aim(v);
   if (aim == from || mesh_.freedom(v) != Freedom::free) return;
-  LatticePoint middle{};
-  for (std::size_t a = 0; a < 3; ++a) middle[a] = from[a] + (aim[a] - from[a]) / 2;
-  for (const LatticePoint& at : {aim, middle}) {
+  for (const std::int32_t quarters : {4, 3, 2, 1}) {
+    LatticePoint at{};
+    for (std::size_t a = 0; a < 3; ++a) at[a] = from[a] + (aim[a] - from[a]) * quarters / 4;
     if (at == from || !mesh_.box().contains(at) || !mesh_.keeps_border(v, at)) continue;
     if (!moves_.move(v, at, change_)) continue;
     // The place that it leaves was none of the surface.
-    if (!apply({v, at, EditMesh::none, false}, 0)) continue;
+    if (!apply({v, at, EditMesh::none, false}, -most_loss_)) continue;
     ++counts_.moves;
     return;
   }
