@@ -51,6 +51,7 @@ class Meshes {
     if (options_.interrupt != nullptr) options_.interrupt->check();
     const auto how = files.size() > 1 ? std::launch::async : std::launch::deferred;
     std::vector<std::future<DecodedMesh>> decoded;
+    decoded.reserve(files.size());
     for (const File& file : files)
       decoded.push_back(std::async(how, [&] { return load_mesh(file.path); }));
     for (std::size_t i = 0; i < files.size(); ++i) use({decoded[i].get(), files[i].label});

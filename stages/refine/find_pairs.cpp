@@ -187,7 +187,7 @@ FoundPairs find_range_pairs(const RefineMesh& mesh, const CubeLattice& cubes,
 std::uint64_t find_pairs_bytes(const MeshSize& all) {
   // Of vertices their cubes, or stars, and of triangles normals and what is around vertices that are not
   // proper, or boxes, and these as pairs are found.
-  constexpr std::uint64_t around = sizeof(Direction) + 3 * 2 * sizeof(std::uint64_t);
+  constexpr std::uint64_t around = sizeof(Direction) + 6 * sizeof(std::uint64_t);
   return all.triangles * (2 + std::max<std::uint64_t>(around, 2 * sizeof(LatticeBox))) +
          box_pairs_bytes(all.triangles) +
          all.vertices * std::max<std::uint64_t>(VertexCubes::bytes, sizeof(Star));
