@@ -38,9 +38,10 @@ BoxReads::BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const MendBox& 
   meshes.spans().each(begin, end, [&](std::size_t i) {
     if (!entries[i].summary.box.meets(box.box)) return;
     each_piece_of(*meshes.open(i), begin, end, [&](std::size_t p, const CubePieceRecord& piece) {
-      const bool inside = piece.inside.triangles > 0 && near.contains(morton_decode(piece.cube));
+      const bool here = near.contains(morton_decode(piece.cube));
+      const bool inside = piece.inside.triangles > 0 && here;
       const bool leaving = piece.leaving.triangles > 0 && piece.leaving_box.meets(box.box);
-      const bool holes = piece.holes > 0 && near.contains(morton_decode(piece.cube));
+      const bool holes = piece.holes > 0 && here;
       if ((inside || leaving || holes) && (counted_.empty() || counted_.back() != i))
         counted_.push_back(i);
       if (inside) add({i, p, CubePart::inside}, piece.inside);
@@ -82,15 +83,9 @@ HeldPart::HeldPart(RefineMesh part) : mesh_(std::move(part)) {
   const std::size_t count = mesh_.triangles.size();
   around_.reserve((count + run - 1) / run);
   for (std::size_t first = 0; first < count; first += run) {
-    const auto place = [&](std::uint32_t v) { return mesh_.positions[v]; };
-    LatticePoint lo = place(mesh_.triangles[first][0]), hi = lo;
-    for (std::size_t t = first; t < std::min(first + run, count); ++t)
-      for (const std::uint32_t v : mesh_.triangles[t])
-        for (std::size_t a = 0; a < 3; ++a) {
-          lo[a] = std::min(lo[a], place(v)[a]);
-          hi[a] = std::max(hi[a], place(v)[a]);
-        }
-    around_.push_back({lo, hi});
+    LatticeBox& around = around_.emplace_back(mesh_.box(first));
+    for (std::size_t t = first + 1; t < std::min(first + run, count); ++t)
+      around.extend(mesh_.box(t));
   }
 }
 
