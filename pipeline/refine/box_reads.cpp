@@ -83,9 +83,10 @@ HeldPart::HeldPart(RefineMesh part) : mesh_(std::move(part)) {
   const std::size_t count = mesh_.triangles.size();
   around_.reserve((count + run - 1) / run);
   for (std::size_t first = 0; first < count; first += run) {
-    LatticeBox& around = around_.emplace_back(mesh_.box(first));
+    LatticeBox around = mesh_.box(first);
     for (std::size_t t = first + 1; t < std::min(first + run, count); ++t)
       around.extend(mesh_.box(t));
+    around_.push_back(around);
   }
 }
 

@@ -1,6 +1,7 @@
 // Boxes of points of the output lattice.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 
@@ -16,13 +17,13 @@ struct LatticeBox {
     for (const LatticePoint& p : points.subspan(1)) box.extend({p, p});
     return box;
   }
+  // Here and in meets() no branches: of boxes that are near each other nobody can guess the answer.
   void extend(const LatticeBox& other) {
     for (std::size_t a = 0; a < 3; ++a) {
-      if (other.lo[a] < lo[a]) lo[a] = other.lo[a];
-      if (other.hi[a] > hi[a]) hi[a] = other.hi[a];
+      lo[a] = std::min(lo[a], other.lo[a]);
+      hi[a] = std::max(hi[a], other.hi[a]);
     }
   }
-  // Without branches: of boxes that are near each other nobody can guess the answer.
   bool meets(const LatticeBox& other) const {
     bool apart = false;
     for (std::size_t a = 0; a < 3; ++a)
