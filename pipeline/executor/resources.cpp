@@ -78,7 +78,9 @@ void tune_allocator(int threads) {
   // to 32 MiB, and blocks below it are kept.
   mallopt(M_MMAP_THRESHOLD, static_cast<int>(least_mapped_block));
   mallopt(M_TRIM_THRESHOLD, static_cast<int>(4 * least_mapped_block));
-  mallopt(M_ARENA_MAX, std::max(threads, 1));
+  // More than workers: where others that live as long have taken one each, two workers share one, and
+  // wait for each other.
+  mallopt(M_ARENA_MAX, std::max(threads, 1) + 4);
 #else
   static_cast<void>(threads);
 #endif
