@@ -95,9 +95,9 @@ void CubeMeshes::each_over(const PieceSpans& spans, std::size_t artifact,
 }
 
 RefineMesh CubeMeshes::read(const PieceSpans& spans, std::size_t artifact, std::size_t piece,
-                            CubePart part) {
+                            CubePart part, const PartFields& wanted) {
   const auto file = open(artifact);
-  RefineMesh mesh = file->read(piece, part);
+  RefineMesh mesh = file->read(piece, part, wanted);
   if (mesh.triangles.empty()) return mesh;
   each_over(
       spans, artifact, file->pieces()[piece],
@@ -111,6 +111,28 @@ void CubeMeshes::add_hashes(KeyHasher& key, const PieceSpans& spans, std::size_t
   key.hash(file->part_hash(piece, part));
   each_over(spans, artifact, file->pieces()[piece],
             [&](const CubeMeshArtifact& patch, std::size_t p) { key.hash(patch.holes_hash(p)); });
+}
+
+void add_parts(const PieceRead& read, const CubePieceRecord& piece, std::vector<PartRead>& parts) {
+  if (piece.leaving.triangles > 0)
+    parts.push_back({read, CubePart::leaving, piece.cube, piece.leaving.vertices, false});
+  if (read.whole && piece.inside.triangles > 0)
+    parts.push_back({read, CubePart::inside, piece.cube, piece.inside.vertices, false});
+}
+
+std::uint64_t put_in_order(std::vector<PartRead>& parts) {
+  // Triangles inside a cube have vertices in common with others inside that cube, and with some that
+  // leave one.
+  std::ranges::stable_sort(parts, {}, [](const PartRead& part) {
+    return std::pair(part.part == CubePart::inside, part.cube);
+  });
+  std::uint64_t shared = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    parts[i].last = parts[i].part == CubePart::inside &&
+                    (i + 1 == parts.size() || parts[i + 1].cube != parts[i].cube);
+    if (!parts[i].last) shared += parts[i].vertices;
+  }
+  return shared;
 }
 
 RangeReads::RangeReads(CubeMeshes& meshes, const CubeLattice& cubes, Material label,
@@ -167,20 +189,26 @@ void RangeReads::add_hashes(KeyHasher& key) const {
   }
 }
 
-RefineMesh RangeReads::read(const std::function<void()>& between) const {
+RefineMesh RangeReads::read(const std::function<void()>& between, const PartFields& wanted) const {
   MeshGather mesh;
-  mesh.reserve(all_.vertices, all_.triangles, all_.samples, all_.sided);
-  for (const PieceRead& read : pieces_) {
+  std::vector<PartRead> parts;
+  for (const PieceRead& read : pieces_)
+    add_parts(read, meshes_.open(read.artifact)->pieces()[read.piece], parts);
+  const std::uint64_t shared = put_in_order(parts);
+  mesh.reserve(all_.vertices, all_.triangles, all_.samples, all_.sided, shared);
+  for (const PartRead& part : parts) {
     between();
-    const RefineMesh leaving = meshes_.read(read.artifact, read.piece, CubePart::leaving);
-    if (read.whole) {
-      mesh.add(meshes_.read(read.artifact, read.piece, CubePart::inside));
-      mesh.add(leaving);
-      continue;
+    const PieceRead& piece = part.piece;
+    const RefineMesh triangles = meshes_.read(piece.artifact, piece.piece, part.part, wanted);
+    if (part.last) {
+      mesh.add_last(triangles);
+    } else if (piece.whole) {
+      mesh.add(triangles);
+    } else {
+      const auto near =
+          those_near(near_, meshes_.open(piece.artifact)->pieces()[piece.piece].leaving_box);
+      mesh.add(triangles, [&](std::size_t t) { return meets_any(triangles.box(t), near); });
     }
-    const auto near =
-        those_near(near_, meshes_.open(read.artifact)->pieces()[read.piece].leaving_box);
-    mesh.add(leaving, [&](std::size_t t) { return meets_any(leaving.box(t), near); });
   }
   return mesh.take();
 }

@@ -93,10 +93,12 @@ class CubeMeshes {
 
   // What is there of a part of a piece: without what patches have taken out. spans: of all artifacts,
   // where it is not spans().
-  RefineMesh read(std::size_t artifact, std::size_t piece, CubePart part) {
-    return read(spans(), artifact, piece, part);
+  RefineMesh read(std::size_t artifact, std::size_t piece, CubePart part,
+                  const PartFields& wanted = {}) {
+    return read(spans(), artifact, piece, part, wanted);
   }
-  RefineMesh read(const PieceSpans& spans, std::size_t artifact, std::size_t piece, CubePart part);
+  RefineMesh read(const PieceSpans& spans, std::size_t artifact, std::size_t piece, CubePart part,
+                  const PartFields& wanted = {});
   // Feeds what that is made of.
   void add_hashes(KeyHasher& key, std::size_t artifact, std::size_t piece, CubePart part) {
     add_hashes(key, spans(), artifact, piece, part);
@@ -130,6 +132,18 @@ struct PieceRead {
   bool whole = false;
 };
 
+// A part of such a piece.
+struct PartRead {
+  PieceRead piece;
+  CubePart part = CubePart::inside;
+  std::uint64_t cube = 0, vertices = 0;
+  bool last = false;  // no part that follows has a vertex that is new with this one
+};
+void add_parts(const PieceRead& read, const CubePieceRecord& piece, std::vector<PartRead>& parts);
+// Puts parts of one label in the order in which one mesh is made of them soonest. Returns how many
+// vertices are looked for in several parts, at most.
+std::uint64_t put_in_order(std::vector<PartRead>& parts);
+
 // What refining the cubes of a range takes, of one label: the pieces at home there; and of all others
 // of that label those triangles that leave their cube and meet one of the cubes with a piece, or the
 // box around what leaves such a piece. No triangle that stays in a cube of others is near enough to
@@ -145,7 +159,7 @@ class RangeReads {
   const PartCounts& all() const { return all_; }  // and others', at most
   std::uint64_t largest_part_bytes() const { return largest_part_; }
   // between: called before each piece.
-  RefineMesh read(const std::function<void()>& between) const;
+  RefineMesh read(const std::function<void()>& between, const PartFields& wanted = {}) const;
 
  private:
   void add_own(const CubeLattice& cubes, const CubeRange& own);

@@ -35,7 +35,8 @@ class FindStage final : public RangeStage {
     std::vector<IntersectionRecord> intersecting;
     if (job_.parameters.intersections != IntersectionRule::ignore)
       for (const RangeReads& read : all) {
-        const RefineMesh mesh = read.read([&] { worker.check_interrupt(); });
+        const RefineMesh mesh = read.read([&] { worker.check_interrupt(); },
+                                          {.normals = false, .aims = false, .samples = false});
         const FoundPairs found = find_range_pairs(mesh, cubes_, range_of(unit.key));
         counts.pairs_before += found.pairs;
         add_intersections(read.label(), mesh, found.intersecting, cubes_, intersecting);

@@ -15,6 +15,7 @@ namespace {
 // The pieces that may have triangles of one tile.
 struct TilePieces {
   std::vector<PieceRead> pieces;
+  std::vector<PartRead> parts;  // of these
   std::uint64_t largest_part = 0;
   bool sided = false;  // their triangles have sides
 };
@@ -86,28 +87,26 @@ class RetileStage final : public StageWork {
   TileMesh mesh_of(const UnitTile& refined, const WorkerContext& worker) {
     const PlannedTile& planned = refined.tile;
     MeshGather mesh;
-    const TilePieces found = pieces_of(refined);
+    TilePieces found = pieces_of(refined);
     // Of a smaller tile each of its pieces may have triangles in others, too.
     const bool holds_cubes = static_cast<int>(planned.level) >= job_.frame.level;
-    mesh.reserve(planned.vertices, 2 * planned.polygons, 0, found.sided ? 2 * planned.polygons : 0);
-    for (const PieceRead& piece : found.pieces) {
+    const std::uint64_t shared = put_in_order(found.parts);
+    mesh.reserve(planned.vertices, 2 * planned.polygons, 0, found.sided ? 2 * planned.polygons : 0,
+                 holds_cubes ? shared : planned.vertices);
+    for (const PartRead& part : found.parts) {
       worker.check_interrupt();
-      for (const CubePart part : {CubePart::inside, CubePart::leaving}) {
-        RefineMesh triangles = meshes_.read(spans_, piece.artifact, piece.piece, part);
-        triangles.samples.clear();
-        if (holds_cubes)
-          mesh.add(triangles);
-        else
-          mesh.add(triangles,
-                   [&](std::size_t t) { return belongs_to(triangles, t, blocks_, planned.key()); });
-      }
+      const RefineMesh triangles =
+          meshes_.read(spans_, part.piece.artifact, part.piece.piece, part.part,
+                       {.normals = job_.normals, .aims = false, .samples = false});
+      if (!holds_cubes)
+        mesh.add(triangles,
+                 [&](std::size_t t) { return belongs_to(triangles, t, blocks_, planned.key()); });
+      else if (part.last)
+        mesh.add_last(triangles);
+      else
+        mesh.add(triangles);
     }
-    TileMesh out = to_tile_mesh(mesh.mesh(), planned.key(), job_.lattice, blocks_);
-    if (!job_.normals) {
-      out.normals.clear();
-      out.corner_normals.clear();
-    }
-    return out;
+    return to_tile_mesh(mesh.mesh(), planned.key(), job_.lattice, blocks_);
   }
 
   std::shared_ptr<const CubeMeshArtifact> open_planned(std::size_t artifact) {
@@ -128,6 +127,7 @@ class RetileStage final : public StageWork {
     spans_.each(begin, end, [&](std::size_t i) {
       each_piece_of(*open_planned(i), begin, end, [&](std::size_t p, const CubePieceRecord& piece) {
         found.pieces.push_back({i, p, true});
+        add_parts(found.pieces.back(), piece, found.parts);
         found.sided = found.sided || piece.inside.sided + piece.leaving.sided > 0;
         found.largest_part =
             std::max({found.largest_part, part_bytes(piece.inside), part_bytes(piece.leaving)});

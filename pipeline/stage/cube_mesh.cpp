@@ -29,15 +29,15 @@ void add_intersections(Material label, const RefineMesh& mesh,
                        std::vector<IntersectionRecord>& records) {
   if (triangles.empty()) return;
   std::map<std::uint64_t, std::uint64_t> at_home;  // by the cube's Morton number
-  const auto cube_of = [&](std::size_t t) { return morton_encode(home_of(mesh, t, cubes)); };
-  auto last = at_home.end();  // mostly the next one's, too
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const std::uint64_t cube = cube_of(t);
-    if (last == at_home.end() || last->first != cube) last = at_home.try_emplace(cube).first;
+  NearbyCubes nearby(cubes);
+  auto last = at_home.end();
+  for (const auto& corners : mesh.triangles) {
+    if (nearby.moves_to(mesh.positions[corners[0]]) || last == at_home.end())
+      last = at_home.try_emplace(morton_encode(nearby.cube())).first;
     ++last->second;
   }
   for (const std::uint32_t t : triangles)
-    records.push_back({label, mesh.box(t), at_home[cube_of(t)]});
+    records.push_back({label, mesh.box(t), at_home[morton_encode(home_of(mesh, t, cubes))]});
 }
 
 }  // namespace voxweld

@@ -30,16 +30,13 @@ PlannedTile LevelMeshes::size(std::uint64_t node) const {
 TileMesh LevelMeshes::read(std::uint64_t node) const {
   const CubeMeshArtifact artifact = open(node);
   MeshGather mesh;
+  const PartFields wanted{.normals = job_.normals, .aims = false, .samples = false};
   for (std::size_t p = 0; p < artifact.pieces().size(); ++p) {
-    mesh.add(artifact.read(p, CubePart::inside));
-    mesh.add(artifact.read(p, CubePart::leaving));
+    mesh.add(artifact.read(p, CubePart::inside, wanted));
+    mesh.add(artifact.read(p, CubePart::leaving, wanted));
   }
-  TileMesh tile =
-      to_tile_mesh(mesh.mesh(), tree().nodes()[node].cell, job_.lattice, tile_blocks(job_.frame));
-  if (job_.normals) return tile;
-  tile.normals.clear();
-  tile.corner_normals.clear();
-  return tile;
+  return to_tile_mesh(mesh.mesh(), tree().nodes()[node].cell, job_.lattice,
+                      tile_blocks(job_.frame));
 }
 
 RefineCounts LevelMeshes::counts(std::uint64_t node) const {

@@ -37,6 +37,8 @@ RefineMesh Extract::of(std::span<const std::uint32_t> chosen) {
   RefineMesh part;
   part.checked = from_.checked;
   std::vector<std::uint32_t> used;
+  part.triangles.reserve(chosen.size());
+  used.reserve(chosen.size());
   SampleReader samples(from_);
   for (const std::uint32_t t : chosen) {
     const auto as = static_cast<std::uint32_t>(part.triangles.size());
@@ -73,11 +75,19 @@ void MeshGather::add(const RefineMesh& part, const std::vector<std::uint32_t>& t
 }
 
 void MeshGather::add(const RefineMesh& part) {
+  add_all(part, true);
+}
+
+void MeshGather::add_last(const RefineMesh& part) {
+  add_all(part, false);
+}
+
+void MeshGather::add_all(const RefineMesh& part, bool keeps) {
   if (part.triangles.empty()) return;
   begin(part);
   const auto first = static_cast<std::uint32_t>(mesh_.triangles.size());
   Part from(part);
-  for (const auto& corners : part.triangles) add_corners(from, corners);
+  for (const auto& corners : part.triangles) add_corners(from, corners, keeps);
   mesh_.sides.insert(mesh_.sides.end(), part.sides.begin(), part.sides.end());
   for (const SurfaceSample& sample : part.samples)
     mesh_.samples.push_back({sample.point, first + sample.triangle});
@@ -105,23 +115,23 @@ void MeshGather::add_triangle(Part& part, std::uint32_t triangle, bool intersect
   add_corners(part, part.mesh().triangles[triangle]);
 }
 
-void MeshGather::add_corners(Part& part, std::array<std::uint32_t, 3> corners) {
+void MeshGather::add_corners(Part& part, std::array<std::uint32_t, 3> corners, bool keeps) {
   for (std::uint32_t& v : corners) {
     std::uint32_t& known = part.numbers_[v];
-    if (known == VertexTable::none) known = number(part.mesh(), v);
+    if (known == VertexTable::none) known = number(part.mesh(), v, keeps);
     v = known;
   }
   mesh_.triangles.push_back(corners);
 }
 
-std::uint32_t MeshGather::number(const RefineMesh& part, std::uint32_t v) {
+std::uint32_t MeshGather::number(const RefineMesh& part, std::uint32_t v, bool keeps) {
   const VertexId id = part.ids[v];
   const std::uint64_t hash = mix_bits(id.bits);
   const std::uint32_t known =
       numbers_.find(hash, [&](std::uint32_t other) { return mesh_.ids[other] == id; });
   if (known != VertexTable::none) return known;
   const std::uint32_t number = append_vertex(part, v, mesh_);
-  numbers_.insert(hash, number);
+  if (keeps) numbers_.insert(hash, number);
   return number;
 }
 
@@ -131,7 +141,7 @@ RefineMesh MeshGather::take() {
 }
 
 void MeshGather::reserve(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples,
-                         std::uint64_t sided) {
+                         std::uint64_t sided, std::optional<std::uint64_t> shared) {
   mesh_.positions.reserve(vertices);
   mesh_.ids.reserve(vertices);
   mesh_.aims.reserve(vertices);
@@ -139,7 +149,7 @@ void MeshGather::reserve(std::uint64_t vertices, std::uint64_t triangles, std::u
   mesh_.triangles.reserve(triangles);
   mesh_.sides.reserve(sided);
   mesh_.samples.reserve(samples);
-  numbers_.reserve(vertices);
+  numbers_.reserve(shared.value_or(vertices));
 }
 
 void remove_inside(RefineMesh& mesh, const std::vector<LatticeBox>& boxes) {

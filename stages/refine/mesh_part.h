@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <span>
 
 #include "stages/refine/cube_lattice.h"
@@ -74,10 +75,14 @@ class MeshGather {
     std::vector<std::uint32_t> numbers_;  // in what is put together
   };
 
-  // Makes room for so many, so that gather_bytes() is enough.
+  // Makes room for so many, so that gather_bytes() is enough. shared: the vertices of all parts but
+  // those of add_last(), where that is known.
   void reserve(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t samples,
-               std::uint64_t sided = 0);
+               std::uint64_t sided = 0, std::optional<std::uint64_t> shared = {});
   void add(const RefineMesh& part);
+  // The same, quicker. Precondition: no part that is added after this one has any of the vertices that
+  // come with it.
+  void add_last(const RefineMesh& part);
   // The triangles of the part for which takes(number) holds.
   void add(const RefineMesh& part, const std::function<bool(std::size_t)>& takes);
   // Those with these numbers.
@@ -90,9 +95,11 @@ class MeshGather {
   RefineMesh take();
 
  private:
-  std::uint32_t number(const RefineMesh& part, std::uint32_t v);
+  // Its number here. keeps: whether other parts may have it, too.
+  std::uint32_t number(const RefineMesh& part, std::uint32_t v, bool keeps = true);
   void begin(const RefineMesh& part);
-  void add_corners(Part& part, std::array<std::uint32_t, 3> corners);
+  void add_all(const RefineMesh& part, bool keeps);
+  void add_corners(Part& part, std::array<std::uint32_t, 3> corners, bool keeps = true);
 
   RefineMesh mesh_;
   VertexTable numbers_{VertexIdHash{&mesh_.ids}};

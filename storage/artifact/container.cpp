@@ -179,6 +179,12 @@ void ArtifactReader::read(std::uint64_t name, std::vector<std::byte>& out) const
   read_checked(record, out);
 }
 
+void ArtifactReader::read(std::uint64_t name, std::span<std::byte> out) const {
+  const SectionRecord& record = required(name);
+  if (record.size != out.size()) damaged(fmt::format("section {:#x} has an odd size", name));
+  read_checked(record, out);
+}
+
 void ArtifactReader::read_checked(const SectionRecord& record, std::span<std::byte> out) const {
   file_.read(record.offset, out);
   if (hash_bytes(out) != record.hash)

@@ -102,6 +102,8 @@ class ArtifactReader {
 
   // Reads one section and checks its hash; DamagedArtifact when absent or wrong.
   void read(std::uint64_t name, std::vector<std::byte>& out) const;
+  // The same into memory of the section's size.
+  void read(std::uint64_t name, std::span<std::byte> out) const;
   template <class T>
   void read_array(std::uint64_t name, std::vector<T>& out) const;
   template <class T>

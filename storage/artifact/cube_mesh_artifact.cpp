@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
 #include <tuple>
 
 namespace voxweld {
@@ -42,13 +43,15 @@ class PartBytes {
  public:
   explicit PartBytes(std::span<const std::byte> rest) : rest_(rest) {}
 
-  // False where there is less.
+  // False where there is less. What is not wanted is passed by.
   template <class T>
-  bool take(std::uint64_t count, std::vector<T>& out) {
+  bool take(std::uint64_t count, std::vector<T>& out, bool wanted = true) {
     if (count > rest_.size() / sizeof(T)) return false;
-    out.resize(count);
     const std::size_t bytes = count * sizeof(T);
-    if (bytes > 0) std::memcpy(out.data(), rest_.data(), bytes);
+    if (wanted && bytes > 0) {
+      out.resize(count);
+      std::memcpy(out.data(), rest_.data(), bytes);
+    }
     rest_ = rest_.subspan(bytes);
     return true;
   }
@@ -179,13 +182,16 @@ std::vector<LatticeBox> CubeMeshArtifact::holes(std::size_t piece) const {
   return boxes;
 }
 
-RefineMesh CubeMeshArtifact::read(std::size_t piece, CubePart part) const {
+RefineMesh CubeMeshArtifact::read(std::size_t piece, CubePart part,
+                                  const PartFields& wanted) const {
   const CubePieceRecord& record = pieces_[piece];
   const PartCounts& counts = part == CubePart::inside ? record.inside : record.leaving;
   RefineMesh mesh;
   if (counts.triangles == 0) return mesh;
-  std::vector<std::byte> bytes;
-  file_.read(part_section(piece, part), bytes);
+  const std::uint64_t section = part_section(piece, part), size = size_of(section);
+  const auto memory = std::make_unique_for_overwrite<std::byte[]>(size);
+  const std::span bytes(memory.get(), size);
+  file_.read(section, bytes);
   PartBytes rest(bytes);
   std::vector<PartHead> head;
   const bool whole =
@@ -194,10 +200,10 @@ RefineMesh CubeMeshArtifact::read(std::size_t piece, CubePart part) const {
       head[0].counts.sided == counts.sided &&
       (counts.sided == 0 || counts.sided == counts.triangles) &&
       rest.take(counts.vertices, mesh.positions) && rest.take(counts.vertices, mesh.ids) &&
-      rest.take(head[0].normals != 0 ? counts.vertices : 0, mesh.normals) &&
-      rest.take(head[0].aims != 0 ? counts.vertices : 0, mesh.aims) &&
+      rest.take(head[0].normals != 0 ? counts.vertices : 0, mesh.normals, wanted.normals) &&
+      rest.take(head[0].aims != 0 ? counts.vertices : 0, mesh.aims, wanted.aims) &&
       rest.take(counts.triangles, mesh.triangles) && rest.take(counts.sided, mesh.sides) &&
-      rest.take(counts.samples, mesh.samples) &&
+      rest.take(counts.samples, mesh.samples, wanted.samples) &&
       rest.take(head[0].intersecting, mesh.intersecting) && rest.empty();
   if (!whole || !numbers_fit(mesh)) file_.damaged(contradicting);
   mesh.checked = head[0].checked != 0;

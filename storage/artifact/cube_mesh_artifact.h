@@ -48,6 +48,11 @@ struct PartCounts {
 
 enum class CubePart : std::uint8_t { inside = 1, leaving = 2 };
 
+// What is wanted of a part beside its vertices' positions and ids, its triangles and their sides.
+struct PartFields {
+  bool normals = true, aims = true, samples = true;
+};
+
 // Where a piece lies among all: by label first. label: 0 where there is one surface. code: by which
 // ranges of cubes are given.
 struct CubeKey {
@@ -142,7 +147,7 @@ class CubeMeshArtifact : public OpenArtifact {
   std::span<const CubePieceRecord> pieces() const { return pieces_; }
   // Of an empty part the same for all.
   Hash128 part_hash(std::size_t piece, CubePart part) const;
-  RefineMesh read(std::size_t piece, CubePart part) const;
+  RefineMesh read(std::size_t piece, CubePart part, const PartFields& wanted = {}) const;
   std::vector<LatticeBox> holes(std::size_t piece) const;
   Hash128 holes_hash(std::size_t piece) const;  // where there are none the same for all
   template <class T>

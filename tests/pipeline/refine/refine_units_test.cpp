@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <tuple>
 
 #include "pipeline/refine/cube_meshes.h"
 #include "pipeline/stage/artifacts.h"
@@ -114,6 +115,32 @@ TEST(PieceSpans, SayWhichArtifactsToLookInto) {
   EXPECT_EQ(found({2, 0}, {4, 0}), Numbers({0, 6}));
   EXPECT_EQ(found({4, 4}, {4, 8}), Numbers({2, 3, 8}));
   EXPECT_EQ(found({7, 0}, {8, 0}), Numbers());
+}
+
+TEST(PartReads, PutTogetherLastWhatNoOtherPartHasVerticesOf) {
+  const auto piece = [](std::uint64_t cube, std::uint64_t inside, std::uint64_t leaving) {
+    CubePieceRecord record;
+    record.cube = cube;
+    record.inside = {inside, inside, 0, 0};
+    record.leaving = {leaving, leaving, 0, 0};
+    return record;
+  };
+  std::vector<PartRead> parts;
+  add_parts({0, 0, true}, piece(7, 100, 10), parts);
+  add_parts({0, 1, true}, piece(3, 200, 0), parts);
+  add_parts({1, 0, true}, piece(7, 50, 20), parts);  // of another tile
+  add_parts({2, 0, false}, piece(5, 400, 30), parts);
+  EXPECT_EQ(put_in_order(parts), 10u + 20u + 30u + 100u);
+  std::vector<std::tuple<std::size_t, std::size_t, CubePart, bool>> order;
+  for (const PartRead& part : parts)
+    order.emplace_back(part.piece.artifact, part.piece.piece, part.part, part.last);
+  using enum CubePart;
+  EXPECT_EQ(order, (decltype(order){{2, 0, leaving, false},
+                                    {0, 0, leaving, false},
+                                    {1, 0, leaving, false},
+                                    {0, 1, inside, true},
+                                    {0, 0, inside, false},
+                                    {1, 0, inside, true}}));
 }
 
 }  // namespace

@@ -58,6 +58,26 @@ TEST_P(Pieces, TogetherAreTheMesh) {
   EXPECT_TRUE(std::ranges::is_sorted(whole.samples, {}, &SurfaceSample::triangle));
 }
 
+// Cubes share the vertices of triangles that leave one: once these are there, no others.
+TEST_P(Pieces, AreTheSameWithTheirLastPartsAddedQuickly) {
+  const RefineMesh mesh = torus();
+  MeshGather plain, quick;
+  std::vector<CubePiece> pieces;
+  each_piece(mesh, CubeLattice(torus_frame(), GetParam()),
+             [&](const CubePiece& piece) { pieces.push_back(piece); });
+  for (const CubePiece& piece : pieces) {
+    plain.add(piece.leaving);
+    quick.add(piece.leaving);
+  }
+  for (const CubePiece& piece : pieces) {
+    plain.add(piece.inside);
+    quick.add_last(piece.inside);
+  }
+  EXPECT_EQ(quick.mesh().ids, plain.mesh().ids);
+  EXPECT_EQ(quick.mesh().triangles, plain.mesh().triangles);
+  EXPECT_EQ(quick.mesh().samples, plain.mesh().samples);
+}
+
 INSTANTIATE_TEST_SUITE_P(Passes, Pieces, ::testing::Values(0, 1));
 
 TEST(Gather, TakesWhatItIsTold) {

@@ -111,6 +111,23 @@ TEST_F(CubeMeshFile, ReadsBack) {
   EXPECT_TRUE(file.read(1, CubePart::inside).triangles.empty());
 }
 
+TEST_F(CubeMeshFile, LeavesOutWhatIsNotWanted) {
+  write();
+  const CubeMeshArtifact file(path());
+  const RefineMesh all = file.read(0, CubePart::inside);
+  ASSERT_FALSE(all.normals.empty() || all.aims.empty() || all.samples.empty());
+  const RefineMesh shape =
+      file.read(0, CubePart::inside, {.normals = false, .aims = false, .samples = false});
+  EXPECT_TRUE(shape.normals.empty() && shape.aims.empty() && shape.samples.empty());
+  EXPECT_EQ(shape.positions, all.positions);
+  EXPECT_EQ(shape.ids, all.ids);
+  EXPECT_EQ(shape.triangles, all.triangles);
+  const PartFields but_aims{.aims = false};
+  const RefineMesh sided = file.read(2, CubePart::leaving, but_aims);
+  EXPECT_EQ(sided.sides, file.read(2, CubePart::leaving).sides);
+  EXPECT_EQ(sided.samples, file.read(2, CubePart::leaving).samples);
+}
+
 TEST_F(CubeMeshFile, PatchesSayWhatTheyStandInPlaceOf) {
   write();
   const CubeMeshArtifact file(path());
