@@ -106,11 +106,9 @@ std::size_t ActiveCells::count(const SignGrid& signs, int side, const Box3& wher
 std::size_t ActiveCells::most_sheets(const SignGrid& signs) const {
   std::size_t count = 0;
   each_word([&](int x, int y, int z, std::uint64_t bits) {
-    for (; bits != 0; bits &= bits - 1) {
-      const CellSigns corners = signs.cell(x + std::countr_zero(bits), y, z);
-      count += std::max<std::size_t>(cell_sheets(corners, false).sheets,
-                                     cell_sheets(corners, true).sheets);
-    }
+    for (; bits != 0; bits &= bits - 1)
+      count += static_cast<std::size_t>(
+          voxweld::most_sheets(signs.cell(x + std::countr_zero(bits), y, z)));
   });
   return count;
 }

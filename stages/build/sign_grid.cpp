@@ -11,26 +11,40 @@
 namespace voxweld {
 namespace {
 
-// Bit i: inside(p[i]), for 64 samples: a vectorised comparison to bytes, then eight bytes to eight
-// bits by one multiplication.
+// Flags of samples as vectorised comparisons leave them.
+constexpr std::uint8_t set = 0xff;
+
+// A bit for each of 64 flags.
 std::uint64_t pack_flags(const std::uint8_t* flags) {
   std::uint64_t bits = 0;
+#ifdef __SSE2__
+  using Sixteen = char __attribute__((vector_size(16)));
+  for (int group = 0; group < 4; ++group) {
+    Sixteen some;
+    std::memcpy(&some, flags + std::ptrdiff_t{16} * group, sizeof some);
+    const auto packed = static_cast<std::uint32_t>(__builtin_ia32_pmovmskb128(some));
+    bits |= std::uint64_t{packed} << (16 * group);
+  }
+#else
   for (int group = 0; group < 8; ++group) {
     std::uint64_t eight;
-    std::memcpy(&eight, flags + std::ptrdiff_t{8} * group, 8);
+    std::memcpy(&eight, flags + std::ptrdiff_t{8} * group, sizeof eight);
+    eight &= 0x0101010101010101ULL;
     bits |= (eight * 0x0102040810204080ULL >> 56) << (8 * group);
   }
+#endif
   return bits;
 }
 
+// Bit i: inside(p[i]), of 64 samples.
 template <class T>
 std::uint64_t pack64(const T* p, const InsideTest<T>& inside) {
   alignas(64) std::uint8_t flags[64];
   const T threshold = inside.threshold;
   if (inside.above)
-    for (int i = 0; i < 64; ++i) flags[i] = p[i] >= threshold;
+    for (int i = 0; i < 64; ++i) flags[i] = p[i] >= threshold ? set : 0;
   else
-    for (int i = 0; i < 64; ++i) flags[i] = p[i] <= threshold;
+    for (int i = 0; i < 64; ++i) flags[i] = p[i] <= threshold ? set : 0;
   return pack_flags(flags);
 }
 
@@ -38,7 +52,7 @@ template <class T>
 std::uint64_t pack64(const T* p, const LabelTest<T>& is_label) {
   alignas(64) std::uint8_t flags[64];
   const T value = is_label.value;
-  for (int i = 0; i < 64; ++i) flags[i] = p[i] == value;
+  for (int i = 0; i < 64; ++i) flags[i] = p[i] == value ? set : 0;
   return pack_flags(flags);
 }
 

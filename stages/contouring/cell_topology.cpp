@@ -1,5 +1,7 @@
 #include "stages/contouring/cell_topology.h"
 
+#include <algorithm>
+
 #include "stages/contouring/crossing_sets.h"
 
 namespace voxweld {
@@ -67,6 +69,7 @@ topology_detail::Tables make_tables() {
     const int face = find_problem_face(signs, tables.sheets[0][s]);
     tables.problem_face[s] = static_cast<std::int8_t>(face);
     tables.sheets[1][s] = face < 0 ? tables.sheets[0][s] : make_sheets(signs, face);
+    tables.most_sheets[s] = std::max(tables.sheets[0][s].sheets, tables.sheets[1][s].sheets);
     tables.collapsible[s] = s != 0 && s != 255 && one_component(s) && one_component(~s & 255u);
   }
   return tables;

@@ -62,6 +62,7 @@ struct CellSheets {
 namespace topology_detail {
 struct Tables {
   std::array<std::array<CellSheets, 256>, 2> sheets;  // [joined][signs]
+  std::array<std::uint8_t, 256> most_sheets;
   std::array<std::int8_t, 256> problem_face;
   std::array<bool, 256> collapsible;
 };
@@ -72,6 +73,11 @@ extern const Tables tables;
 // paired so that its inside corners are joined (Wenger's rule applies, see joins_across).
 inline const CellSheets& cell_sheets(CellSigns signs, bool joined) {
   return topology_detail::tables.sheets[joined][signs];
+}
+
+// Of a cell that may be joined or not.
+inline int most_sheets(CellSigns signs) {
+  return topology_detail::tables.most_sheets[signs];
 }
 
 // The face of a problem cell (one sheet holds all four crossings of that ambiguous face), or -1.
