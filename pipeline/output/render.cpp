@@ -119,13 +119,17 @@ Renderer::Renderer(const MeshBounds& bounds, const RenderOptions& options) : opt
   }
 }
 
-Renderer::Projected Renderer::project(const std::array<float, 3>& p) const {
-  const Vec3 d = to_vec(p) - centre_;
-  const double x = dot(d, right_), y = dot(d, up_), z = dot(d, back_);
-  if (distance_ == 0) return {width_ / 2.0 + x * scale_, height_ / 2.0 - y * scale_, z, true};
-  const double ahead = distance_ - z;
+Renderer::Projected Renderer::project(Vec3 p) const {
+  if (distance_ == 0) return {width_ / 2.0 + p.x * scale_, height_ / 2.0 - p.y * scale_, p.z, true};
+  const double ahead = distance_ - p.z;
   if (!(ahead > 1e-3 * distance_)) return {};
-  return {width_ / 2.0 + x * scale_ / ahead, height_ / 2.0 - y * scale_ / ahead, 1 / ahead, true};
+  return {width_ / 2.0 + p.x * scale_ / ahead, height_ / 2.0 - p.y * scale_ / ahead, 1 / ahead,
+          true};
+}
+
+Renderer::Corner Renderer::corner_at(Vec3 place) const {
+  const Vec3 position = to_eye(place - centre_);
+  return {project(position), place, position, {}};
 }
 
 bool Renderer::is_cut(const DecodedMesh& mesh, const std::array<std::uint32_t, 3>& triangle) const {
@@ -161,87 +165,101 @@ Vec3 Renderer::colour_of(Material label) const {
 }
 
 void Renderer::draw(const DecodedMesh& mesh, std::optional<Material> label) {
+  Colours colours{front_colour, back_colour};
+  if (label) colours.front = colour_of(*label);
+  struct Seen {
+    std::uint32_t vertex = 0xffffffffu;
+    Corner corner;
+  };
+  std::vector<Seen> recent(1 << 12);  // triangles that follow each other share vertices
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const std::array<std::uint32_t, 3>& t = mesh.triangles[i];
     if (is_cut(mesh, t)) continue;
-    Colours colours{front_colour, back_colour};
-    if (label) colours.front = colour_of(*label);
+    std::array<Corner, 3> c;
+    for (std::size_t k = 0; k < 3; ++k) {
+      Seen& seen = recent[t[k] % recent.size()];
+      if (seen.vertex != t[k]) seen = {t[k], corner_at(to_vec(mesh.positions[t[k]]))};
+      c[k] = seen.corner;
+    }
+    if (!c[0].at.visible || !c[1].at.visible || !c[2].at.visible) continue;
+    // y points down, so a counter-clockwise triangle has a negative one.
+    const double area = (c[1].at.x - c[0].at.x) * (c[2].at.y - c[0].at.y) -
+                        (c[2].at.x - c[0].at.x) * (c[1].at.y - c[0].at.y);
+    if (area == 0 || !std::isfinite(area) || (area > 0 && !options_.backs)) continue;
+    if (!mesh.normals.empty())
+      for (std::size_t k = 0; k < 3; ++k) c[k].normal = to_eye(to_vec(mesh.normals[t[k]]));
     if (!mesh.triangle_pairs.empty())
       colours.front = colours.back = colour_of(mesh.pairs[mesh.triangle_pairs[i]].inside);
-    std::array<Corner, 3> corners;
-    for (std::size_t k = 0; k < 3; ++k) {
-      Corner& c = corners[k];
-      c.at = project(mesh.positions[t[k]]);
-      c.place = to_vec(mesh.positions[t[k]]);
-      const Vec3 d = c.place - centre_;
-      c.position = {dot(d, right_), dot(d, up_), dot(d, back_)};
-      if (mesh.normals.empty()) continue;
-      const Vec3 n = to_vec(mesh.normals[t[k]]);
-      c.normal = {dot(n, right_), dot(n, up_), dot(n, back_)};
-    }
-    draw_triangle(corners, colours);
+    fill(c, area, colours);
   }
 }
 
-void Renderer::draw_triangle(const std::array<Corner, 3>& c, const Colours& colours) {
-  if (!c[0].at.visible || !c[1].at.visible || !c[2].at.visible) return;
-  // Twice the area on the screen; y points down, so a counter-clockwise triangle has a negative
-  // one.
-  const double area = (c[1].at.x - c[0].at.x) * (c[2].at.y - c[0].at.y) -
-                      (c[2].at.x - c[0].at.x) * (c[1].at.y - c[0].at.y);
-  if (area == 0 || !std::isfinite(area) || (area > 0 && !options_.backs)) return;
-  const Vec3 face = unit(cross(c[1].position - c[0].position, c[2].position - c[0].position));
-  fill(c, {area, face, area > 0}, colours);
+// The distances of a triangle's corners from the edges opposite to them, on the screen.
+std::array<double, 3> Renderer::heights_of(const std::array<Corner, 3>& c, double area) {
+  std::array<double, 3> heights{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Projected &p = c[(k + 1) % 3].at, &q = c[(k + 2) % 3].at;
+    heights[k] = std::abs(area) / std::max(std::hypot(q.x - p.x, q.y - p.y), 1e-12);
+  }
+  return heights;
 }
 
-void Renderer::fill(const std::array<Corner, 3>& c, const Facing& facing, const Colours& colours) {
-  const auto clamp_sample = [](double v, int size) {
-    return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(size)));
+void Renderer::fill(const std::array<Corner, 3>& c, double area, const Colours& colours) {
+  // Samples lie in the middle of their squares.
+  const auto first_at = [](double v, int size) {
+    return static_cast<int>(std::clamp(std::ceil(v - 0.5), 0.0, static_cast<double>(size)));
+  };
+  const auto end_at = [](double v, int size) {
+    return static_cast<int>(std::clamp(std::floor(v + 0.5), 0.0, static_cast<double>(size)));
   };
   const auto [x_lo, x_hi] = std::minmax({c[0].at.x, c[1].at.x, c[2].at.x});
   const auto [y_lo, y_hi] = std::minmax({c[0].at.y, c[1].at.y, c[2].at.y});
-  const int x0 = clamp_sample(std::floor(x_lo), width_), x1 = clamp_sample(x_hi + 1, width_);
-  const int y0 = clamp_sample(std::floor(y_lo), height_), y1 = clamp_sample(y_hi + 1, height_);
-  const bool smooth = dot(c[0].normal, c[0].normal) > 0;
-  std::array<double, 3> heights{};  // of the corners over the edges opposite to them
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Projected &p = c[(k + 1) % 3].at, &q = c[(k + 2) % 3].at;
-    heights[k] = std::abs(facing.area) / std::max(std::hypot(q.x - p.x, q.y - p.y), 1e-12);
-  }
+  const int x0 = first_at(x_lo, width_), x1 = end_at(x_hi, width_);
+  const int y0 = first_at(y_lo, height_), y1 = end_at(y_hi, height_);
   for (int y = y0; y < y1; ++y) {
     for (int x = x0; x < x1; ++x) {
       const double px = x + 0.5, py = y + 0.5;
-      std::array<double, 3> w;  // barycentric on the screen
+      std::array<double, 3> w;  // barycentric on the screen, times the area
+      bool outside = false;
       for (std::size_t k = 0; k < 3; ++k) {
         const Projected &p = c[(k + 1) % 3].at, &q = c[(k + 2) % 3].at;
-        w[k] = ((q.x - p.x) * (py - p.y) - (q.y - p.y) * (px - p.x)) / facing.area;
+        w[k] = (q.x - p.x) * (py - p.y) - (q.y - p.y) * (px - p.x);
+        outside |= area > 0 ? w[k] < 0 : w[k] > 0;
       }
-      if (w[0] < 0 || w[1] < 0 || w[2] < 0) continue;
-      const auto nearness = static_cast<float>(w[0] * c[0].at.nearness + w[1] * c[1].at.nearness +
-                                               w[2] * c[2].at.nearness);
-      const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                             static_cast<std::size_t>(x);
-      if (!(nearness > depth_[at])) continue;
-      const Vec3 place = place_at(c, w);
-      if (is_cut(place)) continue;
-      depth_[at] = nearness;
-      Vec3 n = facing.normal;
-      if (smooth) n = unit(c[0].normal * w[0] + c[1].normal * w[1] + c[2].normal * w[2]);
-      if (facing.back) n = n * -1;
-      const Vec3 colour = facing.back ? colours.back : colours.front;
-      const double lit = light(n) * edge_shade(w, heights);
-      colour_[at] = encoded(colour * lit);
-      if (!options_.places) continue;
-      for (std::size_t a = 0; a < 3; ++a)
-        places_[at][a] = static_cast<float>(place[static_cast<int>(a)]);
-      light_[at] = static_cast<float>(lit);
+      if (outside) continue;
+      for (double& weight : w) weight /= area;
+      fill_sample(static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                      static_cast<std::size_t>(x),
+                  {c, w, area}, colours);
     }
   }
+}
+
+// What is not asked for is not computed: most triangles have no sample or one.
+void Renderer::fill_sample(std::size_t at, const Sample& sample, const Colours& colours) {
+  const auto& [c, w, area] = sample;
+  const auto nearness = static_cast<float>(w[0] * c[0].at.nearness + w[1] * c[1].at.nearness +
+                                           w[2] * c[2].at.nearness);
+  if (!(nearness > depth_[at])) return;
+  const bool cuts = std::ranges::any_of(options_.cut, [](const auto& cut) { return bool{cut}; });
+  const Vec3 place = cuts || options_.places ? place_at(c, w) : Vec3{};
+  if (cuts && is_cut(place)) return;
+  depth_[at] = nearness;
+  const bool smooth = dot(c[0].normal, c[0].normal) > 0, back = area > 0;
+  Vec3 n = unit(smooth ? c[0].normal * w[0] + c[1].normal * w[1] + c[2].normal * w[2]
+                       : cross(c[1].position - c[0].position, c[2].position - c[0].position));
+  if (back) n = n * -1;
+  const double shade = options_.edges ? edge_shade(w, heights_of(c, area)) : 1;
+  const double lit = light(n) * shade;
+  colour_[at] = encoded((back ? colours.back : colours.front) * lit);
+  if (!options_.places) return;
+  for (std::size_t a = 0; a < 3; ++a)
+    places_[at][a] = static_cast<float>(place[static_cast<int>(a)]);
+  light_[at] = static_cast<float>(lit);
 }
 
 double Renderer::edge_shade(const std::array<double, 3>& w,
                             const std::array<double, 3>& heights) const {
-  if (!options_.edges) return 1;
   const double away = std::min({w[0] * heights[0], w[1] * heights[1], w[2] * heights[2]});
   // Half a line lies on each side of an edge.
   return away < 0.5 * options_.supersample ? 0.12 : 1;

@@ -78,7 +78,9 @@ class Renderer {
  private:
   struct Projected;
   struct Corner;
-  Projected project(const std::array<float, 3>& p) const;
+  Vec3 to_eye(Vec3 v) const { return {dot(v, right_), dot(v, up_), dot(v, back_)}; }
+  Projected project(Vec3 position) const;  // in the eye's frame
+  Corner corner_at(Vec3 place) const;      // without its normal
   struct Colours {
     Vec3 front, back;
   };
@@ -88,13 +90,15 @@ class Renderer {
   // All of it.
   bool is_cut(const DecodedMesh& mesh, const std::array<std::uint32_t, 3>& triangle) const;
   bool is_cut(Vec3 place) const;
-  void draw_triangle(const std::array<Corner, 3>& corners, const Colours& colours);
-  struct Facing {
+  // area: on the screen, twice; above 0 of what shows its back.
+  void fill(const std::array<Corner, 3>& corners, double area, const Colours& colours);
+  struct Sample {
+    const std::array<Corner, 3>& corners;
+    const std::array<double, 3>& weights;
     double area;
-    Vec3 normal;
-    bool back;
   };
-  void fill(const std::array<Corner, 3>& corners, const Facing& facing, const Colours& colours);
+  void fill_sample(std::size_t at, const Sample& sample, const Colours& colours);
+  static std::array<double, 3> heights_of(const std::array<Corner, 3>& corners, double area);
   // How much of its light a sample keeps, by the distance to the nearest edge.
   double edge_shade(const std::array<double, 3>& weights,
                     const std::array<double, 3>& heights) const;
