@@ -68,10 +68,11 @@ struct Renderer::Projected {
   bool visible = false;  // in front of the eye
 };
 
-struct Renderer::Corner {
-  Projected at;
-  Vec3 place;             // in the mesh's frame
-  Vec3 position, normal;  // in the eye's frame
+struct Renderer::Triangle {
+  std::array<Projected, 3> at;
+  double area = 0;              // on the screen, twice; above 0 of what shows its back
+  std::array<Vec3, 3> places;   // in the mesh's frame
+  std::array<Vec3, 3> normals;  // in the eye's frame; 0 where the mesh has none
 };
 
 MeshBounds bounds_of(std::span<const DecodedMesh> meshes) {
@@ -127,11 +128,6 @@ Renderer::Projected Renderer::project(Vec3 p) const {
           true};
 }
 
-Renderer::Corner Renderer::corner_at(Vec3 place) const {
-  const Vec3 position = to_eye(place - centre_);
-  return {project(position), place, position, {}};
-}
-
 bool Renderer::is_cut(const DecodedMesh& mesh, const std::array<std::uint32_t, 3>& triangle) const {
   for (std::size_t a = 0; a < 3; ++a)
     if (options_.cut[a] && std::ranges::all_of(triangle, [&](std::uint32_t v) {
@@ -142,12 +138,12 @@ bool Renderer::is_cut(const DecodedMesh& mesh, const std::array<std::uint32_t, 3
 }
 
 // In perspective what is linear on the screen is a coordinate times the nearness.
-Vec3 Renderer::place_at(const std::array<Corner, 3>& c, const std::array<double, 3>& w) const {
+Vec3 Renderer::place_at(const Triangle& t, const std::array<double, 3>& w) const {
   Vec3 sum{};
   double weights = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const double weight = distance_ > 0 ? w[k] * c[k].at.nearness : w[k];
-    sum = sum + c[k].place * weight;
+    const double weight = distance_ > 0 ? w[k] * t.at[k].nearness : w[k];
+    sum = sum + t.places[k] * weight;
     weights += weight;
   }
   return sum * (1 / weights);
@@ -169,42 +165,45 @@ void Renderer::draw(const DecodedMesh& mesh, std::optional<Material> label) {
   if (label) colours.front = colour_of(*label);
   struct Seen {
     std::uint32_t vertex = 0xffffffffu;
-    Corner corner;
+    Projected at;
   };
   std::vector<Seen> recent(1 << 12);  // triangles that follow each other share vertices
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const std::array<std::uint32_t, 3>& t = mesh.triangles[i];
-    if (is_cut(mesh, t)) continue;
-    std::array<Corner, 3> c;
+    const std::array<std::uint32_t, 3>& corners = mesh.triangles[i];
+    if (is_cut(mesh, corners)) continue;
+    Triangle t;
     for (std::size_t k = 0; k < 3; ++k) {
-      Seen& seen = recent[t[k] % recent.size()];
-      if (seen.vertex != t[k]) seen = {t[k], corner_at(to_vec(mesh.positions[t[k]]))};
-      c[k] = seen.corner;
+      Seen& seen = recent[corners[k] % recent.size()];
+      if (seen.vertex != corners[k])
+        seen = {corners[k], project(to_eye(to_vec(mesh.positions[corners[k]]) - centre_))};
+      t.at[k] = seen.at;
     }
-    if (!c[0].at.visible || !c[1].at.visible || !c[2].at.visible) continue;
+    const auto& [a, b, c] = t.at;
+    if (!a.visible || !b.visible || !c.visible) continue;
     // y points down, so a counter-clockwise triangle has a negative one.
-    const double area = (c[1].at.x - c[0].at.x) * (c[2].at.y - c[0].at.y) -
-                        (c[2].at.x - c[0].at.x) * (c[1].at.y - c[0].at.y);
-    if (area == 0 || !std::isfinite(area) || (area > 0 && !options_.backs)) continue;
-    if (!mesh.normals.empty())
-      for (std::size_t k = 0; k < 3; ++k) c[k].normal = to_eye(to_vec(mesh.normals[t[k]]));
+    t.area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+    if (t.area == 0 || !std::isfinite(t.area) || (t.area > 0 && !options_.backs)) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      t.places[k] = to_vec(mesh.positions[corners[k]]);
+      if (!mesh.normals.empty()) t.normals[k] = to_eye(to_vec(mesh.normals[corners[k]]));
+    }
     if (!mesh.triangle_pairs.empty())
       colours.front = colours.back = colour_of(mesh.pairs[mesh.triangle_pairs[i]].inside);
-    fill(c, area, colours);
+    fill(t, colours);
   }
 }
 
 // The distances of a triangle's corners from the edges opposite to them, on the screen.
-std::array<double, 3> Renderer::heights_of(const std::array<Corner, 3>& c, double area) {
+std::array<double, 3> Renderer::heights_of(const Triangle& t) {
   std::array<double, 3> heights{};
   for (std::size_t k = 0; k < 3; ++k) {
-    const Projected &p = c[(k + 1) % 3].at, &q = c[(k + 2) % 3].at;
-    heights[k] = std::abs(area) / std::max(std::hypot(q.x - p.x, q.y - p.y), 1e-12);
+    const Projected &p = t.at[(k + 1) % 3], &q = t.at[(k + 2) % 3];
+    heights[k] = std::abs(t.area) / std::max(std::hypot(q.x - p.x, q.y - p.y), 1e-12);
   }
   return heights;
 }
 
-void Renderer::fill(const std::array<Corner, 3>& c, double area, const Colours& colours) {
+void Renderer::fill(const Triangle& t, const Colours& colours) {
   // Samples lie in the middle of their squares.
   const auto first_at = [](double v, int size) {
     return static_cast<int>(std::clamp(std::ceil(v - 0.5), 0.0, static_cast<double>(size)));
@@ -212,8 +211,9 @@ void Renderer::fill(const std::array<Corner, 3>& c, double area, const Colours& 
   const auto end_at = [](double v, int size) {
     return static_cast<int>(std::clamp(std::floor(v + 0.5), 0.0, static_cast<double>(size)));
   };
-  const auto [x_lo, x_hi] = std::minmax({c[0].at.x, c[1].at.x, c[2].at.x});
-  const auto [y_lo, y_hi] = std::minmax({c[0].at.y, c[1].at.y, c[2].at.y});
+  const auto& [a, b, c] = t.at;
+  const auto [x_lo, x_hi] = std::minmax({a.x, b.x, c.x});
+  const auto [y_lo, y_hi] = std::minmax({a.y, b.y, c.y});
   const int x0 = first_at(x_lo, width_), x1 = end_at(x_hi, width_);
   const int y0 = first_at(y_lo, height_), y1 = end_at(y_hi, height_);
   for (int y = y0; y < y1; ++y) {
@@ -222,40 +222,46 @@ void Renderer::fill(const std::array<Corner, 3>& c, double area, const Colours& 
       std::array<double, 3> w;  // barycentric on the screen, times the area
       bool outside = false;
       for (std::size_t k = 0; k < 3; ++k) {
-        const Projected &p = c[(k + 1) % 3].at, &q = c[(k + 2) % 3].at;
+        const Projected &p = t.at[(k + 1) % 3], &q = t.at[(k + 2) % 3];
         w[k] = (q.x - p.x) * (py - p.y) - (q.y - p.y) * (px - p.x);
-        outside |= area > 0 ? w[k] < 0 : w[k] > 0;
+        outside |= t.area > 0 ? w[k] < 0 : w[k] > 0;
       }
       if (outside) continue;
-      for (double& weight : w) weight /= area;
+      for (double& weight : w) weight /= t.area;
       fill_sample(static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                       static_cast<std::size_t>(x),
-                  {c, w, area}, colours);
+                  t, w, colours);
     }
   }
 }
 
 // What is not asked for is not computed: most triangles have no sample or one.
-void Renderer::fill_sample(std::size_t at, const Sample& sample, const Colours& colours) {
-  const auto& [c, w, area] = sample;
-  const auto nearness = static_cast<float>(w[0] * c[0].at.nearness + w[1] * c[1].at.nearness +
-                                           w[2] * c[2].at.nearness);
+void Renderer::fill_sample(std::size_t at, const Triangle& t, const std::array<double, 3>& w,
+                           const Colours& colours) {
+  const auto nearness = static_cast<float>(w[0] * t.at[0].nearness + w[1] * t.at[1].nearness +
+                                           w[2] * t.at[2].nearness);
   if (!(nearness > depth_[at])) return;
   const bool cuts = std::ranges::any_of(options_.cut, [](const auto& cut) { return bool{cut}; });
-  const Vec3 place = cuts || options_.places ? place_at(c, w) : Vec3{};
+  const Vec3 place = cuts || options_.places ? place_at(t, w) : Vec3{};
   if (cuts && is_cut(place)) return;
   depth_[at] = nearness;
-  const bool smooth = dot(c[0].normal, c[0].normal) > 0, back = area > 0;
-  Vec3 n = unit(smooth ? c[0].normal * w[0] + c[1].normal * w[1] + c[2].normal * w[2]
-                       : cross(c[1].position - c[0].position, c[2].position - c[0].position));
+  const bool back = t.area > 0;
+  Vec3 n = normal_at(t, w);
   if (back) n = n * -1;
-  const double shade = options_.edges ? edge_shade(w, heights_of(c, area)) : 1;
+  const double shade = options_.edges ? edge_shade(w, heights_of(t)) : 1;
   const double lit = light(n) * shade;
   colour_[at] = encoded((back ? colours.back : colours.front) * lit);
   if (!options_.places) return;
   for (std::size_t a = 0; a < 3; ++a)
     places_[at][a] = static_cast<float>(place[static_cast<int>(a)]);
   light_[at] = static_cast<float>(lit);
+}
+
+Vec3 Renderer::normal_at(const Triangle& t, const std::array<double, 3>& w) const {
+  if (dot(t.normals[0], t.normals[0]) > 0)
+    return unit(t.normals[0] * w[0] + t.normals[1] * w[1] + t.normals[2] * w[2]);
+  const auto position = [&](std::size_t k) { return to_eye(t.places[k] - centre_); };
+  return unit(cross(position(1) - position(0), position(2) - position(0)));
 }
 
 double Renderer::edge_shade(const std::array<double, 3>& w,

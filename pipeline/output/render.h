@@ -77,28 +77,23 @@ class Renderer {
 
  private:
   struct Projected;
-  struct Corner;
+  struct Triangle;
   Vec3 to_eye(Vec3 v) const { return {dot(v, right_), dot(v, up_), dot(v, back_)}; }
   Projected project(Vec3 position) const;  // in the eye's frame
-  Corner corner_at(Vec3 place) const;      // without its normal
   struct Colours {
     Vec3 front, back;
   };
   Vec3 colour_of(Material label) const;
   // The place at one sample of a triangle, by its weights, barycentric on the screen.
-  Vec3 place_at(const std::array<Corner, 3>& corners, const std::array<double, 3>& weights) const;
-  // All of it.
+  Vec3 place_at(const Triangle& triangle, const std::array<double, 3>& weights) const;
+  Vec3 normal_at(const Triangle& triangle, const std::array<double, 3>& weights) const;
+  // Whether all of a triangle is, or a place.
   bool is_cut(const DecodedMesh& mesh, const std::array<std::uint32_t, 3>& triangle) const;
   bool is_cut(Vec3 place) const;
-  // area: on the screen, twice; above 0 of what shows its back.
-  void fill(const std::array<Corner, 3>& corners, double area, const Colours& colours);
-  struct Sample {
-    const std::array<Corner, 3>& corners;
-    const std::array<double, 3>& weights;
-    double area;
-  };
-  void fill_sample(std::size_t at, const Sample& sample, const Colours& colours);
-  static std::array<double, 3> heights_of(const std::array<Corner, 3>& corners, double area);
+  void fill(const Triangle& triangle, const Colours& colours);
+  void fill_sample(std::size_t at, const Triangle& triangle, const std::array<double, 3>& weights,
+                   const Colours& colours);
+  static std::array<double, 3> heights_of(const Triangle& triangle);
   // How much of its light a sample keeps, by the distance to the nearest edge.
   double edge_shade(const std::array<double, 3>& weights,
                     const std::array<double, 3>& heights) const;
