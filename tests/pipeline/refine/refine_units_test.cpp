@@ -132,6 +132,7 @@ TEST(PartReads, PutTogetherLastWhatNoOtherPartHasVerticesOf) {
   add_parts({2, 0, false}, piece(5, 400, 30), parts);
   EXPECT_EQ(put_in_order(parts), 10u + 20u + 30u + 100u);
   std::vector<std::tuple<std::size_t, std::size_t, CubePart, bool>> order;
+  order.reserve(parts.size());
   for (const PartRead& part : parts)
     order.emplace_back(part.piece.artifact, part.piece.piece, part.part, part.last);
   using enum CubePart;
