@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "pipeline/executor/probe.h"
 #include "stages/refine/mesh_part.h"
@@ -122,9 +123,9 @@ void add_parts(const PieceRead& read, const CubePieceRecord& piece, std::vector<
 
 std::uint64_t put_in_order(std::vector<PartRead>& parts) {
   // Triangles inside a cube have vertices in common with others inside that cube, and with some that
-  // leave one.
+  // leave one. The largest part of a cube comes last: patches are small.
   std::ranges::stable_sort(parts, {}, [](const PartRead& part) {
-    return std::pair(part.part == CubePart::inside, part.cube);
+    return std::tuple(part.part == CubePart::inside, part.cube, part.vertices);
   });
   std::uint64_t shared = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {

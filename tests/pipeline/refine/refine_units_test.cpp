@@ -130,7 +130,7 @@ TEST(PartReads, PutTogetherLastWhatNoOtherPartHasVerticesOf) {
   add_parts({0, 1, true}, piece(3, 200, 0), parts);
   add_parts({1, 0, true}, piece(7, 50, 20), parts);  // of another tile
   add_parts({2, 0, false}, piece(5, 400, 30), parts);
-  EXPECT_EQ(put_in_order(parts), 10u + 20u + 30u + 100u);
+  EXPECT_EQ(put_in_order(parts), 10u + 20u + 30u + 50u);
   std::vector<std::tuple<std::size_t, std::size_t, CubePart, bool>> order;
   order.reserve(parts.size());
   for (const PartRead& part : parts)
@@ -140,8 +140,8 @@ TEST(PartReads, PutTogetherLastWhatNoOtherPartHasVerticesOf) {
                                     {0, 0, leaving, false},
                                     {1, 0, leaving, false},
                                     {0, 1, inside, true},
-                                    {0, 0, inside, false},
-                                    {1, 0, inside, true}}));
+                                    {1, 0, inside, false},
+                                    {0, 0, inside, true}}));
 }
 
 }  // namespace
