@@ -73,6 +73,8 @@ struct Renderer::Triangle {
   double area = 0;              // on the screen, twice; above 0 of what shows its back
   std::array<Vec3, 3> places;   // in the mesh's frame
   std::array<Vec3, 3> normals;  // in the eye's frame; 0 where the mesh has none
+  // Where edges are asked for, the distances of corners from the edges opposite to them, on the screen.
+  std::array<double, 3> heights{};
 };
 
 MeshBounds bounds_of(std::span<const DecodedMesh> meshes) {
@@ -187,13 +189,13 @@ void Renderer::draw(const DecodedMesh& mesh, std::optional<Material> label) {
       t.places[k] = to_vec(mesh.positions[corners[k]]);
       if (!mesh.normals.empty()) t.normals[k] = to_eye(to_vec(mesh.normals[corners[k]]));
     }
+    if (options_.edges) t.heights = heights_of(t);
     if (!mesh.triangle_pairs.empty())
       colours.front = colours.back = colour_of(mesh.pairs[mesh.triangle_pairs[i]].inside);
     fill(t, colours);
   }
 }
 
-// The distances of a triangle's corners from the edges opposite to them, on the screen.
 std::array<double, 3> Renderer::heights_of(const Triangle& t) {
   std::array<double, 3> heights{};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -248,7 +250,7 @@ void Renderer::fill_sample(std::size_t at, const Triangle& t, const std::array<d
   const bool back = t.area > 0;
   Vec3 n = normal_at(t, w);
   if (back) n = n * -1;
-  const double shade = options_.edges ? edge_shade(w, heights_of(t)) : 1;
+  const double shade = options_.edges ? edge_shade(w, t.heights) : 1;
   const double lit = light(n) * shade;
   colour_[at] = encoded((back ? colours.back : colours.front) * lit);
   if (!options_.places) return;

@@ -136,6 +136,13 @@ std::uint64_t put_in_order(std::vector<PartRead>& parts) {
   return shared;
 }
 
+std::vector<PartRead> parts_of(CubeMeshes& meshes, const std::vector<PieceRead>& pieces) {
+  std::vector<PartRead> parts;
+  for (const PieceRead& read : pieces)
+    add_parts(read, meshes.open(read.artifact)->pieces()[read.piece], parts);
+  return parts;
+}
+
 RangeReads::RangeReads(CubeMeshes& meshes, const CubeLattice& cubes, Material label,
                        const CubeRange& own)
     : meshes_(meshes), label_(label) {
@@ -192,9 +199,7 @@ void RangeReads::add_hashes(KeyHasher& key) const {
 
 RefineMesh RangeReads::read(const std::function<void()>& between, const PartFields& wanted) const {
   MeshGather mesh;
-  std::vector<PartRead> parts;
-  for (const PieceRead& read : pieces_)
-    add_parts(read, meshes_.open(read.artifact)->pieces()[read.piece], parts);
+  std::vector<PartRead> parts = parts_of(meshes_, pieces_);
   const std::uint64_t shared = put_in_order(parts);
   mesh.reserve(all_.vertices, all_.triangles, all_.samples, all_.sided, shared);
   for (const PartRead& part : parts) {

@@ -139,10 +139,13 @@ struct PartRead {
   std::uint64_t cube = 0, vertices = 0;
   bool last = false;  // no part that follows has a vertex that is new with this one
 };
+// Beside those that are there the parts of one more piece.
 void add_parts(const PieceRead& read, const CubePieceRecord& piece, std::vector<PartRead>& parts);
 // Puts parts of one label in the order in which one mesh is made of them soonest. Returns how many
 // vertices are looked for in several parts, at most.
 std::uint64_t put_in_order(std::vector<PartRead>& parts);
+// Not in order.
+std::vector<PartRead> parts_of(CubeMeshes& meshes, const std::vector<PieceRead>& pieces);
 
 // What refining the cubes of a range takes, of one label: the pieces at home there; and of all others
 // of that label those triangles that leave their cube and meet one of the cubes with a piece, or the

@@ -15,7 +15,6 @@ namespace {
 // The pieces that may have triangles of one tile.
 struct TilePieces {
   std::vector<PieceRead> pieces;
-  std::vector<PartRead> parts;  // of these
   std::uint64_t largest_part = 0;
   bool sided = false;  // their triangles have sides
 };
@@ -87,13 +86,14 @@ class RetileStage final : public StageWork {
   TileMesh mesh_of(const UnitTile& refined, const WorkerContext& worker) {
     const PlannedTile& planned = refined.tile;
     MeshGather mesh;
-    TilePieces found = pieces_of(refined);
+    const TilePieces found = pieces_of(refined);
+    std::vector<PartRead> parts = parts_of(meshes_, found.pieces);
     // Of a smaller tile each of its pieces may have triangles in others, too.
     const bool holds_cubes = static_cast<int>(planned.level) >= job_.frame.level;
-    const std::uint64_t shared = put_in_order(found.parts);
+    const std::uint64_t shared = put_in_order(parts);
     mesh.reserve(planned.vertices, 2 * planned.polygons, 0, found.sided ? 2 * planned.polygons : 0,
                  holds_cubes ? shared : planned.vertices);
-    for (const PartRead& part : found.parts) {
+    for (const PartRead& part : parts) {
       worker.check_interrupt();
       const RefineMesh triangles =
           meshes_.read(spans_, part.piece.artifact, part.piece.piece, part.part,
@@ -127,7 +127,6 @@ class RetileStage final : public StageWork {
     spans_.each(begin, end, [&](std::size_t i) {
       each_piece_of(*open_planned(i), begin, end, [&](std::size_t p, const CubePieceRecord& piece) {
         found.pieces.push_back({i, p, true});
-        add_parts(found.pieces.back(), piece, found.parts);
         found.sided = found.sided || piece.inside.sided + piece.leaving.sided > 0;
         found.largest_part =
             std::max({found.largest_part, part_bytes(piece.inside), part_bytes(piece.leaving)});
