@@ -10,6 +10,7 @@
 #include "stages/refine/mend_box.h"
 #include "stages/refine/mesh_part.h"
 #include "stages/refine/retile.h"
+#include "storage/support/parallel.h"
 
 namespace voxweld {
 namespace {
@@ -22,6 +23,45 @@ struct OwnCube {
   std::uint64_t before = 0;   // triangles at home there
   std::uint64_t removed = 0;  // of these, in the boxes
   std::uint64_t added = 0;    // in their place
+};
+
+struct MendedBox {
+  const BoxReads* reads = nullptr;
+  RefineMesh before, after;
+  RefineCounts counts;
+};
+
+// Mends boxes side by side where threads are idle: several at a time, as long as they are small together.
+class BoxesAtOnce {
+ public:
+  static constexpr std::uint64_t most_bytes = 4 << 20;
+  using Take = std::function<void(const MendedBox&)>;
+
+  // take: each box, in the order of add(). Both outlive this.
+  BoxesAtOnce(const RefineParameters& parameters, const Take& take)
+      : parameters_(parameters), take_(take) {}
+
+  // bytes: what it takes to mend it.
+  void add(const BoxReads& reads, RefineMesh mesh, std::uint64_t bytes) {
+    if (bytes_ + bytes > most_bytes) finish();
+    boxes_.push_back({&reads, std::move(mesh), {}, {}});
+    bytes_ += bytes;
+  }
+  void finish() {
+    for_each_index(boxes_.size(), [&](std::size_t i) {
+      MendedBox& box = boxes_[i];
+      box.after = mend_box(box.before, box.reads->box().box, parameters_, box.counts);
+    });
+    for (const MendedBox& box : boxes_) take_(box);
+    boxes_.clear();
+    bytes_ = 0;
+  }
+
+ private:
+  const RefineParameters& parameters_;
+  const Take& take_;
+  std::vector<MendedBox> boxes_;
+  std::uint64_t bytes_ = 0;
 };
 
 class MendStage final : public RangeStage {
@@ -150,32 +190,35 @@ class MendStage final : public RangeStage {
       const Place place = place_of(home_of(mesh, t, cubes_));
       if (range_of(unit).contains(place.first)) f(work.cubes.at(place));
     };
-    for (const BoxReads& reads : work.boxes) {
-      RefineCounts counts;
-      const LatticeBox& box = reads.box().box;
-      const RefineMesh mesh = reads.read(held, [&] { worker.check_interrupt(); });
-      for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        if (lies_in(mesh, t, box))
-          if_own(mesh, t, [&](OwnCube& cube) {
+    const BoxesAtOnce::Take take = [&](const MendedBox& box) {
+      for (std::size_t t = 0; t < box.before.triangles.size(); ++t)
+        if (lies_in(box.before, t, box.reads->box().box))
+          if_own(box.before, t, [&](OwnCube& cube) {
             ++cube.removed;
-            --more[block_code(mesh, t, blocks_)];
+            --more[block_code(box.before, t, blocks_)];
           });
-      const RefineMesh mended = mend_box(mesh, box, job_.parameters, counts);
       // Others do the same box where it reaches into theirs, and take what is at home there.
-      gather.add(mended, [&](std::size_t t) {
+      gather.add(box.after, [&](std::size_t t) {
         bool takes = false;
-        if_own(mended, t, [&](OwnCube& cube) {
+        if_own(box.after, t, [&](OwnCube& cube) {
           takes = true;
           ++cube.added;
-          ++more[block_code(mended, t, blocks_)];
+          ++more[block_code(box.after, t, blocks_)];
         });
         return takes;
       });
-      const CubeKey owner = reads.box().owner;
-      if (owner < begin_of(unit) || !(owner < end_of(unit))) continue;
-      result.counts.add(counts);
-      lost += counts.collapses;  // each took a vertex
+      const CubeKey owner = box.reads->box().owner;
+      if (owner < begin_of(unit) || !(owner < end_of(unit))) return;
+      result.counts.add(box.counts);
+      lost += box.counts.collapses;  // each took a vertex
+    };
+    BoxesAtOnce boxes(job_.parameters, take);
+    for (const BoxReads& reads : work.boxes) {
+      RefineMesh mesh = reads.read(held, [&] { worker.check_interrupt(); });
+      const std::uint64_t bytes = mending_bytes(counts_of(mesh));
+      boxes.add(reads, std::move(mesh), bytes);
     }
+    boxes.finish();
     held.clear();
     if (lost > 0) result.changes.push_back({work.label, lost});
     for (const auto& [code, triangles] : more)
@@ -237,14 +280,19 @@ class MendStage final : public RangeStage {
     return all;
   }
 
+  static std::uint64_t mending_bytes(const PartCounts& all) {
+    PartCounts own = all;
+    own.samples += own.vertices;  // that go or move
+    return refining_bytes(all, own);
+  }
+
   std::uint64_t bytes_of(const LabelWork& work) {
     std::uint64_t box_bytes = 0, held = 0;
-    for (const BoxReads& reads : work.boxes) {
-      PartCounts own = reads.all();
-      own.samples += own.vertices;  // that go or move
+    for (const BoxReads& reads : work.boxes)
       box_bytes = std::max({box_bytes, reading_bytes(reads.all(), reads.largest_part_bytes()),
-                            refining_bytes(reads.all(), own)});
-    }
+                            mending_bytes(reads.all())});
+    // One is read while others wait.
+    if (work.boxes.size() > 1) box_bytes += BoxesAtOnce::most_bytes;
     for (const PieceRead& own : work.pieces) {
       const auto artifact = meshes_.open(own.artifact);
       const CubePieceRecord& piece = artifact->pieces()[own.piece];

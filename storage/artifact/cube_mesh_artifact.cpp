@@ -88,9 +88,12 @@ bool pieces_ascend(const std::vector<CubePieceRecord>& pieces) {
 
 }  // namespace
 
+PartCounts counts_of(const RefineMesh& mesh) {
+  return {mesh.positions.size(), mesh.triangles.size(), mesh.samples.size(), mesh.sides.size()};
+}
+
 PartCounts CubeMeshWriter::part(CubePart which, const RefineMesh& mesh) {
-  const PartCounts counts{mesh.positions.size(), mesh.triangles.size(), mesh.samples.size(),
-                          mesh.sides.size()};
+  const PartCounts counts = counts_of(mesh);
   if (counts.triangles == 0) return {};
   const PartHead head{counts, mesh.normals.empty() ? 0U : 1U, mesh.aims.empty() ? 0U : 1U,
                       mesh.checked ? 1U : 0U, mesh.intersecting.size()};

@@ -46,6 +46,8 @@ struct PartCounts {
   }
 };
 
+PartCounts counts_of(const RefineMesh& mesh);
+
 enum class CubePart : std::uint8_t { inside = 1, leaving = 2 };
 
 // What is wanted of a part beside its vertices' positions and ids, its triangles and their sides.
