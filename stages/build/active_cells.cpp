@@ -99,6 +99,10 @@ void ActiveCells::each_active(CellKey blocks, const Add& add) {
 
 std::size_t ActiveCells::count(const SignGrid& signs, int side, const Box3& where) {
   begin(side, where);
+  if (signs.is_uniform()) {  // most bricks of most volumes
+    std::ranges::fill(rows_, 0);
+    return 0;
+  }
   find_rows(signs);
   return count_rows();
 }

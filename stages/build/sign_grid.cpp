@@ -147,6 +147,19 @@ void SignGrid::fill(const HaloBlock& block, Index3 brick, int side,
   });
 }
 
+bool SignGrid::is_uniform() const {
+  const std::uint64_t side = (bits_.front() & 1) != 0 ? ~std::uint64_t{0} : 0;
+  // Behind the last point there are zeros.
+  const std::size_t whole = points_ / 64;
+  const std::uint64_t rest = (std::uint64_t{1} << (points_ % 64)) - 1;
+  for (const std::uint64_t* row = bits_.data(); row < bits_.data() + bits_.size(); row += stride_) {
+    std::uint64_t differs = row[whole] ^ (side & rest);
+    for (std::size_t w = 0; w < whole; ++w) differs |= row[w] ^ side;
+    if (differs != 0) return false;
+  }
+  return true;
+}
+
 void SignGrid::fill(const Solid& solid, const VolumeFrame& frame, Index3 brick, int side) {
   points_ = static_cast<std::size_t>(side) + 3;
   stride_ = (points_ + 63) / 64 + 1;

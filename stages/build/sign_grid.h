@@ -55,6 +55,8 @@ class SignGrid : public CollapseRule {
            (static_cast<std::size_t>(z + 1) * points_ + static_cast<std::size_t>(y + 1)) * stride_;
   }
   std::size_t words() const { return stride_ - 1; }
+  // Whether all points are on one side.
+  bool is_uniform() const;
 
  private:
   void fill_shape(const Solid& solid, const VolumeFrame& frame, Index3 first, const Box3& held);
