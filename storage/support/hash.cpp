@@ -1,10 +1,15 @@
 #include "storage/support/hash.h"
 
 #include <fmt/format.h>
-#include <xxhash.h>
 
 #include <bit>
 #include <new>
+
+#include "storage/support/hash_avx2.h"
+
+// Compiled in, so that the states are those of hash_avx2.cpp.
+#define XXH_INLINE_ALL
+#include <xxhash.h>
 
 namespace voxweld {
 namespace {
@@ -35,7 +40,11 @@ void StreamHasher::Free::operator()(void* state) const {
   XXH3_freeState(xxh(state));
 }
 void StreamHasher::update(std::span<const std::byte> data) {
-  XXH3_128bits_update(xxh(state_.get()), data.data(), data.size());
+  static const HashUpdate wide = hash_update_avx2();
+  if (wide != nullptr)
+    wide(state_.get(), data.data(), data.size());
+  else
+    XXH3_128bits_update(xxh(state_.get()), data.data(), data.size());
 }
 Hash128 StreamHasher::finish() const {
   return from_xxh(XXH3_128bits_digest(xxh(state_.get())));
