@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 #include <tuple>
 
 #include "pipeline/executor/probe.h"
@@ -14,6 +15,13 @@ namespace {
 
 bool meets_any(const LatticeBox& box, const std::vector<LatticeBox>& boxes) {
   return std::ranges::any_of(boxes, [&](const LatticeBox& other) { return box.meets(other); });
+}
+
+// What patches have taken much out of: without the vertices that nothing uses now, and no larger than it is.
+RefineMesh compact(const RefineMesh& mesh) {
+  std::vector<std::uint32_t> all(mesh.triangles.size());
+  std::iota(all.begin(), all.end(), 0U);
+  return Extract(mesh).of(all);
 }
 
 // Those of the boxes that meet one of them.
@@ -99,11 +107,12 @@ RefineMesh CubeMeshes::read(const PieceSpans& spans, std::size_t artifact, std::
                             CubePart part, const PartFields& wanted) {
   const auto file = open(artifact);
   RefineMesh mesh = file->read(piece, part, wanted);
-  if (mesh.triangles.empty()) return mesh;
+  const std::size_t before = mesh.triangles.size();
+  if (before == 0) return mesh;
   each_over(
       spans, artifact, file->pieces()[piece],
       [&](const CubeMeshArtifact& patch, std::size_t p) { remove_inside(mesh, patch.holes(p)); });
-  return mesh;
+  return mesh.triangles.size() < before - before / 8 ? compact(mesh) : mesh;
 }
 
 void CubeMeshes::add_hashes(KeyHasher& key, const PieceSpans& spans, std::size_t artifact,

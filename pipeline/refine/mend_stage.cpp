@@ -109,7 +109,9 @@ class MendStage final : public RangeStage {
     std::vector<BoxReads> boxes;
     std::map<Place, OwnCube> cubes;
     std::vector<PieceRead> pieces;
-    PartCounts most;  // in the pieces
+    PartCounts listed;            // in the pieces, also what patches took out of them
+    std::uint64_t largest = 0;    // bytes of a part, as it is read
+    std::uint64_t triangles = 0;  // that are there
   };
   struct Result {
     RefineCounts counts;
@@ -132,7 +134,7 @@ class MendStage final : public RangeStage {
     std::vector<LabelWork> works;
     for (const MendBox& box : boxes) {
       if (works.empty() || works.back().label != box.label)
-        works.push_back({box.label, {}, {}, {}, {}});
+        works.push_back({box.label, {}, {}, {}, {}, 0, 0});
       works.back().boxes.emplace_back(meshes_, cubes_, box);
       each_index({cubes_.cube_of(box.box.lo), cubes_.cube_of(box.box.hi) + splat(1)},
                  [&](Index3 cube) {
@@ -158,10 +160,14 @@ class MendStage final : public RangeStage {
       each_piece_of(*meshes_.open(i), begin, end, [&](std::size_t p, const CubePieceRecord& piece) {
         const auto cube = work.cubes.find({piece.code, piece.cube});
         if (cube == work.cubes.end()) return;
-        cube->second.before += piece.inside.triangles + piece.leaving.triangles - piece.removed;
+        const std::uint64_t triangles = piece.inside.triangles + piece.leaving.triangles;
+        cube->second.before += triangles - piece.removed;
+        work.triangles += triangles - piece.removed;
         work.pieces.push_back({i, p, true});
-        work.most += piece.inside;
-        work.most += piece.leaving;
+        for (const PartCounts& part : {piece.inside, piece.leaving}) {
+          work.listed += part;
+          work.largest = std::max(work.largest, part_bytes(part));
+        }
       });
     });
   }
@@ -267,16 +273,27 @@ class MendStage final : public RangeStage {
     return key.finish();
   }
 
+  // Of what the pieces list as much as there are triangles, and somewhat more.
+  static PartCounts counts_before(const LabelWork& work) {
+    const double part = work.listed.triangles == 0 ? 0.0
+                                                   : static_cast<double>(work.triangles) /
+                                                         static_cast<double>(work.listed.triangles);
+    const auto there = [&](std::uint64_t listed) {
+      constexpr std::uint64_t more = 1 << 12;
+      const auto count = static_cast<std::uint64_t>(part * static_cast<double>(listed));
+      return count + count / 8 + more;
+    };
+    const PartCounts& listed = work.listed;
+    return {there(listed.vertices), there(listed.triangles), there(listed.samples),
+            listed.sided > 0 ? there(listed.triangles) : 0};
+  }
+
   // What is at home in the boxes afterwards, at most: what was in their cubes, and what has come over
   // the border.
   static PartCounts counts_after(const LabelWork& work) {
-    constexpr std::uint64_t more = 1 << 12;
-    const auto grown = [](std::uint64_t count) { return count + count / 8 + more; };
-    PartCounts all{grown(work.most.vertices), grown(work.most.triangles), grown(work.most.samples),
-                   0};
+    PartCounts all = counts_before(work);
     for (const BoxReads& reads : work.boxes)
       all.samples += reads.all().vertices;  // that go or move
-    if (work.most.sided > 0) all.sided = all.triangles;
     return all;
   }
 
@@ -287,21 +304,19 @@ class MendStage final : public RangeStage {
   }
 
   std::uint64_t bytes_of(const LabelWork& work) {
-    std::uint64_t box_bytes = 0, held = 0;
+    std::uint64_t box_bytes = 0;
     for (const BoxReads& reads : work.boxes)
       box_bytes = std::max({box_bytes, reading_bytes(reads.all(), reads.largest_part_bytes()),
                             mending_bytes(reads.all())});
     // One is read while others wait.
     if (work.boxes.size() > 1) box_bytes += BoxesAtOnce::most_bytes;
-    for (const PieceRead& own : work.pieces) {
-      const auto artifact = meshes_.open(own.artifact);
-      const CubePieceRecord& piece = artifact->pieces()[own.piece];
-      for (const PartCounts& part : {piece.inside, piece.leaving})
-        held += part_bytes(part) / 2 + HeldPart::bytes(part.triangles);
-    }
+    const PartCounts before = counts_before(work);
+    const std::uint64_t held = part_bytes(before) / 2 + HeldPart::bytes(before.triangles) +
+                               2 * work.pieces.size() * HeldPart::bytes(0);
     const PartCounts after = counts_after(work);
     return gather_bytes(after.vertices, after.triangles, after.samples, after.sided) +
-           std::max(held + box_bytes, piece_bytes(after.vertices, after.triangles, after.sided));
+           std::max({held + work.largest, held + box_bytes,
+                     piece_bytes(after.vertices, after.triangles, after.sided)});
   }
 
   std::optional<CubeMeshes> listed_;  // what intersects, where the meshes do not say it

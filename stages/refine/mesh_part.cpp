@@ -149,7 +149,7 @@ void MeshGather::reserve(std::uint64_t vertices, std::uint64_t triangles, std::u
   mesh_.triangles.reserve(triangles);
   mesh_.sides.reserve(sided);
   mesh_.samples.reserve(samples);
-  numbers_.reserve(shared.value_or(vertices));
+  numbers_.reserve(std::min(shared.value_or(vertices), vertices));
 }
 
 void remove_inside(RefineMesh& mesh, const std::vector<LatticeBox>& boxes) {
