@@ -17,7 +17,8 @@ bool meets_any(const LatticeBox& box, const std::vector<LatticeBox>& boxes) {
   return std::ranges::any_of(boxes, [&](const LatticeBox& other) { return box.meets(other); });
 }
 
-// What patches have taken much out of: without the vertices that nothing uses now, and no larger than it is.
+// What patches have taken much out of, in as little memory as it takes: without the vertices that nothing
+// uses now.
 RefineMesh compact(const RefineMesh& mesh) {
   std::vector<std::uint32_t> all(mesh.triangles.size());
   std::iota(all.begin(), all.end(), 0U);
@@ -112,7 +113,8 @@ RefineMesh CubeMeshes::read(const PieceSpans& spans, std::size_t artifact, std::
   each_over(
       spans, artifact, file->pieces()[piece],
       [&](const CubeMeshArtifact& patch, std::size_t p) { remove_inside(mesh, patch.holes(p)); });
-  return mesh.triangles.size() < before - before / 8 ? compact(mesh) : mesh;
+  if (mesh.triangles.size() < before - before / 8) return compact(mesh);
+  return mesh;
 }
 
 void CubeMeshes::add_hashes(KeyHasher& key, const PieceSpans& spans, std::size_t artifact,

@@ -18,6 +18,11 @@ Hash128 from_xxh(XXH128_hash_t h) {
   return {h.low64, h.high64};
 }
 
+const WideHash* wide_hash() {
+  static const WideHash* const wide = hash_avx2();
+  return wide;
+}
+
 XXH3_state_t* xxh(void* state) {
   return static_cast<XXH3_state_t*>(state);
 }
@@ -25,6 +30,7 @@ XXH3_state_t* xxh(void* state) {
 }  // namespace
 
 Hash128 hash_bytes(std::span<const std::byte> bytes) {
+  if (const WideHash* wide = wide_hash()) return wide->hash(bytes.data(), bytes.size());
   return from_xxh(XXH3_128bits(bytes.data(), bytes.size()));
 }
 
@@ -40,9 +46,8 @@ void StreamHasher::Free::operator()(void* state) const {
   XXH3_freeState(xxh(state));
 }
 void StreamHasher::update(std::span<const std::byte> data) {
-  static const HashUpdate wide = hash_update_avx2();
-  if (wide != nullptr)
-    wide(state_.get(), data.data(), data.size());
+  if (const WideHash* wide = wide_hash())
+    wide->update(state_.get(), data.data(), data.size());
   else
     XXH3_128bits_update(xxh(state_.get()), data.data(), data.size());
 }

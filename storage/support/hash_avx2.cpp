@@ -7,12 +7,17 @@
 
 namespace voxweld {
 
-HashUpdate hash_update_avx2() {
+const WideHash* hash_avx2() {
 #ifdef __AVX2__
-  if (__builtin_cpu_supports("avx2"))
-    return [](void* state, const void* data, std::size_t size) {
-      XXH3_128bits_update(static_cast<XXH3_state_t*>(state), data, size);
-    };
+  static constexpr WideHash wide{[](void* state, const void* data, std::size_t size) {
+                                   XXH3_128bits_update(static_cast<XXH3_state_t*>(state), data,
+                                                       size);
+                                 },
+                                 [](const void* data, std::size_t size) {
+                                   const XXH128_hash_t h = XXH3_128bits(data, size);
+                                   return Hash128{h.low64, h.high64};
+                                 }};
+  if (__builtin_cpu_supports("avx2")) return &wide;
 #endif
   return nullptr;
 }

@@ -3,11 +3,16 @@
 
 #include <cstddef>
 
+#include "storage/support/hash.h"
+
 namespace voxweld {
 
-// Feeds data to an XXH3_state_t.
-using HashUpdate = void (*)(void* state, const void* data, std::size_t size);
+struct WideHash {
+  void (*update)(void* state, const void* data, std::size_t size);  // of an XXH3_state_t
+  Hash128 (*hash)(const void* data, std::size_t size);              // of all at once
+};
+
 // Null where the processor, or the compiler's target, does not have such vectors.
-HashUpdate hash_update_avx2();
+const WideHash* hash_avx2();
 
 }  // namespace voxweld

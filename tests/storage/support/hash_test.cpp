@@ -1,6 +1,7 @@
 #include "storage/support/hash.h"
 
 #include <gtest/gtest.h>
+#include <xxhash.h>
 
 #include <random>
 #include <vector>
@@ -15,7 +16,6 @@ std::vector<std::byte> some_bytes(std::size_t count) {
   return bytes;
 }
 
-// What is fed goes through the widest vectors there are, what is hashed at once does not.
 TEST(Hash, FedInPiecesIsThatOfTheWhole) {
   std::mt19937 random(4);
   for (const std::size_t size : {0, 1, 16, 240, 241, 255, 256, 1024, 1025, 5000, 70000}) {
@@ -29,6 +29,15 @@ TEST(Hash, FedInPiecesIsThatOfTheWhole) {
       }
       EXPECT_EQ(hasher.finish(), hash_bytes(bytes)) << size << " bytes, pieces up to " << most;
     }
+  }
+}
+
+// In the widest vectors there are, and as the library has it.
+TEST(Hash, IsThatOfTheLibrary) {
+  for (std::size_t size = 0; size < 3000; size += 1 + size / 7) {
+    const std::vector<std::byte> bytes = some_bytes(size);
+    const XXH128_hash_t expected = XXH3_128bits(bytes.data(), size);
+    EXPECT_EQ(hash_bytes(bytes), (Hash128{expected.low64, expected.high64})) << size;
   }
 }
 
