@@ -18,9 +18,9 @@ SurfaceParameters below_1() {
 // A volume of as many samples a side as the brick at its origin, and its ring, have points.
 class Samples {
  public:
-  explicit Samples(int side, float value)
+  Samples(std::int64_t side, float value)
       : side_(side), values_(static_cast<std::size_t>(side * side * side), value) {}
-  float& at(int x, int y, int z) {
+  float& at(std::int64_t x, std::int64_t y, std::int64_t z) {
     return values_[static_cast<std::size_t>((z * side_ + y) * side_ + x)];
   }
   HaloBlock block() const {
@@ -29,11 +29,11 @@ class Samples {
             {{}, splat(side_)},
             reinterpret_cast<const std::byte*>(values_.data()),
             side_,
-            std::int64_t{side_} * side_};
+            side_ * side_};
   }
 
  private:
-  int side_;
+  std::int64_t side_;
   std::vector<float> values_;
 };
 
