@@ -9,10 +9,14 @@
 
 namespace voxweld {
 
-std::uint64_t program_bytes() {
+std::uint64_t program_bytes(std::uint64_t memory) {
   constexpr std::uint64_t least = std::uint64_t{40} << 20, slack = std::uint64_t{16} << 20;
-  release_free_memory();  // what the stage before used counts against no other
-  return std::max(least, resident_bytes() + slack);
+  std::uint64_t resident = resident_bytes();
+  if (resident >= memory / 32) {
+    release_free_memory();  // what the stage before used counts against no other
+    resident = resident_bytes();
+  }
+  return std::max(least, resident + slack);
 }
 
 void warn_of_nans(const Config& config, const NanCount& nans) {
@@ -29,7 +33,7 @@ void warn_of_nans(const Config& config, const NanCount& nans) {
 }
 
 int stage_threads(const RunContext& context, StageMemory memory) {
-  memory.base_bytes += program_bytes();
+  memory.base_bytes += program_bytes(context.budget().total);
   return threads_within(context.budget(), memory, context.threads);
 }
 
@@ -48,7 +52,7 @@ std::uint64_t units_share(const RunContext& context, const StageMemory& memory, 
 void run_stage(RunContext& context, const StageRun& stage, const std::vector<Unit>& units,
                int threads, const UnitWork& work) {
   StageMemory memory = stage.memory;
-  memory.base_bytes += program_bytes();
+  memory.base_bytes += program_bytes(context.budget().total);
   keep_freed_memory(context.budget().total, threads);
   const StageMeter meter;
   StageStart start{stage.stage, stage.noun, units.size(), 0,

@@ -9,9 +9,16 @@ namespace {
 
 using Tiles = std::vector<PlannedTile>;
 
-// Those for which asks(number) holds each in eight.
+// Whether cells of the volume may lie there.
+bool reaches(Index3 size, const PlannedTile& tile) {
+  const Index3 lo = morton_decode(tile.code);
+  return size == Index3{} || (lo.x < size.x && lo.y < size.y && lo.z < size.z);
+}
+
+// Those for which asks(number) holds each in eight, or as many of these as lie in a volume of that size.
+// (A domain is a power of two a side: of one around 512^3 seven octants are empty.)
 template <class Asks>
-Tiles cut(const Tiles& tiles, Asks&& asks) {
+Tiles cut(const Tiles& tiles, Index3 size, Asks&& asks) {
   Tiles parts;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     const PlannedTile& tile = tiles[i];
@@ -19,13 +26,17 @@ Tiles cut(const Tiles& tiles, Asks&& asks) {
       parts.push_back(tile);
       continue;
     }
+    const std::size_t first = parts.size();
     for (std::uint64_t octant = 0; octant < 8; ++octant) {
       PlannedTile part = tile;
       part.level = tile.level - 1;
       part.code = tile.code + (octant << (3 * part.level));
-      part.vertices = (tile.vertices + 7) / 8;
-      part.polygons = (tile.polygons + 7) / 8;
-      parts.push_back(part);
+      if (octant == 0 || reaches(size, part)) parts.push_back(part);
+    }
+    const std::uint64_t count = parts.size() - first;
+    for (PlannedTile& part : std::span(parts).subspan(first)) {
+      part.vertices = (tile.vertices + count - 1) / count;
+      part.polygons = (tile.polygons + count - 1) / count;
     }
   }
   return parts;
@@ -92,11 +103,11 @@ std::vector<bool> overloaded(const Tiles& tiles, std::uint32_t level) {
   return over;
 }
 
-Tiles even_tiles(Tiles tiles, std::uint32_t level) {
+Tiles even_tiles(Tiles tiles, std::uint32_t level, Index3 size) {
   for (;;) {
     const std::vector<bool> over = overloaded(tiles, level);
     if (std::ranges::find(over, true) == over.end()) return tiles;
-    tiles = cut(tiles, [&](std::size_t i) { return over[i]; });
+    tiles = cut(tiles, size, [&](std::size_t i) { return over[i]; });
   }
 }
 
@@ -166,17 +177,18 @@ class RangeList {
 
 CubeGrid cubes_of(const RefineFrame& frame) {
   const int levels = std::max(0, domain_level(frame.size) - frame.level);
-  return {frame.level, std::int64_t{1} << levels};
+  return {frame.level, std::int64_t{1} << levels, frame.size};
 }
 
 std::vector<PlannedRange> cube_ranges(std::span<const PlannedTile> planned, std::size_t enough,
                                       const CubeGrid& cubes) {
   const auto cube_level = static_cast<std::uint32_t>(cubes.level);
-  Tiles tiles = even_tiles({planned.begin(), planned.end()}, cube_level);
+  Tiles tiles = even_tiles({planned.begin(), planned.end()}, cube_level, cubes.size);
   while (!tiles.empty() && tiles.size() < enough) {
-    Tiles parts = cut(tiles, [&](std::size_t i) { return tiles[i].level > cube_level; });
-    if (parts.size() == tiles.size()) break;
-    tiles = std::move(parts);
+    const auto is_large = [&](std::size_t i) { return tiles[i].level > cube_level; };
+    if (std::ranges::all_of(tiles, [&](const PlannedTile& t) { return t.level <= cube_level; }))
+      break;
+    tiles = cut(tiles, cubes.size, is_large);
   }
   RangeList ranges(tiles, loads_of_cubes(tiles, cube_level), cubes);
   for (const PlannedTile& tile : tiles) ranges.add(tile, tile.code >> (3 * cube_level));

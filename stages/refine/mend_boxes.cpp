@@ -168,13 +168,18 @@ class MendBoxes {
   // By the numbers of the clusters.
   static std::map<std::uint32_t, std::vector<IntersectionPlace>> places_of_large(
       const std::vector<Cluster>& clusters, const std::vector<IntersectionPlace>& places) {
-    const std::vector<LatticeBox> boxes = boxes_of(clusters);
-    const BoxTree tree(boxes);
+    std::vector<std::uint32_t> large;  // few, if any
+    std::vector<LatticeBox> boxes;
+    for (std::uint32_t i = 0; i < clusters.size(); ++i)
+      if (is_large(clusters[i])) {
+        large.push_back(i);
+        boxes.push_back(clusters[i].box);
+      }
     std::map<std::uint32_t, std::vector<IntersectionPlace>> found;
+    if (large.empty()) return found;
+    const BoxTree tree(boxes);
     for (const IntersectionPlace& place : places)
-      tree.each_meeting(place.box, [&](std::uint32_t i) {
-        if (is_large(clusters[i])) found[i].push_back(place);
-      });
+      tree.each_meeting(place.box, [&](std::uint32_t i) { found[large[i]].push_back(place); });
     return found;
   }
   // The cubes with places in them.

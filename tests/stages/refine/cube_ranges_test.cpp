@@ -54,6 +54,24 @@ TEST(CubeRanges, AreCutUpUntilThereAreEnough) {
   EXPECT_EQ(cube_ranges(tiles, 1000).size(), 64u);  // cubes are not cut
 }
 
+// The domain of a volume of 256 cells a side and a ring around it has 512, of which seven octants lie beyond.
+TEST(CubeRanges, AreNotCutBeyondTheVolume) {
+  const std::vector<PlannedTile> tiles = {tile(9, {0, 0, 0}, 800)};
+  EXPECT_EQ(cube_ranges(tiles, 2).size(), 8u);
+  const CubeGrid cubes{6, 0, splat(256)};
+  const auto ranges = cube_ranges(tiles, 2, cubes);
+  ASSERT_EQ(ranges.size(), 8u);
+  for (std::uint64_t octant = 0; octant < 8; ++octant) {
+    EXPECT_EQ(ranges[octant].cubes.begin, octant << 3);
+    EXPECT_EQ(ranges[octant].vertices, 100u);
+  }
+  EXPECT_EQ(ranges[7].cubes.end, ~std::uint64_t{0});  // and all that lies beyond
+  EXPECT_EQ(cube_ranges(tiles, 2, {6, 0, {256, 256, 257}}).size(), 2u);
+  EXPECT_EQ(cube_ranges(tiles, 9, cubes).size(), 64u);
+  // One cell more along z, and there are cubes of 64 on both sides.
+  EXPECT_EQ(cube_ranges(tiles, 65, {6, 0, {256, 256, 257}}).size(), 64u + 16u);
+}
+
 // A full cube of 64 cells, and a large tile above it where little lies: in the second pass its lowest
 // cubes have halves of the full one. What lies further off stays whole.
 TEST(CubeRanges, AreCutUpBesideFullCubes) {
