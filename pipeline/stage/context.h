@@ -75,7 +75,8 @@ struct RunContext {
 
 // What the program itself has resident before any unit runs, with room for the allocator's slack:
 // more once the image module is loaded, which takes 120 MiB. Gives what lies free back to the system
-// first, unless all of it is less than a 32nd of `memory`: that takes some ms, and as many to get it again.
+// first, unless the whole process has less than a 32nd of `memory` resident: to unmap pages and to map
+// them again takes some ms.
 std::uint64_t program_bytes(std::uint64_t memory = 0);
 
 // Tells the user of NaNs among the samples a stage has read, if there are any: a warning.

@@ -184,12 +184,9 @@ std::vector<PlannedRange> cube_ranges(std::span<const PlannedTile> planned, std:
                                       const CubeGrid& cubes) {
   const auto cube_level = static_cast<std::uint32_t>(cubes.level);
   Tiles tiles = even_tiles({planned.begin(), planned.end()}, cube_level, cubes.size);
-  while (!tiles.empty() && tiles.size() < enough) {
-    const auto is_large = [&](std::size_t i) { return tiles[i].level > cube_level; };
-    if (std::ranges::all_of(tiles, [&](const PlannedTile& t) { return t.level <= cube_level; }))
-      break;
-    tiles = cut(tiles, cubes.size, is_large);
-  }
+  const auto is_large = [&](const PlannedTile& tile) { return tile.level > cube_level; };
+  while (tiles.size() < enough && std::ranges::any_of(tiles, is_large))
+    tiles = cut(tiles, cubes.size, [&](std::size_t i) { return is_large(tiles[i]); });
   RangeList ranges(tiles, loads_of_cubes(tiles, cube_level), cubes);
   for (const PlannedTile& tile : tiles) ranges.add(tile, tile.code >> (3 * cube_level));
   return ranges.take();

@@ -32,6 +32,7 @@ TEST(ProgramBytes, DoNotCountWhatAStageBeforeHasGivenBack) {
   // Of a large budget it is no part worth the time.
   EXPECT_GE(program_bytes(std::uint64_t{1} << 40), count * block);
   EXPECT_LE(program_bytes(32 * count * block), before + 16 * mebibyte);
+  EXPECT_LE(program_bytes(), before + 16 * mebibyte);
 }
 
 // What stays with the allocator is in no plan of a stage: it must be small beside the budget.
