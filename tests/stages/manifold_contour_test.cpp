@@ -5,6 +5,7 @@
 
 #include "tests/stages/cluster_volumes.h"
 #include "tests/support/mesh_check.h"
+#include "tests/support/random_volumes.h"
 
 namespace voxweld {
 namespace {
@@ -25,9 +26,9 @@ struct Case {
   MemoryVolume volume;
   double tolerance = 0;
 };
-std::vector<Case> cases() {
+std::vector<Case> cases(unsigned seeds = 3) {
   std::vector<Case> all;
-  for (unsigned seed = 0; seed < 3; ++seed)
+  for (unsigned seed = 0; seed < seeds; ++seed)
     for (const double tolerance : {0.1, 0.6, testing::infinite}) {
       all.push_back({testing::plates(61, seed), tolerance});
       all.push_back({testing::noise_volume(36, seed), tolerance});
@@ -76,7 +77,7 @@ TEST(ManifoldContour, IsTheSameForBricksOfAnySizeOnACoarseLattice) {
 }
 
 TEST(ManifoldContour, KeepsTheTopologyOfTheUnsimplifiedMesh) {
-  for (const Case& c : cases()) {
+  for (const Case& c : cases(testing::volumes_to_try(3))) {
     ContourParameters parameters = by_sheets(c.tolerance);
     parameters.simplify.enabled = false;
     const testing::MeshSummary fine = summary(contour(c.volume, parameters, 5));

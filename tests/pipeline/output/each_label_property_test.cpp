@@ -3,12 +3,12 @@
 // they enclose the volume.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <random>
 
 #include "pipeline/output/openmesh_check.h"
 #include "tests/support/contour_in_memory.h"
 #include "tests/support/mesh_check.h"
+#include "tests/support/random_volumes.h"
 
 namespace voxweld::testing {
 namespace {
@@ -87,8 +87,8 @@ Edits random_edits(std::mt19937& random, Index3 size) {
 }
 
 TEST(EachLabelOfAnything, IsClosedAndTwoManifoldAtAnyTolerance) {
-  const char* seeds = std::getenv("VOXWELD_SEEDS");  // more than these, for a longer look
-  for (unsigned seed = 0; seed < (seeds == nullptr ? 18u : unsigned(std::atoi(seeds))); ++seed) {
+  const unsigned count = testing::volumes_to_try(18);
+  for (unsigned seed = 0; seed < count; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
     const MemoryVolume volume = random_labels(random, std::array{0.0, 0.05, 1.0}[seed % 3], 3);

@@ -1,9 +1,8 @@
 // Refine on complexes between labels: balanced, of the same topology, without intersections.
-// VOXWELD_REFINE_VOLUMES: how many volumes (default 8).
+// VOXWELD_VOLUMES: how many volumes (default 8).
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <set>
 
 #include "stages/exact/intersections.h"
@@ -15,6 +14,7 @@
 #include "tests/stages/refine/volume_mesh.h"
 #include "tests/support/label_cases.h"
 #include "tests/support/label_complex.h"
+#include "tests/support/random_volumes.h"
 
 namespace voxweld {
 namespace {
@@ -244,8 +244,7 @@ TEST(LabelRefine, EachSheetStaysNearWhereItWas) {
 }
 
 TEST(LabelRefine, RandomVolumesStaySoundAndLoseTheirIntersections) {
-  const char* wanted = std::getenv("VOXWELD_REFINE_VOLUMES");
-  const unsigned count = wanted != nullptr ? static_cast<unsigned>(std::atoi(wanted)) : 8;
+  const unsigned count = testing::volumes_to_try(8);
   for (const bool noise : {false, true})
     for (const RefineMode mode : {RefineMode::collapse, RefineMode::repair})
       for (const double tolerance : {0.1, 0.5, 1e6}) {

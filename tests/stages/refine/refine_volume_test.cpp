@@ -1,9 +1,8 @@
 // Refine on the surfaces of random volumes: closed, without intersections, of the topology that they
 // have before cells are collapsed.
-// VOXWELD_REFINE_VOLUMES: how many volumes (default 8).
+// VOXWELD_VOLUMES: how many volumes (default 8).
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <numeric>
 #include <set>
 
@@ -13,6 +12,7 @@
 #include "stages/refine/untie.h"
 #include "tests/stages/refine/volume_mesh.h"
 #include "tests/support/mesh_check.h"
+#include "tests/support/random_volumes.h"
 
 namespace voxweld {
 namespace {
@@ -221,8 +221,7 @@ TEST(RefineVolume, KnotsThatNothingHelpsWithAreLeftOut) {
 }
 
 TEST(RefineVolume, RandomVolumesStaySoundAndLoseTheirIntersections) {
-  const char* wanted = std::getenv("VOXWELD_REFINE_VOLUMES");
-  const unsigned count = wanted != nullptr ? static_cast<unsigned>(std::atoi(wanted)) : 8;
+  const unsigned count = testing::volumes_to_try(8);
   Totals totals;
   for (unsigned seed = 0; seed < count; ++seed) {
     const std::int64_t side = 24 + seed * 7 % 25;
