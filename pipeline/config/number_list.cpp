@@ -64,6 +64,17 @@ bool takes_numbers(const Rule& rule) {
          std::holds_alternative<IntegerListRule>(rule) || std::holds_alternative<TripleRule>(rule);
 }
 
+bool takes_real(const Rule& rule) {
+  return std::holds_alternative<PositiveNumberRule>(rule) ||
+         std::holds_alternative<PartRule>(rule) || std::holds_alternative<NumberRule>(rule) ||
+         std::holds_alternative<NumberOrWordRule>(rule);
+}
+
+// TOML wants digits on both sides of the point.
+bool is_short_real(std::string_view text) {
+  return text.find('.') != std::string_view::npos && parse_real(text).has_value();
+}
+
 }  // namespace
 
 std::optional<ConfigValue::List> parse_number_list(const std::string& text) {
@@ -77,6 +88,7 @@ std::optional<ConfigValue> typed_value(const Rule& rule, const std::string& text
   if (takes_any_text(rule))
     return value && value->text() == nullptr ? ConfigValue{text} : std::move(value);
   if (value && value->text() == nullptr) return value;
+  if (takes_real(rule) && is_short_real(text)) return ConfigValue{*parse_real(text)};
   const std::string written = value ? *value->text() : text;
   std::optional<ConfigValue::List> list;
   if (takes_numbers(rule)) list = parse_number_list(written);

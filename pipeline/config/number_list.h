@@ -14,8 +14,8 @@ namespace voxweld {
 std::optional<ConfigValue::List> parse_number_list(const std::string& text);
 
 // What was typed for a key of that rule: TOML, a bare word or, where the rule takes several
-// numbers, a list in any of the ways above; of labels ranges too: 1,5,10-20. Empty where it is meant
-// as TOML and is not.
+// numbers, a list in any of the ways above; of labels ranges too: 1,5,10-20. Numbers may lack the 0
+// that TOML wants beside the point: .5. Empty where it is meant as TOML and is not.
 std::optional<ConfigValue> typed_value(const Rule& rule, const std::string& text);
 
 }  // namespace voxweld

@@ -4,7 +4,8 @@
 // usage: measure_crossings KIND SIZE [NEAR]
 // A crossing is near a crease where the field's gradient, up to NEAR voxels (0.6) away along each
 // axis, turns by more than 25 degrees. Edges that noise makes cross, or cross no longer, are left
-// out. "known" knows the noise, "auto" measures it, here of all samples. Positions are distances to the true surface, in voxels; normals are off in degrees.
+// out. "known" knows the noise, "auto" measures it, here of all samples. Positions are distances to
+// the true surface, in voxels; normals are off in degrees.
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 

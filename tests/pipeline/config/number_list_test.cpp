@@ -48,5 +48,22 @@ TEST(NumberList, IsTakenByEveryKeyThatHoldsOne) {
               ::testing::HasSubstr("found \"32,32\" (a string)"));
 }
 
+TEST(NumberList, OneNumberNeedsNoZeroBesideItsPoint) {
+  for (const char* tolerance : {".5", "0.5", "5.e-1", ".5e0"})
+    EXPECT_EQ(
+        parse(least_config(), {std::string("simplify.tolerance=") + tolerance}).simplify.tolerance,
+        0.5)
+        << tolerance;
+  EXPECT_EQ(parse(least_config(), {"surface.isovalue=-.25"}).surface.isovalue, -0.25);
+  EXPECT_EQ(parse(least_config(), {"surface.isovalue=3."}).surface.isovalue, 3);
+  for (const char* other : {"\".5\"", "-.5", "1.2.3", "."})
+    EXPECT_THAT(error_of(least_config(), {std::string("simplify.tolerance=") + other}),
+                ::testing::HasSubstr("expected a finite number above 0"))
+        << other;
+  // Nor where a whole number is meant.
+  EXPECT_THAT(error_of(least_config(), {"run.threads=2."}),
+              ::testing::HasSubstr("found \"2.\" (a string)"));
+}
+
 }  // namespace
 }  // namespace voxweld
