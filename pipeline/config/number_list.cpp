@@ -71,8 +71,8 @@ bool takes_real(const Rule& rule) {
 }
 
 // TOML wants digits on both sides of the point.
-bool is_short_real(std::string_view text) {
-  return text.find('.') != std::string_view::npos && parse_real(text).has_value();
+std::optional<double> short_real(std::string_view text) {
+  return text.find('.') != std::string_view::npos ? parse_real(text) : std::nullopt;
 }
 
 }  // namespace
@@ -88,7 +88,7 @@ std::optional<ConfigValue> typed_value(const Rule& rule, const std::string& text
   if (takes_any_text(rule))
     return value && value->text() == nullptr ? ConfigValue{text} : std::move(value);
   if (value && value->text() == nullptr) return value;
-  if (takes_real(rule) && is_short_real(text)) return ConfigValue{*parse_real(text)};
+  if (const auto real = short_real(text); real && takes_real(rule)) return ConfigValue{*real};
   const std::string written = value ? *value->text() : text;
   std::optional<ConfigValue::List> list;
   if (takes_numbers(rule)) list = parse_number_list(written);

@@ -28,9 +28,9 @@ CubeGrid cubes_of(const RefineFrame& frame);
 // begins: so every cube of space is in one of them. Fewer tiles than `enough` are cut up,
 // so that several processors share them; what of them lies beyond the volume begins none. A tile of
 // several cubes is cut up too where it would have more to do in the second pass than any has in the
-// first. Cubes of that pass lie beyond the tiles too, half a side further up: all of them may come behind the same tile, as where a full volume ends at a power of
-// two. Ranges begin there as well, so that none has more of them than the fullest tile. Empty where there
-// are no tiles.
+// first. Cubes of that pass lie beyond the tiles too, half a side further up: all of them may come
+// behind the same tile, as where a full volume ends at a power of two. Ranges begin there as well, so
+// that none has more of them than the fullest tile. Empty where there are no tiles.
 // tiles: in Morton order.
 std::vector<PlannedRange> cube_ranges(std::span<const PlannedTile> tiles, std::size_t enough = 32,
                                       const CubeGrid& cubes = {});
