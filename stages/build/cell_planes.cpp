@@ -11,13 +11,15 @@ void gather_planes(LocalCell c, const CellSheets& sheets, int sheet, const Hermi
     const int axis = e >> 2, low = edge_corners(e).low;
     const int x = low & 1, y = low >> 1 & 1, z = low >> 2;
     const HermiteEdge& edge = edges.at(axis, c.x + x, c.y + y, c.z + z);
-    double point[3] = {x - 0.5, y - 0.5, z - 0.5};
-    point[axis] += static_cast<double>(edge.t);
+    const double end[3] = {x - 0.5, y - 0.5, z - 0.5};
     const auto k = static_cast<std::size_t>(out.count++);
+    HermitePlane& plane = out.planes[k];
     for (std::size_t a = 0; a < 3; ++a) {
-      out.planes[k].normal[a] = static_cast<double>(edge.normal[a]);
-      out.planes[k].point[a] = point[a] * spacing[static_cast<int>(a)];
+      plane.normal[a] = static_cast<double>(edge.normal[a]);
+      plane.point[a] = end[a] * spacing[static_cast<int>(a)];
     }
+    plane.point[static_cast<std::size_t>(axis)] =
+        (static_cast<double>(edge.t) - 0.5) * spacing[axis];
     out.normals[k] = edge.normal;
   }
 }

@@ -46,8 +46,8 @@ class ClusterSum {
   void add_up(const Qef& qef, const NormalClusters& normals, Vec3 centre) {
     octant_solver_.set_centre(0, centre);
     octant_solver_.clear_children();
-    octant_solver_.set_part(0, 0, of_octant_.qef);
-    octant_solver_.set_part(0, 1, qef);
+    octant_solver_.set_part(0, of_octant_.qef);
+    octant_solver_.set_part(0, qef);
     octant_solver_.merge_in_place();
     ClusterMerge both;
     both.add(of_octant_.normals);

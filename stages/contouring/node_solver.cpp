@@ -11,12 +11,15 @@ NodeSolver::NodeSolver(const ContourParameters& parameters)
     : parameters_(parameters), kernels_(qef_kernels()) {}
 
 void NodeSolver::clear_planes() {
-  planes_ = PlaneBatch{};
+  planes_.rows = 0;
+  for (std::size_t i = 0; i < 3; ++i) planes_.plane[i] = {};
+  planes_.mass = {};
   extents_ = {};
 }
 
 void NodeSolver::set_planes(std::size_t lane, const HermitePlane* planes, int count) {
-  if (count > planes_.rows) planes_.rows = count;
+  for (; planes_.rows < count; ++planes_.rows)
+    if (planes_.rows >= 3) planes_.plane[static_cast<std::size_t>(planes_.rows)] = {};
   std::array<double, 3> sum{};
   for (int i = 0; i < count; ++i) {
     const HermitePlane& plane = planes[i];
@@ -40,24 +43,32 @@ void NodeSolver::reduce() {
 }
 
 void NodeSolver::clear_children() {
-  children_ = ChildBatch{};
+  children_.slots = 0;
+  children_.child[0] = {};
   of_children_.fill(CellExtent::none());
+  children_set_ = {};
 }
 
-void NodeSolver::put(std::size_t lane, int slot, const Qef& qef) {
-  children_.octants |= 1u << slot;
-  auto& into = children_.child[static_cast<std::size_t>(slot)];
+ChildValues& NodeSolver::put(std::size_t lane, const Qef& qef) {
+  const std::size_t slot = children_set_[lane]++;
+  ChildValues& into = children_.child[slot];
+  if (slot == children_.slots) {
+    if (slot > 0) into = {};
+    ++children_.slots;
+  }
   for (std::size_t i = 0; i < 10; ++i) into[i][lane] = qef.r[i];
   for (std::size_t a = 0; a < 3; ++a) into[10 + a][lane] = qef.mass[a];
+  return into;
 }
 
 void NodeSolver::set_child(std::size_t lane, int octant, const Qef& child) {
-  put(lane, octant, child);
+  ChildValues& values = put(lane, child);
+  for (std::size_t a = 0; a < 3; ++a) values[13 + a][lane] = (octant >> a & 1) != 0 ? 1.0F : -1.0F;
   of_children_[lane].join(child.extent.in_parent(octant));
 }
 
-void NodeSolver::set_part(std::size_t lane, int slot, const Qef& part) {
-  put(lane, slot, part);
+void NodeSolver::set_part(std::size_t lane, const Qef& part) {
+  put(lane, part);
   of_children_[lane].join(part.extent);
 }
 

@@ -34,12 +34,13 @@ class NodeSolver {
   void set_planes(std::size_t lane, const HermitePlane* planes, int count);
   void reduce();  // planes -> factors
 
-  // A batch of nodes to merge from children of level `child_level`.
+  // A batch of nodes to merge from children of level `child_level`: up to eight a lane, set in the
+  // order of octants, each once.
   void clear_children();
   void set_child(std::size_t lane, int octant, const Qef& child);
   void merge(int child_level);  // children -> factors
-  // The same of QEFs that all have the node's own centre, in up to eight slots.
-  void set_part(std::size_t lane, int slot, const Qef& part);
+  // The same of up to eight QEFs a lane that all have the node's own centre.
+  void set_part(std::size_t lane, const Qef& part);
   void merge_in_place();
 
   void load(std::size_t lane, const Qef& qef);  // a stored QEF -> factor
@@ -64,7 +65,7 @@ class NodeSolver {
 
  private:
   void merge_from(Vec3 half);
-  void put(std::size_t lane, int slot, const Qef& qef);
+  ChildValues& put(std::size_t lane, const Qef& qef);
   void find_boxes(int level);
   Vec3 half_side(int level) const {
     return parameters_.spacing * (0.5 * static_cast<double>(std::int64_t{1} << level));
@@ -79,7 +80,8 @@ class NodeSolver {
   std::array<Vec3, lanes> centres_{};
   std::array<CellExtent, lanes> extents_{};
   std::array<CellExtent, lanes> of_children_{};  // of those set so far, as the node has them
-  std::array<LaneBox, lanes> boxes_{};           // minimisers stay in them
+  std::array<std::size_t, lanes> children_set_{};
+  std::array<LaneBox, lanes> boxes_{};  // minimisers stay in them
   bool boxes_are_of_cells_ = false;
 };
 

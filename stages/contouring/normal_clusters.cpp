@@ -25,9 +25,9 @@ class Grouping {
     const float sign = either_ && dot3(to, what) < 0 ? -1.0f : 1.0f;
     for (std::size_t i = 0; i < 3; ++i) to[i] += sign * what[i];
   }
-  // Within the clusters' angle; without a division for each pair.
-  bool near(const NormalSum& a, const NormalSum& b) const {
-    return compare(a, b) >= cosine_ * length(a) * length(b);
+  // Within the clusters' angle of `to`; without a division for each pair.
+  bool near(const NormalSum& a, const NormalSum& to, float length_of_to) const {
+    return compare(a, to) >= cosine_ * length(a) * length_of_to;
   }
 
  private:
@@ -42,8 +42,9 @@ NormalClusters cluster_normals(std::span<const NormalSum> sums, NormalSense sens
   NormalClusters clusters{{}, sense};
   NormalSum total{};
   for (const NormalSum& sum : sums) grouping.join(total, sum);
-  bool one = length(total) > 0;  // opposite sheets may cancel
-  for (const NormalSum& sum : sums) one = one && grouping.near(sum, total);
+  const float whole = length(total);
+  bool one = whole > 0;  // opposite sheets may cancel
+  for (const NormalSum& sum : sums) one = one && grouping.near(sum, total, whole);
   if (one) {
     clusters.sum[0] = total;
     return clusters;

@@ -2,7 +2,8 @@
 // forming A^T A.
 //
 // Based on: Ju, Losasso, Schaefer, Warren, "Dual Contouring of Hermite Data", 2002 (QR
-// representation, Givens merging); Lindstrom, "Out-of-Core Simplification of Large Polygonal
+// representation and merging); Householder, "Unitary Triangularization of a Nonsymmetric Matrix",
+// 1958 (a column at a time, where the former rotates a row at a time); Lindstrom, "Out-of-Core Simplification of Large Polygonal
 // Models", 2000 (truncated SVD about the mass point); Hestenes, "Inversion of Matrices by
 // Biorthogonalization", 1958 (one-sided Jacobi). Where it differs: each QEF is relative to its own
 // node's centre (DESIGN: QR QEF), so that floats are enough at any volume size; a minimiser outside
@@ -26,18 +27,24 @@ namespace voxweld {
 inline constexpr std::size_t lanes = 8;
 using LaneArray = std::array<double, lanes>;
 
-// Planes to reduce: up to 12 for each lane, n . x = n . p with p relative to the node's centre.
-// Unused rows must be zero.
+inline constexpr std::size_t max_planes = 12;
+
+// Planes to reduce: up to 12 for each lane, n . x = n . p with p relative to the node's centre. Rows
+// that a lane has not must be zero, as far as `rows` and three at least.
 struct alignas(64) PlaneBatch {
-  int rows = 0;                                      // the longest lane
-  std::array<std::array<LaneArray, 4>, 12> plane{};  // nx ny nz n.p
-  std::array<LaneArray, 3> mass{};                   // mean of the crossings
+  int rows = 0;                                              // the longest lane
+  std::array<std::array<LaneArray, 4>, max_planes> plane{};  // nx ny nz n.p
+  std::array<LaneArray, 3> mass{};                           // mean of the crossings
 };
 
-// Children to merge, by octant. Absent ones are all zero.
+// Of one child in each lane: Qef::r, Qef::mass, and where its centre lies from the parent's, in halves
+// of its side: -1 or 1 an axis, or 0. All zero where the lane has none.
+using ChildValues = std::array<std::array<float, lanes>, 16>;
+
+// Children to merge, each lane's one after the other from the first slot on, in the order of octants.
 struct alignas(64) ChildBatch {
-  std::uint32_t octants = 0;  // bit i: some lane has a child i
-  std::array<std::array<std::array<float, lanes>, 13>, 8> child{};  // Qef::r then Qef::mass
+  std::size_t slots = 0;  // of the longest lane; those behind hold anything, but for the first
+  std::array<ChildValues, 8> child{};
 };
 
 // A factor in double: r as in Qef, n the number of planes (squared Frobenius norm).

@@ -63,10 +63,8 @@ void reduce_normal(const PlaneBatch& batch, const std::array<Vec3, lanes>& centr
 
 void merge_normal(const ChildBatch& batch, Vec3 half, FactorBatch& out) {
   out = FactorBatch{};
-  for (std::size_t octant = 0; octant < 8; ++octant) {
-    const auto& child = batch.child[octant];
-    const double t[3] = {(octant & 1) != 0 ? -half.x : half.x, (octant & 2) != 0 ? -half.y : half.y,
-                         (octant & 4) != 0 ? -half.z : half.z};
+  for (std::size_t slot = 0; slot < batch.slots; ++slot) {
+    const ChildValues& child = batch.child[slot];
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       const double planes = static_cast<double>(child[0][lane]) +
                             static_cast<double>(child[4][lane]) +
@@ -74,7 +72,9 @@ void merge_normal(const ChildBatch& batch, Vec3 half, FactorBatch& out) {
       for (std::size_t i = 0; i < 10; ++i)
         out.r[i][lane] = as_float(out.r[i][lane] + static_cast<double>(child[i][lane]));
       for (std::size_t a = 0; a < 3; ++a)
-        out.mass[a][lane] += planes * (static_cast<double>(child[10 + a][lane]) - t[a]);
+        out.mass[a][lane] +=
+            planes * (static_cast<double>(child[10 + a][lane]) +
+                      static_cast<double>(child[13 + a][lane]) * half[static_cast<int>(a)]);
       out.planes[lane] += planes;
     }
   }

@@ -33,7 +33,7 @@ namespace voxweld {
 
 inline constexpr std::array<char, 4> shard_kind = {'o', 'c', 't', 'r'};
 // Goes up whenever build's bytes change: format or mathematics.
-inline constexpr std::uint32_t shard_version = 13;
+inline constexpr std::uint32_t shard_version = 14;
 
 // One shard-sized cube of one material's octree. Cubes that are outside have none.
 struct MaterialNode {

@@ -12,7 +12,7 @@ namespace voxweld {
 
 inline constexpr std::array<char, 4> top_kind = {'t', 'o', 'p', 's'};
 // Goes up whenever merge's bytes change.
-inline constexpr std::uint32_t top_version = 9;
+inline constexpr std::uint32_t top_version = 10;
 
 // What is known of the whole after merge.
 struct MergeCounts {

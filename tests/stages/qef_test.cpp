@@ -1,65 +1,10 @@
-#include "stages/contouring/qef.h"
-
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <random>
-#include <span>
-
 #include "stages/contouring/node_solver.h"
+#include "tests/stages/qef_planes.h"
 
-namespace voxweld {
+namespace voxweld::testing {
 namespace {
-
-struct Planes {
-  std::vector<std::array<double, 3>> normal, point;
-  double energy(const std::array<double, 3>& x) const {
-    double sum = 0;
-    for (std::size_t i = 0; i < normal.size(); ++i) {
-      double d = 0;
-      for (std::size_t a = 0; a < 3; ++a) d += normal[i][a] * (x[a] - point[i][a]);
-      sum += d * d;
-    }
-    return sum;
-  }
-};
-
-Planes random_planes(std::mt19937& random, int count, double spread) {
-  std::uniform_real_distribution<double> u(-1, 1);
-  Planes planes;
-  const std::array<double, 3> main{u(random), u(random), u(random)};
-  for (int i = 0; i < count; ++i) {
-    std::array<double, 3> n;
-    double length = 0;
-    for (std::size_t a = 0; a < 3; ++a) {
-      n[a] = main[a] + spread * u(random);
-      length += n[a] * n[a];
-    }
-    for (double& v : n) v /= std::sqrt(length);
-    planes.normal.push_back(n);
-    planes.point.push_back({0.5 * u(random), 0.5 * u(random), 0.5 * u(random)});
-  }
-  return planes;
-}
-
-PlaneBatch batch_of(const std::vector<Planes>& sets) {
-  PlaneBatch batch;
-  for (std::size_t lane = 0; lane < sets.size(); ++lane) {
-    const Planes& p = sets[lane];
-    batch.rows = std::max(batch.rows, static_cast<int>(p.normal.size()));
-    for (std::size_t i = 0; i < p.normal.size(); ++i) {
-      double b = 0;
-      for (std::size_t a = 0; a < 3; ++a) {
-        batch.plane[i][a][lane] = p.normal[i][a];
-        b += p.normal[i][a] * p.point[i][a];
-        batch.mass[a][lane] += p.point[i][a] / static_cast<double>(p.normal.size());
-      }
-      batch.plane[i][3][lane] = b;
-    }
-  }
-  return batch;
-}
 
 double norm(Vec3 v) {
   return std::sqrt(dot(v, v));
@@ -70,20 +15,6 @@ Vec3 unit(Vec3 v) {
 
 LaneBox around(Vec3 half) {
   return {{-half.x, -half.y, -half.z}, {half.x, half.y, half.z}};
-}
-
-template <class F>
-std::vector<Planes> eight_sets(F&& planes_of) {
-  std::vector<Planes> sets(lanes);
-  for (int lane = 0; lane < 8; ++lane) sets[static_cast<std::size_t>(lane)] = planes_of(lane);
-  return sets;
-}
-
-// To the bit: batches are doubles without padding.
-template <class Batch>
-bool same_bits(const Batch& a, const Batch& b) {
-  const auto bytes = [](const Batch& batch) { return std::as_bytes(std::span(&batch, 1)); };
-  return std::ranges::equal(bytes(a), bytes(b));
 }
 
 TEST(Qef, FactorHasTheEnergyOfThePlanes) {
@@ -123,56 +54,14 @@ TEST(Qef, FlatSetsTakeThePointNearestTheMassPoint) {
   EXPECT_NEAR(solution.energy[0], 0, 1e-20);
 }
 
-TEST(Qef, EveryVectorUnitGivesTheSameBits) {
-  std::vector<const QefKernels*> all = {qef_kernels_avx2(), qef_kernels_avx512()};
-  std::mt19937 random(2);
-  for (int round = 0; round < 500; ++round) {
-    const auto sets = eight_sets([&](int) {
-      return random_planes(random, 1 + static_cast<int>(random() % 12), round % 3 == 0 ? 0 : 0.3);
-    });
-    const PlaneBatch batch = batch_of(sets);
-    FactorBatch expected;
-    SolutionBatch expected_x;
-    qef_kernels_base().reduce(batch, expected);
-    qef_kernels_base().solve(expected, 0.1, expected_x);
-    ChildBatch children;
-    for (std::size_t octant = 0; octant < 8; ++octant) {
-      if (random() % 3 == 0) continue;
-      children.octants |= 1u << octant;
-      for (std::size_t lane = 0; lane < 8; ++lane) {
-        const Qef q = store_lane(expected, (lane + octant) % 8);
-        for (std::size_t i = 0; i < 10; ++i) children.child[octant][i][lane] = q.r[i];
-        for (std::size_t a = 0; a < 3; ++a) children.child[octant][10 + a][lane] = q.mass[a];
-      }
-    }
-    FactorBatch expected_merge;
-    qef_kernels_base().merge(children, {0.5, 0.75, 1}, expected_merge);
-    for (const QefKernels* kernels : all) {
-      if (kernels == nullptr) continue;
-      FactorBatch factor, merged;
-      SolutionBatch x;
-      kernels->reduce(batch, factor);
-      kernels->solve(factor, 0.1, x);
-      kernels->merge(children, {0.5, 0.75, 1}, merged);
-      EXPECT_TRUE(same_bits(factor, expected)) << kernels->name;
-      EXPECT_TRUE(same_bits(x, expected_x)) << kernels->name;
-      EXPECT_TRUE(same_bits(merged, expected_merge)) << kernels->name;
-    }
-  }
-}
-
 TEST(Qef, MergedChildrenHaveTheEnergyOfAllTheirPlanes) {
   std::mt19937 random(3);
   const auto sets = eight_sets([&](int) { return random_planes(random, 5, 1); });
   FactorBatch factor;
   qef_kernels().reduce(batch_of(sets), factor);
   ChildBatch children;
-  children.octants = 255;
-  for (std::size_t octant = 0; octant < 8; ++octant) {
-    const Qef q = store_lane(factor, octant);
-    for (std::size_t i = 0; i < 10; ++i) children.child[octant][i][0] = q.r[i];
-    for (std::size_t a = 0; a < 3; ++a) children.child[octant][10 + a][0] = q.mass[a];
-  }
+  for (std::size_t octant = 0; octant < 8; ++octant)
+    add_child(children, 0, octant, octant, store_lane(factor, octant));
   FactorBatch merged;
   SolutionBatch solution;
   qef_kernels().merge(children, {0.5, 0.5, 0.5}, merged);
@@ -308,8 +197,8 @@ TEST(NodeSolver, AVertexStaysWithinACellOfTheCellsItStandsFor) {
   Qef wide = qef;
   wide.extent = {};
   solver.clear_children();
-  solver.set_part(0, 0, qef);
-  solver.set_part(0, 1, wide);
+  solver.set_part(0, qef);
+  solver.set_part(0, wide);
   solver.merge_in_place();
   solver.solve(4, 1);
   for (int a = 0; a < 3; ++a)
@@ -318,4 +207,4 @@ TEST(NodeSolver, AVertexStaysWithinACellOfTheCellsItStandsFor) {
 }
 
 }  // namespace
-}  // namespace voxweld
+}  // namespace voxweld::testing

@@ -79,17 +79,17 @@ class Goldens : public ::testing::Test {
 std::unique_ptr<Scene> Goldens::scene_;
 
 TEST_F(Goldens, Build) {
-  expect_recorded({"build", 13, "f9c3d60a11a5cbe7e5af372f29e815da"}, shard_version,
+  expect_recorded({"build", 14, "22df2101c575be458df5e30bd4b69b83"}, shard_version,
                   hash_of(work(".octree"), shard_kind, shard_version));
 }
 
 TEST_F(Goldens, Merge) {
-  expect_recorded({"merge", 9, "ef2dd66600536b2d59af0cbfb7e5c7df"}, top_version,
+  expect_recorded({"merge", 10, "a4456333eb6eb65c210db5170cc51712"}, top_version,
                   hash_of(work(".tree"), top_kind, top_version));
 }
 
 TEST_F(Goldens, Stitch) {
-  expect_recorded({"stitch", 6, "de215d92f259b9b6cb97466f90337728"}, tile_version,
+  expect_recorded({"stitch", 6, "d439d5421bcc866ac6bdebd66b0be36b"}, tile_version,
                   hash_of(work(".tile"), tile_kind, tile_version));
 }
 
@@ -99,7 +99,7 @@ TEST_F(Goldens, Encode) {
   auto files = files_ending(scene_->output(), ".drc");
   const auto glb = files_ending(scene_->output(), ".glb");
   files.insert(files.end(), glb.begin(), glb.end());
-  expect_recorded({"encode", 3, "a7bef6c224251ef990a01a1577e410b6"}, encode_version,
+  expect_recorded({"encode", 3, "656c92d8ff693ded63e89b6a844749a0"}, encode_version,
                   hash_of(files));
 }
 
@@ -117,9 +117,9 @@ TEST(SheetGoldens, OfEveryStage) {
   const Scene scene(scene_volume());
   VOXWELD_EXPECT_DONE(scene.run(
       {"work.brick=16", "work.shard=2", "output.tile_vertices=1024", "simplify.tolerance=0.2"}));
-  expect_stages(scene, {"build", 13, "1729aebd37b40945c99f919a69438039"},
-                {"merge", 9, "382d0a9e908965f290aead61e20b4fa2"},
-                {"stitch", 6, "532217e1294447797ec3e73a9ff17037"});
+  expect_stages(scene, {"build", 14, "98045bfaf2eb25a7f36e9bfd15454a8c"},
+                {"merge", 10, "413f95b97fac4a56c6f33ef901cb919f"},
+                {"stitch", 6, "4f130cde83557e8d3195bf438ac825c8"});
 }
 
 // The same surface, refined.
@@ -138,15 +138,15 @@ void expect_refined(const char* topology, const Golden& cubes, const Golden& til
 TEST(RefinedGoldens, OfEveryStage) {
   expect_refined(
       "manifold",
-      {"stitch, refine, seams, mend and remend", 917510, "7d4d94456a7d2155a77ee66a88b16e78"},
-      {"retile", 6, "375b710056c029fef47dc637f57db259"});
+      {"stitch, refine, seams, mend and remend", 917510, "80952207d61209f52a78579053f97e92"},
+      {"retile", 6, "85fcdfdb1cc1244c9102a9c4b80d534c"});
 }
 
 TEST(RefinedGoldens, OfSafeCollapse) {
   expect_refined(
       "safe",
-      {"stitch, refine, seams, mend and remend", 917510, "7c94fb8025768d318e378bce8a425074"},
-      {"retile", 6, "14552279b9507b12644d9879e82a4046"});
+      {"stitch, refine, seams, mend and remend", 917510, "4f9f23961fc6ab7ca2365bd473e3372d"},
+      {"retile", 6, "5ee2296b87d175d00cfe2956a7c5806d"});
 }
 
 // Two labels that share a ball, one below it, specks; an edit gives one more, another replaces.
@@ -202,8 +202,8 @@ TEST(SheetGoldens, OfEachLabel) {
   std::ofstream(scene.config(), std::ios::app) << label_edits;
   VOXWELD_EXPECT_DONE(scene.run(
       {"labels.mode=each", "work.brick=16", "work.shard=2", "output.tile_vertices=1024"}));
-  expect_stages(scene, {"build", 13, "6139bcd2bbe4da229692815f0dc20539"},
-                {"merge", 9, "8ee3408126153bc6f3c81707fa96f78d"},
+  expect_stages(scene, {"build", 14, "f5535450407a03a4d10db6bae3a431f8"},
+                {"merge", 10, "fe08b7e83c575be7dd920da25d590393"},
                 {"stitch", 6, "53616ec95bdc1afb7c252a0526a66345"});
 }
 
@@ -245,13 +245,13 @@ INSTANTIATE_TEST_SUITE_P(
     Modes, LabelGoldens,
     ::testing::Values(
         LabelGolden{"each",
-                    {Golden{"build of each label", 1302, "e1454096f4aa3e4c3b549bc2c6aea33b"},
-                     {"merge of each label", 9, "bc12165633fd464bfad81848a4e8e700"},
+                    {Golden{"build of each label", 1402, "95578f3a015ecf729ac9d388cea09ec6"},
+                     {"merge of each label", 10, "ec1364587567920041a025286905fdec"},
                      {"stitch of each label", 6, "59cdc8ffcee04a094002ca747ffecbbb"},
                      {"encode of each label", 3, "141590bccb677d852b82a4e68563a1e8"}}},
         LabelGolden{"shared",
-                    {Golden{"build of shared labels", 1302, "f3789faedf5e049961fd1d19e46a26a3"},
-                     {"merge of shared labels", 9, "0b85a57c43aa6e33ee463c7e9b003ee3"},
+                    {Golden{"build of shared labels", 1402, "42865b902206dd8078300470336ec603"},
+                     {"merge of shared labels", 10, "521dee06a5ae4427ac65dc89ef7cb198"},
                      {"stitch of shared labels", 6, "05d69da8e8cc4a33c37bdd751c8c158f"},
                      {"encode of shared labels", 3, "90c12958e47f9a413fc30528bae518ba"}}}),
     [](const auto& each) { return each.param.mode; });
