@@ -8,11 +8,10 @@
 namespace voxweld {
 
 void BrickLeaves::collect(const BrickFrame& frame, const ActiveCells& cells, BrickNodes& nodes,
-                          const ContourParameters& parameters, BrickOctree& out) {
+                          BrickOctree& out) {
   cells_ = &cells;
   nodes_ = &nodes;
   out_ = &out;
-  finest_.clear();
   apart_.clear();
   final_ = {};
   first_vertex_.resize(cells.size());
@@ -27,7 +26,6 @@ void BrickLeaves::collect(const BrickFrame& frame, const ActiveCells& cells, Bri
   }
   for (std::size_t node = 0; node < nodes.level(frame.level).codes.size(); ++node)
     visit(frame.level, node, false);
-  solve_finest(frame, parameters);
   if (nodes.by_sheets()) count_blocks(frame);
   out.counts.vertices = nodes.by_sheets() ? std::accumulate(final_.leaves.begin(),
                                                             final_.leaves.end(), std::uint64_t{0})
@@ -47,11 +45,12 @@ void BrickLeaves::begin_record(const BrickFrame& frame, BrickNodes& nodes) {
   const Index3 origin = frame.origin;
   for (std::size_t i = 0; i < top.clusters.size(); ++i) {
     const SheetCluster& cluster = top.clusters[i];
+    const ClusterVertex& vertex = top.vertex(i);
     out_->record.clusters.push_back(
-        {cluster.qef,
-         cluster.normals,
-         cluster.solution.offset,
-         cluster.solution.residual,
+        {top.qef(i),
+         vertex.normals,
+         vertex.solution.offset,
+         vertex.solution.residual,
          FirstSheet::make(morton_encode(origin) + cluster.first.code(), cluster.first.sheet()),
          shape.euler[i],
          cluster.collapses ? 1u : 0u,
@@ -93,14 +92,15 @@ std::uint32_t BrickLeaves::kept_above(int l, std::size_t cluster) const {
 // above.
 std::uint32_t BrickLeaves::keep(int l, std::size_t number, bool is_one) {
   const SheetCluster& cluster = nodes_->level(l).clusters[number];
+  const ClusterVertex& vertex = nodes_->level(l).vertex(number);
   const std::uint32_t above = kept_above(l, number);
   std::vector<KeptCluster>& kept = out_->levels.clusters;
-  if (!may_collapse(cluster)) return above;
-  if (above != BrickLevels::none && cluster.solution.residual >= kept[above].error) return above;
+  if (!may_collapse(nodes_->level(l), number)) return above;
+  if (above != BrickLevels::none && vertex.solution.residual >= kept[above].error) return above;
   const LeafCode leaf = LeafCode::make(cluster.first.code(), l, cluster.first.sheet());
-  kept.push_back({{leaf.sharing(!is_one).with(cluster.normals.sense), cluster.solution.offset,
-                   pack_clusters(cluster.normals)},
-                  cluster.solution.residual,
+  kept.push_back({{leaf.sharing(!is_one).with(vertex.normals.sense), vertex.solution.offset,
+                   pack_clusters(vertex.normals)},
+                  vertex.solution.residual,
                   above});
   return static_cast<std::uint32_t>(kept.size() - 1);
 }
@@ -156,16 +156,13 @@ void BrickLeaves::add_cell(std::size_t cell, bool covered) {
   }
   const NodeLevel& level = nodes_->level(0);
   const std::uint32_t begin = level.first_cluster[cell], end = level.first_cluster[cell + 1];
-  if (!nodes_->by_sheets()) {
-    finest_.push_back({static_cast<std::uint32_t>(cell), begin, first_vertex_[cell]});
-    return add_cluster(0, begin, covered);
-  }
+  const NormalSense sense = cells_->normal_sense(cell);
+  if (!nodes_->by_sheets()) return add_finest(begin, sense, covered);
   for (std::uint32_t i = begin; i < end; ++i) {
     vertices_[0][i] = inherited(0, i);
     if (vertices_[0][i] != no_cluster) continue;
     vertices_[0][i] = static_cast<std::uint32_t>(out_->vertices.size());
-    finest_.push_back({static_cast<std::uint32_t>(cell), i, vertices_[0][i]});
-    add_cluster(0, i, covered);
+    add_finest(i, sense, covered);
   }
   first_vertex_[cell] = vertices_[0][begin];
   if (end - begin == 1) return;
@@ -178,6 +175,17 @@ LeafCounts& BrickLeaves::counts_of(std::uint8_t root) {
 }
 
 void BrickLeaves::add_cluster(int l, std::size_t number, bool shares) {
+  const ClusterVertex& vertex = nodes_->level(l).vertex(number);
+  add_of_cluster(l, number, shares,
+                 {vertex.solution, pack_clusters(vertex.normals), vertex.normals.sense});
+}
+
+void BrickLeaves::add_finest(std::size_t number, NormalSense sense, bool shares) {
+  const SheetVertex& sheet = nodes_->sheet(nodes_->own_sheet(number));
+  add_of_cluster(0, number, shares, {sheet.solution, sheet.normals, sense});
+}
+
+void BrickLeaves::add_of_cluster(int l, std::size_t number, bool shares, const VertexValue& value) {
   const SheetCluster& cluster = nodes_->level(l).clusters[number];
   LeafCode leaf = LeafCode::make(cluster.first.code(), l, cluster.first.sheet());
   std::uint8_t root = BrickOctree::no_root;
@@ -187,14 +195,13 @@ void BrickLeaves::add_cluster(int l, std::size_t number, bool shares) {
     if (above != no_cluster) root = static_cast<std::uint8_t>(above);
     out_->roots.push_back(root);
     out_->levels.parents.push_back(top ? BrickLevels::none : kept_above(l, number));
-    out_->levels.errors.push_back(cluster.solution.residual);
+    out_->levels.errors.push_back(value.solution.residual);
     leaf = leaf.sharing(shares);
   } else {
     // The node has no other: its lowest cell names it as well.
     leaf = LeafCode::make(cluster.first.code() >> (3 * l) << (3 * l), l, 0);
   }
-  add_vertex(leaf.with(cluster.normals.sense), cluster.solution, pack_clusters(cluster.normals),
-             counts_of(root));
+  add_vertex(leaf.with(value.sense), value.solution, value.normals, counts_of(root));
 }
 
 void BrickLeaves::add_vertex(LeafCode leaf, const NodeSolution& solution,
@@ -205,29 +212,6 @@ void BrickLeaves::add_vertex(LeafCode leaf, const NodeSolution& solution,
   if (nodes_->by_sheets() || leaf.sheet() == 0)
     ++counts.leaves[static_cast<std::size_t>(leaf.level())];
   counts.note_error(leaf.level(), solution.residual);
-}
-
-void BrickLeaves::solve_finest(const BrickFrame& frame, const ContourParameters& parameters) {
-  const NodeLevel& level = nodes_->level(0);
-  NodeSolver solver(parameters);
-  for (std::size_t begin = 0; begin < finest_.size(); begin += lanes) {
-    const std::size_t count = std::min(lanes, finest_.size() - begin);
-    for (std::size_t i = 0; i < count; ++i) {
-      solver.load(i, level.clusters[finest_[begin + i].cluster].qef);
-      if (solver.needs_centres())
-        solver.set_centre(
-            i, node_centre(frame, 0, level.codes[finest_[begin + i].cell], parameters.spacing));
-    }
-    solver.solve(0, count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const NodeSolution solution = solver.solution(i);
-      const std::uint32_t vertex = finest_[begin + i].vertex;
-      out_->vertices[vertex].offset = solution.offset;
-      if (nodes_->by_sheets()) out_->levels.errors[vertex] = solution.residual;
-      counts_of(out_->roots.empty() ? BrickOctree::no_root : out_->roots[vertex])
-          .note_error(0, solution.residual);
-    }
-  }
 }
 
 // The vertices that blocks had if nothing above them had collapsed, and at which errors they would
@@ -245,9 +229,7 @@ class BrickLeaves::BlockCounter {
       std::swap(s_.at, s_.above);
       const NodeLevel& level = nodes_.level(l);
       s_.at.assign(level.clusters.size(), none);
-      for (std::size_t i = 0; i < level.clusters.size(); ++i)
-        s_.at[i] = look_at(level.clusters[i],
-                           l < block_level ? above(level.clusters[i]) : std::uint32_t{none});
+      for (std::size_t i = 0; i < level.clusters.size(); ++i) s_.at[i] = look_at(level, i, l);
     }
     for (const BlockScratch::Candidate& c : s_.candidates)
       if (c.parts > 1)
@@ -260,18 +242,21 @@ class BrickLeaves::BlockCounter {
   std::uint32_t above(const SheetCluster& cluster) const {
     return cluster.parent == no_cluster ? std::uint32_t{none} : s_.above[cluster.parent];
   }
-  // above: of the cluster that takes it in, as the result.
-  std::uint32_t look_at(const SheetCluster& cluster, std::uint32_t above) {
-    if (above == taken) return taken;
+  std::uint32_t look_at(const NodeLevel& level, std::size_t number, int l) {
+    const SheetCluster& cluster = level.clusters[number];
+    const std::uint32_t over = l < block_level ? above(cluster) : std::uint32_t{none};
+    if (over == taken) return taken;
     const std::uint32_t block = cluster.first.code() >> (3 * block_level);
-    const bool lower = above == none || cluster.solution.residual < s_.candidates[above].error;
-    if (!cluster.collapses && !(may_collapse(cluster) && lower)) return above;
-    if (above != none) ++s_.candidates[above].parts;
     if (cluster.collapses) {
+      if (over != none) ++s_.candidates[over].parts;
       ++out_.blocks[block].vertices;
       return taken;
     }
-    s_.candidates.push_back({cluster.solution.residual, block, 0});
+    const float error = level.vertex(number).solution.residual;
+    const bool lower = over == none || error < s_.candidates[over].error;
+    if (!may_collapse(level, number) || !lower) return over;
+    if (over != none) ++s_.candidates[over].parts;
+    s_.candidates.push_back({error, block, 0});
     return static_cast<std::uint32_t>(s_.candidates.size() - 1);
   }
 

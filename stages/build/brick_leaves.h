@@ -17,7 +17,7 @@ class BrickLeaves {
   // for bricks of any size.
   // (`nodes` is only read, but for buffers.)
   void collect(const BrickFrame& frame, const ActiveCells& cells, BrickNodes& nodes,
-               const ContourParameters& parameters, BrickOctree& out);
+               BrickOctree& out);
 
   // The vertex that stands for `edge` of the active cell.
   std::uint32_t vertex(const ActiveCells& cells, std::size_t cell, int edge,
@@ -46,9 +46,16 @@ class BrickLeaves {
   std::uint32_t kept_above(int l, std::size_t cluster) const;
   std::uint32_t keep(int l, std::size_t cluster, bool is_one);
   void add_cluster(int l, std::size_t cluster, bool shares);
+  void add_finest(std::size_t cluster, NormalSense sense, bool shares);
+  // What a vertex is, but for its place in the octree.
+  struct VertexValue {
+    const NodeSolution& solution;
+    std::array<PackedNormal, max_clusters> normals;
+    NormalSense sense;
+  };
+  void add_of_cluster(int l, std::size_t cluster, bool shares, const VertexValue& value);
   void add_vertex(LeafCode leaf, const NodeSolution& solution,
                   const std::array<PackedNormal, max_clusters>& normals, LeafCounts& counts);
-  void solve_finest(const BrickFrame& frame, const ContourParameters& parameters);
   void begin_record(const BrickFrame& frame, BrickNodes& nodes);
   LeafCounts& counts_of(std::uint8_t root);
   void find_roots(int top);
@@ -65,10 +72,6 @@ class BrickLeaves {
   // above that is kept.
   std::vector<std::vector<std::uint32_t>> kept_;
   LeafCounts final_;  // of vertices without a root
-  struct Finest {
-    std::uint32_t cell, cluster, vertex;
-  };
-  std::vector<Finest> finest_;  // whose QEF is still to be solved
   struct BlockScratch {
     // Of the clusters of two levels: whether one here or above has collapsed, else the next above
     // that could.
@@ -81,10 +84,10 @@ class BrickLeaves {
   } blocks_;
 };
 
-// Whether a cluster whose solution is known may collapse at some tolerance: what the rules keep
-// apart has none.
-inline bool may_collapse(const SheetCluster& cluster) {
-  return cluster.collapses || cluster.solution.residual > 0;
+// Whether a cluster above finest cells may collapse at some tolerance: what the rules keep apart has
+// no solution.
+inline bool may_collapse(const NodeLevel& level, std::size_t cluster) {
+  return level.clusters[cluster].collapses || level.vertex(cluster).solution.residual > 0;
 }
 
 }  // namespace voxweld

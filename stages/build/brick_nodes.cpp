@@ -20,8 +20,9 @@ CellSigns corners_of(const SignGrid& signs, LocalCell c, int side) {
 
 }  // namespace
 
-void BrickNodes::Shapes::clear(std::size_t nodes) {
-  place.assign(nodes, no_cluster);
+void BrickNodes::Shapes::clear(std::size_t first) {
+  first_node = first;
+  place.clear();
   first_cluster.assign(1, 0);
   first_curve.assign(1, 0);
   first_pair.assign(1, 0);
@@ -31,7 +32,8 @@ void BrickNodes::Shapes::clear(std::size_t nodes) {
 }
 
 void BrickNodes::Shapes::add(std::size_t node, const NodeShape& shape) {
-  place[node] = static_cast<std::uint32_t>(first_cluster.size() - 1);
+  place.resize(node - first_node, no_cluster);
+  place.push_back(static_cast<std::uint32_t>(first_cluster.size() - 1));
   euler.insert(euler.end(), shape.euler.begin(), shape.euler.end());
   curves.insert(curves.end(), shape.curves.begin(), shape.curves.end());
   pairs.insert(pairs.end(), shape.pairs.begin(), shape.pairs.end());
@@ -40,13 +42,12 @@ void BrickNodes::Shapes::add(std::size_t node, const NodeShape& shape) {
   first_pair.push_back(static_cast<std::uint32_t>(pairs.size()));
 }
 
-NodeShape BrickNodes::shape_of(const Shapes& shapes, std::size_t node) {
-  const std::size_t at = shapes.place[node];
+NodeShape BrickNodes::Shapes::of(std::size_t node) const {
+  const std::size_t at = place[node - first_node];
   const auto part = [at](const auto& all, const std::vector<std::uint32_t>& first) {
     return std::span(all.data() + first[at], first[at + 1] - first[at]);
   };
-  return {part(shapes.euler, shapes.first_cluster), part(shapes.curves, shapes.first_curve),
-          part(shapes.pairs, shapes.first_pair)};
+  return {part(euler, first_cluster), part(curves, first_curve), part(pairs, first_pair)};
 }
 
 // Precondition: the ends of the edge have different signs, and it is crossed once.
@@ -101,13 +102,12 @@ NodeShape BrickNodes::simple_shape(int l, std::uint32_t code, SimpleShape& made)
 NodeShape BrickNodes::root_shape() {
   const int top = frame_.level;
   if (level(top).kinds[0] == NodeKind::simple) return simple_shape(top, 0, simple_[0]);
-  return shape_of(shapes_, 0);
+  return shapes(top).of(0);
 }
 
-const SheetCluster* BrickNodes::whole() const {
+bool BrickNodes::is_whole() const {
   const NodeLevel& top = level(frame_.level);
-  const bool one = top.kinds[0] == NodeKind::simple && top.clusters[0].collapses;
-  return one ? top.clusters.data() : nullptr;
+  return top.kinds[0] == NodeKind::simple && top.clusters[0].collapses;
 }
 
 void BrickNodes::simplify(const BrickFrame& frame, const SignGrid& signs, const ActiveCells& cells,
@@ -138,32 +138,44 @@ void BrickNodes::simplify(const CollapseRule& rule, const ActiveCells& cells,
   // "free" may collapse what no sign test allows, up to the smallest brick: polygons are then
   // decided edge by edge inside one brick (brick_polygons.cpp), the same for every brick size.
   if (free_) highest_ = std::min(highest_, min_brick_level);
-  levels_.resize(static_cast<std::size_t>(frame_.level) + 1);
-  make_cells(edges);
-  make_nodes();
+  begin_levels();
+  make_nodes(edges);
 }
 
-// The nodes of a level and their clusters, without QEFs.
-void BrickNodes::make_level(int l) {
-  const NodeLevel& below = levels_[static_cast<std::size_t>(l) - 1];
-  NodeLevel& level = levels_[static_cast<std::size_t>(l)];
-  level.codes.clear();
-  level.first_child.clear();
-  level.first_cluster.clear();
-  level.clusters.clear();
-  for (std::size_t i = 0; i < below.codes.size(); ++i) {
-    const std::uint32_t parent = below.codes[i] >> 3;
-    if (!level.codes.empty() && level.codes.back() == parent) continue;
-    level.codes.push_back(parent);
-    level.first_child.push_back(static_cast<std::uint32_t>(i));
+void BrickNodes::begin_levels() {
+  levels_.resize(static_cast<std::size_t>(frame_.level) + 1);
+  shapes_.resize(levels_.size());
+  for (Shapes& shapes : shapes_) shapes.clear(0);
+  for (NodeLevel& level : levels_) {
+    level.codes.clear();
+    level.first_child.assign(1, 0);
+    level.first_cluster.assign(1, 0);
+    level.kinds.clear();
+    level.closes.clear();
+    level.clusters.clear();
+    level.first_vertex = level.first_qef = 0;
+    level.vertices.clear();
+    level.qefs.clear();
   }
-  level.first_child.push_back(static_cast<std::uint32_t>(below.codes.size()));
-  level.kinds.assign(level.codes.size(), NodeKind::blocked);
-  level.closes.assign(level.codes.size(), 0);
-  std::swap(shapes_, shapes_below_);
-  shapes_.clear(by_sheets_ ? level.codes.size() : 0);
-  for (std::size_t node = 0; node < level.codes.size(); ++node) add_clusters(l, node);
-  level.first_cluster.push_back(static_cast<std::uint32_t>(level.clusters.size()));
+}
+
+// Appends the nodes above a range of the level below, and their clusters, without QEFs.
+BrickNodes::Range BrickNodes::make_level(int l, Range range) {
+  const NodeLevel& below = level(l - 1);
+  NodeLevel& at = levels_[static_cast<std::size_t>(l)];
+  const std::size_t first = at.codes.size();
+  if (l < block_top()) shapes(l).clear(first);
+  for (std::size_t i = range.begin; i < range.end;) {
+    const std::uint32_t code = below.codes[i] >> 3;
+    while (i < range.end && below.codes[i] >> 3 == code) ++i;
+    at.codes.push_back(code);
+    at.first_child.push_back(static_cast<std::uint32_t>(i));
+    at.kinds.push_back(NodeKind::blocked);
+    at.closes.push_back(0);
+    add_clusters(l, at.codes.size() - 1);
+    at.first_cluster.push_back(static_cast<std::uint32_t>(at.clusters.size()));
+  }
+  return {first, at.codes.size()};
 }
 
 NodeKind BrickNodes::classify(int l, std::size_t node) {
@@ -194,7 +206,7 @@ void BrickNodes::shape_node(int l, std::size_t node) {
     if (l == 1)
       merger_.add_cell(octant, cells_->signs(child), cells_->joined(child));
     else if (below.kinds[child] == NodeKind::shaped)
-      merger_.add(octant, shape_of(shapes_below_, child));
+      merger_.add(octant, shapes(l - 1).of(child));
     else
       merger_.add(octant, simple_shape(l - 1, below.codes[child],
                                        simple_[static_cast<std::size_t>(octant)]));
@@ -207,7 +219,6 @@ void BrickNodes::add_clusters(int l, std::size_t node) {
   NodeLevel& at = levels_[static_cast<std::size_t>(l)];
   NodeLevel& below = levels_[static_cast<std::size_t>(l) - 1];
   const auto first = static_cast<std::uint32_t>(at.clusters.size());
-  at.first_cluster.push_back(first);
   const std::uint32_t begin = below.first_cluster[at.first_child[node]],
                       end = below.first_cluster[at.first_child[node + 1]];
   at.kinds[node] = classify(l, node);
@@ -225,7 +236,7 @@ void BrickNodes::add_clusters(int l, std::size_t node) {
     at.kinds[node] = NodeKind::blocked;
     return;
   }
-  shapes_.add(node, shape);
+  shapes(l).add(node, shape);
   bool closes = merger_.closes();
   for (std::uint32_t child = at.first_child[node]; child < at.first_child[node + 1]; ++child)
     closes = closes || below.closes[child] != 0;

@@ -5,8 +5,13 @@
 // takes in its sheets wherever it may collapse, even if one below it does not. "safe" and labels: a
 // node has one cluster, where signs allow it and all its children's have collapsed, else none.
 // "free": the same without a look at signs; a cell's sheets are one cluster, whatever they are.
+//
+// Levels are made block by block as far as block_level, then as a whole: what a block needs stays in
+// the cache, and is gone when it is done. Left are all clusters, the vertices of those above finest
+// cells and of the finest that nothing in their block has taken in, and the QEFs of whole blocks up.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -35,16 +40,17 @@ enum class NodeKind : std::uint8_t {
 };
 
 struct SheetCluster {
-  Qef qef;
-  NormalClusters normals;
-  NodeSolution
-      solution;  // of those that may collapse; finest ones are solved where they are leaves
   std::uint32_t parent = no_cluster;  // in the level above
   LeafCode first;                     // its first finest cell and sheet, and the node's level
   bool collapses = false;             // it may, within the tolerance
 };
 
-// A sheet of a finest cell that takes no part in collapsing: its vertex at once.
+struct ClusterVertex {
+  NormalClusters normals;
+  NodeSolution solution;  // of those that may collapse, above the finest level
+};
+
+// A sheet of a finest cell that is, or may be, a vertex of its own.
 struct SheetVertex {
   NodeSolution solution;
   std::array<PackedNormal, max_clusters> normals;
@@ -57,6 +63,17 @@ struct NodeLevel {
   std::vector<NodeKind> kinds;
   std::vector<std::uint8_t> closes;  // 1: some components of the surface lie in the node as a whole
   std::vector<SheetCluster> clusters;
+  // What clusters hold, from these on: they are most of the memory, so those that only the levels
+  // next above ask for are kept for one block at a time (see BrickNodes).
+  std::uint32_t first_vertex = 0, first_qef = 0;
+  std::vector<ClusterVertex> vertices;
+  std::vector<Qef> qefs;
+  const ClusterVertex& vertex(std::size_t cluster) const {
+    return vertices[cluster - first_vertex];
+  }
+  ClusterVertex& vertex(std::size_t cluster) { return vertices[cluster - first_vertex]; }
+  const Qef& qef(std::size_t cluster) const { return qefs[cluster - first_qef]; }
+  Qef& qef(std::size_t cluster) { return qefs[cluster - first_qef]; }
 };
 
 class BrickNodes {
@@ -84,26 +101,30 @@ class BrickNodes {
     const NodeLevel& at = level(l);
     return at.first_cluster[node + 1] - at.first_cluster[node] == 1 && at.closes[node] == 0;
   }
-  // The brick's one vertex, if it has become one.
-  const SheetCluster* whole() const;
+  // Whether the brick has become one vertex, the top level's first.
+  bool is_whole() const;
   // Of the brick, unless its node is blocked; lives until it is asked for again.
   NodeShape root_shape();
 
   // A cell's sheets where each is its own vertex as soon as no node above takes the cell in, one
   // after the other; else no_cluster.
   std::uint32_t first_sheet(std::size_t cell) const { return first_sheet_[cell]; }
+  // Of a finest cluster that no block has taken in, and whose cell has no such sheets.
+  std::uint32_t own_sheet(std::size_t cluster) const { return own_sheet_[cluster]; }
   const SheetVertex& sheet(std::size_t i) const { return sheets_[i]; }
 
  private:
   // Of the shaped nodes of one level.
   struct Shapes {
-    std::vector<std::uint32_t> place;  // of each node in what follows
+    std::size_t first_node = 0;
+    std::vector<std::uint32_t> place;  // of each node from there on, in what follows
     std::vector<std::uint32_t> first_cluster, first_curve, first_pair;  // one more entry at the end
     std::vector<std::int32_t> euler;
     std::vector<FaceCurve> curves;
     std::vector<CurvePair> pairs;
-    void clear(std::size_t nodes);
+    void clear(std::size_t first);
     void add(std::size_t node, const NodeShape& shape);
+    NodeShape of(std::size_t node) const;
   };
   // A simple node's, made when a parent asks.
   struct SimpleShape {
@@ -112,19 +133,29 @@ class BrickNodes {
   };
 
   void simplify(const CollapseRule& rule, const ActiveCells& cells, const HermiteEdges& edges);
+  void begin_levels();
   void reserve_sheets();
-  void make_cells(const HermiteEdges& edges);
+  // Nodes of a level, or cells.
+  struct Range {
+    std::size_t begin = 0, end = 0;
+  };
   class CellBatches;
-  void make_nodes();
   class MergeBatch;
-  void make_level(int l);
+  class NodeMerges;
+  void make_cells(Range cells, CellBatches& batches);
+  void settle_cells(Range cells, CellBatches& batches);
+  bool is_taken_in(std::size_t finest) const;
+  void make_nodes(const HermiteEdges& edges);
+  void make_blocks(const HermiteEdges& edges, NodeMerges& merges);
+  Range make_level(int l, Range below);
   NodeKind classify(int l, std::size_t node);
   void shape_node(int l, std::size_t node);
   void add_clusters(int l, std::size_t node);
 
-  static NodeShape shape_of(const Shapes& shapes, std::size_t node);
   NodeShape simple_shape(int l, std::uint32_t code, SimpleShape& made) const;
   Crossing crossing_on(CellKey node, int edge) const;
+  Shapes& shapes(int l) { return shapes_[static_cast<std::size_t>(l)]; }
+  int block_top() const { return std::min(block_level, frame_.level); }
 
   Options options_;
   ShapeMerger merger_;
@@ -136,9 +167,9 @@ class BrickNodes {
   bool by_sheets_ = false, free_ = false;
   int highest_ = 0;  // level that may collapse
   std::vector<NodeLevel> levels_;
-  std::vector<std::uint32_t> first_sheet_;
+  std::vector<std::uint32_t> first_sheet_, own_sheet_;
   std::vector<SheetVertex> sheets_;
-  Shapes shapes_, shapes_below_;  // of the level under way, and of that below
+  std::vector<Shapes> shapes_;  // of each level
   std::array<SimpleShape, 8> simple_;
 };
 

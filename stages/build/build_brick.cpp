@@ -266,14 +266,23 @@ std::uint64_t build_sheets_bytes(int level) {
 }
 
 std::uint64_t build_sheets_bytes(int level, std::uint64_t active_cells, std::uint64_t sheets) {
-  // Of a cell its lists, and where nodes have shapes up to six curves on its outer faces, half as
-  // many in the level above; of a sheet its cluster, up to 0.8 above it, what tells where each of
-  // these went, and a vertex, with levels above it. Vectors may have grown to twice their content,
-  // but those of the finest clusters.
-  const std::uint64_t per_cell = 48 + std::uint64_t{2} * 9 * sizeof(FaceCurve);
+  // Of a cell its lists. Of a sheet its cluster, and what it is by itself; up to 0.8 clusters above
+  // it, with what tells where each of these went; and a vertex, with levels above it. Vectors may have
+  // grown to twice their content, but those of the finest clusters.
   const std::uint64_t levels = 16 + 2 * (sizeof(KeptCluster) + sizeof(BlockMerge) + 12);
-  const std::uint64_t per_sheet = 3 * sizeof(SheetCluster) + 3 * sizeof(LeafVertex) + 64 + levels;
-  return surface_bytes(level, active_cells) + active_cells * per_cell + sheets * per_sheet;
+  const std::uint64_t per_sheet = sizeof(SheetCluster) + 4 + 2 * sizeof(SheetVertex) +
+                                  2 * (sizeof(SheetCluster) + sizeof(ClusterVertex)) +
+                                  3 * sizeof(LeafVertex) + 64 + levels;
+  // Of one block what its clusters hold, and the shapes of nodes: up to two curves a face of a finest
+  // cell, with half of the faces on the outside of a node, half of these on that of its parent, and so
+  // on. From blocks up they are kept: three faces of eight cells, and again half of them a level.
+  constexpr std::uint64_t block_cells = std::uint64_t{1} << (3 * block_level);
+  const std::uint64_t of_block =
+      std::min(active_cells, block_cells) * 2 * 6 * sizeof(FaceCurve) +
+      std::min(sheets, 4 * block_cells) * 2 * (sizeof(ClusterVertex) + 2 * sizeof(Qef));
+  const std::uint64_t per_cell = 48 + 2 * (3 * sizeof(FaceCurve) / 2);
+  return surface_bytes(level, active_cells) + of_block + active_cells * per_cell +
+         sheets * per_sheet;
 }
 
 std::uint64_t build_labels_bytes(int level) {

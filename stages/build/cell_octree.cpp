@@ -26,16 +26,16 @@ RootRecord make_root(const BrickFrame& frame, const Grid& grid, const BrickNodes
                      const ContourParameters& parameters, const BrickOctree& brick) {
   RootRecord root;
   set_corners(grid, frame.side(), root);
-  const SheetCluster* whole = nodes.whole();
-  if (whole == nullptr || parameters.simplify.topology == Topology::free || nodes.by_sheets()) {
+  if (!nodes.is_whole() || parameters.simplify.topology == Topology::free || nodes.by_sheets()) {
     root.state = NodeState::split;
     return root;
   }
   root.state = NodeState::leaf;
-  root.qef = whole->qef;
-  root.clusters = whole->normals;
+  const ClusterVertex& whole = nodes.level(frame.level).vertex(0);
+  root.qef = nodes.level(frame.level).qef(0);
+  root.clusters = whole.normals;
   root.vertex = brick.vertices[0];
-  root.residual = whole->solution.residual;
+  root.residual = whole.solution.residual;
   return root;
 }
 
@@ -44,7 +44,7 @@ void build(const BrickFrame& frame, Index3 volume_size, const Grid& grid, const 
            const HermiteEdges& edges, const ContourParameters& parameters, CellOctreeScratch& s,
            BrickOctree& out) {
   s.nodes.simplify(frame, grid, cells, edges, parameters);
-  s.leaves.collect(frame, cells, s.nodes, parameters, out);
+  s.leaves.collect(frame, cells, s.nodes, out);
   emit_polygons(frame, volume_size, grid, cells, s.leaves, parameters, out);
   if (s.nodes.by_sheets())
     make_sheet_ghosts(cells, s.leaves, s.marks, out);

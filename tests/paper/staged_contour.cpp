@@ -64,7 +64,8 @@ std::uint64_t bytes_of(const BrickNodes& nodes, int levels) {
   for (int l = 0; l <= levels; ++l) {
     const NodeLevel& level = nodes.level(l);
     bytes += 4 * (level.codes.size() + level.first_child.size() + level.first_cluster.size()) +
-             2 * level.codes.size() + sizeof(SheetCluster) * level.clusters.size();
+             2 * level.codes.size() + sizeof(SheetCluster) * level.clusters.size() +
+             sizeof(ClusterVertex) * level.vertices.size() + sizeof(Qef) * level.qefs.size();
   }
   return bytes;
 }

@@ -42,7 +42,7 @@ struct Brick {
     if (cells.size() == 0) return;
     edges.compute(block, frame.origin, side, signs, parameters);
     nodes.simplify(frame, signs, cells, edges, parameters);
-    leaves.collect(frame, cells, nodes, parameters, octree);
+    leaves.collect(frame, cells, nodes, octree);
   }
 };
 
