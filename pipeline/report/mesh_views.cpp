@@ -22,6 +22,8 @@ struct LabelledMesh {
 
 constexpr std::uint64_t triangle_bytes = 64;                    // at most, as it is decoded
 constexpr std::uint64_t file_bytes = std::uint64_t{256} << 20;  // decoding one takes less
+// However much memory there is: the report is not what a run takes most of it for.
+constexpr std::uint64_t most_kept = std::uint64_t{128} << 20;
 
 // The meshes of an output directory in their order, some of them decoded at the same time.
 class Meshes {
@@ -104,7 +106,7 @@ MeshViews draw_views(const std::filesystem::path& directory, const ViewOptions& 
   MeshViews views;
   GrowingBounds bounds;
   std::vector<LabelledMesh> kept;
-  const bool keep = options.triangles <= options.memory / 4 / triangle_bytes;
+  const bool keep = options.triangles <= std::min(options.memory / 4, most_kept) / triangle_bytes;
   const Meshes meshes(directory, options);
   meshes.each([&](LabelledMesh&& one) {
     bounds.add(one.mesh);

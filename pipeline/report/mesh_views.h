@@ -13,7 +13,7 @@ namespace voxweld {
 struct ViewOptions {
   int width = 440, height = 360, supersample = 2;
   bool threads = true;  // a thread for each picture, and some that decode
-  // Bytes: what does not take a quarter of that is kept, and so read once.
+  // Bytes: what takes neither a quarter of that nor 128 MiB is kept, and so read once.
   std::uint64_t memory = std::uint64_t{256} << 20;
   std::uint64_t triangles = 0;  // there are, as the manifest says
   bool closed = false;          // the mesh hides its own back sides
