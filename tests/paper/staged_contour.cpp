@@ -59,13 +59,14 @@ RootRecord root_of_homogeneous(const LabelGrid& labels) {
   return root;
 }
 
+// With the QEFs of all clusters, which build keeps of one block at a time.
 std::uint64_t bytes_of(const BrickNodes& nodes, int levels) {
+  constexpr std::uint64_t of_cluster = sizeof(SheetCluster) + sizeof(ClusterVertex) + sizeof(Qef);
   std::uint64_t bytes = 0;
   for (int l = 0; l <= levels; ++l) {
     const NodeLevel& level = nodes.level(l);
     bytes += 4 * (level.codes.size() + level.first_child.size() + level.first_cluster.size()) +
-             2 * level.codes.size() + sizeof(SheetCluster) * level.clusters.size() +
-             sizeof(ClusterVertex) * level.vertices.size() + sizeof(Qef) * level.qefs.size();
+             2 * level.codes.size() + of_cluster * level.clusters.size();
   }
   return bytes;
 }
