@@ -187,11 +187,10 @@ void print_summary(const RunContext& context, bool json) {
   const std::string polygons =
       manifest.refine ? ""
                       : fmt::format(" ({} and {} before cutting)", counted(counts.quads, "quads"),
-                                    counted(counts.triangles, "triangles"));
+                                    counted(counts.polygon_triangles, "triangles"));
   fmt::print("{}: {}, {}{}, {}, {}, {}\n", output.string(), counted(counts.vertices, "vertices"),
-             counted(counts.output_triangles, "triangles"), polygons,
-             counted(counts.tiles, "tiles"), counted(counts.files, "files"),
-             readable_bytes(static_cast<double>(counts.bytes)));
+             counted(counts.triangles, "triangles"), polygons, counted(counts.tiles, "tiles"),
+             counted(counts.files, "files"), readable_bytes(static_cast<double>(counts.bytes)));
   if (manifest.refine) fmt::print("{}\n", refine_summary(*manifest.refine));
 }
 

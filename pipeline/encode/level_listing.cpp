@@ -88,7 +88,7 @@ class LevelLister {
     nlohmann::json levels = nlohmann::json::array();
     nlohmann::json finest = {{"level", 0},
                              {"tiles", manifest_.counts.tiles},
-                             {"triangles", manifest_.counts.output_triangles},
+                             {"triangles", manifest_.counts.triangles},
                              {"bytes", bytes_of_tiles()}};
     if (manifest_.refine != nullptr)
       for (const char* key : {"tolerance", "worst", "p99", "intersecting_left"})

@@ -205,8 +205,8 @@ void list_tiles(const Listing& listing, Manifest& manifest, FileNames& leftovers
       [&](std::size_t i, AssetRecord&& record) {
         listing.check_interrupt();
         counts.quads += record.quads;
-        counts.triangles += record.polygon_triangles;
-        counts.output_triangles += record.triangles;
+        counts.polygon_triangles += record.polygon_triangles;
+        counts.triangles += record.triangles;
         counts.collinear += record.collinear;
         if (sums) sums->add(record);
         pieces.add(record);

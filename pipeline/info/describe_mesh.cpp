@@ -48,8 +48,8 @@ InfoDocument count_facts(const ManifestCounts& counts, bool labels) {
                         {"leaves", counts.leaves},
                         {"vertices", counts.vertices},
                         {"quads", counts.quads},
+                        {"polygon_triangles", counts.polygon_triangles},
                         {"triangles", counts.triangles},
-                        {"output_triangles", counts.output_triangles},
                         {"tiles", counts.tiles},
                         {"collinear", counts.collinear}};
   if (labels) facts["labels"] = counts.labels;

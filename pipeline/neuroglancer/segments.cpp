@@ -110,7 +110,7 @@ SegmentList read_segments(const std::filesystem::path& output, const Manifest& m
   SegmentList list;
   list.labels = manifest.labels != LabelMode::off;
   if (!list.labels) {
-    const std::uint64_t triangles = manifest.counts.output_triangles;
+    const std::uint64_t triangles = manifest.counts.triangles;
     if (triangles > 0)
       list.segments.push_back({sole_id(manifest), "surface",
                                chunk_of_tiles(output, manifest, fragment_triangles), triangles,

@@ -97,9 +97,9 @@ class Verifier {
   void fold_whole() {
     TileRecord record;
     record.tile = whole_mesh;
-    record.triangles = manifest_.counts.output_triangles;
+    record.triangles = manifest_.counts.triangles;
     record.quads = manifest_.counts.quads;
-    record.polygon_triangles = manifest_.counts.triangles;
+    record.polygon_triangles = manifest_.counts.polygon_triangles;
     for (const FileRecord& file : manifest_.files)
       if (file.role == "merged") record.files.push_back(file);
     TileResult result = tiles_.check(
@@ -279,9 +279,9 @@ class Verifier {
     // An open border and a free topology leave out polygons, and vertices with them.
     if (!manifest_.open_border && !manifest_.free_topology)
       expect("vertices", report_.vertices, counts.vertices);
-    expect("output_triangles", report_.triangles, counts.output_triangles);
+    expect("triangles", report_.triangles, counts.triangles);
     expect("quads", quads_, counts.quads);
-    expect("triangles", polygon_triangles_, counts.triangles);
+    expect("polygon_triangles", polygon_triangles_, counts.polygon_triangles);
   }
 
   // Files that are no tile's: those of the merged mesh, and the lists.

@@ -91,7 +91,7 @@ void add_files(const OutputFacts& facts, FactRows& rows) {
 void add_mesh(const OutputFacts& facts, FactRows& rows) {
   const ManifestCounts& counts = facts.manifest.counts;
   const std::string& unit = facts.manifest.frame.unit;
-  rows.add("Triangles", grouped(counts.output_triangles));
+  rows.add("Triangles", grouped(counts.triangles));
   rows.add("Vertices", grouped(counts.vertices));
   if (facts.manifest.labels != LabelMode::off) rows.add("Labels", grouped(counts.labels));
   if (facts.bounds)

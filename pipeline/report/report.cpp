@@ -67,7 +67,7 @@ PageSection view_section(const ReportOptions& options, const Run& run,
   ViewOptions view;
   view.threads = options.threads;
   view.memory = options.memory;
-  view.triangles = run.manifest.counts.output_triangles;
+  view.triangles = run.manifest.counts.triangles;
   // A triangle between labels is the front of one of them and the back of the other.
   view.closed = !run.manifest.open_border && run.manifest.labels != LabelMode::shared;
   view.interrupt = options.interrupt;
@@ -181,7 +181,7 @@ PageSection cluster_section(const Run& run) {
 }
 
 std::string lede_of(const Manifest& manifest) {
-  std::string lede = grouped(manifest.counts.output_triangles, "triangles") + ", " +
+  std::string lede = grouped(manifest.counts.triangles, "triangles") + ", " +
                      grouped(manifest.counts.vertices, "vertices");
   if (manifest.labels != LabelMode::off) lede += ", " + grouped(manifest.counts.labels, "labels");
   return lede + ", made by voxweld.";

@@ -89,9 +89,8 @@ Json json_of(const LabelRecord& label) {
 }
 
 Json json_of(const ManifestCounts& counts) {
-  return {{"vertices", counts.vertices}, {"triangles", counts.output_triangles},
-          {"tiles", counts.tiles},       {"bricks", counts.bricks},
-          {"leaves", counts.leaves},     {"files", counts.files},
+  return {{"vertices", counts.vertices}, {"triangles", counts.triangles}, {"tiles", counts.tiles},
+          {"bricks", counts.bricks},     {"leaves", counts.leaves},       {"files", counts.files},
           {"bytes", counts.bytes},       {"labels", counts.labels}};
 }
 

@@ -13,7 +13,7 @@ using nlohmann::ordered_json;
 using Value = JsonValue;
 
 constexpr const char* format_name = "voxweld-manifest";
-constexpr int format_version = 2;
+constexpr int format_version = 3;
 
 ordered_json to_json(const VolumeGeometry& frame) {
   ordered_json direction = ordered_json::array();
@@ -36,8 +36,8 @@ void each_count(Counts& c, const F& f) {
   f("leaves", c.leaves);
   f("vertices", c.vertices);
   f("quads", c.quads);
+  f("polygon_triangles", c.polygon_triangles);
   f("triangles", c.triangles);
-  f("output_triangles", c.output_triangles);
   f("tiles", c.tiles);
   f("collinear", c.collinear);
   f("files", c.files);
@@ -142,7 +142,8 @@ Manifest read_manifest(const std::filesystem::path& path) {
   if (document.at("format").text() != format_name)
     document.at("format").wrong(fmt::format("\"{}\"", format_name));
   if (document.at("version").count() != format_version)
-    document.at("version").wrong(fmt::format("{}", format_version));
+    document.at("version").wrong(
+        fmt::format("{}, as this voxweld writes it (make the mesh anew)", format_version));
   Manifest manifest;
   manifest.lattice = lattice_of(document.at("lattice"));
   manifest.open_border = document.at("border").choice("closed", "open");

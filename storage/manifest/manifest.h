@@ -1,7 +1,7 @@
 // The summary of an output directory (manifest.json) and its list of tiles (tiles.jsonl).
 //
 // manifest.json, one object:
-//   format "voxweld-manifest", version 2
+//   format "voxweld-manifest", version 3
 //   lattice      {step, bits, origin [x, y, z]}
 //   border       "closed" or "open"; border_slack (output units, optional, 0): how far inside the
 //                sample range a boundary edge of an open border may lie
@@ -14,7 +14,7 @@
 //                lies at first + spacing * i in the files, and what lies at p there at origin +
 //                direction * p in the world; first (optional, 0) is 0 but of crops and meshes
 //   counts       {bricks, active_bricks, collapsed_above_bricks, leaves [per level], vertices,
-//                quads, triangles (polygons), output_triangles = 2 quads + triangles, tiles,
+//                quads and polygon_triangles (as stitched), triangles (of the mesh), tiles,
 //                collinear, files, bytes (mesh files, those of the tiles included), labels (with "labels")};
 //                vertices: of the octree, less those that refine took; with a closed border and
 //                safe topology those of the welded mesh, else some of them are in no polygon
@@ -110,7 +110,8 @@ struct ManifestCounts {
   std::uint64_t collapsed_above = 0;  // octree nodes above the bricks that took in their children
   std::vector<std::uint64_t> leaves;  // per level
   std::uint64_t vertices = 0;         // of the octree
-  std::uint64_t quads = 0, triangles = 0, output_triangles = 0;
+  std::uint64_t quads = 0, polygon_triangles = 0;  // as stitched, before quads are cut
+  std::uint64_t triangles = 0;                     // of the mesh
   std::uint64_t tiles = 0, collinear = 0;
   std::uint64_t files = 0, bytes = 0;  // of meshes
   std::uint64_t labels = 0;

@@ -173,7 +173,7 @@ def run_voxweld(tools, volume, folder, name, settings, threads=0, keep=False):
     }
     figures["output_bytes"] = sum(p.stat().st_size for p in mesh.rglob("*") if p.is_file())
     figures["library"] = manifest["made_by"]["program"]
-    figures["triangles"] = manifest["counts"]["output_triangles"]
+    figures["triangles"] = manifest["counts"]["triangles"]
     return mesh, figures
 
 

@@ -135,7 +135,7 @@ ENDINGS = ["ply", "stl", "obj", "vtp", "pvtp", "plain.glb"]
 def main():
     folder = pathlib.Path(sys.argv[1])
     manifest = json.loads((folder / "manifest.json").read_text())
-    wanted = manifest["counts"]["output_triangles"]
+    wanted = manifest["counts"]["triangles"]
     unit = {"mm": 1e-3}[manifest["frame"]["unit"]]
     rows, wrong, reference, there = [], [], None, 0
     for name, (open_with, is_there, endings) in PROGRAMS.items():

@@ -53,7 +53,7 @@ TEST(Info, OfAnOutputWithoutTilesFitsWhatVerifyFinds) {
   const nlohmann::json counts = place.info(mesh).at("counts");
   EXPECT_EQ(counts.at("tiles"), 0);
   EXPECT_EQ(found.at("vertices"), counts.at("vertices"));
-  EXPECT_EQ(found.at("triangles"), counts.at("output_triangles"));
+  EXPECT_EQ(found.at("triangles"), counts.at("triangles"));
 }
 
 TEST(Info, KeepsTheHistogramOfAVolumeReadInPlace) {
@@ -89,12 +89,12 @@ TEST(Info, CountsAgreeFromStageToStage) {
   EXPECT_EQ(top.at("errors"), output.at("error").at("levels"));
   const nlohmann::json merged = place.info(place.at("scene.mesh/mesh.drc"));
   EXPECT_EQ(merged.at("vertices"), output.at("counts").at("vertices"));
-  EXPECT_EQ(merged.at("triangles"), output.at("counts").at("output_triangles"));
+  EXPECT_EQ(merged.at("triangles"), output.at("counts").at("triangles"));
   const std::size_t meshes = output.at("files").at("count");
   EXPECT_EQ(output.at("file_list").size(), meshes + 1);  // and the list of tiles
   EXPECT_EQ(output.at("check").at("files"), meshes + 1);
   const nlohmann::json tiles = place.info(place.at("scene.mesh/tiles.jsonl"), {"--verbose"});
-  EXPECT_EQ(tiles.at("triangles"), output.at("counts").at("output_triangles"));
+  EXPECT_EQ(tiles.at("triangles"), output.at("counts").at("triangles"));
   EXPECT_EQ(tiles.at("tiles"), tiles.at("tile_list").size());
 }
 

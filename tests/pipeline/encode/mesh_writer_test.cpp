@@ -76,7 +76,7 @@ TEST_F(OwnFormat, IsEncodedListedVerifiedAndReadBack) {
   const VerifyReport report = verify();
   EXPECT_TRUE(report.good()) << to_text(report);
   EXPECT_TRUE(report.merged_checked);
-  EXPECT_EQ(report.triangles, manifest.counts.output_triangles);
+  EXPECT_EQ(report.triangles, manifest.counts.triangles);
 
   std::uint64_t triangles = 0;
   for_each_mesh(

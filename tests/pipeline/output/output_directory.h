@@ -117,7 +117,7 @@ struct OutputDirectory {
                       {}};
     if (!labels.empty()) record.label = labels[i];
     counts.quads += mesh.quads;
-    counts.output_triangles += mesh.triangles.size();
+    counts.triangles += mesh.triangles.size();
     counts.tiles += 1;
     if (damage) damage(i, mesh);
     const EncodedMesh encoded = encode_draco(mesh, {});

@@ -19,7 +19,7 @@ nlohmann::json target_of(const Scene& scene) {
   return manifest_of(scene.output()).at("refine").at("target");
 }
 std::uint64_t triangles_left(const Scene& scene) {
-  return manifest_of(scene.output()).at("counts").at("output_triangles").get<std::uint64_t>();
+  return manifest_of(scene.output()).at("counts").at("triangles").get<std::uint64_t>();
 }
 
 // At most, and hardly fewer.

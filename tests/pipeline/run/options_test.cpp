@@ -81,7 +81,7 @@ TEST(Options, WithoutSimplificationEachCrossingEdgeIsAQuad) {
     VOXWELD_EXPECT_DONE(scene.run(settings));
     const auto counts = manifest_of(scene.output()).at("counts");
     EXPECT_EQ(counts.at("quads"), expected.closed);
-    EXPECT_EQ(counts.at("triangles"), 0);
+    EXPECT_EQ(counts.at("polygon_triangles"), 0);
     EXPECT_EQ(merged_mesh(scene).triangles.size(), 2 * expected.closed);
     expect_verified(scene);
     VOXWELD_EXPECT_DONE(scene.run(settings + Settings{"surface.border=open"}));

@@ -105,7 +105,7 @@ export async function picture(page) {
 }
 
 export const look = (page, text) => page.evaluate(`{ const view = window.voxweld.view; ${text} }`);
-export const triangles_of = (name) => JSON.parse(readFileSync(join(place, name, "manifest.json"))).counts.output_triangles;
+export const triangles_of = (name) => JSON.parse(readFileSync(join(place, name, "manifest.json"))).counts.triangles;
 
 // Each test gets visit(NAME): serves what is in the folder, and opens the page. What ends in .page is a folder of
 // `voxweld view --export`.
