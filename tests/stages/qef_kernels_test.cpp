@@ -130,6 +130,7 @@ TEST(QefKernels, ALaneDoesNotDependOnTheOthers) {
   std::mt19937 random(7);
   const auto lane_of = [](const auto& values, std::size_t lane) {
     std::vector<std::uint64_t> bits;
+    bits.reserve(values.size());
     for (const LaneArray& value : values) bits.push_back(std::bit_cast<std::uint64_t>(value[lane]));
     return bits;
   };
