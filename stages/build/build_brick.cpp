@@ -94,6 +94,12 @@ Bounds brick_bounds(const BrickPlace& place, Vec3 spacing) {
 
 namespace {
 
+// Of a label's filtered indicator (label_field.h).
+std::uint64_t filtered_bytes(int level) {
+  const std::uint64_t side = (std::uint64_t{1} << level) + 11;
+  return 2 * side * side * side * sizeof(std::int32_t);
+}
+
 void reserve_for(const BrickScratch& scratch, int level, std::uint64_t active_cells) {
   if (scratch.reserve) scratch.reserve(build_brick_bytes(level, active_cells));
 }
@@ -104,7 +110,8 @@ void reserve_for(BrickScratch& scratch, int level, std::uint64_t active_cells,
   const BrickScratch::Parts& s = scratch.parts();
   if (scratch.reserve)
     scratch.reserve(
-        build_sheets_bytes(level, active_cells, s.cells.most_sheets(s.surface.signs())));
+        build_sheets_bytes(level, active_cells, s.cells.most_sheets(s.surface.signs())) +
+        (parameters.surface.label ? filtered_bytes(level) : 0));
 }
 // Before edits, whose crossings are found before it is known what they leave.
 void reserve_worst(const BrickScratch& scratch, int level, const ContourParameters& parameters) {
@@ -240,9 +247,7 @@ std::uint64_t surface_bytes(int level, std::uint64_t active_cells) {
   const std::uint64_t points = (side + 3) * (side + 3) * (side + 3);
   const std::uint64_t per_edge = sizeof(HermiteEdge) + 2 * sizeof(PolygonRefs);
   const std::uint64_t border = std::min(3 * side * side * 3, 4 * active_cells);
-  const std::uint64_t filtered = (side + 11) * (side + 11) * (side + 11);
-  return points / 2 + 2 * filtered * sizeof(std::int32_t) + border * sizeof(HermiteEdge) +
-         3 * active_cells * per_edge;
+  return points / 2 + border * sizeof(HermiteEdge) + 3 * active_cells * per_edge;
 }
 
 }  // namespace
@@ -257,12 +262,13 @@ std::uint64_t build_brick_bytes(int level, std::uint64_t active_cells) {
   // sheets, each a SheetVertex and a LeafVertex. Vectors may have grown to twice their content.
   const std::uint64_t per_cell =
       16 + std::uint64_t{2} * 4 * (sizeof(SheetVertex) + sizeof(LeafVertex));
-  return surface_bytes(level, active_cells) + active_cells * per_cell;
+  return surface_bytes(level, active_cells) + filtered_bytes(level) + active_cells * per_cell;
 }
 
 std::uint64_t build_sheets_bytes(int level) {
   const std::uint64_t side = std::uint64_t{1} << level;
-  return build_sheets_bytes(level, side * side * side, 4 * side * side * side);
+  return build_sheets_bytes(level, side * side * side, 4 * side * side * side) +
+         filtered_bytes(level);
 }
 
 std::uint64_t build_sheets_bytes(int level, std::uint64_t active_cells, std::uint64_t sheets) {
@@ -273,13 +279,14 @@ std::uint64_t build_sheets_bytes(int level, std::uint64_t active_cells, std::uin
   const std::uint64_t per_sheet = sizeof(SheetCluster) + 4 + 2 * sizeof(SheetVertex) +
                                   2 * (sizeof(SheetCluster) + sizeof(ClusterVertex)) +
                                   3 * sizeof(LeafVertex) + 64 + levels;
-  // Of one block what its clusters hold, and the shapes of nodes: up to two curves a face of a finest
-  // cell, with half of the faces on the outside of a node, half of these on that of its parent, and so
-  // on. From blocks up they are kept: three faces of eight cells, and again half of them a level.
+  // Of one block what its finest clusters hold, no more than there are, and QEFs above them; and the
+  // shapes of nodes: up to two curves a face of a finest cell, with half of the faces on the outside
+  // of a node, half of these on that of its parent, and so on. From blocks up they are kept: three
+  // faces of eight cells, and again half of them a level.
   constexpr std::uint64_t block_cells = std::uint64_t{1} << (3 * block_level);
   const std::uint64_t of_block =
       std::min(active_cells, block_cells) * 2 * 6 * sizeof(FaceCurve) +
-      std::min(sheets, 4 * block_cells) * 2 * (sizeof(ClusterVertex) + 2 * sizeof(Qef));
+      std::min(sheets, 4 * block_cells) * (sizeof(ClusterVertex) + (10 + 2 * 8) * sizeof(Qef) / 10);
   const std::uint64_t per_cell = 48 + 2 * (3 * sizeof(FaceCurve) / 2);
   return surface_bytes(level, active_cells) + of_block + active_cells * per_cell +
          sheets * per_sheet;

@@ -79,7 +79,8 @@ void build_brick(const HaloBlock& block, const BrickPlace& place, const LabelPar
 std::uint64_t build_brick_bytes(int level);
 // The same for a brick with so many active cells.
 std::uint64_t build_brick_bytes(int level, std::uint64_t active_cells);
-// Both where each sheet collapses by itself; sheets: of all active cells.
+// Both where each sheet collapses by itself; sheets: of all active cells. The second without what a
+// label's filtered field takes (label_field.h).
 std::uint64_t build_sheets_bytes(int level);
 std::uint64_t build_sheets_bytes(int level, std::uint64_t active_cells, std::uint64_t sheets);
 // And what it holds beyond that between labels (labels.mode = "shared"), each sample being another.

@@ -107,10 +107,17 @@ class BrickNodes::CellBatches {
 // Where each sheet is a cluster they take much of the memory: no more than they need.
 void BrickNodes::reserve_sheets() {
   if (!by_sheets_) return;
-  std::size_t sheets = 0;
-  for (std::size_t i = 0; i < cells_->size(); ++i) sheets += cells_->sheets(i).sheets;
+  std::size_t sheets = 0, before_block = 0, most_of_block = 0;
+  for (std::size_t i = 0; i < cells_->size(); ++i) {
+    if (i > 0 && (cells_->code(i) ^ cells_->code(i - 1)) >> (3 * block_level) != 0)
+      before_block = sheets;
+    sheets += cells_->sheets(i).sheets;
+    most_of_block = std::max(most_of_block, sheets - before_block);
+  }
   levels_[0].clusters.reserve(sheets);
   own_sheet_.reserve(sheets);
+  levels_[0].vertices.reserve(most_of_block);
+  levels_[0].qefs.reserve(most_of_block);
 }
 
 // The cells of one block.

@@ -113,7 +113,7 @@ TEST_P(BrickMemory, OfSheetsByThemselvesIsSaidAndEnough) {
     parameters.simplify.tolerance = tolerance;
     const Figures figures = figures_of(samples.block(), parameters);
     EXPECT_LE(figures.taken, figures.said);
-    EXPECT_GT(figures.taken * 9, figures.said);
+    EXPECT_GT(figures.taken * 6, figures.said);
     EXPECT_LE(figures.said, build_sheets_bytes(level));
     EXPECT_LT(figures.before, std::uint64_t{1} << 18);
   }
