@@ -227,9 +227,13 @@ class CrossChecks {
            "levels of detail are made of a mesh that is refined, and simplify.refine is \"off\" "
            "here; set it to \"repair\" or \"collapse\", or output.levels to 1");
     if (config_.labels.mode == LabelMode::each)
-      fail({"output.levels", "labels.mode"},
-           "with labels.mode = \"each\" every label has a mesh of its own, and there are no levels "
-           "of detail of these; set labels.mode to \"shared\", or output.levels to 1");
+      for (const MeshWriter& format : writers_named(mesh_writers(), config_.output.formats))
+        if (!format.holds_labels)
+          fail({"output.formats", "output.levels"},
+               fmt::format(
+                   "coarser levels have many labels in one file, and \"{}\" has no place for "
+                   "them; remove it, or set output.levels to 1",
+                   format.name));
     if (!config_.output.tiles)
       fail({"output.levels", "output.tiles"},
            "levels of detail are tiles; set output.tiles to true, or output.levels to 1");

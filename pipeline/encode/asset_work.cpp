@@ -128,6 +128,13 @@ void add_counts(AssetRecord& record, const TileMesh& mesh) {
   record.collinear += mesh.collinear;
 }
 
+// Meshes of labels that lie on each other may have points in common.
+std::uint64_t distinct_positions(const TileMesh& mesh) {
+  std::vector<LatticePoint> points = mesh.positions;
+  std::sort(points.begin(), points.end());
+  return static_cast<std::uint64_t>(std::unique(points.begin(), points.end()) - points.begin());
+}
+
 // One more mesh of the record.
 void add_mesh(AssetRecord& record, const TileMesh& mesh, const std::vector<FileRecord>& files) {
   record.vertices += mesh.positions.size();
@@ -285,6 +292,7 @@ void encode_level(const RunContext& context, const EncodeJob& job, const LevelMe
   if (!mesh.triangles.empty())
     files = write_formats(job, mesh, level_stem(at), facts_of(context, job, exterior), worker);
   add_mesh(record, mesh, files);
+  if (levels.tree().of_labels()) record.vertices = distinct_positions(mesh);
   write_asset_record(level_record_path(job.folder, at), record, job.output);
 }
 

@@ -42,9 +42,10 @@ void each_planned(const EncodeJob& job, const UnitPlan& plan, const LevelMeshes*
   if (levels == nullptr) return;
   f(tileset_name);
   const LevelTree& tree = levels->tree();
+  const std::vector<bool> nested = nested_tilesets(tree);
   for (std::uint64_t n = 0; n < tree.nodes().size(); ++n) {
     for (const std::string& ending : endings) f(level_stem(tree.nodes()[n]) + ending);
-    if (has_own_tileset(tree, n)) f(tileset_name_of(tree.nodes()[n]));
+    if (nested[n]) f(tileset_name_of(tree.nodes()[n]));
   }
 }
 
@@ -205,6 +206,7 @@ class EncodeStage final : public StageWork {
   }
   // Of a coarse tile at most.
   std::uint64_t pairs_in(std::uint64_t unit) const {
+    if (is_node(unit) && plan_.of_labels()) return levels_->labels(unit - first_node());
     if (pairs_.empty()) return 0;
     return is_node(unit) ? sum(pairs_) : pairs_[unit];
   }
@@ -255,7 +257,8 @@ std::string EncodeStage::missing_text(const StageLook& look) const {
 
 std::uint64_t EncodeStage::bytes(std::uint64_t unit) {
   if (is_merged(unit)) return plan_.size() > 1 ? merged_.bytes : all_memory;
-  return encode_bytes(config_, largest(unit)) + pair_bytes(pairs_in(unit));
+  const std::uint64_t pairs = pairs_in(unit);
+  return encode_bytes(config_, largest(unit), pairs > 0) + pair_bytes(pairs);
 }
 
 StageMemory EncodeStage::memory(std::span<const std::uint64_t> numbers) {
@@ -266,6 +269,9 @@ StageMemory EncodeStage::memory(std::span<const std::uint64_t> numbers) {
     pairs = std::max(pairs, pairs_in(number));
   }
   StageMemory memory = encode_memory(config_, need);
+  // The tree, and what is listed of each of its leaves.
+  if (levels_ != nullptr && plan_.of_labels())
+    memory.base_bytes = levels_->tree().bytes() + levels_->tree().leaves().size() * listed_bytes;
   if (pairs > 0) memory.unit += fmt::format(" with {} pairs of labels", pairs);
   if (pairs > 0 && job_.formats.size() > 1) {
     const MeshWriter& costliest = costliest_of_pairs(job_);
@@ -318,6 +324,11 @@ Listing EncodeStage::listing(const InterruptFlag* interrupt) const {
   listing.materials = job_.materials;
   listing.output = job_.output;
   listing.scratch = job_.folder;
+  if (levels_ != nullptr && plan_.of_labels())
+    listing.place = [this](std::size_t unit, std::size_t mesh) -> std::optional<CellKey> {
+      const LevelLeaf& leaf = levels_->tree().leaves()[plan_.first_tile(unit) + mesh];
+      return leaf.whole ? std::optional(leaf.place) : std::nullopt;
+    };
   if (levels_ != nullptr)
     listing.levels = [this, tiles = listing](Manifest& out, FileNames& leftovers) {
       list_levels({job_, *levels_, tiles}, out, leftovers);
@@ -327,10 +338,11 @@ Listing EncodeStage::listing(const InterruptFlag* interrupt) const {
 
 }  // namespace
 
-std::uint64_t encode_bytes(const Config& config, const PlannedTile& tile) {
+std::uint64_t encode_bytes(const Config& config, const PlannedTile& tile, bool of_pairs) {
   const std::uint64_t v = vertices_with_border(tile), t = 2 * tile.polygons;
   return stitch_bytes(v, tile.polygons) / 2 +
-         encode_memory_bytes(v, t, config.output.normals, config.labels.mode == LabelMode::shared);
+         encode_memory_bytes(v, t, config.output.normals,
+                             of_pairs || config.labels.mode == LabelMode::shared);
 }
 
 StageMemory encode_memory(const Config& config, std::uint64_t largest) {

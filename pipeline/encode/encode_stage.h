@@ -21,7 +21,7 @@ struct MergedPlan {
 MergedPlan plan_merged(const Config& config, const UnitPlan& units, std::uint64_t pair_bytes = 0);
 
 // What encoding a tile of that size takes.
-std::uint64_t encode_bytes(const Config& config, const PlannedTile& tile);
+std::uint64_t encode_bytes(const Config& config, const PlannedTile& tile, bool of_pairs = false);
 // The stage's need where the largest of its tiles takes so many bytes.
 StageMemory encode_memory(const Config& config, std::uint64_t largest);
 

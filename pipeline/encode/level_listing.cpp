@@ -1,5 +1,6 @@
 #include "pipeline/encode/level_listing.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/encode/tileset.h"
@@ -14,18 +15,21 @@ class LevelLister {
       : listing_(listing),
         tree_(listing.levels.tree()),
         errors_(listing.levels.errors()),
+        format_(tileset_format(listing.job)),
         manifest_(manifest) {}
 
   void list(FileNames& leftovers) {
-    for (std::uint64_t t = 0; t < listing_.tiles.tiles.size(); ++t) {
+    for (const ListedTile& tile : listing_.tiles.tiles) {
       listing_.tiles.check_interrupt();
-      tiles_.push_back(sums_of(tile(t)));
+      add_leaves(whole_record(tile.record));
     }
     AssetFile list(listing_.job.output, levels_name);
     for (std::uint64_t n = 0; n < tree_.nodes().size(); ++n) {
       listing_.tiles.check_interrupt();
-      const AssetRecord record = node(n);
-      nodes_.push_back(sums_of(record));
+      const AssetRecord record =
+          whole_record(level_record_path(listing_.job.folder, tree_.nodes()[n]));
+      nodes_.push_back(sums_of(record.triangles, record.files));
+      node_meshes_.push_back({record.box, tileset_file(record.files)});
       if (record.files.empty()) continue;
       for (const FileRecord& file : record.files) leftovers.leave_out(file.path);
       const LevelNode& at = tree_.nodes()[n];
@@ -51,31 +55,40 @@ class LevelLister {
     bool any = false;  // it has files
     std::uint64_t triangles = 0, bytes = 0;
   };
-  static Sums sums_of(const AssetRecord& record) {
-    Sums sums{!record.files.empty(), record.triangles, 0};
-    for (const FileRecord& file : record.files) sums.bytes += file.bytes;
+  static Sums sums_of(std::uint64_t triangles, std::span<const FileRecord> files) {
+    Sums sums{!files.empty(), triangles, 0};
+    for (const FileRecord& file : files) sums.bytes += file.bytes;
     return sums;
   }
-
-  AssetRecord node(std::uint64_t number) const {
-    return whole_record(level_record_path(listing_.job.folder, tree_.nodes()[number]));
+  std::string tileset_file(std::span<const FileRecord> files) const {
+    const auto file = std::ranges::find(files, format_, &FileRecord::format);
+    return file == files.end() ? std::string() : file->path;
   }
-  AssetRecord tile(std::uint64_t number) const {
-    return whole_record(listing_.tiles.tiles[number].record);
+
+  // The leaves of one unit: its tile, or its labels.
+  void add_leaves(const AssetRecord& record) {
+    const std::span<const FileRecord> files = record.files;
+    if (!tree_.of_labels()) {
+      leaves_.push_back(sums_of(record.triangles, files));
+      leaf_meshes_.push_back({record.box, tileset_file(files)});
+      return;
+    }
+    std::size_t begin = 0;
+    for (const LabelAsset& label : record.labels) {
+      const auto own = files.subspan(begin, label.files);
+      begin += label.files;
+      leaves_.push_back(sums_of(label.triangles, own));
+      TilesetMesh& mesh = leaf_meshes_.emplace_back();
+      if (!label.measure.empty) mesh.box = {label.measure.lo, label.measure.hi};
+      mesh.file = tileset_file(own);
+    }
   }
 
   void add_tileset() {
-    const std::string format = tileset_format(listing_.job);
-    if (format.empty()) return;
-    const TilesetInputs inputs{listing_.levels,
-                               errors_,
-                               manifest_.lattice,
-                               manifest_.frame,
-                               listing_.job.output,
-                               source_name(),
-                               format,
-                               [&](std::uint64_t n) { return tile(n); },
-                               [&](std::uint64_t n) { return node(n); }};
+    if (format_.empty()) return;
+    const TilesetInputs inputs{
+        listing_.levels,     errors_,       manifest_.lattice, manifest_.frame,
+        listing_.job.output, source_name(), leaf_meshes_,      node_meshes_};
     for (FileRecord& file : write_tileset(inputs)) manifest_.files.push_back(std::move(file));
   }
 
@@ -99,7 +112,7 @@ class LevelLister {
   }
   std::uint64_t bytes_of_tiles() const {
     std::uint64_t bytes = 0;
-    for (const Sums& tile : tiles_) bytes += tile.bytes;
+    for (const Sums& leaf : leaves_) bytes += leaf.bytes;
     return bytes;
   }
 
@@ -120,7 +133,7 @@ class LevelLister {
           worst = std::max(worst, errors_[n].worst);
           if (tree_.nodes()[n].height == height) bytes += nodes_[n].bytes;
         },
-        [&](std::uint64_t t) { add(tiles_[t]); });
+        [&](std::uint64_t t) { add(leaves_[t]); });
     const double step = manifest_.lattice.step;
     return {{"level", height},
             {"tolerance", listing_.levels.tolerance(height) * step},
@@ -135,8 +148,11 @@ class LevelLister {
   const LevelListing& listing_;
   const LevelTree& tree_;
   const std::vector<LevelError> errors_;  // of nodes
+  const std::string format_;              // whose files a tileset has; empty: there is none
   Manifest& manifest_;
-  std::vector<Sums> tiles_, nodes_;  // records are read once for all levels
+  // Records are read once for all levels.
+  std::vector<Sums> leaves_, nodes_;
+  std::vector<TilesetMesh> leaf_meshes_, node_meshes_;
 };
 
 }  // namespace

@@ -14,6 +14,9 @@ struct LevelListing {
   const Listing& tiles;  // of the mesh itself
 };
 
+// Memory that is taken for each leaf of the tree while levels are listed, about.
+inline constexpr std::uint64_t listed_bytes = 160;
+
 // The format whose files a tileset has for contents, by its name; empty: none of those that are written.
 std::string tileset_format(const EncodeJob& job);
 

@@ -157,7 +157,8 @@ std::size_t label_records_ahead(const Listing& listing) {
 
 // The meshes of a record as lines of tiles.jsonl; f(line, its files) of each.
 template <class F>
-void each_mesh(const Listing& listing, const CellKey& tile, AssetRecord& record, F&& f) {
+void each_mesh(const Listing& listing, std::size_t number, AssetRecord& record, F&& f) {
+  const CellKey& tile = listing.tiles[number].tile;
   if (listing.labels != LabelMode::each) {
     f(TileRecord{{},
                  tile,
@@ -170,6 +171,7 @@ void each_mesh(const Listing& listing, const CellKey& tile, AssetRecord& record,
     return;
   }
   auto file = record.files.begin();
+  std::size_t in_record = 0;
   for (const LabelAsset& mesh : record.labels) {
     const auto end = file + static_cast<std::ptrdiff_t>(mesh.files);
     f(TileRecord{mesh.label,
@@ -178,7 +180,9 @@ void each_mesh(const Listing& listing, const CellKey& tile, AssetRecord& record,
                  mesh.triangles,
                  mesh.quads,
                  mesh.polygon_triangles,
-                 {file, end}},
+                 {file, end},
+                 0,
+                 listing.place ? listing.place(number, in_record++) : std::nullopt},
       &mesh);
     file = end;
   }
@@ -210,14 +214,13 @@ void list_tiles(const Listing& listing, Manifest& manifest, FileNames& leftovers
         counts.collinear += record.collinear;
         if (sums) sums->add(record);
         pieces.add(record);
-        each_mesh(listing, listing.tiles[i].tile, record,
-                  [&](const TileRecord& tile, const LabelAsset* mesh) {
-                    if (mesh != nullptr) lines->add(*mesh, tile.files.empty() ? 0 : 1, tile.files);
-                    if (tile.files.empty()) return;
-                    ++counts.tiles;
-                    for (const FileRecord& one : tile.files) count_file(one, counts, leftovers);
-                    tiles.line(to_json_line(tile));
-                  });
+        each_mesh(listing, i, record, [&](const TileRecord& tile, const LabelAsset* mesh) {
+          if (mesh != nullptr) lines->add(*mesh, tile.files.empty() ? 0 : 1, tile.files);
+          if (tile.files.empty()) return;
+          ++counts.tiles;
+          for (const FileRecord& one : tile.files) count_file(one, counts, leftovers);
+          tiles.line(to_json_line(tile));
+        });
       });
   manifest.files.push_back(tiles.finish("list"));
   if (auto list = pieces.finish()) manifest.files.push_back(std::move(*list));

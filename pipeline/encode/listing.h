@@ -34,6 +34,8 @@ struct Listing {
   std::optional<std::filesystem::path> merged;  // the merged mesh's record, where there is one
   std::filesystem::path output;
   std::filesystem::path scratch;  // a folder for what does not fit memory
+  // Where there are such: the place of a mesh (TileRecord), by the number of the tile and its own in that.
+  std::function<std::optional<CellKey>(std::size_t, std::size_t)> place = {};
   // Of coarser levels: adds their files and section to the manifest.
   std::function<void(Manifest&, FileNames&)> levels = {};
   const InterruptFlag* interrupt = nullptr;  // asked between records; the manifest comes last

@@ -14,9 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A nested file holds a tree of so many heights: up to 8 + 64 + 512 + 4096 tiles.
-constexpr int heights_a_file = 4;
-// One file is enough for fewer.
+// A nested file begins with a node that has more below it, of what is in no other nested file.
 constexpr std::uint64_t few_tiles = 1000;
 
 // A part of the tree, as it stands in its parent's list of children.
@@ -30,7 +28,10 @@ struct Part {
 class TilesetWriter {
  public:
   explicit TilesetWriter(const TilesetInputs& inputs)
-      : inputs_(inputs), tree_(inputs.levels.tree()), matrix_(world_matrix(inputs.frame)) {
+      : inputs_(inputs),
+        tree_(inputs.levels.tree()),
+        nested_(nested_tilesets(tree_)),
+        matrix_(world_matrix(inputs.frame)) {
     for (std::size_t r = 0; r < 3; ++r) scale_ += matrix_[r] * matrix_[r];
     scale_ = std::sqrt(scale_);
   }
@@ -38,7 +39,7 @@ class TilesetWriter {
   std::vector<FileRecord> write() {
     std::vector<Part> roots;
     for (const std::uint64_t node : tree_.root_nodes()) keep(roots, of_node(node, ""));
-    for (const std::uint64_t tile : tree_.root_tiles()) keep(roots, of_tile(tile, ""));
+    for (const std::uint64_t leaf : tree_.root_leaves()) keep(roots, of_leaf(leaf, ""));
     Json root;
     if (roots.size() == 1)
       root = std::move(roots.front().json);
@@ -87,13 +88,12 @@ class TilesetWriter {
   }
 
   // up: from the file that it stands in to the output directory.
-  Part of_mesh(const AssetRecord& record, const std::string& up) const {
+  static Part of_mesh(const TilesetMesh& mesh, const std::string& up) {
     Part part;
-    part.box = record.box;
-    const auto file = std::ranges::find(record.files, inputs_.format, &FileRecord::format);
-    if (file == record.files.end()) return part;
+    part.box = mesh.box;
+    if (mesh.file.empty()) return part;
     part.json["refine"] = "REPLACE";
-    part.json["content"]["uri"] = up + file->path;
+    part.json["content"]["uri"] = up + mesh.file;
     return part;
   }
   void finish(Part& part) const {
@@ -101,17 +101,17 @@ class TilesetWriter {
     part.json["geometricError"] = part.error;
   }
 
-  Part of_tile(std::uint64_t tile, const std::string& up) const {
-    Part part = of_mesh(inputs_.tile(tile), up);
+  Part of_leaf(std::uint64_t leaf, const std::string& up) const {
+    Part part = of_mesh(inputs_.leaves[leaf], up);
     if (part.box) finish(part);
     return part;
   }
 
   Part of_node(std::uint64_t number, const std::string& up) {
     const LevelNode& node = tree_.nodes()[number];
-    const bool nested = has_own_tileset(tree_, number);
+    const bool nested = nested_[number];
     const std::string below = nested ? "../../" : up;
-    Part part = of_mesh(inputs_.node(number), below);
+    Part part = of_mesh(inputs_.nodes[number], below);
     part.error = std::max(error_of(node.height), measured_error(number));
     Json children = Json::array();
     const auto add = [&](Part child) {
@@ -124,7 +124,7 @@ class TilesetWriter {
       children.push_back(std::move(child.json));
     };
     for (const std::uint64_t child : node.nodes) add(of_node(child, below));
-    for (const std::uint64_t child : node.tiles) add(of_tile(child, below));
+    for (const std::uint64_t child : node.leaves) add(of_leaf(child, below));
     if (!part.box) return part;
     finish(part);
     part.json["children"] = std::move(children);
@@ -176,6 +176,7 @@ class TilesetWriter {
 
   const TilesetInputs& inputs_;
   const LevelTree& tree_;
+  const std::vector<bool> nested_;
   const std::array<double, 16> matrix_;
   double scale_ = 0;  // metres in a unit of the files
   std::vector<FileRecord> files_;
@@ -187,10 +188,17 @@ std::string tileset_name_of(const LevelNode& node) {
   return level_stem(node) + ".json";
 }
 
-bool has_own_tileset(const LevelTree& tree, std::uint64_t number) {
-  const LevelNode& node = tree.nodes()[number];
-  return tree.size() > few_tiles && node.height < tree.top() &&
-         (tree.top() - node.height) % heights_a_file == 0;
+std::vector<bool> nested_tilesets(const LevelTree& tree) {
+  const auto& nodes = tree.nodes();
+  std::vector<bool> nested(nodes.size());
+  std::vector<std::uint64_t> tiles(
+      nodes.size());  // in the file that it stands in, below it and itself
+  for (std::uint64_t n = 0; n < nodes.size(); ++n) {
+    tiles[n] = 1 + nodes[n].leaves.size();
+    for (const std::uint64_t child : nodes[n].nodes) tiles[n] += nested[child] ? 1 : tiles[child];
+    nested[n] = tiles[n] > few_tiles && nodes[n].height < tree.top();
+  }
+  return nested;
 }
 
 std::vector<FileRecord> write_tileset(const TilesetInputs& inputs) {

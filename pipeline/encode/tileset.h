@@ -12,15 +12,22 @@
 // its children, and lie as the volume does in the world.
 #pragma once
 
-#include <functional>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "pipeline/stage/artifacts.h"
 #include "pipeline/stage/level_meshes.h"
-#include "storage/artifact/asset_record.h"
 #include "storage/types/file_record.h"
+#include "storage/types/lattice_box.h"
 
 namespace voxweld {
+
+// What a tileset says of a mesh.
+struct TilesetMesh {
+  std::optional<LatticeBox> box;  // nothing where it has no triangle
+  std::string file;               // relative to the output directory; empty: none
+};
 
 struct TilesetInputs {
   const LevelMeshes& levels;
@@ -28,16 +35,14 @@ struct TilesetInputs {
   OutputLattice lattice;                  // of the files
   VolumeGeometry frame;
   std::filesystem::path output;
-  std::string source;  // the volume's file name
-  std::string format;  // by its name: whose files are the tiles' contents
-  // Of a tile of the plan, and of a node.
-  std::function<AssetRecord(std::uint64_t)> tile, node;
+  std::string source;                             // the volume's file name
+  const std::vector<TilesetMesh>&leaves, &nodes;  // of the tree
 };
 
 // The name of the nested file that begins with this node.
 std::string tileset_name_of(const LevelNode& node);
-// Whether there is one, in a tree of so many tiles and nodes.
-bool has_own_tileset(const LevelTree& tree, std::uint64_t node);
+// Of each node whether it has one.
+std::vector<bool> nested_tilesets(const LevelTree& tree);
 
 // Writes them and returns what they are, the file to open first.
 std::vector<FileRecord> write_tileset(const TilesetInputs& inputs);

@@ -48,8 +48,9 @@ LatticeMesh read_tile(const std::filesystem::path& output, const TileRecord& rec
                       const Manifest& manifest) {
   for (const FileRecord& file : record.files) {
     const MeshWriter* format = writer_of_file(mesh_writers(), file.path);
-    if (format == nullptr || (manifest.labels == LabelMode::shared && !format->holds_labels))
-      continue;
+    const bool many_labels = manifest.labels == LabelMode::shared ||
+                             (manifest.labels == LabelMode::each && record.lod > 0);
+    if (format == nullptr || (many_labels && !format->holds_labels)) continue;
     const std::filesystem::path path = output / file.path;
     return weld(read_checked(*format, path, file), manifest.lattice, path.string());
   }

@@ -67,6 +67,8 @@ class MultilodWriter {
       FragmentLevel& level = levels_[static_cast<std::size_t>(lod)];
       before = level.scale = std::max(before, scale(lod));
     }
+    // Labels that are smaller than a level's tolerance are not in it.
+    while (levels_.size() > 1 && levels_.back().fragments.empty()) levels_.pop_back();
     add_empty_fragments(levels_);
     FragmentIndex index;
     const std::int32_t chunk = work_.list.segments[segment_].chunk;

@@ -23,12 +23,13 @@ LevelCut::LevelCut(std::span<const LevelTile> tiles, int top) {
 }
 
 bool LevelCut::takes(const TileRecord& record) const {
-  const std::uint64_t code = record.tile.code();
-  const auto after = std::ranges::upper_bound(shown_, code, {}, &Shown::begin);
-  const bool within = after != shown_.begin() && code < (after - 1)->end;
+  const CellKey cell = record.place.value_or(record.tile);
+  const std::uint64_t begin = cell.code(), end = end_of(cell);
+  const auto after = std::ranges::upper_bound(shown_, begin, {}, &Shown::begin);
+  const bool within = after != shown_.begin() && end <= (after - 1)->end;
   if (record.lod == 0) return !within;
-  return within && (after - 1)->lod == record.lod && (after - 1)->begin == code &&
-         (after - 1)->end == end_of(record.tile);
+  return within && (after - 1)->lod == record.lod && (after - 1)->begin == begin &&
+         (after - 1)->end == end;
 }
 
 std::vector<LevelTile> listed_levels(const std::filesystem::path& output) {

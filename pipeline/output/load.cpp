@@ -25,6 +25,29 @@ LevelCut cut_of(const std::filesystem::path& output, int level) {
   return LevelCut(tiles, level);
 }
 
+// The meshes that a coarse tile of labels has: none of them has a point in common with another.
+void each_label(const DecodedMesh& mesh,
+                const std::function<void(const DecodedMesh&, std::optional<Material>)>& f) {
+  std::vector<DecodedMesh> parts(mesh.pairs.size());
+  constexpr std::uint32_t none = ~std::uint32_t{0};
+  std::vector<std::uint32_t> number(mesh.positions.size(), none);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    DecodedMesh& part = parts[mesh.triangle_pairs[t]];
+    auto triangle = mesh.triangles[t];
+    for (std::uint32_t& corner : triangle) {
+      std::uint32_t& own = number[corner];
+      if (own == none) {
+        own = static_cast<std::uint32_t>(part.positions.size());
+        part.positions.push_back(mesh.positions[corner]);
+        if (!mesh.normals.empty()) part.normals.push_back(mesh.normals[corner]);
+      }
+      corner = own;
+    }
+    part.triangles.push_back(triangle);
+  }
+  for (std::size_t i = 0; i < parts.size(); ++i) f(parts[i], mesh.pairs[i].inside);
+}
+
 }  // namespace
 
 DecodedMesh load_mesh(const std::filesystem::path& path, MeshWriters formats) {
@@ -68,10 +91,16 @@ void each_mesh_file(
 void for_each_mesh(const std::filesystem::path& path,
                    const std::function<void(const DecodedMesh&, std::optional<Material> label)>& f,
                    MeshWriters formats, int level) {
+  const bool of_each_label = level > 0 && std::filesystem::exists(path / manifest_name) &&
+                             read_manifest(path / manifest_name).labels == LabelMode::each;
   each_mesh_file(
       path,
       [&](const std::filesystem::path& file, std::optional<Material> label) {
-        f(load_mesh(file, formats), label);
+        const DecodedMesh mesh = load_mesh(file, formats);
+        if (of_each_label && !label)
+          each_label(mesh, f);
+        else
+          f(mesh, label);
       },
       level);
 }

@@ -22,7 +22,8 @@ void each_mesh_file(
     int level = 0);
 
 // Of an output directory each tile (or the merged mesh where there are no tiles), one after the
-// other; of a file its mesh. label: of a tile that is one label's (labels.mode = "each").
+// other; of a file its mesh. label: of a mesh that is one label's (labels.mode = "each"); a coarse tile has
+// one for each of its labels.
 void for_each_mesh(const std::filesystem::path& path,
                    const std::function<void(const DecodedMesh&, std::optional<Material> label)>& f,
                    MeshWriters formats = mesh_writers(), int level = 0);

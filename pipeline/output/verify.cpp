@@ -324,10 +324,10 @@ class Verifier {
            manifest_.files.end();
   }
   void check_levels() {
-    const SeamRules rules{manifest_.open_border, manifest_.free_topology, shared_, {}};
-    const LevelTotals totals =
-        verify_levels({directory_, tiles_, frame_, rules, threads_, [&] { check_interrupt(); },
-                       [&](Problem problem) { note(std::move(problem)); }});
+    const SeamRules rules{manifest_.open_border, manifest_.free_topology, shared_ || each_, {}};
+    const LevelTotals totals = verify_levels({directory_, tiles_, frame_, rules, each_, threads_,
+                                              [&] { check_interrupt(); },
+                                              [&](Problem problem) { note(std::move(problem)); }});
     report_.levels = totals.levels;
     report_.files += totals.files;
     report_.bytes += totals.bytes;

@@ -24,7 +24,7 @@ LevelTotals verify_levels(const LevelVerifier& verifier) {
           [&](const TileRecord& record) { return cut.takes(record); },
           [&](TileRecord record, std::size_t) {
             verifier.between();
-            return verifier.tiles.check(std::move(record), {});
+            return verifier.tiles.check(std::move(record), {.by_label = verifier.each_label});
           },
           [&](const TileResult& result) {
             seams.add(result.record.tile, result.seams);

@@ -14,6 +14,7 @@ struct LevelVerifier {
   const TileReader& tiles;
   const PointFrame& frame;
   SeamRules rules;
+  bool each_label = false;  // labels.mode = "each"
   int threads = 1;
   std::function<void()> between;  // called before each tile
   std::function<void(Problem)> report;

@@ -155,7 +155,9 @@ void TileReader::check_mesh(LatticeMesh& mesh, const TileChecks& checks, TileRes
   if (degenerate > 0)
     result.problems.push_back({record_name(result.record),
                                fmt::format("has {} triangles with two equal corners", degenerate)});
-  const bool shared = manifest_.labels == LabelMode::shared;
+  if (checks.by_label && result.record.label)
+    mesh.pairs.assign(mesh.triangles.size(), {*result.record.label, exterior});
+  const bool shared = manifest_.labels == LabelMode::shared || checks.by_label;
   if (shared && mesh.pairs.empty() && !mesh.triangles.empty())
     result.problems.push_back(
         {record_name(result.record), "does not say which labels its triangles separate"});

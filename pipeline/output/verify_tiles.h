@@ -47,6 +47,7 @@ struct TileResult {
 struct TileChecks {
   bool intersections = false;
   bool vertices_listed = true;  // by the tile's own record
+  bool by_label = false;        // with labels.mode = "each": seams as between labels
 };
 
 class TileReader {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <optional>
 #include <unordered_map>
 
@@ -37,12 +38,13 @@ fs::path manifest_near(const fs::path& file) {
 // Positions of one label are one vertex where their bits are the same.
 class Collector {
  public:
-  explicit Collector(bool weld) : weld_(weld) {}
+  explicit Collector(const ExportOptions& options) : weld_(options.weld), level_(options.level) {}
 
   void add(const DecodedMesh& mesh, std::optional<Material> label) {
     if (mesh_.positions.size() + mesh.positions.size() > std::numeric_limits<std::uint32_t>::max())
       throw InputError("the mesh has more vertices than one file can count; export its tiles");
-    if (label != label_) known_.clear();
+    // Of the mesh itself a label's tiles come together.
+    if (label != label_ && level_ == 0) known_.clear();
     label_ = label;
     std::vector<std::uint32_t> becomes;
     becomes.reserve(mesh.positions.size());
@@ -65,7 +67,7 @@ class Collector {
     const auto& p = mesh.positions[i];
     const auto next = static_cast<std::uint32_t>(mesh_.positions.size());
     if (weld_) {
-      const auto [at, fresh] = known_.try_emplace(p, next);
+      const auto [at, fresh] = known_[label_].try_emplace(p, next);
       if (!fresh) return at->second;
     } else if (!mesh.normals.empty()) {
       mesh_.normals.push_back(mesh.normals[i]);
@@ -88,10 +90,13 @@ class Collector {
     }
   };
 
+  using Numbers = std::unordered_map<std::array<float, 3>, std::uint32_t, Hash>;
+
   bool weld_;
+  int level_;  // of detail
   WideMesh mesh_;
   std::optional<Material> label_;
-  std::unordered_map<std::array<float, 3>, std::uint32_t, Hash> known_;
+  std::map<std::optional<Material>, Numbers> known_;
 };
 
 void into_world(const VolumeGeometry& frame, WideMesh& mesh) {
@@ -228,7 +233,7 @@ std::string stl(const WideMesh& mesh) {
 }  // namespace
 
 WideMesh load_wide_mesh(const fs::path& path, const ExportOptions& options, MeshWriters formats) {
-  Collector collector(options.weld);
+  Collector collector(options);
   for_each_mesh(
       path,
       [&](const DecodedMesh& mesh, std::optional<Material> label) { collector.add(mesh, label); },

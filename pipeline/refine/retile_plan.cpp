@@ -35,6 +35,26 @@ struct BlockOrder {
   }
 };
 
+// Around some cells.
+class CellBox {
+ public:
+  void extend(Index3 cell) {
+    for (int axis = 0; axis < 3; ++axis) {
+      lo_[axis] = any_ ? std::min(lo_[axis], cell[axis]) : cell[axis];
+      hi_[axis] = any_ ? std::max(hi_[axis], cell[axis]) : cell[axis];
+    }
+    any_ = true;
+  }
+  // Morton code; 0 of none.
+  std::uint64_t middle() const {
+    return morton_encode({(lo_.x + hi_.x) / 2, (lo_.y + hi_.y) / 2, (lo_.z + hi_.z) / 2});
+  }
+
+ private:
+  bool any_ = false;
+  Index3 lo_, hi_;
+};
+
 std::vector<PlanSource> sources_of(CubeMeshes& meshes) {
   std::vector<PlanSource> sources;
   for (const CubeMeshes::Entry& entry : meshes.entries())
@@ -69,6 +89,7 @@ class SortedBlocks {
   struct Surface {
     std::vector<PlannedTile> tiles;
     std::uint64_t lost_vertices = 0;
+    std::uint64_t middle = 0;  // of the box of its blocks, the code of a finest cell
   };
   // The largest cubes whose triangles make at most so many vertices. A closed surface has half as
   // many vertices as triangles; where a vertex lies does not matter then, so each unit of the last pass can
@@ -76,6 +97,7 @@ class SortedBlocks {
   // label: above that of the call before.
   Surface plan(Material label) {
     Surface surface;
+    CellBox box;
     TilePlanner planner(domain_level(job_.frame.size), job_.tile_vertices,
                         [&](const PlannedTile& tile) { surface.tiles.push_back(tile); });
     if (next_ && next_->key.label < label)
@@ -84,10 +106,12 @@ class SortedBlocks {
     for (; next_ && next_->key.label == label; advance()) {
       surface.lost_vertices += next_->lost_vertices;
       if (next_->triangles == 0) continue;
+      box.extend(morton_decode(next_->key.code));
       const std::uint64_t half = (next_->triangles + 1) / 2;
       planner.push({next_->key.code, tile_block_level, static_cast<std::uint32_t>(half), half});
     }
     planner.finish();
+    surface.middle = box.middle();
     // A label without triangles has a tile all the same, an empty one: it is listed as one whose
     // stitched mesh is empty is.
     if (surface.tiles.empty() && labels_ == LabelMode::each)
@@ -162,12 +186,32 @@ void RetilePlan::make(const RetileInputs& inputs) const {
     for (const SurfaceRecord& surface : merged.surfaces(first, count)) {
       const SortedBlocks::Surface planned = blocks.plan(surface.material);
       for (const PlannedTile& tile : planned.tiles) out.tile(tile);
+      out.middle(planned.middle);
       out.end_surface(surface.material, surface.vertices - planned.lost_vertices);
       batches.add(surface.material, planned.tiles, 0, [](KeyHasher&, const PlannedTile&) {});
     }
   }
   batches.finish();
   out.finish(sources_of(inputs.meshes));
+}
+
+std::vector<LevelLeaf> RetilePlan::level_leaves() const {
+  const MaterialTop tables(artifact_->file());
+  std::vector<LevelLeaf> leaves;
+  leaves.reserve(tables.tile_count());
+  for (std::uint64_t first = 0; first < tables.surface_count(); first += page_records) {
+    const std::uint64_t count = std::min(page_records, tables.surface_count() - first);
+    const std::vector<std::uint64_t> middles = artifact_->middles(first, count);
+    const auto surfaces = tables.surfaces(first, count);
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
+      const SurfaceRecord& surface = surfaces[i];
+      const bool whole = labels_ == LabelMode::each && surface.tiles == 1;
+      const CellKey middle = CellKey::of(middles[i], static_cast<std::uint64_t>(job_.frame.level));
+      for (const PlannedTile& tile : tables.tiles(surface.first_tile, surface.tiles))
+        leaves.push_back({whole ? middle : tile.key(), tile.vertices, surface.material, whole});
+    }
+  }
+  return leaves;
 }
 
 void RetilePlan::open(std::unique_ptr<TilePlanArtifact> artifact) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/refine/cube_meshes.h"
+#include "pipeline/stage/level_tree.h"
 #include "pipeline/stage/stage_jobs.h"
 #include "pipeline/stage/unit_plan.h"
 #include "storage/artifact/tile_plan_artifact.h"
@@ -35,6 +36,9 @@ class RetilePlan {
 
   const UnitPlan& units() const { return *units_; }
   const std::vector<PlanSource>& sources() const { return sources_; }
+  // What levels of detail are made of, in the order of units. Of labels a million of them are many: they
+  // are not held here.
+  std::vector<LevelLeaf> level_leaves() const;
   // Of all that it was made of.
   Hash128 content() const { return artifact_->content_hash(); }
   bool on_disk() const { return scratch_.empty(); }

@@ -217,10 +217,11 @@ CubeMeshes& Stages::refined() {
 NodeSources Stages::level_sources() {
   choice(Stage::seams);  // of the tolerance
   if (!level_tree_) {
-    std::vector<CellKey> tiles;
-    for (const PlannedTile& tile : plan().largest_tiles()) tiles.push_back(tile.key());
     const LevelsJob& job = jobs_.levels();
-    level_tree_.emplace(tiles, job.levels, job.frame.level);
+    const bool each = context_.config.labels.mode == LabelMode::each;
+    level_tree_.emplace(
+        retile_plan().level_leaves(),
+        LevelTreeRules{job.levels, job.frame.level, each ? jobs_.retile().tile_vertices : 0, each});
   }
   return {jobs_.levels(), *level_tree_, refined()};
 }

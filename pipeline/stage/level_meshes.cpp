@@ -7,6 +7,38 @@
 #include "stages/refine/retile.h"
 
 namespace voxweld {
+namespace {
+
+// f(first piece, behind the last) of each label.
+template <class F>
+void each_label(const CubeMeshArtifact& artifact, F&& f) {
+  const auto pieces = artifact.pieces();
+  for (std::size_t begin = 0, end = 0; begin < pieces.size(); begin = end) {
+    while (end < pieces.size() && pieces[end].label == pieces[begin].label) ++end;
+    f(begin, end);
+  }
+}
+
+void append(TileMesh& all, const TileMesh& mesh, Material label) {
+  const auto add = [](auto& to, const auto& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  const auto first = static_cast<std::uint32_t>(all.positions.size());
+  const auto pair = static_cast<std::uint32_t>(all.pairs.size());
+  all.pairs.push_back({label, exterior});
+  all.triangle_pairs.insert(all.triangle_pairs.end(), mesh.triangles.size(), pair);
+  for (const auto& t : mesh.triangles)
+    all.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  add(all.positions, mesh.positions);
+  add(all.ids, mesh.ids);
+  add(all.normals, mesh.normals);
+  add(all.corner_normals, mesh.corner_normals);
+  all.quads += mesh.quads;
+  all.polygon_triangles += mesh.polygon_triangles;
+  all.collinear += mesh.collinear;
+}
+
+}  // namespace
 
 double LevelMeshes::tolerance(int height) const {
   return level_tolerance(job_.parameters.tolerance, height);
@@ -27,16 +59,34 @@ PlannedTile LevelMeshes::size(std::uint64_t node) const {
           (all.triangles + 1) / 2};
 }
 
+std::uint64_t LevelMeshes::labels(std::uint64_t node) const {
+  if (!tree().of_labels()) return 0;
+  std::uint64_t labels = 0;
+  const CubeMeshArtifact artifact = open(node);
+  each_label(artifact, [&](std::size_t, std::size_t) { ++labels; });
+  return labels;
+}
+
 TileMesh LevelMeshes::read(std::uint64_t node) const {
   const CubeMeshArtifact artifact = open(node);
-  MeshGather mesh;
   const PartFields wanted{.normals = job_.normals, .aims = false, .samples = false};
-  for (std::size_t p = 0; p < artifact.pieces().size(); ++p) {
-    mesh.add(artifact.read(p, CubePart::inside, wanted));
-    mesh.add(artifact.read(p, CubePart::leaving, wanted));
-  }
-  return to_tile_mesh(mesh.mesh(), tree().nodes()[node].cell, job_.lattice,
-                      tile_blocks(job_.frame));
+  const auto surface = [&](std::size_t begin, std::size_t end) {
+    MeshGather mesh;
+    for (std::size_t p = begin; p < end; ++p) {
+      mesh.add(artifact.read(p, CubePart::inside, wanted));
+      mesh.add(artifact.read(p, CubePart::leaving, wanted));
+    }
+    return to_tile_mesh(mesh.mesh(), tree().nodes()[node].cell, job_.lattice,
+                        tile_blocks(job_.frame));
+  };
+  if (!tree().of_labels()) return surface(0, artifact.pieces().size());
+  TileMesh all;
+  all.tile = tree().nodes()[node].cell;
+  all.lattice = job_.lattice;
+  each_label(artifact, [&](std::size_t begin, std::size_t end) {
+    append(all, surface(begin, end), artifact.pieces()[begin].label);
+  });
+  return all;
 }
 
 RefineCounts LevelMeshes::counts(std::uint64_t node) const {

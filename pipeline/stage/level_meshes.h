@@ -25,6 +25,9 @@ class LevelMeshes {
   double tolerance(int height) const;  // in lattice steps
   Hash128 content(std::uint64_t node) const;
   PlannedTile size(std::uint64_t node) const;  // with half as many polygons as triangles
+  // How many labels it has a part of; 0 where there is one surface.
+  std::uint64_t labels(std::uint64_t node) const;
+  // Of labels all meshes as one, which have no vertex in common: triangles bound a label to the exterior.
   TileMesh read(std::uint64_t node) const;
   RefineCounts counts(std::uint64_t node) const;
   // Of each node: its own distances, as measured, and those of its children.

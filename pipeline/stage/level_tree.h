@@ -1,9 +1,11 @@
-// The tiles of coarser levels of detail, as a tree above the tiles of the mesh itself.
+// The tiles of coarser levels of detail, as a tree above the meshes of the finest one: its leaves.
 //
-// A node is a cube of the octree that holds several tiles or nodes, and stands for all of them. Where a
-// cube would hold one alone there is no node. So levels differ from place to place: a node's height is
-// one more than the greatest among its children, and at level k the mesh is made of the highest nodes
-// of no more than that height, and of tiles that are in none.
+// A leaf is a tile of the mesh, or with labels.mode = "each" one of a label. A node is a cube of the
+// octree with several leaves or nodes in it, and stands for all of them, whatever their labels are. Where
+// a cube would hold one alone there is no node; nor where parts of labels are few enough for one tile. So
+// levels differ from place to place: a node's height is one more than the greatest among its children, and
+// at level k the mesh is made of the highest nodes of no more than that height, and of leaves that are in
+// none.
 #pragma once
 
 #include <cstdint>
@@ -13,60 +15,92 @@
 #include <vector>
 
 #include "storage/support/hash.h"
+#include "storage/types/material.h"
 #include "storage/types/top_tree.h"
 
 namespace voxweld {
 
+struct LevelLeaf {
+  // The tile. Of a label in one tile, whose mesh may lie across any cubes, a cube around its middle.
+  CellKey place;
+  std::uint64_t vertices = 0;
+  Material label = sole_material;
+  bool whole = false;  // a label in one tile
+};
+
 struct LevelNode {
-  CellKey cell;                      // at least as large as a cube of refine
-  int height = 1;                    // above tiles, whose height is 0
-  bool all = false;                  // it holds all tiles
-  std::vector<std::uint64_t> nodes;  // children that are nodes, by their numbers, in Morton order
-  std::vector<std::uint64_t> tiles;  // and those that are tiles, by theirs
+  CellKey cell;                       // at least as large as a cube of refine
+  int height = 1;                     // above leaves, whose height is 0
+  bool all = false;                   // it holds all leaves
+  std::vector<std::uint64_t> nodes;   // children that are nodes, by their numbers, in Morton order
+  std::vector<std::uint64_t> leaves;  // and those that are leaves, by theirs, by place
 
   std::string name() const;  // "1/7-0-1-0": height, level and index, the same in every run
   friend bool operator==(const LevelNode&, const LevelNode&) = default;
 };
 
+// What a node holds of a surface: of the only one, or of a label's.
+struct LevelSurface {
+  Material label = sole_material;
+  bool all = false;                   // all of its leaves
+  std::vector<std::uint64_t> leaves;  // those that are the node's own children, by number
+};
+
+struct LevelTreeRules {
+  // How many levels there are to be, leaves among them; 0: until one node holds all. Where more are asked
+  // for than that, further nodes have the same cube.
+  std::int64_t levels = 0;
+  int least = 0;  // the smallest level of a node's cell
+  // A cube with no more vertices needs no node: what stands for its leaves is put together in a larger one.
+  // So there are not many levels where labels are large and lie around each other. 0: every cube needs one.
+  std::uint64_t few_vertices = 0;
+  bool of_labels = false;
+};
+
 class LevelTree {
  public:
   LevelTree() = default;
-  // tiles: cubes that do not overlap, in Morton order. levels: how many there are to be, the tiles among
-  // them; 0: until one node holds all. Where more are asked for than that, further nodes have the
-  // same cube. least: the smallest level of a node's cell.
-  LevelTree(std::span<const CellKey> tiles, std::int64_t levels, int least);
+  // leaves: by label, and of one label by Morton code, in cubes that do not overlap.
+  LevelTree(std::vector<LevelLeaf> leaves, const LevelTreeRules& rules);
 
   // By height, then in Morton order: children before their parents.
   const std::vector<LevelNode>& nodes() const { return nodes_; }
   // Of each height from 1 on, the number behind its last node.
   const std::vector<std::uint64_t>& ends() const { return ends_; }
-  // Tiles and nodes.
-  std::uint64_t size() const { return tiles_.size() + nodes_.size(); }
+  const std::vector<LevelLeaf>& leaves() const { return leaves_; }
+  bool of_labels() const { return of_labels_; }
   int top() const { return static_cast<int>(ends_.size()); }  // the greatest height
-  CellKey tile(std::uint64_t number) const { return tiles_[number]; }
   // What no node holds.
   std::vector<std::uint64_t> root_nodes() const;
-  std::vector<std::uint64_t> root_tiles() const;
-  // What the mesh is made of at a level: f(number of a node), g(number of a tile).
-  template <class Node, class Tile>
-  void cut(int height, Node&& f, Tile&& g) const {
+  std::vector<std::uint64_t> root_leaves() const;
+  // What the node stands for, by label.
+  std::vector<LevelSurface> surfaces(std::uint64_t node) const;
+  // What the mesh is made of at a level: f(number of a node), g(number of a leaf).
+  template <class Node, class Leaf>
+  void cut(int height, Node&& f, Leaf&& g) const {
     for (std::uint64_t n = 0; n < nodes_.size(); ++n)
       if (nodes_[n].height <= height &&
           (parents_[n] == none || nodes_[parents_[n]].height > height))
         f(n);
-    for (std::uint64_t t = 0; t < tile_parents_.size(); ++t)
-      if (tile_parents_[t] == none || nodes_[tile_parents_[t]].height > height) g(t);
+    for (std::uint64_t t = 0; t < leaf_parents_.size(); ++t)
+      if (leaf_parents_[t] == none || nodes_[leaf_parents_[t]].height > height) g(t);
   }
   // Of the cubes of all that it holds, and how they hold each other.
   void add_shape(KeyHasher& key, std::uint64_t node) const;
+  std::uint64_t bytes() const;  // that it takes in memory, about
 
  private:
   static constexpr std::uint64_t none = ~std::uint64_t{0};
 
-  std::vector<CellKey> tiles_;
+  std::vector<std::uint64_t> all_leaves(std::uint64_t node) const;  // by number
+  void take(std::vector<LevelNode> built, std::int64_t levels);
+  void mark_whole();
+
+  std::vector<LevelLeaf> leaves_;
+  bool of_labels_ = false;
   std::vector<LevelNode> nodes_;
   std::vector<std::uint64_t> ends_;
-  std::vector<std::uint64_t> parents_, tile_parents_;
+  std::vector<std::uint64_t> parents_, leaf_parents_;
 };
 
 // Where a node's mesh is, and how its files begin.

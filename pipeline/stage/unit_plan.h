@@ -42,6 +42,8 @@ class UnitPlan {
   // Where its artifact or record is, below `root`: in folders that stay small.
   std::filesystem::path path(const std::filesystem::path& root, std::uint64_t unit,
                              const std::string& ending) const;
+  // Its first tile's number among those of all units.
+  std::uint64_t first_tile(std::uint64_t unit) const { return units_[unit].first_tile; }
   // Its meshes, and its tiles, in their order. Thread-safe.
   std::vector<PlannedMesh> meshes(std::uint64_t unit) const;
   std::vector<UnitTile> tiles(std::uint64_t unit) const;

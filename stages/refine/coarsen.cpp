@@ -58,6 +58,13 @@ void count_and_thin(RefineMesh& mesh, RefineCounts& counts) {
   mesh.samples = std::move(left);
 }
 
+RefineMesh at_home(const RefineMesh& mesh, CellKey cell, const RefineFrame& frame) {
+  const CubeLattice blocks = tile_blocks(frame);
+  MeshGather own;
+  own.add(mesh, [&](std::size_t t) { return belongs_to(mesh, t, blocks, cell); });
+  return own.take();
+}
+
 }  // namespace
 
 double level_tolerance(double finest, int height) {
@@ -86,11 +93,9 @@ RefineMesh coarsen(const RefineMesh& mesh, const RefineFrame& frame, const Coars
   RefineCounts first, second;
   RefineMesh refined = refine_range(mesh, CubeLattice(frame, 0, level), {}, parameters, first);
   refined = refine_range(refined, CubeLattice(frame, 1, level), {}, parameters, second);
-  const CubeLattice blocks = tile_blocks(frame);
-  MeshGather own;
-  own.add(refined,
-          [&](std::size_t t) { return node.all || belongs_to(refined, t, blocks, node.cell); });
-  RefineMesh result = own.take();
+  RefineMesh own;
+  if (!node.all) own = at_home(refined, node.cell, frame);
+  RefineMesh& result = node.all ? refined : own;
   counts = first;
   counts.add(second);
   counts.pairs_before = first.pairs_before;
@@ -99,7 +104,7 @@ RefineMesh coarsen(const RefineMesh& mesh, const RefineFrame& frame, const Coars
   counts.worst = largest_distance(result, MeasuredPoints::all, MeshDistance(mesh), counts.worst);
   counts.worst =
       largest_distance(mesh, MeasuredPoints::long_edges, MeshDistance(refined), counts.worst);
-  return result;
+  return std::move(result);
 }
 
 std::uint64_t coarsen_bytes(const MeshSize& all) {

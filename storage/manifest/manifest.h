@@ -38,11 +38,13 @@
 // tiles.jsonl, one object a line:
 //   {label (with "labels" = "each"), tile {level, at [x, y, z]}, vertices, triangles, quads,
 //    polygon_triangles, files [{format, path, bytes, xxh3_128}]}
-//   of each label those of one stand together, and labels ascend
+//   of each label those of one stand together, and labels ascend. With "levels" that of a label in one
+//   tile also has place {level, at}, a cube around the middle of its mesh
 // levels.jsonl, with "levels", the same of the tiles of coarser levels, by height and in Morton order:
 //   {lod (1 or more), tile, vertices, triangles, quads, polygon_triangles, files}
-//   Such a tile stands for all tiles, of the mesh and of less height, whose cubes lie in its own. Of
-//   equal cubes the one of more height stands for the other.
+//   Such a tile stands for all tiles, of the mesh and of less height, whose cubes (places, if they have
+//   some) lie in its own. Of equal cubes the one of more height stands for the other. With "labels" =
+//   "each" it has meshes of many labels: each triangle separates its label from the exterior
 // labels.jsonl, with "labels", one object a line, ascending:
 //   {label, name (optional), color (optional, [r, g, b] of 0 .. 255), vertices, triangles,
 //    volume (enclosed, output units; null with an open border), area, bounds [lo [x, y, z],
@@ -84,6 +86,8 @@ struct TileRecord {
   std::uint64_t polygon_triangles = 0;
   std::vector<FileRecord> files;
   int lod = 0;  // of a coarser level of detail its height above the tiles of the mesh itself
+  // Of a label in one tile, where there are levels of detail: where about it lies, in place of its tile.
+  std::optional<CellKey> place = {};
   friend bool operator==(const TileRecord&, const TileRecord&) = default;
 };
 

@@ -54,11 +54,30 @@ nlohmann::json parse_text(const std::string& text, const std::string& where) {
   }
 }
 
+namespace {
+
+ordered_json to_json(const CellKey& cell) {
+  return {{"level", cell.level}, {"at", to_json(cell.at)}};
+}
+
+CellKey cell_of(const JsonValue& value) {
+  CellKey cell;
+  cell.level = static_cast<int>(value.at("level").integer(0, max_levels));
+  const auto at = value.at("at").items(3);
+  for (int axis = 0; axis < 3; ++axis)
+    cell.at[axis] = at[static_cast<std::size_t>(axis)].integer(
+        0, (std::int64_t{1} << (max_levels - cell.level)) - 1);
+  return cell;
+}
+
+}  // namespace
+
 std::string to_json_line(const TileRecord& record) {
   ordered_json out;
   if (record.label) out["label"] = *record.label;
   if (record.lod > 0) out["lod"] = record.lod;
-  out["tile"] = {{"level", record.tile.level}, {"at", to_json(record.tile.at)}};
+  out["tile"] = to_json(record.tile);
+  if (record.place) out["place"] = to_json(*record.place);
   out["vertices"] = record.vertices;
   out["triangles"] = record.triangles;
   out["quads"] = record.quads;
@@ -74,12 +93,8 @@ TileRecord parse_tile_record(const std::string& line, const std::string& where) 
   TileRecord record;
   if (value.has("label")) record.label = value.at("label").count();
   if (value.has("lod")) record.lod = static_cast<int>(value.at("lod").integer(0, 255));
-  const JsonValue tile = value.at("tile");
-  record.tile.level = static_cast<int>(tile.at("level").integer(0, max_levels));
-  const auto at = tile.at("at").items(3);
-  for (int axis = 0; axis < 3; ++axis)
-    record.tile.at[axis] = at[static_cast<std::size_t>(axis)].integer(
-        0, (std::int64_t{1} << (max_levels - record.tile.level)) - 1);
+  record.tile = cell_of(value.at("tile"));
+  if (value.has("place")) record.place = cell_of(value.at("place"));
   record.vertices = value.at("vertices").count();
   record.triangles = value.at("triangles").count();
   record.quads = value.at("quads").count();

@@ -4,6 +4,7 @@
 #   porous   .glb, 4 levels
 #   pores    the same smaller as .meshopt.glb, which is all that its tileset has, 3 levels
 #   cells    labels that share their triangles, with names and colours, 3 levels
+#   grains   a mesh for each of some labels, 3 levels
 #   rod      .glb, 6 levels, so many tiles that the tileset has nested files
 #   bunny    the CT scan of the Stanford bunny, 3 levels; where the shared data is
 #   frog     labels of a frog, that share their triangles; where the shared data is
@@ -82,6 +83,16 @@ map = "cells.csv"
 levels = "auto"
 tile_vertices = 1024
 formats = ["glb", "glb-plain", "meshopt"]'
+}
+made grains || {
+  say phantom labels --size 96 --force -o grains.nrrd
+  run_of grains 'path = "grains.nrrd"' '[labels]
+mode = "each"
+[output]
+levels = "auto"
+tile_vertices = 4096
+formats = ["glb"]'
+  rm grains.nrrd
 }
 ct=$data/bunny_ct/bunny_512x512x361_i16be.raw.xz
 made bunny || [ ! -f "$ct" ] || {

@@ -51,7 +51,7 @@ outputs=()
 if [ -z "$output" ]; then
   echo "outputs: making what is missing in $out"
   "$here/outputs.sh" "$program" "$out"
-  for name in gyroid porous pores cells rod bunny frog; do
+  for name in gyroid porous pores cells grains rod bunny frog; do
     if [ -d "$out/$name.mesh" ]; then outputs+=("$name"); else echo "skipped: $name (no shared data)"; fi
   done
 elif [ ! -f "$output/tileset.json" ]; then
@@ -59,7 +59,7 @@ elif [ ! -f "$output/tileset.json" ]; then
   exit 2
 fi
 
-labels() { case $1 in cells | frog) echo --shared ;; esac; }
+labels() { case $1 in cells | grains | frog) echo --labels ;; esac; }
 
 tileset() {
   local name status=0 one

@@ -1,9 +1,9 @@
 // Checks tilesets: the rules of the JSON schemas, that what is in a tile and below it lies in its box, that
 // no error is above its parent's, and that each level and random mixes of levels are closed. Tiles are decoded
 // by draco3dgltf and meshoptimizer.
-// Usage: node tileset_check.mjs [--shared] [--mixes N] [--dump FOLDER] TILESET.json ...
+// Usage: node tileset_check.mjs [--labels] [--mixes N] [--dump FOLDER] TILESET.json ...
 //        node tileset_check.mjs              whether the decoders are there
-// --shared: of labels that share triangles: then each label's boundary has to be closed
+// --labels: of labels, that share triangles or have a mesh each: then each label's boundary has to be closed
 // --dump: writes the tiles of the (last) tileset for tileset_distances.py: tiles.json and their numbers, in metres
 // Exits 1 where anything is wrong, 77 where a decoder is missing.
 import { mkdirSync, writeFileSync } from "node:fs";
@@ -14,7 +14,7 @@ import { cuts_of, height_of, read_tileset } from "./tileset_tree.mjs";
 
 const { values: options, positionals: paths } = parseArgs({
   allowPositionals: true,
-  options: { shared: { type: "boolean" }, mixes: { type: "string", default: "20" }, dump: { type: "string" } },
+  options: { labels: { type: "boolean" }, mixes: { type: "string", default: "20" }, dump: { type: "string" } },
 });
 const missing = await missing_decoder();
 if (missing) {
@@ -107,6 +107,10 @@ function cut_breaches(tileset, mixes) {
     if (node.positions) {
       node.numbers = Uint32Array.from({ length: node.raw.length / 3 }, (_, i) => number_of(node.raw, i));
       if (node.features) node.pairs = pairs_of(node.path);
+      else if (options.labels) { // a file of the label's own
+        node.pairs = [[basename(node.path).replace(/[.].*/, ""), "-1"]];
+        node.features = new Uint32Array(node.raw.length / 3);
+      }
       seen.add(node.matrix.join());
     }
   if (seen.size > 1) found.push("tiles have different transforms");
@@ -116,7 +120,7 @@ function cut_breaches(tileset, mixes) {
     for (const node of nodes)
       for (let i = 0; i < node.corners.length; i += 3) {
         const t = [0, 1, 2].map((k) => node.numbers[node.corners[i + k]]);
-        if (!options.shared) whole.push(t);
+        if (!options.labels) whole.push(t);
         else
           node.pairs[node.features[node.corners[i]]].forEach((label, side) => {
             if (label === "-1") return;
@@ -124,10 +128,10 @@ function cut_breaches(tileset, mixes) {
             labels.get(label).push(side === 0 ? t : [t[2], t[1], t[0]]);
           });
       }
-    const checked = options.shared ? [...labels.values()] : [whole];
+    const checked = options.labels ? [...labels.values()] : [whole];
     const { open, many } = checked.map(open_edges).reduce((a, b) => ({ open: a.open + b.open, many: a.many + b.many }));
     if (open > 0) found.push(`${name}: ${open} open edges`);
-    if (many > 0 && !options.shared) found.push(`${name}: ${many} edges with more than two triangles`);
+    if (many > 0 && !options.labels) found.push(`${name}: ${many} edges with more than two triangles`);
     const triangles = nodes.reduce((sum, { corners }) => sum + corners.length / 3, 0);
     lines.push({ name, tiles: nodes.length, triangles, open, many });
   }

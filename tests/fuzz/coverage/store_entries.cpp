@@ -109,7 +109,9 @@ void read_cubes(const fs::path& path) {
 void read_tile_plan(const fs::path& path) {
   const TilePlanArtifact plan(path);
   plan.sources();
-  read_tables(MaterialTop(plan.file()));
+  const MaterialTop tables(plan.file());
+  read_tables(tables);
+  plan.middles(0, std::min<std::uint64_t>(tables.surface_count(), 2000));
 }
 // Records want their array's layout: one of the sizes of the specimens' stores.
 void read_shard_of_store(const fs::path& path) {

@@ -28,12 +28,28 @@ tile_vertices = 1024
 formats = ["glb", "meshopt"]
 report = false
 TOML
-{ "$program" phantom porous --size 96 -o porous.nrrd && "$program" run porous.toml; } >log.txt 2>&1 || {
-  cat log.txt
-  exit 1
-}
+# A mesh for each label, many in one coarse tile.
+cat >grains.toml <<TOML
+[input]
+path = "grains.nrrd"
+[labels]
+mode = "each"
+[output]
+levels = "auto"
+tile_vertices = 1024
+formats = ["glb", "meshopt"]
+report = false
+TOML
+for one in porous grains; do
+  kind=${one/grains/labels}
+  { "$program" phantom "$kind" --size 96 -o "$one.nrrd" && "$program" run "$one.toml"; } >log.txt 2>&1 || {
+    cat log.txt
+    exit 1
+  }
+done
 node "$clients/tileset_check.mjs" --dump tiles porous.mesh/tileset.json
-node "$clients/gltf_check.mjs" porous.mesh
+node "$clients/tileset_check.mjs" --labels grains.mesh/tileset.json
+node "$clients/gltf_check.mjs" porous.mesh grains.mesh
 python=${PYTHON:-python3}
 "$python" -c 'import vtkmodules' 2>/dev/null || python=/usr/bin/python3
 status=0

@@ -3,12 +3,9 @@
 #include <limits>
 #include <random>
 
-#include "pipeline/stage/level_tree.h"
-#include "stages/encode/mesh_writers.h"
 #include "stages/refine/coarsen.h"
-#include "storage/manifest/manifest.h"
+#include "tests/pipeline/refine/level_mix.h"
 #include "tests/pipeline/refine/refine_work.h"
-#include "tests/support/mesh_check.h"
 
 namespace voxweld::testing {
 namespace {
@@ -16,56 +13,6 @@ namespace {
 const Settings levels = {
     "simplify.refine=collapse",  "work.brick=16",           "work.shard=2",
     "output.tile_vertices=1024", "simplify.tolerance=0.05", "output.levels=\"auto\""};
-
-struct ListedMesh {
-  TileRecord record;
-  DecodedMesh mesh;
-};
-
-// Those of the mesh itself and of all levels.
-std::vector<ListedMesh> all_meshes(const std::filesystem::path& output) {
-  std::vector<ListedMesh> all;
-  for (const char* name : {tiles_name, levels_name}) {
-    TileListReader reader(output / name);
-    while (auto record = reader.next()) {
-      const FileRecord& file = record->files.front();
-      const MeshWriter* const format = writer_named(mesh_writers(), file.format);
-      all.push_back({*record, format->read(read_whole_file(output / file.path), file.path)});
-    }
-  }
-  return all;
-}
-
-bool holds(const TileRecord& a, const TileRecord& b) {
-  const auto end = [](const CellKey& c) { return c.code() + (std::uint64_t{1} << (3 * c.level)); };
-  return a.lod > b.lod && a.tile.code() <= b.tile.code() && end(b.tile) <= end(a.tile);
-}
-
-// Meshes that stand for the whole, each level here or there as the dice have it.
-std::vector<const ListedMesh*> any_mix(const std::vector<ListedMesh>& all, std::mt19937& random) {
-  std::vector<const ListedMesh*> order, shown;
-  for (const ListedMesh& one : all) order.push_back(&one);
-  std::ranges::stable_sort(order, {}, [](const ListedMesh* one) { return -one->record.lod; });
-  for (const ListedMesh* one : order) {
-    const bool covered = std::ranges::any_of(
-        shown, [&](const ListedMesh* above) { return holds(above->record, one->record); });
-    const bool taken = one->record.lod == 0 || random() % 3 == 0;
-    if (!covered && taken) shown.push_back(one);
-  }
-  return shown;
-}
-
-WeldedMesh welded(const std::vector<const ListedMesh*>& shown) {
-  std::vector<Vec3> vertices;
-  std::vector<Triangle> triangles;
-  for (const ListedMesh* one : shown) {
-    const auto first = static_cast<std::uint32_t>(vertices.size());
-    for (const auto& p : one->mesh.positions) vertices.push_back({p[0], p[1], p[2]});
-    for (const auto& t : one->mesh.triangles)
-      triangles.push_back({first + t[0], first + t[1], first + t[2]});
-  }
-  return weld(vertices, triangles);
-}
 
 class Levels : public ::testing::TestWithParam<const char*> {
  protected:
@@ -323,56 +270,6 @@ TEST(LevelsWork, ACrackIsFound) {
                              std::filesystem::copy_options::overwrite_existing);
   const VerifyReport report = verify_output(scene.output());
   EXPECT_FALSE(report.good());
-}
-
-std::vector<CellKey> cells(std::initializer_list<CellKey> list) {
-  return {list};
-}
-
-TEST(LevelTree, OneNodeForEachCubeOfSeveral) {
-  // Two tiles in one cube of level 8, one in another.
-  const auto tiles = cells({{7, {0, 0, 0}}, {7, {1, 0, 0}}, {8, {1, 1, 0}}});
-  const LevelTree tree(tiles, 0, 6);
-  ASSERT_EQ(tree.nodes().size(), 2u);
-  EXPECT_EQ(tree.nodes()[0].name(), "1/8-0-0-0");
-  EXPECT_EQ(tree.nodes()[0].tiles, (std::vector<std::uint64_t>{0, 1}));
-  EXPECT_FALSE(tree.nodes()[0].all);
-  EXPECT_EQ(tree.nodes()[1].name(), "2/9-0-0-0");
-  EXPECT_EQ(tree.nodes()[1].nodes, std::vector<std::uint64_t>{0});
-  EXPECT_EQ(tree.nodes()[1].tiles, std::vector<std::uint64_t>{2});
-  EXPECT_TRUE(tree.nodes()[1].all);
-  EXPECT_EQ(tree.ends(), (std::vector<std::uint64_t>{1, 2}));
-  std::vector<std::uint64_t> nodes, left;
-  tree.cut(
-      1, [&](auto n) { nodes.push_back(n); }, [&](auto t) { left.push_back(t); });
-  EXPECT_EQ(nodes, std::vector<std::uint64_t>{0});
-  EXPECT_EQ(left, std::vector<std::uint64_t>{2});
-}
-
-TEST(LevelTree, NoNodeIsSmallerThanACubeOfRefine) {
-  const auto tiles = cells({{4, {0, 0, 0}}, {4, {1, 0, 0}}, {5, {1, 1, 1}}});
-  const LevelTree tree(tiles, 0, 6);
-  ASSERT_EQ(tree.nodes().size(), 1u);
-  EXPECT_EQ(tree.nodes()[0].name(), "1/6-0-0-0");
-  EXPECT_EQ(tree.nodes()[0].tiles.size(), 3u);
-}
-
-TEST(LevelTree, HasAsManyLevelsAsAreAskedFor) {
-  const auto tiles = cells({{6, {0, 0, 0}}, {6, {1, 0, 0}}, {7, {1, 1, 0}}, {8, {1, 0, 0}}});
-  EXPECT_EQ(LevelTree(tiles, 0, 6).top(), 3);
-  EXPECT_EQ(LevelTree(tiles, 1, 6).top(), 0);
-  const LevelTree two(tiles, 2, 6);
-  EXPECT_EQ(two.top(), 1);
-  EXPECT_EQ(two.root_tiles(), (std::vector<std::uint64_t>{2, 3}));
-  EXPECT_EQ(two.root_nodes(), std::vector<std::uint64_t>{0});
-  const LevelTree many(tiles, 6, 6);
-  EXPECT_EQ(many.top(), 5);
-  EXPECT_EQ(many.nodes().back().cell, many.nodes()[2].cell);
-  EXPECT_TRUE(many.nodes().back().all && many.nodes()[2].all);
-  EXPECT_FALSE(many.nodes()[1].all);
-  EXPECT_EQ(LevelTree(cells({{5, {3, 0, 0}}}), 0, 6).top(), 0);
-  EXPECT_EQ(LevelTree(cells({{5, {3, 0, 0}}}), 2, 6).nodes()[0].name(), "1/6-1-0-0");
-  EXPECT_EQ(LevelTree({}, 4, 6).top(), 0);
 }
 
 }  // namespace

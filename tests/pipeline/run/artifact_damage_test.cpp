@@ -83,7 +83,9 @@ void read_all_of_cubes(const fs::path& path) {
 void read_all_of_tile_plan(const fs::path& path) {
   const TilePlanArtifact artifact(path);
   artifact.sources();
-  read_all_of_tables(MaterialTop(artifact.file()));
+  const MaterialTop tables(artifact.file());
+  read_all_of_tables(tables);
+  artifact.middles(0, tables.surface_count());
 }
 
 void read_all_of_counts(const fs::path& path) {

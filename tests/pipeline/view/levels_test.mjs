@@ -44,11 +44,22 @@ function make_mesh() {
   return JSON.parse(readFileSync(join(place, name, "manifest.json"))).levels;
 }
 
+// A mesh for each label.
+const labelled = "labels.mesh";
+function make_labels() {
+  run("phantom", "labels", "--size", "96", "-o", "labels.nrrd");
+  writeFileSync(join(place, "labels.toml"),
+    `[input]\npath = "labels.nrrd"\n[labels]\nmode = "each"\n` +
+    `[output]\nlevels = "auto"\nformats = ["glb"]\nreport = false\ntile_vertices = 4000\n`);
+  run("run", "labels.toml");
+  return JSON.parse(readFileSync(join(place, labelled, "manifest.json")));
+}
+
 const seeing = await seeing_script(), levels = make_mesh();
 const [finest, coarsest] = [levels[0], levels.at(-1)];
 
-async function open(visit) {
-  const { page } = await visit(name);
+async function open(visit, what = name) {
+  const { page } = await visit(what);
   await page.evaluate(seeing);
   return page;
 }
@@ -160,6 +171,48 @@ const tests = {
     }
     assert.deepEqual(seen[1], seen[0]);
     assert.equal(seen[1].gaps, 0);
+  },
+
+  async "labels are a few tiles from afar and a file each from nearby, with names, colours and without gaps"(visit) {
+    const { levels: of_labels, counts } = make_labels(), page = await open(visit, labelled);
+    // Of what is in sight the labels, and how many triangles each shows.
+    const labels = () => page.evaluate(() => {
+      const { surface, tileset } = window.voxweld.view, shown = new Set();
+      let files = 0, drawn = 0;
+      for (const { piece, mesh, about } of surface.items) {
+        if (!about.parent?.parent) continue;
+        ++files;
+        for (const { inside } of piece.pairs ?? []) shown.add(inside);
+        if (mesh.visible) drawn += Math.min(piece.geometry.drawRange.count / 3, piece.triangles);
+      }
+      return { labels: shown.size, files, drawn, triangles: tileset.visible_triangles(), mode: surface.mode };
+    });
+    const found = [];
+    const go_to = async ([radii, pixels]) => {
+      await look(page, `view.tileset.set_error(${pixels})`);
+      await stand(page, radii);
+      await settle(page);
+    };
+    for (const where of [[60, 2], [2.5, 2], [2.5, 0.2]]) {
+      await go_to(where);
+      const seen = await sight(page);
+      assert.equal(seen.gaps, 0, `${where}: ${JSON.stringify(seen)}`);
+      found.push(await labels());
+    }
+    const [far, between, near] = found;
+    assert.ok(between.triangles > far.triangles && between.triangles < near.triangles, JSON.stringify(found));
+    assert.equal(far.triangles, of_labels.at(-1).triangles);
+    assert.deepEqual([far.files, far.labels, far.mode], [1, counts.labels, "label"]);
+    assert.deepEqual([near.triangles, near.files, near.labels], [of_labels[0].triangles, counts.labels, counts.labels]);
+    const [first] = readFileSync(join(place, labelled, "labels.jsonl"), "utf8").split("\n");
+    for (const where of [[60, 2], [2.5, 0.2]]) {
+      await go_to(where);
+      await look(page, `view.labels.show_only("${JSON.parse(first).label}"); view.surface.labels_changed()`);
+      const one = await labels();
+      assert.ok(one.drawn > 0 && one.drawn < one.triangles / 20, JSON.stringify(one));
+      await look(page, `view.labels.show_all(true); view.surface.labels_changed()`);
+      assert.equal((await labels()).drawn, one.triangles);
+    }
   },
 
   async "memory stays below its cap, and a coarser surface has no gap"(visit) {

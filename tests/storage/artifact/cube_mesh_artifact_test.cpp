@@ -212,6 +212,7 @@ TEST(TilePlanFile, ReadsBack) {
   TilePlanWriter out(path, {8, 9});
   for (const Material label : {Material{3}, Material{1} << 50}) {
     out.tile({64, 5, 0, 7, 8});
+    out.middle(label + 1);
     out.end_surface(label, label == 3 ? 6 : 9);
   }
   BatchRecord batch;
@@ -228,6 +229,7 @@ TEST(TilePlanFile, ReadsBack) {
   EXPECT_EQ(tables.surfaces(0, 2)[1].material, Material{1} << 50);
   EXPECT_EQ(tables.surfaces(0, 2)[1].vertices, 9u);
   EXPECT_EQ(tables.tiles(1, 1)[0].polygons, 8u);
+  EXPECT_EQ(file.middles(0, 2), (std::vector<std::uint64_t>{4, (std::uint64_t{1} << 50) + 1}));
   auto bytes = read_whole_file(path);
   bytes[65] ^= std::byte{1};
   write_whole_file(path, bytes, Durability::rename_only);

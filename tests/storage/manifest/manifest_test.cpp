@@ -125,17 +125,20 @@ TEST(TileList, ReadsBackLinesAndNamesBadOnes) {
   const TileRecord a{{}, {3, {1, 0, 7}}, 10, 20, 9, 2, {{"tiles/a.drc", "drc", "", 99, "ab"}}};
   const TileRecord b{12, {0, {5, 6, 7}}, 1, 2, 1, 0, {}};
   const TileRecord c{{}, {4, {0, 0, 3}}, 5, 6, 0, 6, {}, 2};
+  const TileRecord d{9, {7, {0, 0, 0}}, 1, 2, 1, 0, {}, 0, CellKey{4, {1, 2, 3}}};
   const testing::TempDirectory directory;
   const auto path = directory / "tiles.jsonl";
   write_whole_file(path,
-                   as_bytes(to_json_line(a) + to_json_line(b) + to_json_line(c) + "{\"tile\":3}\n"),
+                   as_bytes(to_json_line(a) + to_json_line(b) + to_json_line(c) + to_json_line(d) +
+                            "{\"tile\":3}\n"),
                    Durability::rename_only);
   TileListReader reader(path);
   EXPECT_EQ(reader.next(), a);
   EXPECT_EQ(reader.next(), b);
   EXPECT_EQ(reader.next(), c);
+  EXPECT_EQ(reader.next(), d);
   EXPECT_THAT(testing::error_text<FormatError>([&] { reader.next(); }),
-              AllOf(HasSubstr("tiles.jsonl line 4"), HasSubstr("\"tile\"")));
+              AllOf(HasSubstr("tiles.jsonl line 5"), HasSubstr("\"tile\"")));
   EXPECT_EQ(reader.next(), std::nullopt);
   EXPECT_THROW(TileListReader(directory / "none"), StorageError);
   std::filesystem::create_symlink("/dev/zero", directory / "endless");

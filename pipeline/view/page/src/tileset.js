@@ -9,9 +9,18 @@ import { pieces_of_object } from "./pieces.js";
 
 const megabyte = 2 ** 20;
 
+// Of files that have the surface of one label alone: which one, by the file's path below "labels/".
+export function labels_by_file(tiles) {
+  const labels = new Map();
+  for (const { label, files } of tiles)
+    if (label != null) for (const { path } of files) labels.set(path.slice(path.indexOf("labels/")), label);
+  return labels;
+}
+
 export class Tileset {
-  constructor({ path, stage, surface, space, state, changed }) {
-    Object.assign(this, { stage, surface, space, state, changed });
+  // labels: as labels_by_file gives them.
+  constructor({ path, labels, stage, surface, space, state, changed }) {
+    Object.assign(this, { labels, stage, surface, space, state, changed });
     this.numbers = 0;
     this.tiles = new TilesRenderer(data_url(path));
     this.tiles.registerPlugin(
@@ -73,9 +82,12 @@ export class Tileset {
   add(scene, tile) {
     const level = -tile.internal.depth, number = this.numbers++;
     const pieces = pieces_of_object(scene, pair_of_mesh);
+    const uri = tile.content?.uri ?? "", label = this.labels.get(uri.slice(uri.lastIndexOf("labels/")));
+    if (label !== undefined)
+      for (const piece of pieces) piece.pairs ??= [{ inside: label, outside: null }];
     scene.clear();
     scene.userData.items = pieces.map((piece) => {
-      const item = this.surface.add(piece, { tile: number, level, name: tile.content?.uri ?? "", parent: scene });
+      const item = this.surface.add(piece, { tile: number, level, name: uri, parent: scene });
       item.mesh.applyMatrix4(piece.matrix);
       return item;
     });

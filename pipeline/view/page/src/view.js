@@ -16,7 +16,7 @@ import { Pick } from "./pick.js";
 import { Space } from "./space.js";
 import { Stage } from "./stage.js";
 import { Surface } from "./surface.js";
-import { Tileset } from "./tileset.js";
+import { labels_by_file, Tileset } from "./tileset.js";
 
 const $ = (id) => document.getElementById(id);
 
@@ -75,7 +75,8 @@ export class View {
   add_tileset() {
     const { scene, stage, surface, space, state } = this;
     const changed = () => this.progress();
-    this.tileset = new Tileset({ path: scene.tileset, stage, surface, space, state, changed });
+    const labels = labels_by_file(scene.tiles ?? []);
+    this.tileset = new Tileset({ path: scene.tileset, labels, stage, surface, space, state, changed });
     this.tileset.on_frame = () => {
       this.place();
       this.fit();
