@@ -4,8 +4,9 @@
 Usage: levels_table.py NAME OUTPUT_FOLDER BUILD_FOLDER SCRATCH_FOLDER [VOLUME ISOVALUE above|below]
 
 Each level is exported as one mesh and held against the finest by VTK. Beside it the finest mesh is simplified by
-meshoptimizer to as many triangles, and so is, where the volume is given, a mesh of it at that scale. Distances are
-from points spread by area, 200,000 each way, and from vertices.
+meshoptimizer to as many triangles, and so is, where the volume is given, a mesh of it at that scale. Last comes a cut
+of the octree with about as many, which the run of SCRATCH_FOLDER/NAME.toml without refine left. Distances are from
+points spread by area, 200,000 each way, and from vertices.
 Exits 77 without VTK.
 """
 import json
@@ -20,6 +21,7 @@ from vtkmodules.vtkIOPLY import vtkPLYReader
 
 POINTS = 200000
 METRES = {"mm": 1e-3}
+OCTREE = ("--set", "simplify.refine=off", "--set", "output.levels=1")  # what the run for cuts was given, too
 
 
 def read_ply(path):
@@ -91,6 +93,23 @@ class Table:
         called(self.build / "meshopt_simplify", source, simplified, share)
         row(self.name, level, program, read_ply(simplified), self.finest, ["", "", *self.defects(simplified)])
 
+    def octree_cut(self, level, triangles):
+        """The cut whose number of triangles is nearest, by halving the range of tolerances."""
+        path = self.scratch / f"{self.name}_{level}_octree.ply"
+        config = self.scratch / f"{self.name}.toml"
+        tolerances, best = [0.1, 1000.0], None
+        for _ in range(12):
+            tolerance = (tolerances[0] * tolerances[1]) ** 0.5
+            said = called(self.build / "voxweld", "extract", config, *OCTREE, "--tolerance", tolerance, "-o", path, "--force")
+            found = int(re.search(r"(\d+) triangles", said)[1])
+            if best is None or abs(found - triangles) < abs(best[1] - triangles):
+                best = tolerance, found
+            if abs(found - triangles) < 0.01 * triangles:
+                break
+            tolerances[0 if found > triangles else 1] = tolerance
+        called(self.build / "voxweld", "extract", config, *OCTREE, "--tolerance", best[0], "-o", path, "--force")
+        row(self.name, level, "octree", read_ply(path), self.finest, ["", "", *self.defects(path)])
+
     def remeshed(self, level):
         path = self.scratch / f"{self.name}_{level}_remeshed.ply"
         script = pathlib.Path(__file__).with_name("remeshed_level.py")
@@ -113,6 +132,7 @@ class Table:
             remeshed = self.remeshed(level)
             share = triangles / len(read_ply(remeshed).triangles)
             self.peer(level, "smaller volume, meshoptimizer", remeshed, share)
+            self.octree_cut(level, triangles)
 
 
 def main():

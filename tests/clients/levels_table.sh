@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Prints a table, in Markdown, of the levels of detail of some volumes: triangles, megabytes of the .glb tiles, what
 # voxweld states as error, and what VTK measures between each level and the finest, both ways. Beside each level
-# stands what else has as few triangles: the finest mesh after meshoptimizer, and a mesh of the volume at that scale
-# (remeshed_level.py) after meshoptimizer. Lengths are in the volume's unit: of phantoms voxels, of the bunny and the
-# frog millimetres.
+# stands what else has as few triangles: the finest mesh after meshoptimizer, a mesh of the volume at that scale
+# (remeshed_level.py) after meshoptimizer, and a cut of the octree, not refined. Lengths are in the volume's unit: of
+# phantoms voxels, of the bunny and the frog millimetres.
 # Needs measure_output and meshopt_simplify in BUILD_DIR (default: build), VTK for Python, and for bunny and frog the
 # shared data. With 512 samples a side it took six minutes.
 # Usage: tests/clients/levels_table.sh [--size SAMPLES] [NAME ...]      (gyroid part porous bunny frog)
@@ -75,6 +75,7 @@ for name in "${names[@]}"; do
   # Small tiles, or there would be one level only.
   case $name in gyroid | bunny | frog) tile=16384 ;; part) tile=1024 ;; *) tile=65536 ;; esac
   say run "$name.toml" --set "output.tile_vertices=$tile"
+  [ ${#volume[@]} -eq 0 ] || say run "$name.toml" --set simplify.refine=off --set output.levels=1 --set output.directory=octree.mesh
   "$python" "$root/tests/clients/levels_table.py" "$name" "$name.mesh" "$build" "$scratch" "${volume[@]}"
-  rm -rf "$name.nrrd" "$name.nhdr" "$name.raw" "$name.work" "$name"_*.ply
+  rm -rf "$name.nrrd" "$name.nhdr" "$name.raw" "$name.work" octree.mesh "$name"_*.ply
 done
