@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "stages/refine/refine_cube.h"
+#include "storage/support/parallel.h"
 
 namespace voxweld {
 namespace {
@@ -61,7 +62,7 @@ void each_part(const RefineMesh& mesh, const Room& room, const TriangleNumbers& 
 }
 
 void BoxRefiner::refine(const Work& work) {
-  put_out(work_on(work, extract_));
+  put_out(work_on(work, std::span(&extract_, 1)));
 }
 
 BoxRefiner::Outcome BoxRefiner::kept(const TriangleNumbers& triangles,
@@ -78,21 +79,38 @@ RefineMesh BoxRefiner::take() {
   return result;
 }
 
-BoxRefiner::Outcome BoxRefiner::work_on(const Work& work, Extract& extract) const {
+// A box, or what it is cut up into.
+struct BoxRefiner::Part {
+  LatticeBox box;
+  TriangleNumbers inside;            // that meet it
+  std::unique_ptr<RefineMesh> mesh;  // refined; null: they stay as they are
+  RefineCounts counts = {};
+};
+
+void BoxRefiner::work_on_part(Part& part, Extract& extract) const {
+  if (stays(part.inside)) return;
+  part.mesh = std::make_unique<RefineMesh>(extract.of(part.inside));
+  refine_cube(*part.mesh, part.box, parameters_, part.counts);
+}
+
+BoxRefiner::Outcome BoxRefiner::work_on(const Work& work, std::span<Extract> extracts) const {
   Outcome outcome(mesh_);
+  std::vector<Part> parts;
   each_part(
       mesh_, work.room, work.meeting,
-      [&](const LatticeBox& part, const TriangleNumbers& inside) {
-        if (stays(inside)) {
-          for (const std::uint32_t t : inside)
-            if (lies_in(mesh_, t, part)) outcome.add(0, t, false);
-          return;
-        }
-        auto mesh = std::make_unique<RefineMesh>(extract.of(inside));
-        refine_cube(*mesh, part, parameters_, outcome.counts_);
-        outcome.add_refined(std::move(mesh), part);
+      [&](const LatticeBox& box, const TriangleNumbers& inside) {
+        parts.push_back({box, inside, nullptr});
       },
       [&](std::uint32_t t) { outcome.keep(t, work.bad); });
+  for (std::size_t first = 0, end = 0; first < parts.size(); first = end) {
+    std::size_t sum = 0;
+    while (end < parts.size() && end - first < extracts.size() &&
+           (end == first || sum + parts[end].inside.size() <= most_part_triangles))
+      sum += parts[end++].inside.size();
+    for_each_index(end - first,
+                   [&](std::size_t i) { work_on_part(parts[first + i], extracts[i]); });
+    for (Part& part : std::span(parts).subspan(first, end - first)) outcome.add(std::move(part));
+  }
   for (const std::uint32_t t : work.others) outcome.keep(t, work.bad);
   outcome.finish();
   return outcome;
@@ -121,6 +139,13 @@ void BoxRefiner::Outcome::add(std::size_t mesh, std::uint32_t triangle, bool int
   const RefineMesh& from = mesh_of(done);
   done.first = from.ids[from.triangles[triangle][0]];
   done_.push_back(done);
+}
+
+void BoxRefiner::Outcome::add(Part&& part) {
+  counts_.add(part.counts);
+  if (part.mesh != nullptr) return add_refined(std::move(part.mesh), part.box);
+  for (const std::uint32_t t : part.inside)
+    if (lies_in(*mesh_, t, part.box)) add(0, t, false);
 }
 
 void BoxRefiner::Outcome::add_refined(std::unique_ptr<RefineMesh> part, const LatticeBox& box) {

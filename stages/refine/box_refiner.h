@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "stages/refine/mesh_part.h"
@@ -57,15 +58,19 @@ class BoxRefiner {
 
   // What is to come out of a box.
   class Outcome;
-  // refine() in two steps: the first one may be taken for several boxes at the same time, with an Extract
-  // of `mesh` for each thread, and the second one in the order in which they are to come out.
-  Outcome work_on(const Work& work, Extract& extract) const;
+  // refine() in two steps: the first one may be taken for several boxes at the same time, each with
+  // Extracts of `mesh` of its own, and the second one in the order in which they are to come out. Of a box
+  // that is cut up as many parts are done at the same time as there are Extracts, and as have no more
+  // triangles than one may have.
+  Outcome work_on(const Work& work, std::span<Extract> extracts) const;
   // Of a box in which nothing may change. bad: as of Work.
   Outcome kept(const TriangleNumbers& triangles, const TriangleNumbers& bad) const;
   void put_out(const Outcome& outcome);
 
  private:
+  struct Part;
   bool stays(const TriangleNumbers& triangles) const;
+  void work_on_part(Part& part, Extract& extract) const;
 
   const RefineMesh& mesh_;
   const RefineParameters& parameters_;
@@ -91,6 +96,7 @@ class BoxRefiner::Outcome {
     return done.mesh == 0 ? *mesh_ : *refined_[done.mesh - 1];
   }
   void add(std::size_t mesh, std::uint32_t triangle, bool intersects);
+  void add(Part&& part);
   // Triangles of the mesh as they are. bad: as of Work.
   void keep(std::uint32_t triangle, const TriangleNumbers& bad) {
     add(0, triangle, std::binary_search(bad.begin(), bad.end(), triangle));

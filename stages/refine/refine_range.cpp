@@ -1,8 +1,8 @@
 #include "stages/refine/refine_range.h"
 
 #include <algorithm>
-#include <deque>
 #include <map>
+#include <span>
 #include <unordered_map>
 
 #include "stages/refine/box_refiner.h"
@@ -92,10 +92,10 @@ class RangeRefiner {
   RefineCounts& counts_;
   const VertexCubes places_;
   BoxRefiner refiner_;
-  std::deque<Extract> extracts_;  // for cubes that are refined at the same time
-  Populated populated_;           // with triangles at home: all that meet the cube
-  TriangleNumbers crossing_;      // triangles with corners in several cubes
-  TriangleNumbers fixed_;         // that intersect others that are fixed too
+  std::vector<Extract> extracts_;  // for cubes or parts that are refined at the same time
+  Populated populated_;            // with triangles at home: all that meet the cube
+  TriangleNumbers crossing_;       // triangles with corners in several cubes
+  TriangleNumbers fixed_;          // that intersect others that are fixed too
 };
 
 void RangeRefiner::sort_into_cubes() {
@@ -165,13 +165,19 @@ RangeRefiner::Populated::const_iterator RangeRefiner::refine_some(Populated::con
     if (!some.empty() && sum > most_part_triangles) break;
     some.push_back({morton_decode(at->first.number), &at->second});
   }
-  while (extracts_.size() < some.size()) extracts_.emplace_back(mesh_);
+  // One alone may be cut up, and its parts are done at the same time.
+  const std::size_t most =
+      some.front().meeting->size() > most_part_triangles ? most_at_once : some.size();
+  while (extracts_.size() < most) extracts_.emplace_back(mesh_);
+  const auto extracts = [&](std::size_t i) {
+    return some.size() == 1 ? std::span(extracts_) : std::span(extracts_).subspan(i, 1);
+  };
   for_each_index(some.size(), [&](std::size_t i) {
     One& one = some[i];
     const auto room = room_of(one.cube);
     const TriangleNumbers staying = staying_in(one.cube, *one.meeting, room);
     if (room)
-      one.outcome = refiner_.work_on({*room, *one.meeting, staying, fixed_}, extracts_[i]);
+      one.outcome = refiner_.work_on({*room, *one.meeting, staying, fixed_}, extracts(i));
     else
       one.outcome = refiner_.kept(staying, fixed_);
   });

@@ -1,8 +1,12 @@
 // The driver of refine: what comes of a cube depends on the mesh alone.
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <optional>
 
 #include "tests/stages/refine/refine_ranges.h"
 #include "tests/stages/refine/torus.h"
+#include "tests/stages/refine/volume_mesh.h"
 
 namespace voxweld {
 namespace {
@@ -47,6 +51,24 @@ TEST(RefineRange, TheOrderOfTheMeshDoesNotMatter) {
       EXPECT_TRUE(same_mesh(one.mesh, other.mesh));
     }
   }
+}
+
+// A cube of so many triangles is done in parts, some of them at the same time.
+TEST(RefineRange, ThreadsDoNotMatter) {
+  const testing::VolumeMesh made = testing::mesh_of_volume({30, true, 1}, 0.05);
+  ASSERT_GT(made.mesh.triangles.size(), std::size_t{1} << 16);
+  RefineParameters parameters = testing::refining(made.frame, 0.05, RefineMode::collapse);
+  parameters.intersections = IntersectionRule::ignore;
+  std::optional<Refined> one;
+  for (const std::size_t threads : {1U, 4U}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const Refined made_so = refine_in(made.mesh, made.frame, 0, cut_at({}), parameters, true);
+    if (!one) one = made_so;
+    EXPECT_TRUE(same_mesh(one->mesh, made_so.mesh));
+    EXPECT_EQ(one->counts.collapses, made_so.counts.collapses);
+    EXPECT_EQ(one->counts.distances, made_so.counts.distances);
+  }
+  EXPECT_GT(one->counts.collapses, 1000u);
 }
 
 // Nothing intersects, and nothing is to be collapsed.
