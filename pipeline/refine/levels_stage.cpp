@@ -42,7 +42,7 @@ struct Coarse {
   RefineMesh mesh;
   RefineCounts counts;
 };
-Coarse coarse(const RefineMesh& mesh, const NodeReads& reads, const NodeSources& sources,
+Coarse coarse(RefineMesh mesh, const NodeReads& reads, const NodeSources& sources,
               const LevelNode& node) {
   const LevelsJob& job = sources.job;
   Coarse out;
@@ -57,8 +57,8 @@ Coarse coarse(const RefineMesh& mesh, const NodeReads& reads, const NodeSources&
       return out;
     }
   }
-  out.mesh =
-      coarsen(mesh, job.frame, {node.cell, reads.all(), node.height}, job.parameters, out.counts);
+  out.mesh = coarsen(std::move(mesh), job.frame, {node.cell, reads.all(), node.height},
+                     job.parameters, out.counts);
   return out;
 }
 

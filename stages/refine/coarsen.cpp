@@ -7,55 +7,29 @@
 #include "stages/refine/box_refiner.h"
 #include "stages/refine/mesh_distance.h"
 #include "stages/refine/retile.h"
-#include "storage/types/index_table.h"
 
 namespace voxweld {
 namespace {
 
-std::uint64_t lot_of(const LatticePoint& p) {
-  std::uint64_t lot = 0;
-  for (const std::int32_t coordinate : p)
-    lot = mix_bits(lot ^ static_cast<std::uint64_t>(static_cast<std::uint32_t>(coordinate)));
-  return lot;
-}
-
-struct Drawn {
-  double distance = 0;  // from its triangle
-  std::uint64_t lot = 0;
-  SurfaceSample sample;
-};
-
-// The one that is farthest, and some that are drawn by lot: which ones depends on the points alone.
-void choose(std::vector<Drawn>& samples) {
-  if (samples.size() <= level_samples) return;
-  const auto key = [](const Drawn& d) { return std::tuple(d.lot, d.sample.point); };
-  const auto farther = [&](const Drawn& a, const Drawn& b) {
-    return a.distance != b.distance ? a.distance > b.distance : key(a) < key(b);
-  };
-  std::iter_swap(samples.begin(), std::ranges::min_element(samples, farther));
-  std::sort(samples.begin() + 1, samples.end(),
-            [&](const Drawn& a, const Drawn& b) { return key(a) < key(b); });
-  samples.resize(level_samples);
-}
-
-// Counts how far all samples lie off, and leaves a few of each triangle.
-void count_and_thin(RefineMesh& mesh, RefineCounts& counts) {
-  counts.worst = 0;
-  counts.distances = {};
-  std::vector<SurfaceSample> left;
-  std::vector<Drawn> drawn;
+// Leaves of each triangle's samples the one that is farthest off. f(distance) of all.
+template <class F>
+void thin(RefineMesh& mesh, F&& f) {
+  auto left = mesh.samples.begin();
   for (auto s = mesh.samples.begin(); s != mesh.samples.end();) {
     const std::uint32_t triangle = s->triangle;
-    const LatticeTriangle shape = mesh.shape(triangle);
-    drawn.clear();
+    const MeasuredTriangle shape(mesh.shape(triangle));
+    SurfaceSample farthest = *s;
+    double most = -1;
     for (; s != mesh.samples.end() && s->triangle == triangle; ++s) {
-      drawn.push_back({std::sqrt(squared_distance(s->point, shape)), lot_of(s->point), *s});
-      counts.add_distance(drawn.back().distance);
+      const double distance = std::sqrt(shape.squared_distance(s->point));
+      f(distance);
+      if (distance < most || (distance == most && s->point > farthest.point)) continue;
+      most = distance;
+      farthest = *s;
     }
-    choose(drawn);
-    for (const Drawn& one : drawn) left.push_back(one.sample);
+    *left++ = farthest;
   }
-  mesh.samples = std::move(left);
+  mesh.samples.erase(left, mesh.samples.end());
 }
 
 RefineMesh at_home(const RefineMesh& mesh, CellKey cell, const RefineFrame& frame) {
@@ -78,8 +52,10 @@ std::int32_t level_grain(double tolerance) {
       std::bit_floor(static_cast<std::uint32_t>(std::max(tolerance / parts, 1.0))));
 }
 
-RefineMesh coarsen(const RefineMesh& mesh, const RefineFrame& frame, const CoarseNode& node,
+RefineMesh coarsen(RefineMesh mesh, const RefineFrame& frame, const CoarseNode& node,
                    const RefineParameters& finest, RefineCounts& counts) {
+  // Of the mesh itself there may be many, which each collapse would have to look after.
+  thin(mesh, [](double) {});
   RefineParameters parameters = finest;
   parameters.mode = RefineMode::collapse;
   parameters.tolerance = level_tolerance(finest.tolerance, node.height);
@@ -88,11 +64,12 @@ RefineMesh coarsen(const RefineMesh& mesh, const RefineFrame& frame, const Coars
   parameters.normals = {level_normal_cosine, false};
   parameters.grain = level_grain(parameters.tolerance);
   if (!node.all) parameters.within = CubeLattice(frame, 0, node.cell.level).box(node.cell.at);
-  // Cubes that grow with the edges in them.
+  // Cubes that grow with the edges in them. The first ones are small, since most is done there, and what
+  // is done in a large one does not stay in the processor's cache. Borders of both never lie together.
   const int level = frame.level + node.height;
   RefineCounts first, second;
-  RefineMesh refined = refine_range(mesh, CubeLattice(frame, 0, level), {}, parameters, first);
-  refined = refine_range(refined, CubeLattice(frame, 1, level), {}, parameters, second);
+  RefineMesh refined = refine_range(mesh, CubeLattice(frame, 1, level - 1), {}, parameters, first);
+  refined = refine_range(refined, CubeLattice(frame, 0, level), {}, parameters, second);
   RefineMesh own;
   if (!node.all) own = at_home(refined, node.cell, frame);
   RefineMesh& result = node.all ? refined : own;
@@ -100,7 +77,9 @@ RefineMesh coarsen(const RefineMesh& mesh, const RefineFrame& frame, const Coars
   counts.add(second);
   counts.pairs_before = first.pairs_before;
   counts.pairs_left = second.pairs_left;
-  count_and_thin(result, counts);
+  counts.worst = 0;
+  counts.distances = {};
+  thin(result, [&](double distance) { counts.add_distance(distance); });
   counts.worst = largest_distance(result, MeasuredPoints::all, MeshDistance(mesh), counts.worst);
   counts.worst =
       largest_distance(mesh, MeasuredPoints::long_edges, MeshDistance(refined), counts.worst);

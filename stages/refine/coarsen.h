@@ -19,9 +19,6 @@ namespace voxweld {
 // How much larger the tolerance is at each level. Edges of a smooth surface get twice as long with four
 // times the tolerance, and tiles are twice as wide: so they have about as many triangles at each level.
 inline constexpr double level_tolerance_factor = 4;
-// The most samples that stay with a triangle, so that there are no more of them at coarse levels.
-inline constexpr std::size_t level_samples = 2;
-
 // Normals of a vertex of a coarse level become one where they lie within 40 degrees of their mean, and
 // no triangle adds its own: a crease of 80 degrees or more stays sharp, and what is smooth looks so,
 // though triangles that bridge it turn further than those of the mesh itself. With the angles of the mesh
@@ -42,10 +39,11 @@ double level_tolerance(double finest, int height);
 // or less, since more bits say nothing and cost bytes. tolerance: of the level, in lattice steps.
 std::int32_t level_grain(double tolerance);
 
-// mesh: all triangles at home in the node, and of others those whose boxes meet its box.
+// mesh: all triangles at home in the node, and of others those whose boxes meet its box. Of each triangle's
+// samples the farthest one is looked after, and in the end left: so there are no more at coarse levels.
 // parameters: those of the mesh itself; its mode is taken for collapse. Returns the triangles at home,
 // refined. counts: what was done, and how far samples lie off.
-RefineMesh coarsen(const RefineMesh& mesh, const RefineFrame& frame, const CoarseNode& node,
+RefineMesh coarsen(RefineMesh mesh, const RefineFrame& frame, const CoarseNode& node,
                    const RefineParameters& parameters, RefineCounts& counts);
 
 // Bytes it takes at most, its result included, beside the mesh.
