@@ -6,6 +6,7 @@
 
 #include "stages/encode/glb.h"
 #include "stages/refine/coarsen.h"
+#include "storage/artifact/asset_record.h"
 #include "storage/manifest/manifest.h"
 #include "storage/support/json_text.h"
 

@@ -196,7 +196,8 @@ std::vector<LevelSurface> LevelTree::surfaces(std::uint64_t number) const {
   std::vector<LevelSurface> surfaces;
   auto next = own.begin();
   for (auto begin = leaves.begin(); begin != leaves.end();) {
-    LevelSurface& surface = surfaces.emplace_back(label(*begin), false);
+    LevelSurface& surface = surfaces.emplace_back();
+    surface.label = label(*begin);
     const auto end = std::find_if(begin, leaves.end(),
                                   [&](std::uint64_t leaf) { return label(leaf) != surface.label; });
     // Numbers of a label's leaves follow each other.
