@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <unordered_set>
 
 #include "stages/refine/box_refiner.h"
 #include "stages/refine/mesh_distance.h"
@@ -30,6 +31,18 @@ void thin(RefineMesh& mesh, F&& f) {
     *left++ = farthest;
   }
   mesh.samples.erase(left, mesh.samples.end());
+}
+
+// Whether cubes have so many triangles that what is done in one does not stay in the processor's cache.
+// Where they have few, a triangle is better as long as a large cube lets it be.
+bool are_dense(const RefineMesh& mesh, const CubeLattice& cubes) {
+  constexpr std::size_t many = 8192;
+  std::unordered_set<std::uint64_t> populated;
+  NearbyCubes nearby(cubes);
+  for (const auto& corners : mesh.triangles)
+    if (nearby.moves_to(mesh.positions[corners[0]]) || populated.empty())
+      populated.insert(morton_encode(nearby.cube()));
+  return mesh.triangles.size() > many * populated.size();
 }
 
 RefineMesh at_home(const RefineMesh& mesh, CellKey cell, const RefineFrame& frame) {
@@ -64,11 +77,12 @@ RefineMesh coarsen(RefineMesh mesh, const RefineFrame& frame, const CoarseNode& 
   parameters.normals = {level_normal_cosine, false};
   parameters.grain = level_grain(parameters.tolerance);
   if (!node.all) parameters.within = CubeLattice(frame, 0, node.cell.level).box(node.cell.at);
-  // Cubes that grow with the edges in them. The first ones are small, since most is done there, and what
-  // is done in a large one does not stay in the processor's cache. Borders of both never lie together.
+  // Cubes that grow with the edges in them. Borders of both passes never lie together.
   const int level = frame.level + node.height;
+  const int first_level = are_dense(mesh, CubeLattice(frame, 0, level)) ? level - 1 : level;
   RefineCounts first, second;
-  RefineMesh refined = refine_range(mesh, CubeLattice(frame, 1, level - 1), {}, parameters, first);
+  RefineMesh refined =
+      refine_range(mesh, CubeLattice(frame, 1, first_level), {}, parameters, first);
   refined = refine_range(refined, CubeLattice(frame, 0, level), {}, parameters, second);
   RefineMesh own;
   if (!node.all) own = at_home(refined, node.cell, frame);
