@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pipeline/stage/cube_mesh.h"
+#include "stages/exact/orientation.h"
 #include "stages/refine/coarsen.h"
 #include "stages/refine/mesh_part.h"
 #include "storage/support/parallel.h"
@@ -29,12 +30,8 @@ std::uint64_t bytes_of(const NodeReads& reads) {
 }
 
 double diagonal(const LatticeBox& box) {
-  double squares = 0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double side = static_cast<double>(box.hi[a]) - static_cast<double>(box.lo[a]);
-    squares += side * side;
-  }
-  return std::sqrt(squares);
+  const Vec3 across = as_vec3(lattice_vector(box.lo, box.hi));
+  return std::sqrt(dot(across, across));
 }
 
 // One of a node's surfaces, coarser.

@@ -14,6 +14,11 @@ node "$clients/gltf_check.mjs" || exit $?
 place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
 cd "$place"
+output='[output]
+levels = "auto"
+tile_vertices = 1024
+formats = ["glb", "meshopt"]
+report = false'
 cat >porous.toml <<TOML
 [input]
 path = "porous.nrrd"
@@ -22,11 +27,7 @@ unit = "mm"
 [surface]
 isovalue = 32767.5
 inside = "below"
-[output]
-levels = "auto"
-tile_vertices = 1024
-formats = ["glb", "meshopt"]
-report = false
+$output
 TOML
 # A mesh for each label, many in one coarse tile.
 cat >grains.toml <<TOML
@@ -34,11 +35,7 @@ cat >grains.toml <<TOML
 path = "grains.nrrd"
 [labels]
 mode = "each"
-[output]
-levels = "auto"
-tile_vertices = 1024
-formats = ["glb", "meshopt"]
-report = false
+$output
 TOML
 for one in porous grains; do
   kind=${one/grains/labels}

@@ -154,18 +154,8 @@ TEST(LabelLevels, GoOnAndLoseNothing) {
 TEST(LabelLevels, AreShownAndExported) {
   const Scene scene(slabs_and_balls());
   VOXWELD_EXPECT_DONE(scene.run(each_with_levels));
-  const auto listed = manifest_of(scene.output()).at("levels");
   const std::string output = scene.output().string();
-  const std::string ply = (scene.directory() / "level.ply").string();
-  for (std::size_t level = 0; level < listed.size(); ++level) {
-    const ProgramResult exported = run_voxweld(
-        {"export", output, "-o", ply, "--weld", "--force", "--level", std::to_string(level)});
-    VOXWELD_EXPECT_DONE(exported);
-    const auto triangles = listed[level].at("triangles").get<std::uint64_t>();
-    EXPECT_NE(exported.out.find(fmt::format(": {} triangles", triangles)), std::string::npos)
-        << exported.out;
-  }
-  VOXWELD_EXPECT_DONE(run_voxweld({"render", output, "-o", ply + ".png", "--level", "1"}));
+  expect_levels_are_exported(scene);
   const std::string folder = (scene.directory() / "neuroglancer").string();
   VOXWELD_EXPECT_DONE(run_voxweld({"export", output, "--neuroglancer", "-o", folder}));
   const ProgramResult verified = run_voxweld({"verify", folder});

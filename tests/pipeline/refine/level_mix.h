@@ -8,6 +8,7 @@
 #include "stages/encode/mesh_writers.h"
 #include "storage/manifest/manifest.h"
 #include "storage/support/file_io.h"
+#include "tests/pipeline/refine/refine_work.h"
 #include "tests/support/mesh_check.h"
 
 namespace voxweld::testing {
@@ -62,6 +63,22 @@ inline WeldedMesh welded(const std::vector<const ListedMesh*>& shown) {
       triangles.push_back({first + t[0], first + t[1], first + t[2]});
   }
   return weld(vertices, triangles);
+}
+
+// With as many triangles as the manifest lists; and level 1 is drawn.
+inline void expect_levels_are_exported(const Scene& scene) {
+  const auto listed = manifest_of(scene.output()).at("levels");
+  const std::string output = scene.output().string();
+  const std::string ply = (scene.directory() / "level.ply").string();
+  for (std::size_t level = 0; level < listed.size(); ++level) {
+    const ProgramResult exported = run_voxweld(
+        {"export", output, "-o", ply, "--weld", "--force", "--level", std::to_string(level)});
+    VOXWELD_EXPECT_DONE(exported);
+    const auto triangles = listed[level].at("triangles").get<std::uint64_t>();
+    EXPECT_NE(exported.out.find(fmt::format(": {} triangles", triangles)), std::string::npos)
+        << exported.out;
+  }
+  VOXWELD_EXPECT_DONE(run_voxweld({"render", output, "-o", ply + ".png", "--level", "1"}));
 }
 
 }  // namespace voxweld::testing

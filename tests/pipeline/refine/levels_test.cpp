@@ -224,15 +224,7 @@ TEST(LevelsWork, AreShownAndTold) {
   const auto listed = manifest_of(scene.output()).at("levels");
   const std::string output = scene.output().string();
   const std::string ply = (scene.directory() / "level.ply").string();
-  for (std::size_t level = 0; level < listed.size(); ++level) {
-    const ProgramResult exported = run_voxweld(
-        {"export", output, "-o", ply, "--weld", "--force", "--level", std::to_string(level)});
-    VOXWELD_EXPECT_DONE(exported);
-    const auto triangles = listed[level].at("triangles").get<std::uint64_t>();
-    EXPECT_NE(exported.out.find(fmt::format(": {} triangles", triangles)), std::string::npos)
-        << exported.out;
-  }
-  VOXWELD_EXPECT_DONE(run_voxweld({"render", output, "-o", ply + ".png", "--level", "1"}));
+  expect_levels_are_exported(scene);
   expect_refused(run_voxweld({"render", output, "-o", ply + "2.png", "--level", "9"}),
                  fmt::format("has levels 0 to {}", listed.size() - 1));
   expect_refused(run_voxweld({"render", ply, "-o", ply + "3.png", "--level", "1"}),
