@@ -105,7 +105,7 @@ BoxRefiner::Outcome BoxRefiner::work_on(const Work& work, std::span<Extract> ext
   for (std::size_t first = 0, end = 0; first < parts.size(); first = end) {
     std::size_t sum = 0;
     while (end < parts.size() && end - first < extracts.size() &&
-           (end == first || sum + parts[end].inside.size() <= most_part_triangles))
+           (end == first || sum + parts[end].inside.size() <= parameters_.at_once))
       sum += parts[end++].inside.size();
     for_each_index(end - first,
                    [&](std::size_t i) { work_on_part(parts[first + i], extracts[i]); });

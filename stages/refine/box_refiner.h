@@ -15,9 +15,6 @@ namespace voxweld {
 
 using TriangleNumbers = std::vector<std::uint32_t>;
 
-// A box that more triangles meet is done in eight parts, so that memory is bounded.
-inline constexpr std::size_t most_part_triangles = std::size_t{1} << 16;
-
 // Whether all corners do.
 bool lies_in(const RefineMesh& mesh, std::size_t triangle, const LatticeBox& box);
 
@@ -61,7 +58,7 @@ class BoxRefiner {
   // refine() in two steps: the first one may be taken for several boxes at the same time, each with
   // Extracts of `mesh` of its own, and the second one in the order in which they are to come out. Of a box
   // that is cut up as many parts are done at the same time as there are Extracts, and as have no more
-  // triangles than one may have.
+  // triangles than parameters say.
   Outcome work_on(const Work& work, std::span<Extract> extracts) const;
   // Of a box in which nothing may change. bad: as of Work.
   Outcome kept(const TriangleNumbers& triangles, const TriangleNumbers& bad) const;

@@ -12,6 +12,9 @@
 namespace voxweld {
 namespace {
 
+// The last nodes are few, and have one large cube after the other: two of them keep two threads busy.
+constexpr std::size_t triangles_at_once = 2 * most_part_triangles;
+
 // Leaves of each triangle's samples the one that is farthest off. f(distance) of all.
 template <class F>
 void thin(RefineMesh& mesh, F&& f) {
@@ -73,9 +76,12 @@ RefineMesh coarsen(RefineMesh mesh, const RefineFrame& frame, const CoarseNode& 
   parameters.mode = RefineMode::collapse;
   parameters.tolerance = level_tolerance(finest.tolerance, node.height);
   parameters.reach = std::ldexp(finest.reach, node.height);  // as long as edges get
-  parameters.places.reset();
   parameters.normals = {level_normal_cosine, false};
   parameters.grain = level_grain(parameters.tolerance);
+  // The mesh was settled already. With it again levels of porous stone took 8 % longer, had half a percent
+  // fewer triangles and were up to 3 % further off.
+  parameters.settles = false;
+  parameters.at_once = triangles_at_once;
   if (!node.all) parameters.within = CubeLattice(frame, 0, node.cell.level).box(node.cell.at);
   // Cubes that grow with the edges in them. Borders of both passes never lie together.
   const int level = frame.level + node.height;
@@ -104,7 +110,7 @@ std::uint64_t coarsen_bytes(const MeshSize& all) {
   MeshSize own = all;
   own.samples += own.vertices;  // of which each that goes or moves leaves one
   // The second pass holds what the first has made.
-  return refine_bytes(all, own) + MeshDistance::bytes(all.triangles) +
+  return refine_bytes(all, own, triangles_at_once) + MeshDistance::bytes(all.triangles) +
          2 * mesh_bytes(own.vertices, own.triangles, own.samples, own.sided);
 }
 

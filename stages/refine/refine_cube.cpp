@@ -16,7 +16,8 @@ void mend(EditMesh& edit, bool checked, const RefineParameters& parameters, Refi
     if (!checked) edit.set_intersecting(edit.find_intersecting());
     counts.pairs_before += edit.count_pairs();
   }
-  if (parameters.mode != RefineMode::mend) settle_places(edit, parameters, counts);
+  if (parameters.mode != RefineMode::mend && parameters.settles)
+    settle_places(edit, parameters, counts);
   if (parameters.intersections == IntersectionRule::none)
     repair_intersections(edit, parameters, counts, RepairEffort::thorough);
 }

@@ -151,8 +151,8 @@ TriangleNumbers RangeRefiner::staying_in(Index3 cube, const TriangleNumbers& mee
   return staying;
 }
 
-// Refines as many cubes at the same time as have no more triangles than a part of one may have: so
-// threads that are free help, and memory is as of one part. Returns the cube that comes next.
+// Refines as many cubes at the same time as have no more triangles than parameters say: so threads that
+// are free help, and memory is bounded. Returns the cube that comes next.
 RangeRefiner::Populated::const_iterator RangeRefiner::refine_some(Populated::const_iterator at) {
   struct One {
     Index3 cube;
@@ -162,7 +162,7 @@ RangeRefiner::Populated::const_iterator RangeRefiner::refine_some(Populated::con
   std::vector<One> some;
   for (std::size_t sum = 0; at != populated_.cend() && some.size() < most_at_once; ++at) {
     sum += at->second.size();
-    if (!some.empty() && sum > most_part_triangles) break;
+    if (!some.empty() && sum > parameters_.at_once) break;
     some.push_back({morton_decode(at->first.number), &at->second});
   }
   // One alone may be cut up, and its parts are done at the same time.
@@ -205,7 +205,7 @@ CollapseSurvey survey_range(const RefineMesh& mesh, const CubeLattice& cubes,
   return RangeRefiner(mesh, cubes, own, parameters, counts).survey(others, tolerances);
 }
 
-std::uint64_t refine_bytes(const MeshSize& all, const MeshSize& own) {
+std::uint64_t refine_bytes(const MeshSize& all, const MeshSize& own, std::size_t at_once) {
   // Cubes of vertices and their numbers in what is put together, lists of triangles; then of the cube
   // at hand what was done and what is to be put in order; and what comes out.
   const std::uint64_t sorting =
@@ -213,10 +213,10 @@ std::uint64_t refine_bytes(const MeshSize& all, const MeshSize& own) {
   const std::uint64_t done = mesh_bytes(own.vertices, own.triangles, own.samples, own.sided) +
                              own.vertices * 4 + own.triangles * 32;
   const std::uint64_t out = gather_bytes(own.vertices, own.triangles, own.samples, own.sided);
-  // EditMesh and the queue of edges of one part.
-  const std::uint64_t part = std::min<std::uint64_t>(all.triangles, most_part_triangles) * 320 +
-                             std::min<std::uint64_t>(all.sided, most_part_triangles) * 32;
-  return sorting + done + out + part;
+  // EditMesh and the queue of edges.
+  const std::uint64_t edited = std::min<std::uint64_t>(all.triangles, at_once) * 320 +
+                               std::min<std::uint64_t>(all.sided, at_once) * 32;
+  return sorting + done + out + edited;
 }
 
 }  // namespace voxweld

@@ -18,6 +18,9 @@ namespace voxweld {
 enum class RefineMode : std::uint8_t { repair, collapse, mend };
 enum class IntersectionRule : std::uint8_t { none, report, ignore };
 
+// A cube that more triangles meet is done in eight parts, so that memory is bounded.
+inline constexpr std::size_t most_part_triangles = std::size_t{1} << 16;
+
 // How the normals of vertices that become one are grouped.
 struct NormalRule {
   float cosine = cluster_cosine;  // those within this angle of their mean become one
@@ -41,6 +44,11 @@ struct RefineParameters {
   NormalRule normals = {};
   // Where edges are collapsed, coordinates of what moves become multiples of this power of two.
   std::int32_t grain = 1;
+  // Whether vertices go where they best lie first, and edges flip to agree with normals
+  // (vertex_places.h).
+  bool settles = true;
+  // Triangles in the cubes that are refined at the same time, unless it is one cube alone.
+  std::size_t at_once = most_part_triangles;
 };
 
 // What was done and what came of it; sums over cubes. Plain data: artifacts hold it as it is.
@@ -91,7 +99,9 @@ struct MeshSize {
   std::uint64_t sided = 0;  // triangles that have sides
 };
 // Bytes refine_range takes at most, its result included, beside its argument, which is `all`. own: of
-// that what is at home in its range, with as many samples as there may be in the end.
-std::uint64_t refine_bytes(const MeshSize& all, const MeshSize& own);
+// that what is at home in its range, with as many samples as there may be in the end. at_once: the
+// parameters'.
+std::uint64_t refine_bytes(const MeshSize& all, const MeshSize& own,
+                           std::size_t at_once = most_part_triangles);
 
 }  // namespace voxweld
