@@ -161,6 +161,8 @@ for (const kind of ["gyroid", "labels"]) {
 run("export", "gyroid.mesh", "--neuroglancer", "-o", "files");
 run("export", "gyroid.mesh", "--neuroglancer", "--legacy", "-o", "old");
 run("export", "labels.mesh", "--neuroglancer", "--sharded", "-o", "shards");
+run("run", "labels.toml", ...settings, "--set", 'labels.mode="each"', "--set", "output.directory=each.mesh");
+run("export", "each.mesh", "--neuroglancer", "-o", "each");
 
 const server = createServer(answer).listen(0, "127.0.0.1");
 await new Promise((done) => server.on("listening", done));
@@ -173,8 +175,9 @@ try {
   const levels = levels_of(join(place, "files/1.index"));
   const top = Math.max(...levels.values());
   assert.ok(top > 0, "the run has levels");
-  const asked_levels = () =>
-    [...new Set(asked.filter(({ path, begin }) => path.endsWith("/1") && begin !== undefined).map(({ begin }) => levels.get(begin)))].sort();
+  // Of an object those that were asked for.
+  const asked_levels = (object = 1, of = levels) =>
+    [...new Set(asked.filter(({ path, begin }) => path.endsWith(`/${object}`) && begin !== undefined).map(({ begin }) => of.get(begin)))].sort();
 
   const near = look(await shown(browser, port, "files", ["1"], 96, 120));
   assert.ok(near.drawn > 0.1, `nearby ${near.drawn} of the picture is drawn`);
@@ -190,6 +193,14 @@ try {
   const labels = look(await shown(browser, port, "shards", ids, 48, 60));
   assert.ok(labels.drawn > 0.1, `of labels ${labels.drawn} of the picture is drawn`);
   assert.ok(labels.hues > 5, `${labels.hues} colours of labels`);
+
+  // A mesh for each label: each object has its own levels.
+  const each = look(await shown(browser, port, "each", ids, 48, 60));
+  assert.ok(Math.abs(each.drawn - labels.drawn) < 0.02, `${each.drawn} is drawn of a mesh for each label, ${labels.drawn} of the shared one`);
+  await shown(browser, port, "each", ids, 48, 3000);
+  const coarse = ids.map((id) => [id, levels_of(join(place, `each/${id}.index`))]).filter(([, of]) => Math.max(...of.values()) > 0);
+  assert.ok(coarse.length > 10, `${coarse.length} labels have levels`);
+  for (const [id, of] of coarse) assert.deepEqual(asked_levels(id, of), [Math.max(...of.values())], `label ${id} from afar`);
   console.log(`near ${near.drawn.toFixed(3)}, far ${far.drawn.toFixed(5)}, old ${old.drawn.toFixed(3)}, labels ${labels.drawn.toFixed(3)} in ${labels.hues} hues`);
 } finally {
   await browser.close();
