@@ -21,10 +21,12 @@ enum class IntersectionRule : std::uint8_t { none, report, ignore };
 // A cube that more triangles meet is done in eight parts, so that memory is bounded.
 inline constexpr std::size_t most_part_triangles = std::size_t{1} << 16;
 
-// How the normals of vertices that become one are grouped.
+// How many normals a vertex has, by the cosines of angles.
 struct NormalRule {
-  float cosine = cluster_cosine;  // those within this angle of their mean become one
-  bool of_triangles = true;       // a large triangle that stands far off them is one more
+  // Of vertices that become one: those within this angle of their mean become one, too.
+  float cosine = cluster_cosine;
+  // A triangle that is further than this from all normals of its vertex (40 degrees) is one more.
+  float own_cosine = 0.766f;
 };
 
 struct RefineParameters {

@@ -44,9 +44,9 @@ class Directions {
       }
       if (size < length(sums_[least])) least = k;
     }
-    if (likeness >= double{rule_.cosine})
+    if (likeness >= double{rule_.own_cosine})
       sums_[best] = sums_[best] + face.area * sign;
-    else if (rule_.of_triangles || count_ == 0)
+    else
       add_own(face, least);
   }
 
