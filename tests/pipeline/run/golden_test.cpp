@@ -99,7 +99,7 @@ TEST_F(Goldens, Encode) {
   auto files = files_ending(scene_->output(), ".drc");
   const auto glb = files_ending(scene_->output(), ".glb");
   files.insert(files.end(), glb.begin(), glb.end());
-  expect_recorded({"encode", 3, "656c92d8ff693ded63e89b6a844749a0"}, encode_version,
+  expect_recorded({"encode", 4, "81f8d86fa6b76cd3846f096f8e91b883"}, encode_version,
                   hash_of(files));
 }
 
@@ -248,12 +248,12 @@ INSTANTIATE_TEST_SUITE_P(
                     {Golden{"build of each label", 1402, "95578f3a015ecf729ac9d388cea09ec6"},
                      {"merge of each label", 10, "ec1364587567920041a025286905fdec"},
                      {"stitch of each label", 6, "59cdc8ffcee04a094002ca747ffecbbb"},
-                     {"encode of each label", 3, "141590bccb677d852b82a4e68563a1e8"}}},
+                     {"encode of each label", 4, "719088161d8237d4f4e462a72fb7bad2"}}},
         LabelGolden{"shared",
                     {Golden{"build of shared labels", 1402, "42865b902206dd8078300470336ec603"},
                      {"merge of shared labels", 10, "521dee06a5ae4427ac65dc89ef7cb198"},
                      {"stitch of shared labels", 6, "05d69da8e8cc4a33c37bdd751c8c158f"},
-                     {"encode of shared labels", 3, "90c12958e47f9a413fc30528bae518ba"}}}),
+                     {"encode of shared labels", 4, "1de6db2e211df989b6eff7efb88d742f"}}}),
     [](const auto& each) { return each.param.mode; });
 
 }  // namespace
