@@ -1,4 +1,6 @@
 // Coarser levels of detail: closed at any mix, the same however the work is cut, near the mesh.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -108,6 +110,31 @@ TEST(LevelsWork, WhatIsSmoothIsShadedSo) {
 }
 
 // Two flats meet at each of most vertices.
+// Of all normals those that an octahedron of 8 bits has: whole numbers in units of its 127th part.
+double share_of_eight_bits(const Scene& scene, int lod) {
+  double all = 0, found = 0;
+  for (const ListedMesh& one : all_meshes(scene.output())) {
+    if (one.record.lod != lod) continue;
+    for (const std::array<float, 3>& normal : one.mesh.normals) {
+      const float sum = std::abs(normal[0]) + std::abs(normal[1]) + std::abs(normal[2]);
+      all += 1;
+      found += std::ranges::all_of(normal, [&](float x) {
+        return std::abs(x / sum * 127 - std::round(x / sum * 127)) < 1e-3f;
+      });
+    }
+  }
+  EXPECT_GT(all, 0);
+  return found / all;
+}
+
+TEST(LevelsWork, NormalsTakeFewerBitsThanThoseOfTheMesh) {
+  const Scene scene("gyroid", 80);
+  VOXWELD_EXPECT_DONE(scene.run(levels));
+  EXPECT_LT(share_of_eight_bits(scene, 0), 0.5);
+  EXPECT_EQ(share_of_eight_bits(scene, 1), 1);
+  EXPECT_EQ(share_of_eight_bits(scene, 2), 1);
+}
+
 TEST(LevelsWork, CreasesStaySharp) {
   const Scene scene("part", 160);
   VOXWELD_EXPECT_DONE(scene.run(levels));
