@@ -6,20 +6,21 @@
 #   three           three.js in a headless Chromium: GLTFLoader, DRACOLoader, MeshoptDecoder
 #   tiles-renderer  3d-tiles-renderer in the same
 #   cesium          CesiumJS in the same, and labels by a click
+#   neuroglancer    Neuroglancer in the same: exports with levels of bunny, frog, grains and gyroid
 #   files           .ply, .stl, .obj, .vtp and .glb: VTK, Assimp, ADMesh, MeshLab, Blender: triangles, area, volume
 # With --output it makes nothing: it looks at that output, of any size, by view (the page of `PROGRAM view`),
-# tiles-renderer and cesium (large_client.mjs).
+# tiles-renderer and cesium (large_client.mjs), and neuroglancer.
 # Usage: tests/clients/run.sh [--output OUTPUT] [--only NAME[,NAME...]] PROGRAM OUT_FOLDER
 # It installs nothing: tests/npm_packages.sh and tests/clients/install_packages.sh do.
 # Exit status: 0 all is well (or skipped), 1 not so.
 set -euo pipefail
 # shellcheck source=tests/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
-known="tileset gltf three tiles-renderer cesium files"
+known="tileset gltf three tiles-renderer cesium neuroglancer files"
 output=
 if [ "${1:-}" = --output ]; then
   output=$(realpath "${2:?an output folder}")
-  known="view tiles-renderer cesium"
+  known="view tiles-renderer cesium neuroglancer"
   shift 2
 fi
 clients=$known
@@ -81,6 +82,13 @@ gltf() {
 three() { node "$here/three_client.mjs" "$out" "${outputs[@]}"; }
 tiles-renderer() { node "$here/tiles_renderer_client.mjs" "$out" "${outputs[@]}"; }
 cesium() { node "$here/cesium_client.mjs" "$out" "${outputs[@]}"; }
+neuroglancer() {
+  local name shown=()
+  for name in "${outputs[@]}"; do
+    case $name in gyroid | grains | bunny | frog) shown+=("$out/$name.mesh") ;; esac
+  done
+  node "$here/neuroglancer_client.mjs" "$program" "$out" "${shown[@]}"
+}
 files() { "$python" "$here/mesh_files.py" "$out/gyroid.mesh"; }
 
 failed=()
@@ -88,7 +96,13 @@ skipped=()
 for client in $clients; do
   echo "== $client"
   status=0
-  if [ -z "$output" ]; then "$client"; else node "$here/large_client.mjs" "$client" "$program" "$output" "$out"; fi || status=$?
+  if [ -z "$output" ]; then
+    "$client"
+  elif [ "$client" = neuroglancer ]; then
+    node "$here/neuroglancer_client.mjs" "$program" "$out" "$output"
+  else
+    node "$here/large_client.mjs" "$client" "$program" "$output" "$out"
+  fi || status=$?
   case $status in
     0) ;;
     77) skipped+=("$client") ;;
