@@ -119,7 +119,7 @@ class LevelLister {
   nlohmann::json of_level(int height) const {
     std::uint64_t tiles = 0, triangles = 0, bytes = 0;
     RefineCounts counts;
-    double worst = 0;
+    double worst = 0, tolerance = 0;
     const auto add = [&](const Sums& sums) {
       if (!sums.any) return;
       ++tiles;
@@ -131,12 +131,13 @@ class LevelLister {
           add(nodes_[n]);
           counts.add(listing_.levels.counts(n));
           worst = std::max(worst, errors_[n].worst);
+          tolerance = std::max(tolerance, listing_.levels.tolerance(n));
           if (tree_.nodes()[n].height == height) bytes += nodes_[n].bytes;
         },
         [&](std::uint64_t t) { add(leaves_[t]); });
     const double step = manifest_.lattice.step;
     return {{"level", height},
-            {"tolerance", listing_.levels.tolerance(height) * step},
+            {"tolerance", tolerance * step},
             {"tiles", tiles},
             {"triangles", triangles},
             {"bytes", bytes},

@@ -45,16 +45,13 @@ class TilesetWriter {
     if (roots.size() == 1)
       root = std::move(roots.front().json);
     else
-      root = without_content(roots, error_of(tree_.top() + 1));
+      root = without_content(roots, in_metres(4 * inputs_.levels.largest_tolerance()));
     files_.insert(files_.begin(), put(tileset_name, root, diagonal_of(root)));
     return std::move(files_);
   }
 
  private:
-  // Of the tolerance alone.
-  double error_of(int height) const {
-    return inputs_.levels.tolerance(height) * inputs_.lattice.step * scale_;
-  }
+  double in_metres(double steps) const { return steps * inputs_.lattice.step * scale_; }
   static void keep(std::vector<Part>& parts, Part part) {
     if (part.box) parts.push_back(std::move(part));
   }
@@ -113,7 +110,7 @@ class TilesetWriter {
     const bool nested = nested_[number];
     const std::string below = nested ? "../../" : up;
     Part part = of_mesh(inputs_.nodes[number], below);
-    part.error = std::max(error_of(node.height), measured_error(number));
+    part.error = in_metres(std::max(inputs_.levels.tolerance(number), inputs_.errors[number].p99));
     Json children = Json::array();
     const auto add = [&](Part child) {
       if (!child.box) return;
@@ -135,10 +132,6 @@ class TilesetWriter {
     Part link{{{"refine", "REPLACE"}, {"content", {{"uri", up + name}}}}, part.box, part.error};
     finish(link);
     return link;
-  }
-
-  double measured_error(std::uint64_t node) const {
-    return inputs_.errors[node].p99 * inputs_.lattice.step * scale_;
   }
 
   Json without_content(std::vector<Part>& parts, double error) const {

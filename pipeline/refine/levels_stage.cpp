@@ -48,13 +48,13 @@ Coarse coarse(RefineMesh mesh, const NodeReads& reads, const NodeSources& source
   // tile would have little else: they are left out, and as far off as they are large.
   if (sources.tree.of_labels() && reads.all()) {
     const double extent = diagonal(LatticeBox::around(mesh.positions));
-    if (extent < level_tolerance(job.parameters.tolerance, node.height)) {
+    if (extent < level_tolerance(job.parameters.tolerance, node.doublings)) {
       for (std::size_t v = 0; v < mesh.positions.size(); ++v) out.counts.add_distance(extent);
       out.counts.worst = extent;
       return out;
     }
   }
-  out.mesh = coarsen(std::move(mesh), job.frame, {node.cell, reads.all(), node.height},
+  out.mesh = coarsen(std::move(mesh), job.frame, {node.cell, reads.all(), node.doublings},
                      job.parameters, out.counts);
   return out;
 }

@@ -252,9 +252,10 @@ std::uint64_t tile_bytes(const Config& config, std::int64_t vertices) {
   return encode_bytes(config, tile);
 }
 
-// Of a coarser tile made of eight that have so many vertices each.
+// Of a coarser tile made of eight that have so many vertices each and a quarter more: borders are fine, so
+// coarse tiles have somewhat more than the tree of levels expects.
 std::uint64_t level_bytes(std::int64_t vertices) {
-  const std::uint64_t all = 8 * static_cast<std::uint64_t>(vertices);
+  const std::uint64_t all = 10 * static_cast<std::uint64_t>(vertices);
   const MeshSize size{all, 2 * all, 2 * all, 0};
   return mesh_bytes(size.vertices, size.triangles, size.samples) + coarsen_bytes(size);
 }

@@ -219,9 +219,10 @@ NodeSources Stages::level_sources() {
   if (!level_tree_) {
     const LevelsJob& job = jobs_.levels();
     const bool each = context_.config.labels.mode == LabelMode::each;
-    level_tree_.emplace(
-        retile_plan().level_leaves(),
-        LevelTreeRules{job.levels, job.frame.level, each ? jobs_.retile().tile_vertices : 0, each});
+    const std::uint64_t tile = jobs_.retile().tile_vertices;
+    level_tree_.emplace(retile_plan().level_leaves(),
+                        LevelTreeRules{job.levels, job.frame.level, each ? tile : 0, each, tile,
+                                       job.parameters.tolerance / job.parameters.reach});
   }
   return {jobs_.levels(), *level_tree_, refined()};
 }

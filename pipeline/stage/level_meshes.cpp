@@ -40,8 +40,15 @@ void append(TileMesh& all, const TileMesh& mesh, Material label) {
 
 }  // namespace
 
-double LevelMeshes::tolerance(int height) const {
-  return level_tolerance(job_.parameters.tolerance, height);
+double LevelMeshes::tolerance(std::uint64_t node) const {
+  return level_tolerance(job_.parameters.tolerance, tree().nodes()[node].doublings);
+}
+
+double LevelMeshes::largest_tolerance() const {
+  double largest = job_.parameters.tolerance;
+  for (std::uint64_t n = 0; n < tree().nodes().size(); ++n)
+    largest = std::max(largest, tolerance(n));
+  return largest;
 }
 
 CubeMeshArtifact LevelMeshes::open(std::uint64_t node) const {

@@ -22,7 +22,8 @@ class LevelMeshes {
   LevelMeshes(const LevelsJob& job, const LevelTree& tree) : job_(job), tree_(tree) {}
 
   const LevelTree& tree() const { return tree_; }
-  double tolerance(int height) const;  // in lattice steps
+  double tolerance(std::uint64_t node) const;  // in lattice steps
+  double largest_tolerance() const;            // of nodes; where there is none, that of the mesh
   Hash128 content(std::uint64_t node) const;
   PlannedTile size(std::uint64_t node) const;  // with half as many polygons as triangles
   // How many labels it has a part of; 0 where there is one surface.

@@ -1,6 +1,7 @@
 #include "pipeline/stage/level_tree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <tuple>
 
@@ -29,8 +30,9 @@ CellKey raised(CellKey cell, int least) {
   return cell;
 }
 
-// Of vertices in a node, where the tolerance is four times that of its children.
+// Of vertices in a node, where the tolerance is four times that of its children; half of them with eight times.
 constexpr double part_left = 0.25;
+constexpr int level_doublings = 2;
 
 // Makes nodes from the leaves up; their numbers are put in order afterwards.
 class TreeBuilder {
@@ -86,11 +88,20 @@ class TreeBuilder {
     return few && rules_.few_vertices > 0 ? parts : add_node(parts);
   }
   Parts add_node(const Parts& parts) {
-    LevelNode node{parts.cell, 1, false, parts.nodes, parts.leaves};
-    for (const std::uint64_t child : node.nodes)
+    LevelNode node{parts.cell, 1, level_doublings, false, parts.nodes, parts.leaves};
+    for (const std::uint64_t child : node.nodes) {
       node.height = std::max(node.height, nodes_[child].height + 1);
+      node.doublings = std::max(node.doublings, nodes_[child].doublings + level_doublings);
+    }
+    double left = parts.vertices * part_left;
+    const bool many = rules_.most_vertices > 0 && left > static_cast<double>(rules_.most_vertices);
+    if (many &&
+        std::ldexp(rules_.tolerance, node.doublings + 1) <= std::ldexp(1.0, node.cell.level - 6)) {
+      ++node.doublings;
+      left /= 2;
+    }
     nodes_.push_back(std::move(node));
-    return {{nodes_.size() - 1}, {}, parts.cell, parts.vertices * part_left};
+    return {{nodes_.size() - 1}, {}, parts.cell, left};
   }
   // How many of the first ones lie in one octant of the cell; 1 where the first fills the cell.
   std::size_t those_together(CellKey cell, Leaves leaves) const {
@@ -110,6 +121,7 @@ class TreeBuilder {
     } else {
       node.cell = nodes_.back().cell;  // the root was built last
       node.height = nodes_.back().height + 1;
+      node.doublings = nodes_.back().doublings + level_doublings;
       node.nodes = {nodes_.size() - 1};
     }
     nodes_.push_back(std::move(node));
@@ -217,7 +229,7 @@ void LevelTree::add_shape(KeyHasher& key, std::uint64_t number) const {
   };
   const LevelNode& node = nodes_[number];
   add_cell(node.cell);
-  key.integer(node.height).integer(node.all ? 1 : 0);
+  key.integer(node.height).integer(node.doublings).integer(node.all ? 1 : 0);
   key.integer(static_cast<std::int64_t>(node.nodes.size()));
   for (const std::uint64_t child : node.nodes) add_shape(key, child);
   key.integer(static_cast<std::int64_t>(node.leaves.size()));

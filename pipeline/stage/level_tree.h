@@ -31,6 +31,7 @@ struct LevelLeaf {
 struct LevelNode {
   CellKey cell;                       // at least as large as a cube of refine
   int height = 1;                     // above leaves, whose height is 0
+  int doublings = 2;                  // of the mesh's tolerance, to that of the node
   bool all = false;                   // it holds all leaves
   std::vector<std::uint64_t> nodes;   // children that are nodes, by their numbers, in Morton order
   std::vector<std::uint64_t> leaves;  // and those that are leaves, by theirs, by place
@@ -55,6 +56,12 @@ struct LevelTreeRules {
   // So there are not many levels where labels are large and lie around each other. 0: every cube needs one.
   std::uint64_t few_vertices = 0;
   bool of_labels = false;
+  // Where a node would have more with four times its children's tolerance, it gets eight times that, as long as it
+  // is no more than a 64th of the cell's side, a few pixels of a picture. Through a volume full of surface, tiles
+  // twice as wide with edges twice as long have twice as many triangles: these grew from level to level until
+  // they fit no memory. 0: any number.
+  std::uint64_t most_vertices = 0;
+  double tolerance = 0;  // of the mesh, in sides of finest cells
 };
 
 class LevelTree {

@@ -16,9 +16,6 @@
 
 namespace voxweld {
 
-// How much larger the tolerance is at each level. Edges of a smooth surface get twice as long with four
-// times the tolerance, and tiles are twice as wide: so they have about as many triangles at each level.
-inline constexpr double level_tolerance_factor = 4;
 // Normals of a vertex of a coarse level become one where they lie within 40 degrees of their mean, and
 // only triangles that face away add their own: a crease of 80 degrees or more stays sharp, and what is
 // smooth looks so, though triangles that bridge it turn further than those of the mesh itself. Grouped
@@ -31,11 +28,13 @@ inline constexpr float level_own_cosine = 0;
 struct CoarseNode {
   CellKey cell;      // a triangle is at home in it as in a tile: belongs_to()
   bool all = false;  // it holds the whole mesh: then nothing is locked
-  int height = 1;    // of the levels below it
+  // Of the mesh's tolerance. Edges of a smooth surface get twice as long with two. Where tiles are twice as
+  // wide then, they have as many triangles as before.
+  int doublings = 2;
 };
 
-// The tolerance of a level, from that of the mesh itself.
-double level_tolerance(double finest, int height);
+// The tolerance of a node, from that of the mesh itself.
+double level_tolerance(double finest, int doublings);
 
 // What coordinates of vertices that move become multiples of, a power of two: a twelfth of the tolerance
 // or less, since more bits say nothing and cost bytes. tolerance: of the level, in lattice steps.

@@ -64,6 +64,37 @@ TEST(LevelTree, HasAsManyLevelsAsAreAskedFor) {
   EXPECT_EQ(tree_of({}, 4, 6).top(), 0);
 }
 
+// What node each cube gets whose eight octants have a tile of so many vertices each.
+std::vector<LevelNode> full_nodes(std::uint64_t vertices, std::uint64_t most,
+                                  double tolerance = 0.01) {
+  std::vector<LevelLeaf> leaves;
+  for (std::uint64_t code = 0; code < 64; ++code)
+    leaves.push_back({{7, morton_decode(code)}, vertices});
+  return LevelTree(std::move(leaves), {.least = 6, .most_vertices = most, .tolerance = tolerance})
+      .nodes();
+}
+
+TEST(LevelTree, ToleranceGrowsFasterWhereTheVolumeIsFullOfSurface) {
+  // Of eight thousand vertices a quarter is left, two thousand, and of eight times these four thousand.
+  const std::vector<LevelNode> any = full_nodes(1000, 0), many = full_nodes(1000, 4000);
+  ASSERT_EQ(any.size(), 9u);
+  EXPECT_EQ(any[0].doublings, 2);
+  EXPECT_EQ(any[8].doublings, 4);
+  EXPECT_EQ(any, many);
+  EXPECT_EQ(full_nodes(1000, 3999)[0].doublings, 2);
+  EXPECT_EQ(full_nodes(1000, 3999)[8].doublings, 5);
+  // A thousand is left at level 1 with eight times the tolerance, and two thousand or one above it.
+  const std::vector<LevelNode> few = full_nodes(1000, 1000);
+  EXPECT_EQ(few[0].doublings, 3);
+  EXPECT_EQ(few[8].doublings, 6);
+  // By one doubling a level at most.
+  EXPECT_EQ(full_nodes(1000, 10)[0].doublings, 3);
+  // Cells have 256 and 512 finest cells a side, of which a 64th part is 4 and 8.
+  EXPECT_EQ(full_nodes(1000, 1000, 0.5)[0].doublings, 3);
+  EXPECT_EQ(full_nodes(1000, 1000, 0.5)[8].doublings, 5);
+  EXPECT_EQ(full_nodes(1000, 1000, 0.51)[0].doublings, 2);
+}
+
 // A label in one tile, around this cell of level 4.
 LevelLeaf small_label(Material label, Index3 at, std::uint64_t vertices = 100) {
   return {{4, at}, vertices, label, true};

@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "stages/refine/coarsen.h"
 #include "stages/refine/refine_range.h"
 #include "tests/stages/refine/volume_mesh.h"
 #include "tests/support/allocation_count.h"
@@ -45,6 +46,33 @@ void expect_enough(const testing::VolumeMesh& made,
       expect_survey_enough(mesh, made.frame, pass, parameters, refine_bytes(size, size));
     mesh = std::move(refined);
   }
+}
+
+// Of the last node of a tree, and of one whose border is fixed.
+void expect_enough_for_levels(const testing::VolumeMesh& made) {
+  RefineParameters parameters;
+  parameters.tolerance = 0.1 / made.frame.lattice.step;
+  parameters.reach = 1 / made.frame.lattice.step;
+  const MeshSize size{made.mesh.positions.size(), made.mesh.triangles.size(),
+                      made.mesh.samples.size(), made.mesh.sides.size()};
+  for (const bool all : {true, false})
+    for (const int doublings : {2, 5}) {
+      RefineMesh mesh = made.mesh;
+      RefineCounts counts;
+      const std::uint64_t before = testing::live_bytes();
+      testing::forget_peak();
+      const RefineMesh coarse = coarsen(std::move(mesh), made.frame,
+                                        {{8, {0, 0, 0}}, all, doublings}, parameters, counts);
+      const std::uint64_t taken = testing::peak_bytes() - before;
+      EXPECT_LE(taken, coarsen_bytes(size)) << size.triangles << " " << all << " " << doublings;
+      EXPECT_GE(taken * 4, coarsen_bytes(size)) << size.triangles << " " << all << " " << doublings;
+      EXPECT_LT(coarse.triangles.size(), size.triangles);
+    }
+}
+
+TEST(RefineMemory, OfCoarserLevelsIsSaidBefore) {
+  expect_enough_for_levels(testing::mesh_of_volume({40, true, 3}, 0.05));
+  expect_enough_for_levels(testing::mesh_of_volume({80, false, 2}, 0.05));
 }
 
 TEST(RefineMemory, OfANoisyCubeIsSaidBefore) {
