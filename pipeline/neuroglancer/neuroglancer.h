@@ -17,7 +17,7 @@ struct NeuroglancerOptions {
   bool sharded = false;  // files of many objects; not of the old format
   bool force = false;    // over an earlier export
   int threads = 0;       // 0: all there are
-  // Fragments are made so large that they are expected to have no more triangles.
+  // Fragments are made so large that they are expected to have about so many triangles.
   std::uint64_t fragment_triangles = 60000;
   const InterruptFlag* interrupt = nullptr;
 };
