@@ -103,6 +103,22 @@ const panel_says = (page, what) => page.waitForFunction((text) => new RegExp(tex
   { timeout: patience_ms }, what.source);
 
 const tests = {
+  // Also where tiles were loaded that are not in sight.
+  async "the first view has the mesh in its middle"(visit) {
+    const page = await open(visit);
+    for (const pixels of [2, 8, 0.5]) {
+      await look(page, `view.tileset.set_error(${pixels})`);
+      await settle(page);
+      const off = await page.evaluate(() => {
+        const { movement, stage } = window.voxweld.view;
+        window.voxweld.view.tileset.on_loaded();
+        return { touched: movement.touched, share: movement.target.length() / stage.sphere.radius };
+      });
+      assert.equal(off.touched, false);
+      assert.ok(off.share < 0.1, `at ${pixels} pixels the view's middle is ${off.share} radii off the mesh's`);
+    }
+  },
+
   async "coarse from afar, fine nearby, coarse again; and no gap at any mix"(visit) {
     const page = await open(visit), found = [];
     for (const radii of [60, 2, 1.2, 60]) {

@@ -70,12 +70,14 @@ export class Surface {
     return sum;
   }
 
-  // Some of the vertices, in the scene: enough to see how far the mesh reaches.
+  // Some of the vertices, in the scene: enough to see how far the mesh reaches. Of a tileset's tiles those in sight:
+  // the others stand nowhere.
   sample(most = 20000) {
+    const shown = [...this.items].filter(({ about }) => about.parent === undefined || about.parent.parent);
     let total = 0;
-    for (const { piece } of this.items) total += piece.geometry.attributes.position.count;
+    for (const { piece } of shown) total += piece.geometry.attributes.position.count;
     const step = Math.ceil(total / most), points = [];
-    for (const { piece, mesh } of this.items) {
+    for (const { piece, mesh } of shown) {
       const position = piece.geometry.attributes.position;
       mesh.updateWorldMatrix(true, false);
       for (let i = 0; i < position.count; i += step)

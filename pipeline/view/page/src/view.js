@@ -82,8 +82,9 @@ export class View {
       this.fit();
     };
     this.tileset.on_loaded = () => {
-      if (this.movement.touched || this.surface.items.size === 0) return;
-      this.stage.points = this.surface.sample();
+      const points = this.movement.touched ? [] : this.surface.sample();
+      if (points.length === 0) return;
+      this.stage.points = points;
       this.fit();
     };
   }
