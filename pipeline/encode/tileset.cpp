@@ -110,7 +110,7 @@ class TilesetWriter {
     const bool nested = nested_[number];
     const std::string below = nested ? "../../" : up;
     Part part = of_mesh(inputs_.nodes[number], below);
-    part.error = in_metres(std::max(inputs_.levels.tolerance(number), inputs_.errors[number].p99));
+    part.error = in_metres(inputs_.errors[number].p99);
     Json children = Json::array();
     const auto add = [&](Part child) {
       if (!child.box) return;

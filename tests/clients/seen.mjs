@@ -80,8 +80,8 @@ function with_layers(renderer, scene, draw) {
 }
 
 // Looks from a point in all six directions and adds what is seen. near: nothing is nearer to the point. turn: in
-// radians, of all directions.
-export function around(renderer, scene, point, near, size, turn) {
+// radians, of all directions. closely: a pixel is wrong only where a look nearer confirms it.
+export function around(renderer, scene, point, near, size, turn, closely = false) {
   const camera = new THREE.PerspectiveCamera(91, 1, near, size * 4), sum = { all: 0, empty: 0, wrong: 0, most: 0 };
   const turned = new THREE.Matrix4().makeRotationAxis(new THREE.Vector3(1, 2, 3).normalize(), turn), target = new THREE.Vector3();
   camera.position.set(...point);
@@ -90,7 +90,8 @@ export function around(renderer, scene, point, near, size, turn) {
       camera.up.set(z, x, y).applyMatrix4(turned);
       camera.lookAt(target.set(x, y, z).applyMatrix4(turned).add(camera.position));
       renderer.render(scene, camera);
-      const seen = layer_counts(renderer, 1);
+      const places = [], seen = layer_counts(renderer, 1, places);
+      if (closely) seen.wrong = gaps_at(renderer, scene, camera, places, 1);
       for (const name of ["all", "empty", "wrong"]) sum[name] += seen[name];
       sum.most = Math.max(sum.most, seen.most);
     }
