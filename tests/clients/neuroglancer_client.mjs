@@ -17,36 +17,23 @@ function run(...args) {
   return done.status === 0;
 }
 
-// The middles of the fragments of level 0, in nanometres, and how wide these are.
-function fragments_of(index, transform) {
-  const file = readFileSync(index), number = (k) => file.readFloatLE(4 * k), levels = file.readUInt32LE(24);
-  const n = file.readUInt32LE(28 + 16 * levels), start = 28 + 20 * levels;
+const read_json = (...path) => JSON.parse(readFileSync(join(...path), "utf8"));
+
+// The objects; and of the volume the corners, in nanometres.
+function contents(output, path) {
+  const { transform, segment_properties } = read_json(path, "info");
+  const { ids } = read_json(path, segment_properties, "info").inline, { frame } = read_json(output, "manifest.json");
   const place = (p) => [0, 1, 2].map((r) => transform[4 * r + 3] + p.reduce((sum, x, c) => sum + transform[4 * r + c] * x, 0));
-  const lattice = Array.from({ length: n }, (_, i) => [0, 1, 2].map((k) => file.readUInt32LE(start + 4 * (k * n + i))));
-  const middles = lattice.map((at) => place(at.map((x, k) => number(3 + k) + (x + 0.5) * number(k))));
-  return { middles, width: Math.abs(transform[0] + transform[1] + transform[2]) * number(0) };
+  const corners = [place(frame.first), place(frame.first.map((x, k) => x + (frame.size[k] - 1) * frame.spacing[k]))];
+  return { corners, objects: ids.map((id) => ({ id, levels: levels_of(join(path, `${id}.index`)) })) };
 }
 
-function objects_of(path) {
-  const info = JSON.parse(readFileSync(join(path, "info"), "utf8"));
-  const { ids } = JSON.parse(readFileSync(join(path, info.segment_properties, "info"), "utf8")).inline;
-  return ids.map((id) => {
-    const index = join(path, `${id}.index`);
-    return { id, levels: levels_of(index), ...fragments_of(index, info.transform) };
-  });
-}
-
-async function look_at(name, { asked, shown }) {
-  const objects = objects_of(join(folder, name)), middles = objects.flatMap((one) => one.middles);
-  const width = Math.max(...objects.map((one) => one.width));
-  const side = (k, most) => most(...middles.map((at) => at[k])), lo = [0, 1, 2].map((k) => side(k, Math.min) - width / 2);
-  const hi = [0, 1, 2].map((k) => side(k, Math.max) + width / 2), middle = lo.map((x, k) => (x + hi[k]) / 2);
-  const diagonal = Math.hypot(...lo.map((x, k) => hi[k] - x)), away = (at) => Math.hypot(...at.map((x, k) => x - middle[k]));
-  const nearest = middles.reduce((best, at) => (away(at) < away(best) ? at : best));
-  const found = {};
-  for (const [place, at, scale] of [["far", middle, 25 * diagonal], ["whole", middle, diagonal], ["near", nearest, 0.1 * diagonal]]) {
+async function look_at(name, output, { asked, shown }) {
+  const { corners: [lo, hi], objects } = contents(output, join(folder, name));
+  const middle = lo.map((x, k) => (x + hi[k]) / 2), diagonal = Math.hypot(...lo.map((x, k) => hi[k] - x)), found = {};
+  for (const [place, scale] of [["far", 25], ["whole", 1], ["near", 0.2]]) {
     const start = performance.now();
-    const { image, file, complaints } = await shown(name, objects.map(({ id }) => id), at, scale, quiet_tenths);
+    const { image, file, complaints } = await shown(name, objects.map(({ id }) => id), middle, scale * diagonal, quiet_tenths);
     const seconds = (performance.now() - start) / 1000 - quiet_tenths / 10;
     writeFileSync(join(folder, `neuroglancer_${name.replace(/\.ng$/, "")}_${place}.png`), file);
     const counts = new Map(objects.flatMap(({ levels }) => [...levels.values()]).sort().map((level) => [level, 0]));
@@ -70,12 +57,12 @@ async function look_at(name, { asked, shown }) {
   check(near.counts.get(0) > 0, `${name}: nearby the finest level is not asked for`);
 }
 
-const names = [];
+const names = new Map();
 for (const output of outputs) {
   const name = `${basename(resolve(output)).replace(/\.mesh$/, "")}.ng`, path = join(folder, name);
-  if (run("export", output, "--neuroglancer", "--force", "-o", path) && run("verify", path)) names.push(name);
+  if (run("export", output, "--neuroglancer", "--force", "-o", path) && run("verify", path)) names.set(name, output);
 }
 await with_neuroglancer(resolve(folder), async (client) => {
-  for (const name of names) await look_at(name, client);
+  for (const [name, output] of names) await look_at(name, output, client);
 });
 end([]);
