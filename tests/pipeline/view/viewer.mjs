@@ -80,7 +80,12 @@ async function open_page(browser, url) {
   page.on("console", (message) =>
     ["error", "warn", "warning"].includes(message.type()) && !expected.test(message.text()) && complaints.push(message.text()));
   page.on("pageerror", (error) => complaints.push(String(error)));
-  page.on("requestfailed", (request) => complaints.push(`${request.url()}: ${request.failure()?.errorText}`));
+  page.on("requestfailed", (request) => {
+    const why = request.failure()?.errorText;
+    // A tile that went out of sight before it was there: on a busy machine there are some.
+    if (why === "net::ERR_ABORTED" && request.url().includes("/data/")) return;
+    complaints.push(`${request.url()}: ${why}`);
+  });
   page.on("response", (answer) => answer.status() >= 400 && complaints.push(`${answer.url()}: ${answer.status()}`));
   page.on("request", (request) => {
     if (!/^(http:\/\/127\.0\.0\.1:|blob:|data:)/.test(request.url())) complaints.push(`asks for ${request.url()}`);
