@@ -5,29 +5,18 @@ import http from "node:http";
 import { createRequire } from "node:module";
 import { dirname, extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
+import { browser_options, skip } from "../pipeline/view/chromium.mjs";
 import { decoded_png, share } from "../pipeline/view/picture.mjs";
 import { missing_decoder } from "./glb.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url)), require = createRequire(import.meta.url);
 const patience_ms = 600000;
 
-function skip(why) {
-  console.log(`skipped: ${why}`);
-  process.exit(77);
-}
-
 export async function need(...packages) {
   const missing = await missing_decoder();
   if (missing) skip(missing);
   for (const name of ["puppeteer-core", ...packages])
     if (!existsSync(join(here, "../node_modules", name))) skip(`the npm package ${name} is not installed; run tests/npm_packages.sh`);
-}
-
-function browser_path() {
-  const names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
-  for (const folder of (process.env.PATH ?? "").split(":"))
-    for (const name of names) if (existsSync(join(folder, name))) return join(folder, name);
-  return skip("no chromium");
 }
 
 const types = {
@@ -56,10 +45,7 @@ function serve(outputs) {
 // is a failure. script: for a page that has no window.client of its own.
 export async function with_page(outputs, page_name, expected, test, script = "") {
   const puppeteer = require("puppeteer-core"), server = await serve(outputs);
-  const browser = await puppeteer.launch({
-    executablePath: browser_path(), headless: true, protocolTimeout: patience_ms,
-    args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run", "--disable-background-networking"],
-  });
+  const browser = await puppeteer.launch({ ...browser_options(), protocolTimeout: patience_ms });
   const complaints = [];
   try {
     const page = await browser.newPage();

@@ -5,14 +5,10 @@ import { createServer } from "node:http";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { basename, dirname, join } from "node:path";
+import { browser_options, skip } from "../view/chromium.mjs";
 import { decoded_png } from "../view/picture.mjs";
 
 const require = createRequire(import.meta.url);
-
-function skip(why) {
-  console.log(`skipped: ${why}`);
-  process.exit(77);
-}
 
 function installed(name) {
   try {
@@ -26,13 +22,6 @@ const library = dirname(installed("neuroglancer"));
 const icons = dirname(dirname(installed("ikonate/package.json")));
 const { build } = require(installed("esbuild"));
 const puppeteer = require(installed("puppeteer-core"));
-
-function browser_path() {
-  const names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
-  for (const folder of (process.env.PATH ?? "").split(":"))
-    for (const name of names) if (existsSync(join(folder, name))) return join(folder, name);
-  return skip("no chromium");
-}
 
 // The package has no bundle of its own. Texts are asked for as "icon.svg?raw".
 async function bundle(folder) {
@@ -142,14 +131,11 @@ async function shown(browser, port, asked, name, segments, position, scale, pati
 export async function with_neuroglancer(data, test) {
   const client = mkdtempSync(join(tmpdir(), "voxweld-client-")), asked = [];
   process.on("exit", () => rmSync(client, { recursive: true, force: true }));
-  const executablePath = browser_path();
+  const options = browser_options();
   await bundle(client);
   const server = createServer((...of) => answer(data, client, asked, ...of)).listen(0, "127.0.0.1");
   await new Promise((done) => server.on("listening", done));
-  const browser = await puppeteer.launch({
-    executablePath, protocolTimeout: 600000,
-    args: ["--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run", "--disable-background-networking"],
-  });
+  const browser = await puppeteer.launch({ ...options, protocolTimeout: 600000 });
   try {
     await test({ asked, shown: (...how) => shown(browser, server.address().port, asked, ...how) });
   } finally {

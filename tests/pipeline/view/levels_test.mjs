@@ -135,7 +135,8 @@ const tests = {
   },
 
   async "while tiles load no gap is seen either, and a tile that is missing is"(visit) {
-    const page = await open(visit);
+    const { page, complaints } = await visit(name);
+    await page.evaluate(seeing);
     await look(page, "view.tileset.tiles.lruCache.minBytesSize = 0"); // nothing stays that is out of sight
     const mixes = new Set();
     for (const [radii, pixels] of [[60, 8], [2.5, 4], [1.4, 0.5], [3, 8]]) {
@@ -157,6 +158,9 @@ const tests = {
       return through(renderer, stage.scene, stage.camera).wrong;
     });
     assert.ok(hidden > 100, `${hidden} pixels where a tile is missing`);
+    // This test looks elsewhere while tiles load: those that are out of sight by then the page gives up itself.
+    const given_up = (text) => /\.glb: net::ERR_ABORTED$/.test(text);
+    complaints.splice(0, complaints.length, ...complaints.filter((text) => !given_up(text)));
   },
 
   async "the sliders set how fine and how much, and the panel tells what that came to"(visit) {

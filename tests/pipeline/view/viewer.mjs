@@ -3,26 +3,17 @@
 // viewer; and 0 where no program is given and puppeteer-core is there.
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { browser_options, skip } from "./chromium.mjs";
 import { decoded_png } from "./picture.mjs";
+
+export { skip };
 
 const [, , voxweld] = process.argv;
 export const patience_ms = 60000;
-
-export function skip(why) {
-  console.log(`skipped: ${why}`);
-  process.exit(77);
-}
-
-function browser_path() {
-  const names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
-  for (const folder of (process.env.PATH ?? "").split(":"))
-    for (const name of names) if (existsSync(join(folder, name))) return join(folder, name);
-  return skip("no chromium");
-}
 
 let puppeteer;
 try {
@@ -31,7 +22,7 @@ try {
   skip("puppeteer-core is not installed; run tests/npm_packages.sh");
 }
 if (voxweld === undefined) process.exit(0);
-const chromium = browser_path();
+const options = browser_options();
 export const place = mkdtempSync(join(tmpdir(), "voxweld-page-"));
 process.on("exit", () => rmSync(place, { recursive: true, force: true }));
 
@@ -80,12 +71,7 @@ async function open_page(browser, url) {
   page.on("console", (message) =>
     ["error", "warn", "warning"].includes(message.type()) && !expected.test(message.text()) && complaints.push(message.text()));
   page.on("pageerror", (error) => complaints.push(String(error)));
-  page.on("requestfailed", (request) => {
-    const why = request.failure()?.errorText;
-    // A tile that went out of sight before it was there: on a busy machine there are some.
-    if (why === "net::ERR_ABORTED" && request.url().includes("/data/")) return;
-    complaints.push(`${request.url()}: ${why}`);
-  });
+  page.on("requestfailed", (request) => complaints.push(`${request.url()}: ${request.failure()?.errorText}`));
   page.on("response", (answer) => answer.status() >= 400 && complaints.push(`${answer.url()}: ${answer.status()}`));
   page.on("request", (request) => {
     if (!/^(http:\/\/127\.0\.0\.1:|blob:|data:)/.test(request.url())) complaints.push(`asks for ${request.url()}`);
@@ -115,10 +101,7 @@ export const triangles_of = (name) => JSON.parse(readFileSync(join(place, name, 
 // Each test gets visit(NAME): serves what is in the folder, and opens the page. What ends in .page is a folder of
 // `voxweld view --export`.
 export async function run_tests(tests) {
-  const browser = await puppeteer.launch({
-    executablePath: chromium, headless: true,
-    args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run", "--disable-background-networking"],
-  });
+  const browser = await puppeteer.launch(options);
   let failures = 0;
   for (const [name, test] of Object.entries(tests)) {
     const opened = [];
