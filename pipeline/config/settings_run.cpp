@@ -102,10 +102,8 @@ std::vector<Setting> output_settings() {
       row({"output", "levels",
            "Levels of detail. Compared with the level before, each has tiles twice as wide and "
            "four times the tolerance, or eight times where its tiles would have too many "
-           "triangles. "
-           "1: the mesh alone; \"auto\": until one tile holds all of it. A coarse tile has parts "
-           "of "
-           "many labels. More than 1 needs tiles and a refined mesh."},
+           "triangles. 1: the mesh alone; \"auto\": until one tile holds all of it. A coarse tile "
+           "has parts of many labels. More than 1 needs tiles and a refined mesh."},
           binding::integer_or_auto(output, &Output::levels, IntegerRule{1, 12}), levels),
       row({"output", "precision",
            "The step coordinates are rounded to, at most, in smallest spacings."},

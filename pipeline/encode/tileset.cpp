@@ -44,7 +44,7 @@ class TilesetWriter {
     Json root;
     if (roots.size() == 1)
       root = std::move(roots.front().json);
-    else
+    else  // as one more level would have it
       root = without_content(roots, in_metres(4 * inputs_.levels.largest_tolerance()));
     files_.insert(files_.begin(), put(tileset_name, root, diagonal_of(root)));
     return std::move(files_);
