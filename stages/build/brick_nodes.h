@@ -143,6 +143,8 @@ class BrickNodes {
   class MergeBatch;
   class NodeMerges;
   void make_cells(Range cells, CellBatches& batches);
+  bool is_of_planes(std::size_t node) const;
+  void keep_cells(Range nodes, CellBatches& batches);
   void settle_cells(Range cells, CellBatches& batches);
   bool is_taken_in(std::size_t finest) const;
   void make_nodes(const HermiteEdges& edges);

@@ -12,15 +12,48 @@ void gather_planes(LocalCell c, const CellSheets& sheets, int sheet, const Hermi
     const int x = low & 1, y = low >> 1 & 1, z = low >> 2;
     const HermiteEdge& edge = edges.at(axis, c.x + x, c.y + y, c.z + z);
     const double end[3] = {x - 0.5, y - 0.5, z - 0.5};
-    const auto k = static_cast<std::size_t>(out.count++);
-    HermitePlane& plane = out.planes[k];
+    const std::size_t k = out.count++;
+    HermitePlane& plane = out.all_planes[k];
+    plane.weight = 1;
     for (std::size_t a = 0; a < 3; ++a) {
       plane.normal[a] = static_cast<double>(edge.normal[a]);
       plane.point[a] = end[a] * spacing[static_cast<int>(a)];
     }
     plane.point[static_cast<std::size_t>(axis)] =
         (static_cast<double>(edge.t) - 0.5) * spacing[axis];
-    out.normals[k] = edge.normal;
+    out.all_normals[k] = edge.normal;
+  }
+}
+
+void gather_planes(LocalCell c, std::uint32_t signs27, const HermiteEdges& edges, Vec3 spacing,
+                   SheetPlanes& out) {
+  out.count = 0;
+  // Bit x + 3 y + 9 z: the edge from there along the axis.
+  static constexpr std::array<std::uint32_t, 3> starts = {0x36db6db, 0x0fc7e3f, 0x003ffff};
+  static constexpr std::array<int, 3> step = {1, 3, 9};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto at = static_cast<std::size_t>(axis);
+    std::uint32_t rest = (signs27 ^ signs27 >> step[at]) & starts[at];
+    while (rest != 0) {
+      const int row = std::countr_zero(rest) / 3, y = row % 3, z = row / 3;
+      std::uint32_t here = rest >> (3 * row) & 7;
+      rest &= ~(std::uint32_t{7} << (3 * row));
+      const HermiteEdge* edge = &edges.at(axis, c.x + std::countr_zero(here), c.y + y, c.z + z);
+      for (; here != 0; here &= here - 1, ++edge) {
+        const std::array<int, 3> low = {std::countr_zero(here), y, z};
+        const std::size_t k = out.count++;
+        HermitePlane& plane = out.all_planes[k];
+        plane.weight = 1;
+        for (std::size_t a = 0; a < 3; ++a) {
+          plane.normal[a] = static_cast<double>(edge->normal[a]);
+          const double along = a == at ? static_cast<double>(edge->t) : 0.0;
+          plane.point[a] = (low[a] - 1 + along) * spacing[static_cast<int>(a)];
+          if (a != at && low[a] == 1) plane.weight *= 2;
+        }
+        const auto weight = static_cast<float>(plane.weight);
+        for (std::size_t a = 0; a < 3; ++a) out.all_normals[k][a] = weight * edge->normal[a];
+      }
+    }
   }
 }
 

@@ -1,4 +1,4 @@
-// The Hermite data of one sheet of one cell, as QEF planes and normals.
+// The Hermite data of one sheet of one cell, or of a node of 2^3 cells, as QEF planes and normals.
 #pragma once
 
 #include "stages/build/brick_nodes.h"
@@ -7,12 +7,11 @@
 namespace voxweld {
 
 struct SheetPlanes {
-  std::array<HermitePlane, 12> planes;
-  std::array<NormalSum, 12> normals;
-  int count = 0;
-  std::span<const NormalSum> normal_span() const {
-    return {normals.data(), static_cast<std::size_t>(count)};
-  }
+  std::array<HermitePlane, max_planes> all_planes;
+  std::array<NormalSum, max_planes> all_normals;  // each as often as it weighs
+  std::size_t count = 0;
+  std::span<const HermitePlane> planes() const { return {all_planes.data(), count}; }
+  std::span<const NormalSum> normals() const { return {all_normals.data(), count}; }
 };
 
 inline constexpr int all_sheets = -1;
@@ -20,6 +19,11 @@ inline constexpr int all_sheets = -1;
 // The planes of `sheet` (or of all_sheets) of the cell at c, in edge order, relative to its centre.
 void gather_planes(LocalCell c, const CellSheets& sheets, int sheet, const HermiteEdges& edges,
                    Vec3 spacing, SheetPlanes& out);
+// All planes of the node of 2^3 cells whose lowest is at c, by axis and then in the order edges are
+// kept, relative to its centre. signs27: of its lattice points (SignGrid::signs27). An edge weighs as
+// many cells of the node as it is of: so this is what its cells' planes add up to.
+void gather_planes(LocalCell c, std::uint32_t signs27, const HermiteEdges& edges, Vec3 spacing,
+                   SheetPlanes& out);
 
 // Centre of a node of `level` at local Morton `code` (in its level's units), in the volume's frame
 // spacing * sample index.

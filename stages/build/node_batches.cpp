@@ -7,101 +7,81 @@
 
 namespace voxweld {
 
-// Finest cells, or sheets of them, on their way. Three streams: those that may collapse keep their
-// QEF, till their block is done; those that nothing in it has taken in are solved then; and those
-// that may not collapse are solved at once.
+// Finest cells, or sheets of them, on their way: for those that a node above adds up the QEF, and for
+// those that stay their vertex.
 class BrickNodes::CellBatches {
  public:
   CellBatches(BrickNodes& brick, const HermiteEdges& edges)
-      : keep_(brick.parameters_),
-        settle_{NodeSolver(brick.parameters_), {}},
-        solve_{NodeSolver(brick.parameters_), {}},
-        brick_(brick),
-        edges_(edges) {
+      : keep_(brick.parameters_), solve_(brick.parameters_), brick_(brick), edges_(edges) {
     keep_.clear_planes();
-    solve_.solver.clear_planes();
+    solve_.clear_planes();
   }
 
-  // sheet: of the cell, or all_sheets.
-  void keep(std::size_t cell, int sheet) {
-    NodeLevel& level = brick_.levels_[0];
-    SheetCluster& cluster = level.clusters.emplace_back();
-    cluster.first = LeafCode::make(level.codes[cell], 0, std::max(sheet, 0));
-    cluster.collapses = true;
-    brick_.own_sheet_.push_back(no_cluster);
-    level.vertices.push_back({gather(cell, sheet, keep_, kept_), {}});
-    if (++kept_ == lanes) flush_kept();
+  // Of a cell that may collapse: its clusters' QEFs and normals.
+  void keep(std::size_t cell) {
+    const NodeLevel& level = brick_.level(0);
+    const std::uint32_t begin = level.first_cluster[cell], end = level.first_cluster[cell + 1];
+    for (std::uint32_t i = begin; i < end; ++i) {
+      brick_.levels_[0].vertex(i).normals = gather(cell, sheet_of(cell, i), keep_, kept_count_);
+      kept_[kept_count_] = i;
+      if (++kept_count_ == lanes) flush_kept();
+    }
   }
   void flush_kept() {
-    if (kept_ == 0) return;
+    if (kept_count_ == 0) return;
     keep_.reduce();
-    for (std::size_t i = 0; i < kept_; ++i) brick_.levels_[0].qefs.push_back(keep_.qef(i));
-    kept_ = 0;
+    for (std::size_t i = 0; i < kept_count_; ++i)
+      brick_.levels_[0].qef(kept_[i]) = keep_.qef(i);
+    kept_count_ = 0;
     keep_.clear_planes();
   }
+  // sheet: of the cell, or all_sheets.
   void solve(std::size_t cell, int sheet) {
-    NodeSolver& solver = solve_.solver;
-    const NormalClusters normals = gather(cell, sheet, solver, solve_.count);
-    if (!add_sheet(solve_, normals)) return;
-    solver.reduce();
-    finish(solve_);
-    solver.clear_planes();
+    const NormalClusters normals = gather(cell, sheet, solve_, solved_count_);
+    solved_[solved_count_] = static_cast<std::uint32_t>(brick_.sheets_.size());
+    brick_.sheets_.push_back({{}, pack_clusters(normals)});
+    if (++solved_count_ == lanes) flush_solved();
   }
-  // A finest cluster of the block.
-  void settle(std::size_t cell, std::size_t cluster) {
-    const NodeLevel& level = brick_.levels_[0];
-    set_centre(settle_.solver, settle_.count, cell);
-    settle_.solver.load(settle_.count, level.qef(cluster));
+  // A finest cluster that nothing has taken in.
+  void settle(std::size_t cell, std::uint32_t cluster) {
     brick_.own_sheet_[cluster] = static_cast<std::uint32_t>(brick_.sheets_.size());
-    if (add_sheet(settle_, level.vertex(cluster).normals)) finish(settle_);
+    solve(cell, sheet_of(cell, cluster));
   }
-  void flush_sheets() {
-    solve_.solver.reduce();
-    finish(solve_);
-    finish(settle_);
+  void flush_solved() {
+    if (solved_count_ == 0) return;
+    solve_.reduce();
+    solve_.solve(0, solved_count_);
+    for (std::size_t i = 0; i < solved_count_; ++i)
+      brick_.sheets_[solved_[i]].solution = solve_.solution(i);
+    solved_count_ = 0;
+    solve_.clear_planes();
   }
 
  private:
-  // Of sheets_ to be solved.
-  struct SheetBatch {
-    NodeSolver solver;
-    std::array<std::uint32_t, lanes> sheet{};
-    std::size_t count = 0;
-  };
-
-  void set_centre(NodeSolver& solver, std::size_t lane, std::size_t cell) const {
-    if (solver.needs_centres())
-      solver.set_centre(lane, node_centre(brick_.frame_, 0, brick_.cells_->code(cell),
-                                          brick_.parameters_.spacing));
+  int sheet_of(std::size_t cell, std::uint32_t cluster) const {
+    const NodeLevel& level = brick_.level(0);
+    const std::uint32_t begin = level.first_cluster[cell];
+    if (level.first_cluster[cell + 1] - begin == 1) return all_sheets;
+    return static_cast<int>(cluster - begin);
   }
   // The planes to a lane of the solver.
   NormalClusters gather(std::size_t cell, int sheet, NodeSolver& solver, std::size_t lane) {
     const ActiveCells& cells = *brick_.cells_;
     gather_planes(cells.at(cell), cells.sheets(cell), sheet, edges_, brick_.parameters_.spacing,
                   planes_);
-    set_centre(solver, lane, cell);
-    solver.set_planes(lane, planes_.planes.data(), planes_.count);
-    return cluster_normals(planes_.normal_span(), cells.normal_sense(cell));
-  }
-  // Whether the batch is full with it.
-  bool add_sheet(SheetBatch& batch, const NormalClusters& normals) {
-    batch.sheet[batch.count] = static_cast<std::uint32_t>(brick_.sheets_.size());
-    brick_.sheets_.push_back({{}, pack_clusters(normals)});
-    return ++batch.count == lanes;
-  }
-  void finish(SheetBatch& batch) {
-    batch.solver.solve(0, batch.count);
-    for (std::size_t i = 0; i < batch.count; ++i)
-      brick_.sheets_[batch.sheet[i]].solution = batch.solver.solution(i);
-    batch.count = 0;
+    if (solver.needs_centres())
+      solver.set_centre(
+          lane, node_centre(brick_.frame_, 0, cells.code(cell), brick_.parameters_.spacing));
+    solver.set_planes(lane, planes_.planes());
+    return cluster_normals(planes_.normals(), cells.normal_sense(cell));
   }
 
-  NodeSolver keep_;
-  SheetBatch settle_, solve_;
+  NodeSolver keep_, solve_;
   SheetPlanes planes_;
   BrickNodes& brick_;
   const HermiteEdges& edges_;
-  std::size_t kept_ = 0;
+  std::array<std::uint32_t, lanes> kept_{}, solved_{};  // finest clusters; of sheets_
+  std::size_t kept_count_ = 0, solved_count_ = 0;
 };
 
 // Where each sheet is a cluster they take much of the memory: no more than they need.
@@ -120,27 +100,46 @@ void BrickNodes::reserve_sheets() {
   levels_[0].qefs.reserve(most_of_block);
 }
 
-// The cells of one block.
+// The cells of one block. Nothing is known of their clusters but which they are, until asked for.
 void BrickNodes::make_cells(Range range, CellBatches& batches) {
   const ActiveCells& cells = *cells_;
   NodeLevel& level = levels_[0];
-  level.first_vertex = level.first_qef = static_cast<std::uint32_t>(level.clusters.size());
-  level.vertices.clear();
-  level.qefs.clear();
   for (std::size_t i = range.begin; i < range.end; ++i) {
     const int sheets = cells.sheets(i).sheets;
     const bool collapses = cells.collapses(i);
     if (parameters_.simplify.enabled && (collapses || free_ || by_sheets_)) {
       level.kinds[i] = (collapses || free_) && options_.signs ? NodeKind::simple : NodeKind::shaped;
-      if (sheets == 1 || free_)
-        batches.keep(i, all_sheets);
-      else
-        for (int sheet = 0; sheet < sheets; ++sheet) batches.keep(i, sheet);
+      for (int sheet = 0; sheet < (free_ ? 1 : sheets); ++sheet)
+        level.clusters.push_back({no_cluster, LeafCode::make(level.codes[i], 0, sheet), true});
     }
     level.first_cluster[i + 1] = static_cast<std::uint32_t>(level.clusters.size());
     if (level.kinds[i] != NodeKind::blocked && (collapses || by_sheets_)) continue;
     first_sheet_[i] = static_cast<std::uint32_t>(sheets_.size());
     for (int sheet = 0; sheet < sheets; ++sheet) batches.solve(i, sheet);
+  }
+  const std::uint32_t first = level.first_cluster[range.begin];
+  level.first_vertex = level.first_qef = first;
+  const std::size_t count = level.clusters.size() - first;
+  if (level.vertices.size() < count) level.vertices.resize(count);
+  if (level.qefs.size() < count) level.qefs.resize(count);
+  own_sheet_.resize(level.clusters.size(), no_cluster);
+}
+
+// Whether the planes of its edges are made its QEF at once, not those of its cells added up: where
+// it has one cluster, which all its edges are of.
+bool BrickNodes::is_of_planes(std::size_t node) const {
+  const NodeLevel& at = level(1);
+  return signs_ != nullptr && at.kinds[node] != NodeKind::blocked && is_one(1, node) &&
+         at.clusters[at.first_cluster[node]].collapses;
+}
+
+// Of the cells of nodes that add them up.
+void BrickNodes::keep_cells(Range nodes, CellBatches& batches) {
+  const NodeLevel& at = level(1);
+  for (std::size_t node = nodes.begin; node < nodes.end; ++node) {
+    if (at.kinds[node] == NodeKind::blocked || is_of_planes(node)) continue;
+    for (std::uint32_t cell = at.first_child[node]; cell < at.first_child[node + 1]; ++cell)
+      batches.keep(cell);
   }
   batches.flush_kept();
 }
@@ -168,13 +167,15 @@ void BrickNodes::settle_cells(Range range, CellBatches& batches) {
 // Clusters of one level on their way.
 class BrickNodes::MergeBatch {
  public:
-  // collapsing: solves them too, and says which are within the tolerance.
-  MergeBatch(BrickNodes& brick, bool collapsing)
+  // collapsing: solves them too, and says which are within the tolerance. of_planes: of those of their
+  // edges, not of the clusters below.
+  MergeBatch(BrickNodes& brick, bool collapsing, bool of_planes = false)
       : solver_(brick.parameters_),
         sum_(brick.parameters_),
         brick_(brick),
-        collapsing_(collapsing) {
-    solver_.clear_children();
+        collapsing_(collapsing),
+        of_planes_(of_planes) {
+    clear();
   }
 
   void begin(int l) {
@@ -183,9 +184,7 @@ class BrickNodes::MergeBatch {
     below_ = &brick_.levels_[static_cast<std::size_t>(l) - 1];
   }
   void add(std::size_t node, std::uint32_t cluster) {
-    if (solver_.needs_centres()) solver_.set_centre(count_, centre(l_, at_->codes[node]));
-    nodes_[count_] = static_cast<std::uint32_t>(node);
-    clusters_[count_] = cluster;
+    put(node, cluster);
     if (at_->kinds[node] == NodeKind::simple)
       each_child(node, [&](int octant, std::uint32_t part) {
         solver_.set_child(count_, octant, below_->qef(part));
@@ -194,9 +193,23 @@ class BrickNodes::MergeBatch {
       add_up(node, cluster);
     if (++count_ == lanes) flush();
   }
+  // Of planes: one that BrickNodes::is_of_planes.
+  void add(std::size_t node, const SheetPlanes& planes) {
+    const std::uint32_t cluster = at_->first_cluster[node];
+    put(node, cluster);
+    CellExtent extent = CellExtent::none();
+    for (std::uint32_t child = at_->first_child[node]; child < at_->first_child[node + 1]; ++child)
+      extent.join(CellExtent{}.in_parent(static_cast<int>(below_->codes[child] & 7)));
+    solver_.set_planes(count_, planes.planes(), extent);
+    at_->vertex(cluster).normals = cluster_normals(planes.normals(), NormalSense::outward);
+    if (++count_ == lanes) flush();
+  }
   void flush() {
     if (count_ == 0) return;
-    solver_.merge(l_ - 1);
+    if (of_planes_)
+      solver_.reduce();
+    else
+      solver_.merge(l_ - 1);
     if (collapsing_) solver_.solve(l_, count_);
     for (std::size_t i = 0; i < count_; ++i) {
       SheetCluster& cluster = at_->clusters[clusters_[i]];
@@ -207,14 +220,26 @@ class BrickNodes::MergeBatch {
         cluster.collapses = solver_.within_tolerance(vertex.solution);
       }
       // Of what has not collapsed nothing is made but by sheets.
-      if (at_->kinds[nodes_[i]] == NodeKind::simple && (cluster.collapses || brick_.by_sheets_))
+      if (!of_planes_ && at_->kinds[nodes_[i]] == NodeKind::simple &&
+          (cluster.collapses || brick_.by_sheets_))
         vertex.normals = normals_of(nodes_[i]);
     }
-    count_ = 0;
-    solver_.clear_children();
+    clear();
   }
 
  private:
+  void clear() {
+    count_ = 0;
+    if (of_planes_)
+      solver_.clear_planes();
+    else
+      solver_.clear_children();
+  }
+  void put(std::size_t node, std::uint32_t cluster) {
+    if (solver_.needs_centres()) solver_.set_centre(count_, centre(l_, at_->codes[node]));
+    nodes_[count_] = static_cast<std::uint32_t>(node);
+    clusters_[count_] = cluster;
+  }
   Vec3 centre(int l, std::uint32_t code) const {
     return node_centre(brick_.frame_, l, code, brick_.parameters_.spacing);
   }
@@ -249,13 +274,14 @@ class BrickNodes::MergeBatch {
   std::array<std::uint32_t, lanes> nodes_{}, clusters_{};
   std::size_t count_ = 0;
   int l_ = 0;
-  bool collapsing_;
+  bool collapsing_, of_planes_;
 };
 
 // All clusters of nodes that were made.
 class BrickNodes::NodeMerges {
  public:
-  explicit NodeMerges(BrickNodes& brick) : brick_(brick), collapsing_(brick, true) {
+  NodeMerges(BrickNodes& brick, const HermiteEdges& edges)
+      : brick_(brick), edges_(edges), of_planes_(brick, true, true), collapsing_(brick, true) {
     if (brick.by_sheets_) others_.emplace(brick, false);
   }
 
@@ -267,19 +293,35 @@ class BrickNodes::NodeMerges {
     }
     at.vertices.resize(at.clusters.size());
     at.qefs.resize(at.clusters.size() - at.first_qef);
+    of_planes_.begin(l);
     collapsing_.begin(l);
     if (others_) others_->begin(l);
-    for (std::size_t node = nodes.begin; node < nodes.end; ++node)
+    for (std::size_t node = nodes.begin; node < nodes.end; ++node) {
+      if (l == 1 && brick_.is_of_planes(node)) {
+        add_planes(at.codes[node], node);
+        continue;
+      }
       for (std::uint32_t i = at.first_cluster[node]; i < at.first_cluster[node + 1]; ++i)
         (at.clusters[i].collapses ? collapsing_ : *others_).add(node, i);
+    }
+    of_planes_.flush();
     collapsing_.flush();
     if (others_) others_->flush();
   }
 
  private:
+  void add_planes(std::uint32_t code, std::size_t node) {
+    const LocalCell c = decode_local(code << 3);
+    gather_planes(c, brick_.signs_->signs27(c.x, c.y, c.z, 2), edges_, brick_.parameters_.spacing,
+                  planes_);
+    of_planes_.add(node, planes_);
+  }
+
   BrickNodes& brick_;
-  MergeBatch collapsing_;
+  const HermiteEdges& edges_;
+  MergeBatch of_planes_, collapsing_;
   std::optional<MergeBatch> others_;
+  SheetPlanes planes_;
 };
 
 void BrickNodes::make_blocks(const HermiteEdges& edges, NodeMerges& merges) {
@@ -292,11 +334,12 @@ void BrickNodes::make_blocks(const HermiteEdges& edges, NodeMerges& merges) {
     Range nodes = block;
     for (int l = 1; l <= block_top(); ++l) {
       nodes = make_level(l, nodes);
+      if (l == 1) keep_cells(nodes, batches);
       merges.merge(l, nodes);
     }
     settle_cells(block, batches);
   }
-  batches.flush_sheets();
+  batches.flush_solved();
 }
 
 void BrickNodes::make_nodes(const HermiteEdges& edges) {
@@ -310,7 +353,7 @@ void BrickNodes::make_nodes(const HermiteEdges& edges) {
   own_sheet_.clear();
   reserve_sheets();
   sheets_.clear();
-  NodeMerges merges(*this);
+  NodeMerges merges(*this, edges);
   make_blocks(edges, merges);
   for (int l = block_top() + 1; l <= frame_.level; ++l)
     merges.merge(l, make_level(l, {0, level(l - 1).codes.size()}));

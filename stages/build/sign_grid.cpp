@@ -207,10 +207,21 @@ std::uint32_t SignGrid::signs27(int x, int y, int z, int node_side) const {
   std::uint32_t signs = 0;
   int bit = 0;
   for (int k = 0; k < 3; ++k)
-    for (int j = 0; j < 3; ++j)
-      for (int i = 0; i < 3; ++i, ++bit)
-        signs |= static_cast<std::uint32_t>(inside(x + i * half, y + j * half, z + k * half))
-                 << bit;
+    for (int j = 0; j < 3; ++j, bit += 3) {
+      const unsigned char* bytes =
+          reinterpret_cast<const unsigned char*>(row(y + j * half, z + k * half));
+      std::uint32_t three = 0;
+      if (half == 1) {
+        std::memcpy(&three, bytes + (x + 1) / 8, sizeof three);
+        three = three >> ((x + 1) & 7) & 7;
+      } else {
+        for (int i = 0; i < 3; ++i) {
+          const int at = x + i * half + 1;
+          three |= (bytes[at >> 3] >> (at & 7) & 1U) << i;
+        }
+      }
+      signs |= three << bit;
+    }
   return signs;
 }
 

@@ -17,22 +17,28 @@ void NodeSolver::clear_planes() {
   extents_ = {};
 }
 
-void NodeSolver::set_planes(std::size_t lane, const HermitePlane* planes, int count) {
-  for (; planes_.rows < count; ++planes_.rows)
+void NodeSolver::set_planes(std::size_t lane, std::span<const HermitePlane> planes,
+                            const CellExtent& extent) {
+  static constexpr std::array<double, 5> roots = {0, 1, 1.4142135623730951, 0, 2};
+  for (; planes_.rows < static_cast<int>(planes.size()); ++planes_.rows)
     if (planes_.rows >= 3) planes_.plane[static_cast<std::size_t>(planes_.rows)] = {};
   std::array<double, 3> sum{};
-  for (int i = 0; i < count; ++i) {
+  double total = 0;
+  for (std::size_t i = 0; i < planes.size(); ++i) {
     const HermitePlane& plane = planes[i];
-    auto& row = planes_.plane[static_cast<std::size_t>(i)];
+    const double weight = plane.weight, root = roots[static_cast<std::size_t>(plane.weight)];
+    auto& row = planes_.plane[i];
     double distance = 0;
     for (std::size_t a = 0; a < 3; ++a) {
-      row[a][lane] = plane.normal[a];
+      row[a][lane] = root * plane.normal[a];
       distance += plane.normal[a] * plane.point[a];
-      sum[a] += plane.point[a];
+      sum[a] += weight * plane.point[a];
     }
-    row[3][lane] = distance;
+    row[3][lane] = root * distance;
+    total += weight;
   }
-  for (std::size_t a = 0; a < 3; ++a) planes_.mass[a][lane] = sum[a] / count;
+  for (std::size_t a = 0; a < 3; ++a) planes_.mass[a][lane] = sum[a] / total;
+  extents_[lane] = extent;
 }
 
 void NodeSolver::reduce() {

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "stages/contouring/parameters.h"
 #include "stages/contouring/qef.h"
@@ -15,7 +16,8 @@ namespace voxweld {
 struct HermitePlane {
   std::array<double, 3> normal{};  // unit, outward
   std::array<double, 3>
-      point{};  // relative to the cell's centre, index units scaled by the spacing
+      point{};     // relative to the node's centre, index units scaled by the spacing
+  int weight = 1;  // how many of the node's cells have the edge: 1, 2 or 4
 };
 
 struct NodeSolution {
@@ -29,9 +31,10 @@ class NodeSolver {
  public:
   explicit NodeSolver(const ContourParameters& parameters);
 
-  // A batch of finest cells: up to 12 planes a lane, in edge order.
+  // A batch of finest cells, or of nodes above: up to max_planes a lane.
   void clear_planes();
-  void set_planes(std::size_t lane, const HermitePlane* planes, int count);
+  void set_planes(std::size_t lane, std::span<const HermitePlane> planes,
+                  const CellExtent& extent = {});
   void reduce();  // planes -> factors
 
   // A batch of nodes to merge from children of level `child_level`: up to eight a lane, set in the

@@ -27,10 +27,11 @@ namespace voxweld {
 inline constexpr std::size_t lanes = 8;
 using LaneArray = std::array<double, lanes>;
 
-inline constexpr std::size_t max_planes = 12;
+// Of the edges of a node of 2^3 cells; of a finest cell 12.
+inline constexpr std::size_t max_planes = 54;
 
-// Planes to reduce: up to 12 for each lane, n . x = n . p with p relative to the node's centre. Rows
-// that a lane has not must be zero, as far as `rows` and three at least.
+// Planes to reduce for each lane, n . x = n . p with p relative to the node's centre. Rows that a lane
+// has not must be zero, as far as `rows` and three at least.
 struct alignas(64) PlaneBatch {
   int rows = 0;                                              // the longest lane
   std::array<std::array<LaneArray, 4>, max_planes> plane{};  // nx ny nz n.p

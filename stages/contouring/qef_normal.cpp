@@ -57,7 +57,7 @@ void reduce_normal(const PlaneBatch& batch, const std::array<Vec3, lanes>& centr
       const Vec3 n{plane[0][lane], plane[1][lane], plane[2][lane]};
       if (n == Vec3{}) continue;
       add_plane({n.x, n.y, n.z, plane[3][lane] + dot(n, centre[lane])}, lane, out);
-      out.planes[lane] += 1;
+      out.planes[lane] += std::round(dot(n, n));  // the plane's weight
     }
 }
 

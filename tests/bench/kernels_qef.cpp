@@ -39,7 +39,7 @@ class Nodes {
   void insert() {
     solver_.clear_planes();
     for (std::size_t lane = 0; lane < lanes; ++lane)
-      solver_.set_planes(lane, planes_[lane].data(), planes_of_cell);
+      solver_.set_planes(lane, {planes_[lane].data(), planes_of_cell});
     solver_.reduce();
   }
   // Children of a surface through the node: half of them have some of it.

@@ -175,7 +175,7 @@ TEST(NodeSolver, AVertexStaysWithinACellOfTheCellsItStandsFor) {
   parameters.simplify.singular_threshold = 1e-4;
   NodeSolver solver(parameters);
   solver.clear_planes();
-  solver.set_planes(0, planes.data(), 3);
+  solver.set_planes(0, {planes.data(), 3});
   solver.reduce();
   Qef qef = solver.qef(0);
   for (int level = 1; level <= 4; ++level) {
