@@ -25,16 +25,12 @@ void gather_planes(LocalCell c, const CellSheets& sheets, int sheet, const Hermi
   }
 }
 
-void gather_planes(LocalCell c, std::uint32_t signs27, const HermiteEdges& edges, Vec3 spacing,
-                   SheetPlanes& out) {
+void gather_planes(LocalCell c, const NodeCrossings& crossings, const HermiteEdges& edges,
+                   Vec3 spacing, SheetPlanes& out) {
   out.count = 0;
-  // Bit x + 3 y + 9 z: the edge from there along the axis.
-  static constexpr std::array<std::uint32_t, 3> starts = {0x36db6db, 0x0fc7e3f, 0x003ffff};
-  static constexpr std::array<int, 3> step = {1, 3, 9};
   for (int axis = 0; axis < 3; ++axis) {
     const auto at = static_cast<std::size_t>(axis);
-    std::uint32_t rest = (signs27 ^ signs27 >> step[at]) & starts[at];
-    while (rest != 0) {
+    for (std::uint32_t rest = crossings[at]; rest != 0;) {
       const int row = std::countr_zero(rest) / 3, y = row % 3, z = row / 3;
       std::uint32_t here = rest >> (3 * row) & 7;
       rest &= ~(std::uint32_t{7} << (3 * row));

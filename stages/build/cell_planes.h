@@ -20,10 +20,10 @@ inline constexpr int all_sheets = -1;
 void gather_planes(LocalCell c, const CellSheets& sheets, int sheet, const HermiteEdges& edges,
                    Vec3 spacing, SheetPlanes& out);
 // All planes of the node of 2^3 cells whose lowest is at c, by axis and then in the order edges are
-// kept, relative to its centre. signs27: of its lattice points (SignGrid::signs27). An edge weighs as
-// many cells of the node as it is of: so this is what its cells' planes add up to.
-void gather_planes(LocalCell c, std::uint32_t signs27, const HermiteEdges& edges, Vec3 spacing,
-                   SheetPlanes& out);
+// kept, relative to its centre. An edge weighs as many cells of the node as it is of: so this is what
+// its cells' planes add up to.
+void gather_planes(LocalCell c, const NodeCrossings& crossings, const HermiteEdges& edges,
+                   Vec3 spacing, SheetPlanes& out);
 
 // Centre of a node of `level` at local Morton `code` (in its level's units), in the volume's frame
 // spacing * sample index.

@@ -46,4 +46,17 @@ NodeLabels LabelGrid::node(int x, int y, int z, int node_side) const {
   return labels;
 }
 
+NodeCrossings LabelGrid::crossings(int x, int y, int z) const {
+  const NodeLabels labels = node(x, y, z, 2);
+  NodeCrossings crossings{};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (int point = 0; point < 27; ++point) {
+      if ((edges_of_node[axis] >> point & 1) == 0) continue;
+      const auto from = static_cast<std::size_t>(point);
+      const bool differ = labels[from] != labels[from + static_cast<std::size_t>(bits_along[axis])];
+      crossings[axis] |= std::uint32_t{differ} << point;
+    }
+  return crossings;
+}
+
 }  // namespace voxweld

@@ -32,6 +32,8 @@ class LabelGrid : public CollapseRule {
     return labels_allow_collapse(node(x, y, z, node_side));
   }
 
+  NodeCrossings crossings(int x, int y, int z) const override;
+
   void set(int x, int y, int z, std::uint32_t label) {
     labels_[(static_cast<std::size_t>(z) * points_ + static_cast<std::size_t>(y)) * points_ +
             static_cast<std::size_t>(x)] = label;

@@ -129,7 +129,7 @@ void BrickNodes::make_cells(Range range, CellBatches& batches) {
 // it has one cluster, which all its edges are of.
 bool BrickNodes::is_of_planes(std::size_t node) const {
   const NodeLevel& at = level(1);
-  return signs_ != nullptr && at.kinds[node] != NodeKind::blocked && is_one(1, node) &&
+  return at.kinds[node] != NodeKind::blocked && is_one(1, node) &&
          at.clusters[at.first_cluster[node]].collapses;
 }
 
@@ -198,10 +198,13 @@ class BrickNodes::MergeBatch {
     const std::uint32_t cluster = at_->first_cluster[node];
     put(node, cluster);
     CellExtent extent = CellExtent::none();
-    for (std::uint32_t child = at_->first_child[node]; child < at_->first_child[node + 1]; ++child)
-      extent.join(CellExtent{}.in_parent(static_cast<int>(below_->codes[child] & 7)));
+    NormalSense sense = NormalSense::outward;
+    for (std::uint32_t cell = at_->first_child[node]; cell < at_->first_child[node + 1]; ++cell) {
+      extent.join(CellExtent{}.in_parent(static_cast<int>(below_->codes[cell] & 7)));
+      sense = std::max(sense, brick_.cells_->normal_sense(cell));
+    }
     solver_.set_planes(count_, planes.planes(), extent);
-    at_->vertex(cluster).normals = cluster_normals(planes.normals(), NormalSense::outward);
+    at_->vertex(cluster).normals = cluster_normals(planes.normals(), sense);
     if (++count_ == lanes) flush();
   }
   void flush() {
@@ -312,7 +315,7 @@ class BrickNodes::NodeMerges {
  private:
   void add_planes(std::uint32_t code, std::size_t node) {
     const LocalCell c = decode_local(code << 3);
-    gather_planes(c, brick_.signs_->signs27(c.x, c.y, c.z, 2), edges_, brick_.parameters_.spacing,
+    gather_planes(c, brick_.rule_->crossings(c.x, c.y, c.z), edges_, brick_.parameters_.spacing,
                   planes_);
     of_planes_.add(node, planes_);
   }

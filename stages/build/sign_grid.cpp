@@ -225,4 +225,12 @@ std::uint32_t SignGrid::signs27(int x, int y, int z, int node_side) const {
   return signs;
 }
 
+NodeCrossings SignGrid::crossings(int x, int y, int z) const {
+  const std::uint32_t signs = signs27(x, y, z, 2);
+  NodeCrossings crossings{};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    crossings[axis] = (signs ^ signs >> bits_along[axis]) & edges_of_node[axis];
+  return crossings;
+}
+
 }  // namespace voxweld

@@ -49,6 +49,8 @@ class SignGrid : public CollapseRule {
     return signs_allow_collapse(signs27(x, y, z, node_side));
   }
 
+  NodeCrossings crossings(int x, int y, int z) const override;
+
   // Bits of the row at relative (y, z); bit i is x = i - 1. words() words, then one of zeros.
   const std::uint64_t* row(int y, int z) const {
     return bits_.data() +
