@@ -1,6 +1,6 @@
 #include "stages/build/hermite.h"
 
-#include "stages/build/edge_estimator.h"
+#include "stages/build/edge_batch.h"
 #include "stages/build/label_edge.h"
 #include "stages/build/label_field.h"
 #include "stages/build/solid_edge.h"
@@ -97,15 +97,22 @@ void HermiteEdges::find(const LabelGrid& labels) {
   count_rows();
 }
 
-// edge_of(axis, x, y, z) of every crossing edge, in the order they are kept.
+// f(number, axis, x, y, z) of every crossing edge, in the order they are kept.
 template <class F>
-void HermiteEdges::fill_edges(const F& edge_of) {
+void HermiteEdges::each_edge(const F& f) const {
   std::size_t next = 0;
   each_row([&](int axis, int y, int z) {
     for (std::size_t w = 0; w < row_words_; ++w)
       for (std::uint64_t rest = bits_[word_of(axis, static_cast<int>(w) * 64, y, z)]; rest != 0;
            rest &= rest - 1)
-        edges_[next++] = edge_of(axis, static_cast<int>(w) * 64 + std::countr_zero(rest), y, z);
+        f(next++, axis, static_cast<int>(w) * 64 + std::countr_zero(rest), y, z);
+  });
+}
+
+template <class F>
+void HermiteEdges::fill_edges(const F& edge_of) {
+  each_edge([&](std::size_t i, int axis, int x, int y, int z) {
+    edges_[i] = edge_of(axis, x, y, z);
   });
 }
 
@@ -113,7 +120,17 @@ void HermiteEdges::compute(const HaloBlock& block, Index3 brick, int side, const
                            const Box3& where, const ContourParameters& parameters) {
   find_rows(signs, side, where);
   dispatch_sample_type(block.type, [&](auto tag) {
-    const EdgeEstimator<typename decltype(tag)::type> estimator(block, parameters);
+    using T = typename decltype(tag)::type;
+    const EdgeEstimator<T> estimator(block, parameters);
+    if constexpr (has_edge_kernel<T>) {
+      if (parameters.surface.gradient == Gradient::subcell) {
+        EdgeBatch<T> batch(block, parameters, estimator, edges_);
+        each_edge([&](std::size_t i, int axis, int x, int y, int z) {
+          batch.add(i, axis, brick + Index3{x, y, z} - splat(1), signs.inside(x, y, z));
+        });
+        return batch.flush();
+      }
+    }
     fill_edges([&](int axis, int x, int y, int z) {
       return estimator.edge(axis, brick + Index3{x, y, z} - splat(1), signs.inside(x, y, z));
     });

@@ -75,6 +75,8 @@ class HermiteEdges {
   template <class F>
   void each_row(const F& f) const;
   template <class F>
+  void each_edge(const F& f) const;
+  template <class F>
   void fill_edges(const F& edge_of);
 
   std::size_t points_ = 0;  // side + 1

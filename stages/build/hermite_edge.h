@@ -3,14 +3,14 @@
 
 #include <array>
 
+#include "stages/build/kink_gate.h"
+
 namespace voxweld {
 
 struct HermiteEdge {
   float t = 0;                    // of the crossing, 0 at the edge's low end, in [1/256, 255/256]
   std::array<float, 3> normal{};  // unit, outward, physical
 };
-
-inline constexpr double lowest_crossing = 1.0 / 256, highest_crossing = 255.0 / 256;
 
 // Of an edge with one end in the ring, or of which no more is known than its ends.
 inline HermiteEdge edge_of_middle(int axis, bool low_inside) {

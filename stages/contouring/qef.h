@@ -19,13 +19,11 @@
 #include <cstdint>
 #include <string_view>
 
+#include "stages/contouring/lanes.h"
 #include "storage/types/box.h"
 #include "storage/types/brick_octree.h"
 
 namespace voxweld {
-
-inline constexpr std::size_t lanes = 8;
-using LaneArray = std::array<double, lanes>;
 
 // Of the edges of a node of 2^3 cells; of a finest cell 12.
 inline constexpr std::size_t max_planes = 54;
