@@ -128,18 +128,17 @@ class BuildWork final : public StageWork {
   void begin(RunContext& context, std::span<const std::uint64_t>, int threads) override {
     if (collapses_by_sheets(job_.parameters))
       note_tolerance(job_.folder, context.config.simplify.tolerance);
-    builders_.clear();
-    for (int i = 0; i < threads; ++i) builders_.push_back(std::make_unique<ShardBuilder>(job_));
+    builders_.emplace(job_, threads);
   }
   void run(const Unit& unit, WorkerContext& worker) override {
-    builder(worker).build(shards_[unit.key], worker);
+    builders_->borrow()->build(shards_[unit.key], worker);
   }
   void end(RunContext& context) override {
-    for (const auto& builder : builders_) {
+    for (const auto& builder : builders_->all()) {
       context.bricks += builder->bricks();
       context.nans.add(builder->nans());
     }
-    builders_.clear();
+    builders_.reset();
     if (context.bricks.kept > 0)
       spdlog::info("of these shards' bricks {} were built and {} kept: no edit of theirs changed",
                    context.bricks.built, context.bricks.kept);
@@ -152,13 +151,9 @@ class BuildWork final : public StageWork {
   }
 
  private:
-  ShardBuilder& builder(const WorkerContext& worker) {
-    return *builders_[static_cast<std::size_t>(worker.slot())];
-  }
-
   const BuildJob& job_;
   const std::vector<Index3> shards_;
-  std::vector<std::unique_ptr<ShardBuilder>> builders_;  // one a worker
+  std::optional<ShardBuilders> builders_;  // while units run
 };
 
 StageLook BuildWork::look(const UnitSelection& selection) {
@@ -187,12 +182,12 @@ void BuildWork::prove(RunContext& context, StageLook& look) {
   begin(context, look.unproven, threads);
   std::mutex mutex;
   run_stage(context, stage, shard_units(job_.grid, look.unproven), threads,
-            [&](const Unit& unit, WorkerContext& worker) {
-              if (proven(job_, shards_[unit.key], builder(worker))) return;
+            [&](const Unit& unit, WorkerContext&) {
+              if (proven(job_, shards_[unit.key], *builders_->borrow())) return;
               const std::scoped_lock lock(mutex);
               look.missing.push_back(unit.key);
             });
-  builders_.clear();
+  builders_.reset();
   std::sort(look.missing.begin(), look.missing.end());
   look.unproven.clear();
 }

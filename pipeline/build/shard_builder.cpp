@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/build/common_material.h"
+#include "pipeline/build/runs_ahead.h"
 #include "pipeline/stage/shard_memory.h"
 #include "stages/contouring/inside_test.h"
 
@@ -98,7 +99,7 @@ NodeState ShardBuilder::unedited_state(Index3 brick) const {
 
 // The bricks row, row + 1 .. end - 1 along x: maximal runs of those that must be read, cut where
 // the samples would become too many.
-std::vector<ShardBuilder::BrickRow> ShardBuilder::runs_of(Index3 row, std::int64_t end) const {
+std::vector<BrickRow> ShardBuilder::runs_of(Index3 row, std::int64_t end) const {
   std::vector<BrickRow> runs;
   for (Index3 brick = row; brick.x < end; ++brick.x) {
     if (known_of(brick).state != NodeState::split) continue;
@@ -164,12 +165,22 @@ Hash128 ShardBuilder::read(const BrickRow& run) {
 }
 
 // Of the run's own samples, so that no other run counts them too.
-void ShardBuilder::count_nans_of(const BrickRow& run) {
-  if (job_.volume.ranges() != nullptr || run.samples.empty()) return;
+NanCount ShardBuilder::nans_of(const BrickRow& run) const {
+  if (job_.volume.ranges() != nullptr || run.samples.empty()) return {};
   const std::int64_t side = std::int64_t{1} << job_.grid.brick_level();
   const Box3 own{run.first * side, (run.first + Index3{run.count, 1, 1}) * side};
-  nans_.add(count_nans(job_.volume.source->info().type, samples_, run.samples,
-                       intersect(own, run.samples)));
+  return count_nans(job_.volume.source->info().type, samples_, run.samples,
+                    intersect(own, run.samples));
+}
+
+HaloBlock ShardBuilder::block_of(const BrickRow& run) const {
+  const Index3 extent = run.samples.size();
+  return {job_.volume.source->info().type,
+          job_.grid.size(),
+          run.samples,
+          samples_.data(),
+          extent.x,
+          extent.x * extent.y};
 }
 
 Hash128 ShardBuilder::input_hash(Index3 shard) {
@@ -196,14 +207,8 @@ BuiltRun ShardBuilder::build_run(const BrickRow& run, const EarlierShard* earlie
   const bool all_kept = std::ranges::find(kept, nullptr) == kept.end();
   const BuiltRun* known = all_kept && earlier ? earlier->run(run.first, run.count) : nullptr;
   const BuiltRun built = known ? *known : BuiltRun{run.first, run.count, read(run)};
-  if (known == nullptr) count_nans_of(run);
-  const Index3 extent = run.samples.size();
-  const HaloBlock block{job_.volume.source->info().type,
-                        job_.grid.size(),
-                        run.samples,
-                        samples_.data(),
-                        extent.x,
-                        extent.x * extent.y};
+  if (known == nullptr) nans_.add(nans_of(run));
+  const HaloBlock block = block_of(run);
   for (std::size_t i = 0; i < kept.size();) {
     std::size_t end = i;
     while (end < kept.size() && kept[end] == nullptr) ++end;
@@ -227,17 +232,57 @@ void ShardBuilder::take_over(Index3 brick, const BuiltBrick& built, const Earlie
   }
 }
 
+std::unique_ptr<RunPieces> ShardBuilder::build_pieces(const BrickRow& run,
+                                                      const WorkerContext& worker) {
+  share_memory(worker);
+  const MemoryShare::Use use(*share_);
+  return pieces_of(run, worker);
+}
+
+std::unique_ptr<RunPieces> ShardBuilder::pieces_of(const BrickRow& run,
+                                                   const WorkerContext& worker) {
+  const MemoryShare::Hurry no_waiting(*share_);
+  auto pieces = std::make_unique<RunPieces>();
+  pieces->built = {run.first, run.count, read(run)};
+  pieces->nans = nans_of(run);
+  RunPiecesSink sink(job_, *pieces);
+  octrees_->build(block_of(run), run.first, run.count, worker, sink);
+  pieces->loan = MemoryLoan::attempt(*worker.memory(), sink.bytes_held());
+  if (!pieces->loan) throw NoMemoryLeft();
+  return pieces;
+}
+
 void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlier,
                          const WorkerContext& worker) {
   look_at(shard);
   StreamHasher hash;
   note_sides(shard, hash);
   octrees_->begin(shard, stamp);
+  std::vector<BrickRow> rows;
+  each_run(shard, [&](const BrickRow& run) { rows.push_back(run); });
+  RunsAhead ahead(
+      rows, worker,
+      [&](const BrickRow& run) -> std::unique_ptr<RunPieces> {
+        // What is taken over or cut costs little.
+        if (others_ == nullptr || earlier != nullptr) return nullptr;
+        const ShardBuilders::Loan helper = others_->borrow_if_free();
+        return helper ? helper->build_pieces(run, worker) : nullptr;
+      },
+      [&](const BrickRow& run) { return pieces_of(run, worker); });
+  share_->set_before_waiting([&ahead] { ahead.stop(); });
   std::vector<BuiltRun> runs;
-  each_run(shard, [&](const BrickRow& run) {
-    runs.push_back(build_run(run, earlier, worker));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (const auto pieces = ahead.take(i)) {
+      octrees_->add_run(*pieces);
+      bricks_.built += pieces->bricks.size();
+      nans_.add(pieces->nans);
+      runs.push_back(pieces->built);
+    } else {
+      runs.push_back(build_run(rows[i], earlier, worker));
+    }
     hash.update(std::as_bytes(std::span(&runs.back().samples, 1)));
-  });
+  }
+  share_->set_before_waiting({});
   each_brick(shard, [&](Index3 brick) {
     const KnownBrick& known = known_of(brick);
     if (known.state == NodeState::inside) octrees_->inside(brick, known.material);
@@ -274,6 +319,37 @@ void ShardBuilder::build(Index3 shard, const WorkerContext& worker) {
       earlier && build_from(*earlier, true))
     return;
   build(shard, stamp, nullptr, worker);
+}
+
+ShardBuilders::ShardBuilders(const BuildJob& job, int count) {
+  for (int i = 0; i < count; ++i) {
+    all_.push_back(std::make_unique<ShardBuilder>(job, this));
+    free_.push_back(all_.back().get());
+  }
+}
+
+ShardBuilders::Loan ShardBuilders::borrow() {
+  std::unique_lock lock(mutex_);
+  freed_.wait(lock, [&] { return !free_.empty(); });
+  ShardBuilder* builder = free_.back();
+  free_.pop_back();
+  return {*this, builder};
+}
+
+ShardBuilders::Loan ShardBuilders::borrow_if_free() {
+  const std::scoped_lock lock(mutex_);
+  if (free_.empty()) return {*this, nullptr};
+  ShardBuilder* builder = free_.back();
+  free_.pop_back();
+  return {*this, builder};
+}
+
+void ShardBuilders::give_back(ShardBuilder* builder) {
+  {
+    const std::scoped_lock lock(mutex_);
+    free_.push_back(builder);
+  }
+  freed_.notify_one();
 }
 
 }  // namespace voxweld

@@ -1,6 +1,9 @@
 // One shard from samples to octree artifact, brick by brick.
 #pragma once
 
+#include <condition_variable>
+#include <memory>
+#include <mutex>
 #include <optional>
 
 #include "pipeline/build/earlier_shard.h"
@@ -8,12 +11,17 @@
 
 namespace voxweld {
 
+class ShardBuilders;
+
 class ShardBuilder {
  public:
-  explicit ShardBuilder(const BuildJob& job) : job_(job) {}
+  // others: of the same job, for threads that help to build a shard; null: none does.
+  ShardBuilder(const BuildJob& job, ShardBuilders* others) : job_(job), others_(others) {}
 
   // Reads, builds and writes the artifact. `worker` is asked to stop between bricks.
   void build(Index3 shard, const WorkerContext& worker);
+  // For another builder's shard. Throws NoMemoryLeft where it had to wait for memory.
+  std::unique_ptr<RunPieces> build_pieces(const BrickRow& run, const WorkerContext& worker);
   // Reads the samples build would and returns the content hash of them and of the sides that the
   // bricks it need not read are on.
   Hash128 input_hash(Index3 shard);
@@ -24,11 +32,6 @@ class ShardBuilder {
   const NanCount& nans() const { return nans_; }
 
  private:
-  struct BrickRow {  // bricks along x that are read together
-    Index3 first;
-    std::int64_t count = 0;
-    Box3 samples;
-  };
   struct KnownBrick {
     NodeState state = NodeState::split;  // split: it has to be read
     Material material = exterior;        // of labels, where it is inside
@@ -47,9 +50,11 @@ class ShardBuilder {
   KnownBrick find_known(Index3 brick) const;
   const KnownBrick& known_of(Index3 brick) const;
   void note_sides(Index3 shard, StreamHasher& hash) const;
-  void count_nans_of(const BrickRow& run);
+  NanCount nans_of(const BrickRow& run) const;
   // Of the run's samples.
   Hash128 read(const BrickRow& run);
+  HaloBlock block_of(const BrickRow& run) const;
+  std::unique_ptr<RunPieces> pieces_of(const BrickRow& run, const WorkerContext& worker);
   void build(Index3 shard, Hash128 stamp, const EarlierShard* earlier, const WorkerContext& worker);
   void share_memory(const WorkerContext& worker);
   void take_over(Index3 brick, const BuiltBrick& built, const EarlierShard& earlier,
@@ -57,6 +62,7 @@ class ShardBuilder {
   BuiltRun build_run(const BrickRow& run, const EarlierShard* earlier, const WorkerContext& worker);
 
   const BuildJob& job_;
+  ShardBuilders* others_;
   Box3 shard_bricks_;              // of the shard at hand
   std::vector<KnownBrick> known_;  // of these, x fastest
   std::vector<std::byte> samples_;
@@ -65,6 +71,42 @@ class ShardBuilder {
   std::optional<MemoryShare> share_;
   BrickReport bricks_;
   NanCount nans_;
+};
+
+// One for each thread of the stage, for whoever needs one. Thread-safe.
+class ShardBuilders {
+ public:
+  ShardBuilders(const BuildJob& job, int count);
+
+  class Loan {
+   public:
+    Loan(ShardBuilders& of, ShardBuilder* builder) : of_(&of), builder_(builder) {}
+    Loan(const Loan&) = delete;
+    Loan& operator=(const Loan&) = delete;
+    ~Loan() {
+      if (builder_ != nullptr) of_->give_back(builder_);
+    }
+    explicit operator bool() const { return builder_ != nullptr; }
+    ShardBuilder* operator->() const { return builder_; }
+    ShardBuilder& operator*() const { return *builder_; }
+
+   private:
+    ShardBuilders* of_;
+    ShardBuilder* builder_;
+  };
+  // Waits until one is free; helpers give theirs back soon.
+  Loan borrow();
+  // None where none is free.
+  Loan borrow_if_free();
+  const std::vector<std::unique_ptr<ShardBuilder>>& all() const { return all_; }
+
+ private:
+  void give_back(ShardBuilder* builder);
+
+  std::vector<std::unique_ptr<ShardBuilder>> all_;
+  std::mutex mutex_;
+  std::condition_variable freed_;
+  std::vector<ShardBuilder*> free_;
 };
 
 }  // namespace voxweld

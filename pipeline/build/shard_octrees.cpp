@@ -1,46 +1,20 @@
 #include "pipeline/build/shard_octrees.h"
 
 #include <algorithm>
-#include <cstring>
 #include <stdexcept>
 
+#include "pipeline/build/piece_note.h"
 #include "pipeline/stage/shard_memory.h"
 #include "stages/merge/shard_reduction.h"
 #include "storage/artifact/node_record_bytes.h"
 
 namespace voxweld {
-namespace {
-
-// What the reduction and the directory need of one material in one brick; then, where the brick is
-// split, a FilledBlock for each block that holds anything; then the bytes of its NodeRecord.
-struct Note {
-  PieceHead head;
-  std::uint64_t blocks = 0;
-};
-
-bool has_surface(const PieceHead& head) {
-  return head.root.state != NodeState::inside;
-}
-
-template <class T>
-void append(std::vector<std::byte>& out, const T* values, std::size_t count) {
-  const std::size_t at = out.size();
-  out.resize(at + count * sizeof(T));
-  if (count > 0) std::memcpy(out.data() + at, values, count * sizeof(T));
-}
-
-}  // namespace
-
 ShardOctrees::ShardOctrees(const BuildJob& job, MemoryShare& share)
-    : job_(job), edits_(job.parameters), share_(share), notes_(job.folder, material_notes_bytes) {
-  scratch_.reserve = [&share](std::uint64_t bytes) { share.reserve(bytes); };
-  labels_.set_reserve(scratch_.reserve);
-}
+    : job_(job), bricks_(job, share), share_(share), notes_(job.folder, material_notes_bytes) {}
 
 void ShardOctrees::free_buffers() {
-  scratch_.free_buffers();
-  labels_.free_buffers();
-  brick_octree_ = finer_ = {};
+  bricks_.free_buffers();
+  cut_ = finer_ = {};
   cutter_ = {};
 }
 
@@ -56,27 +30,21 @@ void ShardOctrees::begin(Index3 shard, Hash128 input_stamp) {
 
 void ShardOctrees::build(const HaloBlock& block, Index3 first, std::int64_t count,
                          const WorkerContext& worker) {
-  if (job_.parameters.labels.mode == LabelMode::each) labels_.fill(block, job_.parameters);
-  for (std::int64_t i = 0; i < count; ++i)
-    build_brick(block, {job_.grid.brick_level(), first + Index3{i, 0, 0}}, worker);
+  bricks_.build(block, first, count, worker, *this);
 }
 
-void ShardOctrees::build_brick(const HaloBlock& block, const CellKey& brick,
-                               const WorkerContext& worker) {
-  begin_brick(brick.at);
-  worker.check_interrupt();
-  if (job_.parameters.labels.mode == LabelMode::each) {
-    labels_.each({brick.lo(), brick.level}, job_.parameters,
-                 [&](Material material, const BrickOctree& octree) {
-                   worker.check_interrupt();
-                   put(material, octree);
-                 });
-  } else {
-    voxweld::build_brick(block, place_of_brick(job_.grid, brick.at),
-                         edits_.around(sign_samples(job_.grid, brick.at)), scratch_, brick_octree_);
-    put(sole_material, brick_octree_);
+void ShardOctrees::build(const HaloBlock& block, Index3 first, std::int64_t count,
+                         const WorkerContext& worker, BrickSink& out) {
+  bricks_.build(block, first, count, worker, out);
+}
+
+void ShardOctrees::add_run(const RunPieces& run) {
+  for (const BrickPieces& brick : run.bricks) {
+    if (!brick.section.empty()) out_->brick(brick.built.code, brick.section);
+    for (const BrickPieces::Note& piece : brick.notes)
+      notes_.push({piece.key.material, piece.key.brick}, piece.bytes);
+    note(brick.built, brick.surface);
   }
-  end_brick();
 }
 
 void ShardOctrees::begin_brick(Index3 brick) {
@@ -113,8 +81,8 @@ std::uint64_t ShardOctrees::cut(Index3 brick, const BuiltBrick& built, const Art
     read_octree(from, head, job_.grid.brick_level(), finer_);
     if (!has_surface(head)) return put(head.piece.key.material, finer_);
     if (!can_be_cut(finer_)) from.damaged("the parts of a piece contradict each other");
-    cutter_.cut(finer_, job_.parameters.simplify.tolerance, brick_octree_);
-    put(head.piece.key.material, brick_octree_);
+    cutter_.cut(finer_, job_.parameters.simplify.tolerance, cut_);
+    put(head.piece.key.material, cut_);
   });
   end_brick();
   return bytes;
@@ -149,12 +117,7 @@ void ShardOctrees::inside(Index3 brick, Material material) {
 
 void ShardOctrees::note(const PieceHead& head, std::span<const FilledBlock> blocks,
                         std::span<const std::byte> record) {
-  if (head.root.state != NodeState::split) blocks = {};
-  const Note note{head, blocks.size()};
-  note_.clear();
-  append(note_, &note, 1);
-  append(note_, blocks.data(), blocks.size());
-  append(note_, record.data(), record.size());
+  put_note(head, blocks, record, note_);
   notes_.push({head.piece.key.material, head.piece.key.brick}, note_);
 }
 
@@ -166,17 +129,13 @@ class ShardOctrees::NodeWriter {
 
   void add_note(Material material, const CellKey& brick, std::span<const std::byte> bytes) {
     open(material, brick);
-    Note note;
-    std::memcpy(&note, bytes.data(), sizeof note);
-    std::vector<FilledBlock> blocks(note.blocks);
-    if (note.blocks > 0)
-      std::memcpy(blocks.data(), bytes.data() + sizeof note, note.blocks * sizeof(FilledBlock));
+    const PieceNote note = note_of(bytes);
     if (has_surface(note.head)) add_piece(note.head.piece);
-    reduction_->add(brick, note.head.root, note.head.piece.polygons, blocks);
+    reduction_->add(brick, note.head.root, note.head.piece.polygons, note.blocks);
     if (!note.head.piece.by_sheets()) return;
     node_.final_vertices += note.head.piece.final_vertices;
     NodeRecord record;
-    if (!RecordBytes(bytes.last(note.head.piece.record_bytes)).take(record))
+    if (!RecordBytes(note.record).take(record))
       throw std::logic_error("build: a note of a piece has no record");
     reduction_->add_record(brick, record);
   }

@@ -1,24 +1,19 @@
 // What build makes of the samples of one shard, once they are read: for each material of a brick an
-// octree piece, and the nodes above them as far as the shard reaches. Materials are the labels
-// (labels.mode = "each"), built from the samples of all of them at once; else there is one.
+// octree piece, and the nodes above them as far as the shard reaches.
 #pragma once
 
 #include <memory>
 
-#include "pipeline/build/local_edits.h"
-#include "pipeline/executor/memory_pool.h"
-#include "pipeline/stage/artifacts.h"
-#include "pipeline/stage/context.h"
-#include "stages/build/build_brick.h"
+#include "pipeline/build/brick_octrees.h"
+#include "pipeline/build/run_pieces.h"
 #include "stages/build/cut_brick.h"
-#include "stages/build/label_bricks.h"
 #include "storage/artifact/shard_artifact.h"
 #include "storage/support/record_sorter.h"
 
 namespace voxweld {
 
 // One shard at a time: begin, the bricks in any order, finish.
-class ShardOctrees {
+class ShardOctrees final : private BrickSink {
  public:
   // Bricks take their memory from `share`. Both live longer.
   ShardOctrees(const BuildJob& job, MemoryShare& share);
@@ -26,9 +21,12 @@ class ShardOctrees {
   // Gives what bricks have left behind back to the system.
   void free_buffers();
   void begin(Index3 shard, Hash128 input_stamp);
-  // `count` bricks along x from `first` on, of samples that reach as far around them as they need.
-  // `worker` is asked to stop between bricks.
+  // As BrickOctrees::build; into the artifact, or into `out`.
   void build(const HaloBlock& block, Index3 first, std::int64_t count, const WorkerContext& worker);
+  void build(const HaloBlock& block, Index3 first, std::int64_t count, const WorkerContext& worker,
+             BrickSink& out);
+  // What another one has built so.
+  void add_run(const RunPieces& run);
   // A brick that is all inside, or of this material, as is known without its samples.
   void inside(Index3 brick, Material material);
   // In place of build(), takes a brick over from the artifact that an earlier build of the same
@@ -42,19 +40,16 @@ class ShardOctrees {
 
  private:
   class NodeWriter;
-  void build_brick(const HaloBlock& block, const CellKey& brick, const WorkerContext& worker);
-  void begin_brick(Index3 brick);
-  void put(Material material, const BrickOctree& octree);
-  void end_brick();
+  void begin_brick(Index3 brick) override;
+  void put(Material material, const BrickOctree& octree) override;
+  void end_brick() override;
   void note(const BuiltBrick& built, bool surface);
   void note(const PieceHead& head, std::span<const FilledBlock> blocks,
             std::span<const std::byte> record);
 
   const BuildJob& job_;
-  LocalEdits edits_;
-  BrickScratch scratch_;
-  LabelBricks labels_;  // of labels in place of these two
-  BrickOctree brick_octree_, finer_;
+  BrickOctrees bricks_;
+  BrickOctree cut_, finer_;
   BrickCutter cutter_;
   MemoryShare& share_;
   Index3 shard_;

@@ -2,6 +2,7 @@
 // and when, so that threads of this process and tasks of a cluster serve the same pipeline.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -66,11 +67,16 @@ struct RunOptions {
 // What a unit's work is given of the place it runs in.
 class WorkerContext {
  public:
-  WorkerContext(int slot, const RunOptions& options) : slot_(slot), options_(options) {}
+  // busy: how many slots' loops still take units; null: all of them.
+  WorkerContext(int slot, const RunOptions& options, const std::atomic<int>* busy = nullptr)
+      : slot_(slot), options_(options), busy_(busy) {}
 
   // In [0, threads), held by one unit at a time: the index of scratch memory that the caller owns
   // and units use again and again.
   int slot() const { return slot_; }
+  // Of the threads the stage may use, those that have no unit and get none: what a unit runs in
+  // parallel inside has them. Only ever grows.
+  int spare_threads() const { return busy_ != nullptr ? options_.threads - busy_->load() : 0; }
   // Counts bytes towards the rate that is shown.
   void add_bytes(std::uint64_t bytes);
   // Precondition: the stage shares memory.
@@ -84,6 +90,7 @@ class WorkerContext {
  private:
   int slot_;
   const RunOptions& options_;
+  const std::atomic<int>* busy_;
 };
 
 using UnitWork = std::function<void(const Unit&, WorkerContext&)>;

@@ -31,12 +31,25 @@ std::vector<std::size_t> schedule(std::span<const Unit> units, UnitOrder order) 
 // One stage under way: the units not yet started and what became of the others.
 class StageUnderWay {
  public:
-  StageUnderWay(std::span<const Unit> units, const UnitWork& work, const RunOptions& options)
-      : units_(units), work_(work), options_(options), sequence_(schedule(units, options.order)) {}
+  StageUnderWay(std::span<const Unit> units, const UnitWork& work, const RunOptions& options,
+                int slots)
+      : units_(units),
+        work_(work),
+        options_(options),
+        sequence_(schedule(units, options.order)),
+        busy_(slots) {}
 
   // Takes units until none is left. Each slot's loop runs on one thread.
   void work_through(int slot) {
-    WorkerContext context(slot, options_);
+    take_units(slot);
+    --busy_;
+  }
+
+  void finish(StageName stage) { errors_.throw_if_any(std::string(stage)); }
+
+ private:
+  void take_units(int slot) {
+    WorkerContext context(slot, options_, &busy_);
     while (!stopped_.load(std::memory_order_relaxed)) {
       const std::size_t turn = next_.fetch_add(1, std::memory_order_relaxed);
       if (turn >= sequence_.size()) return;
@@ -49,9 +62,6 @@ class StageUnderWay {
     }
   }
 
-  void finish(StageName stage) { errors_.throw_if_any(std::string(stage)); }
-
- private:
   void run_one(const Unit& unit, WorkerContext& context) {
     try {
       work_(unit, context);
@@ -68,6 +78,7 @@ class StageUnderWay {
   const std::vector<std::size_t> sequence_;
   std::atomic<std::size_t> next_{0};
   std::atomic<bool> stopped_{false};
+  std::atomic<int> busy_;
   ErrorCollector errors_;
 };
 
@@ -111,7 +122,7 @@ void LocalExecutor::run_units(StageName stage, std::span<const Unit> units, cons
   assert(options.threads >= 1);
   const int threads = std::max(options.threads, 1);
   const int slots = static_cast<int>(std::min(units.size(), static_cast<std::size_t>(threads)));
-  StageUnderWay run(units, work, options);
+  StageUnderWay run(units, work, options, slots);
   on_slots(threads, slots, [&](int slot) { run.work_through(slot); });
   run.finish(stage);
 }

@@ -98,12 +98,21 @@ void MemoryShare::release() {
   held_ = 0;
 }
 
+std::unique_ptr<MemoryLoan> MemoryLoan::attempt(MemoryPool& pool, std::uint64_t bytes) {
+  if (!pool.try_take(bytes)) return nullptr;
+  std::unique_ptr<MemoryLoan> loan(new MemoryLoan(pool));
+  loan->bytes_ = bytes;
+  return loan;
+}
+
 void MemoryShare::reserve(std::uint64_t bytes) {
   if (bytes <= held_) return;
   if (pool_->try_take(bytes - held_)) {
     held_ = bytes;
     return;
   }
+  if (!may_wait_) throw NoMemoryLeft();
+  if (before_waiting_) before_waiting_();
   release();
   pool_->take(bytes, interrupt_);
   held_ = bytes;

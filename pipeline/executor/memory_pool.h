@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -65,12 +66,22 @@ class MemoryLoan {
     if (bytes_ > 0) pool_.take(bytes_, interrupt);
   }
   ~MemoryLoan() { pool_.give_back(bytes_); }
+  // Without waiting; null where they are not free.
+  static std::unique_ptr<MemoryLoan> attempt(MemoryPool& pool, std::uint64_t bytes);
   MemoryLoan(const MemoryLoan&) = delete;
   MemoryLoan& operator=(const MemoryLoan&) = delete;
 
  private:
+  explicit MemoryLoan(MemoryPool& pool) : pool_(pool), bytes_(0) {}
+
   MemoryPool& pool_;
   std::uint64_t bytes_;
+};
+
+// Thrown in place of waiting by a share that must not wait.
+class NoMemoryLeft : public std::exception {
+ public:
+  const char* what() const noexcept override { return "no memory is left of what the units share"; }
 };
 
 // What one worker holds of a pool: it grows to the most a piece of work needed, since the worker's
@@ -104,6 +115,19 @@ class MemoryShare {
 
   // Before work that takes so many bytes, buffers included.
   void reserve(std::uint64_t bytes);
+  // While it lives, reserve throws NoMemoryLeft where others would have to give something back first.
+  class Hurry {
+   public:
+    explicit Hurry(MemoryShare& share) : share_(share) { share_.may_wait_ = false; }
+    ~Hurry() { share_.may_wait_ = true; }
+    Hurry(const Hurry&) = delete;
+    Hurry& operator=(const Hurry&) = delete;
+
+   private:
+    MemoryShare& share_;
+  };
+  // Called before it waits, to give back what else the worker holds of the pool. May be empty.
+  void set_before_waiting(std::function<void()> before) { before_waiting_ = std::move(before); }
   // Between two pieces of work: where others wait, lets go of everything.
   void yield();
   std::uint64_t held() const { return held_; }
@@ -114,8 +138,9 @@ class MemoryShare {
 
   std::shared_ptr<MemoryPool> pool_;
   const InterruptFlag* interrupt_;
-  std::function<void()> free_buffers_;
+  std::function<void()> free_buffers_, before_waiting_;
   std::uint64_t held_ = 0;
+  bool may_wait_ = true;
 };
 
 }  // namespace voxweld

@@ -111,9 +111,8 @@ void HermiteEdges::each_edge(const F& f) const {
 
 template <class F>
 void HermiteEdges::fill_edges(const F& edge_of) {
-  each_edge([&](std::size_t i, int axis, int x, int y, int z) {
-    edges_[i] = edge_of(axis, x, y, z);
-  });
+  each_edge(
+      [&](std::size_t i, int axis, int x, int y, int z) { edges_[i] = edge_of(axis, x, y, z); });
 }
 
 void HermiteEdges::compute(const HaloBlock& block, Index3 brick, int side, const SignGrid& signs,

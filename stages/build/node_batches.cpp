@@ -30,8 +30,7 @@ class BrickNodes::CellBatches {
   void flush_kept() {
     if (kept_count_ == 0) return;
     keep_.reduce();
-    for (std::size_t i = 0; i < kept_count_; ++i)
-      brick_.levels_[0].qef(kept_[i]) = keep_.qef(i);
+    for (std::size_t i = 0; i < kept_count_; ++i) brick_.levels_[0].qef(kept_[i]) = keep_.qef(i);
     kept_count_ = 0;
     keep_.clear_planes();
   }

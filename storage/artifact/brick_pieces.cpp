@@ -202,6 +202,16 @@ PieceLists piece_lists(const PieceKey& key, std::uint64_t offset, const BrickOct
   return piece;
 }
 
+PieceHead append_piece(const PieceKey& key, const BrickOctree& octree,
+                       std::span<const FilledBlock> blocks, const AboveBytes& above,
+                       std::vector<std::byte>& section) {
+  const PieceLists piece = piece_lists(key, section.size(), octree, blocks, above);
+  const std::vector<std::byte> head = head_bytes(piece.head);
+  section.insert(section.end(), head.begin(), head.end());
+  for (const auto& list : piece.lists) section.insert(section.end(), list.begin(), list.end());
+  return piece.head;
+}
+
 void each_piece_in(const ArtifactReader& file, std::uint64_t brick,
                    const std::function<void(const PieceHead&)>& f) {
   const std::uint64_t name = pieces_section(brick);

@@ -81,6 +81,11 @@ struct PieceLists {
 PieceLists piece_lists(const PieceKey& key, std::uint64_t offset, const BrickOctree& octree,
                        std::span<const FilledBlock> blocks, const AboveBytes& above);
 
+// The same to the end of the section of its brick so far.
+PieceHead append_piece(const PieceKey& key, const BrickOctree& octree,
+                       std::span<const FilledBlock> blocks, const AboveBytes& above,
+                       std::vector<std::byte>& section);
+
 // A piece as it was read, whole.
 struct PieceBytes {
   PieceHead head;

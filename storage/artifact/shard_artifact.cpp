@@ -138,6 +138,12 @@ PieceHead ShardArtifactWriter::piece(Material material, const BrickOctree& octre
   return piece.head;
 }
 
+void ShardArtifactWriter::brick(std::uint64_t code, std::span<const std::byte> pieces) {
+  begin_brick(code);
+  append(pieces);
+  end_brick();
+}
+
 void ShardArtifactWriter::brick(std::uint64_t code, const ArtifactReader& from,
                                 const std::function<void(const PieceBytes&)>& f) {
   if (from.find(pieces_section(code)) == nullptr) return;

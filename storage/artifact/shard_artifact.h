@@ -33,7 +33,7 @@ namespace voxweld {
 
 inline constexpr std::array<char, 4> shard_kind = {'o', 'c', 't', 'r'};
 // Goes up whenever build's bytes change: format or mathematics.
-inline constexpr std::uint32_t shard_version = 14;
+inline constexpr std::uint32_t shard_version = 15;
 
 // One shard-sized cube of one material's octree. Cubes that are outside have none.
 struct MaterialNode {
@@ -60,7 +60,9 @@ class ShardArtifactWriter {
   PieceHead piece(Material material, const BrickOctree& octree, std::span<const FilledBlock> blocks,
                   const AboveBytes& above);
   void end_brick();
-  // In place of these three, all that another artifact has of a brick, and f of each piece.
+  // In place of these three, what append_piece made of a brick.
+  void brick(std::uint64_t code, std::span<const std::byte> pieces);
+  // And all that another artifact has of a brick, and f of each piece.
   // DamagedArtifact when one fails its checks.
   void brick(std::uint64_t code, const ArtifactReader& from,
              const std::function<void(const PieceBytes&)>& f);
