@@ -79,6 +79,25 @@ TEST(LocalExecutor, LendsASlotToOneUnitAtATimeAndNestsNoUnits) {
   EXPECT_EQ(clashes, 0);
 }
 
+// Three of four threads have no unit: what the only one does in parallel may have them.
+TEST(LocalExecutor, SaysHowManyThreadsAreToSpare) {
+  int spare = -1;
+  LocalExecutor().run_units(
+      "build", some_units(1), [&](const Unit&, WorkerContext& w) { spare = w.spare_threads(); },
+      on_threads(4));
+  EXPECT_EQ(spare, 3);
+  std::atomic<int> most = 0, last = 0, done = 0;
+  LocalExecutor().run_units(
+      "build", some_units(40),
+      [&](const Unit&, WorkerContext& worker) {
+        if (++done <= 36) most = std::max(most.load(), worker.spare_threads());
+        last = worker.spare_threads();
+      },
+      on_threads(4));
+  EXPECT_EQ(most, 0);  // there are units for all
+  EXPECT_GE(last, 0);
+}
+
 std::string failure_on(int threads, const UnitWork& work, std::size_t& finished) {
   std::atomic<std::size_t> done = 0;
   try {

@@ -130,6 +130,38 @@ TEST(MemoryShare, KeepsItsBuffersBetweenUsesUntilSomebodyNeedsThem) {
   EXPECT_FALSE(pool->try_take(1)) << "nobody may take what is in use";
 }
 
+TEST(MemoryShare, InAHurryTakesWhatIsFreeAndWaitsForNothing) {
+  const auto pool = std::make_shared<MemoryPool>(100);
+  int freed = 0;
+  MemoryShare share(pool, nullptr, [&] { ++freed; });
+  const MemoryShare::Use use(share);
+  ASSERT_TRUE(pool->try_take(50));
+  {
+    const MemoryShare::Hurry hurry(share);
+    share.reserve(50);
+    EXPECT_THROW(share.reserve(51), NoMemoryLeft);
+    EXPECT_EQ(share.held(), 50U);
+  }
+  EXPECT_EQ(freed, 0);
+  int asked = 0;
+  share.set_before_waiting([&] {
+    ++asked;
+    pool->give_back(50);
+  });
+  share.reserve(51);  // would wait for ever if nothing were given back
+  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(share.held(), 51U);
+}
+
+TEST(MemoryLoan, IsGivenOrNot) {
+  MemoryPool pool(100);
+  const auto loan = MemoryLoan::attempt(pool, 60);
+  ASSERT_TRUE(loan);
+  EXPECT_FALSE(MemoryLoan::attempt(pool, 41));
+  EXPECT_TRUE(MemoryLoan::attempt(pool, 40));  // given back at once
+  EXPECT_TRUE(pool.try_take(40));
+}
+
 // Workers with bricks of any size: never more than the budget, and nobody waits for ever.
 TEST(MemoryShare, WorkersOfAnySizeEndWithinTheBudget) {
   constexpr std::uint64_t budget = 1000;

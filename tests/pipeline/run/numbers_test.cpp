@@ -76,6 +76,9 @@ TEST(Numbers, NansInsideAnObjectAreWarnedOfOnce) {
                 "x, 15 to 32 along y, 20 to 20 along z");
     expect_good(scene.output(copy + 5));
   }
+  // Several threads at one shard.
+  expect_says(scene.run_in("one_shard", {"work.brick=16", "work.shard=4", "run.threads=4"}),
+              "360 samples are NaN");
   // A task of a cluster reports its own to whoever started it.
   NanCount nans;
   for (const char* part : {"0/2", "1/2"}) {

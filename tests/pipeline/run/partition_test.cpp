@@ -2,6 +2,7 @@
 // same bytes come out.
 #include <fmt/format.h>
 
+#include "storage/artifact/shard_artifact.h"
 #include "tests/pipeline/run/scene.h"
 
 namespace voxweld::testing {
@@ -51,6 +52,35 @@ TEST(Partition, OfAPorousVolumeInManyTiles) {
   const Scene scene("porous", 64);
   const Tree tree = scene.expect_one_tree({"output.tile_vertices=1024"}, some_partitions(0));
   EXPECT_GT(tree.size(), 20u);
+}
+
+// A volume that is one shard, whoever of several threads has built its bricks.
+TEST(Partition, OfOneShardOnManyThreads) {
+  const Scene smooth("porous", 100), noise(noise_volume({60, 50, 70}, 5)),
+      labels(integer_volume(SampleType::u8, {90, 70, 80}, [](Index3 at) {
+        return (at.x / 9 + at.y / 7 * 3 + at.z / 11 * 5) % 6;
+      }));
+  const auto content = [&](const Scene& scene, const Settings& settings) {
+    const Settings all = settings + Settings{"work.brick=16", "work.shard=8"};
+    scene.forget();
+    VOXWELD_EXPECT_DONE(scene.command("ingest", all));
+    VOXWELD_EXPECT_DONE(scene.command("build", all));
+    const auto files = files_ending(scene.work(), ".octree");
+    EXPECT_EQ(files.size(), 1U);
+    return ShardArtifact(files.at(0)).content_hash();
+  };
+  const auto expect_one = [&](const Scene& scene, const Settings& mode) {
+    const Hash128 one = content(scene, mode + Settings{"run.threads=1"});
+    for (const char* memory : {"run.memory=64GiB", "run.memory=96MiB"})
+      for (const char* threads : {"run.threads=2", "run.threads=7"})
+        EXPECT_EQ(one, content(scene, mode + Settings{memory, threads}))
+            << memory << ' ' << threads;
+  };
+  expect_one(smooth, {});
+  expect_one(noise, {});
+  expect_one(noise, {"simplify.topology=safe"});
+  expect_one(labels, {"labels.mode=each"});
+  expect_one(labels, {"labels.mode=shared"});
 }
 
 // A turned plane over several bricks, inside them: leaves above brick 16 and above 32 exist, and

@@ -1,0 +1,113 @@
+// The planes of a node of 2^3 cells against those of its cells, one by one.
+#include <gtest/gtest.h>
+
+#include "stages/build/cell_planes.h"
+#include "tests/stages/cluster_volumes.h"
+
+namespace voxweld {
+namespace {
+
+using testing::MemoryVolume;
+
+// Sums of what a QEF is made of, about the brick's corner.
+struct Sums {
+  double planes = 0;
+  std::array<double, 10> squares{};
+  std::array<double, 3> mass{}, normals{};
+
+  void add(const SheetPlanes& of, Vec3 centre) {
+    for (const HermitePlane& plane : of.planes()) {
+      const double weight = plane.weight;
+      std::array<double, 4> row{};
+      for (std::size_t a = 0; a < 3; ++a) {
+        const double at = centre[static_cast<int>(a)] + plane.point[a];
+        row[a] = plane.normal[a];
+        row[3] += row[a] * at;
+        mass[a] += weight * at;
+      }
+      planes += weight;
+      std::size_t k = 0;
+      for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = i; j < 4; ++j) squares[k++] += weight * row[i] * row[j];
+    }
+    for (const NormalSum& normal : of.normals())
+      for (std::size_t a = 0; a < 3; ++a) normals[a] += static_cast<double>(normal[a]);
+  }
+};
+
+void expect_near(const Sums& found, const Sums& expected) {
+  EXPECT_EQ(found.planes, expected.planes);
+  for (std::size_t i = 0; i < 10; ++i)
+    EXPECT_NEAR(found.squares[i], expected.squares[i], 1e-9 * (1 + std::abs(expected.squares[i])));
+  for (std::size_t a = 0; a < 3; ++a) {
+    EXPECT_NEAR(found.mass[a], expected.mass[a], 1e-9 * (1 + std::abs(expected.mass[a])));
+    EXPECT_NEAR(found.normals[a], expected.normals[a], 1e-4);
+  }
+}
+
+// Returns how many nodes were compared.
+int expect_sums_of_cells(const MemoryVolume& volume, Vec3 spacing) {
+  constexpr int side = 32;
+  ContourParameters parameters = testing::by_sheets(0.1);
+  parameters.spacing = spacing;
+  const HaloBlock block{volume.type,           volume.size,   {{}, volume.size},
+                        volume.samples.data(), volume.size.x, volume.size.x * volume.size.y};
+  SignGrid signs;
+  signs.fill(block, {}, side, parameters.surface);
+  ActiveCells cells;
+  cells.count(signs, side, {{}, splat(side)});
+  cells.find(signs);
+  HermiteEdges edges;
+  edges.compute(block, {}, side, signs, parameters);
+  const auto centre = [&](LocalCell c, double half) {
+    return Vec3{(c.x + half) * spacing.x, (c.y + half) * spacing.y, (c.z + half) * spacing.z};
+  };
+  SheetPlanes planes;
+  int nodes = 0;
+  for (std::size_t i = 0; i < cells.size(); ++nodes) {
+    const std::uint32_t node = cells.code(i) >> 3;
+    Sums of_cells, of_node;
+    for (; i < cells.size() && cells.code(i) >> 3 == node; ++i) {
+      gather_planes(cells.at(i), cells.sheets(i), all_sheets, edges, spacing, planes);
+      of_cells.add(planes, centre(cells.at(i), 0.5));
+    }
+    const LocalCell c = decode_local(node << 3);
+    gather_planes(c, signs.crossings(c.x, c.y, c.z), edges, spacing, planes);
+    EXPECT_LE(planes.count, max_planes);
+    of_node.add(planes, centre(c, 1));
+    expect_near(of_node, of_cells);
+    if (::testing::Test::HasFailure()) break;
+  }
+  return nodes;
+}
+
+TEST(NodePlanes, AreThoseOfItsCells) {
+  for (unsigned seed = 0; seed < 3; ++seed) {
+    EXPECT_GT(expect_sums_of_cells(testing::noise_volume(30, seed), {1, 1, 1}), 2000);
+    EXPECT_GT(expect_sums_of_cells(testing::plates(30, seed), {0.5, 1, 3}), 300);
+  }
+}
+
+// Every edge that a node can have, each as often as cells of it have it: all corners are of two
+// kinds, by turns.
+TEST(NodePlanes, OfAllItsEdges) {
+  const auto chess = MemoryVolume::made<float>(splat(8), SampleType::f32, [](Index3 s) {
+    return (s.x + s.y + s.z) % 2 == 0 ? 1.0F : -1.0F;
+  });
+  const HaloBlock block{chess.type,           chess.size,   {{}, chess.size},
+                        chess.samples.data(), chess.size.x, chess.size.x * chess.size.y};
+  const ContourParameters parameters = testing::by_sheets(0.1);
+  SignGrid signs;
+  signs.fill(block, {}, 8, parameters.surface);
+  HermiteEdges edges;
+  edges.compute(block, {}, 8, signs, parameters);
+  SheetPlanes planes;
+  gather_planes({2, 2, 2}, signs.crossings(2, 2, 2), edges, {1, 1, 1}, planes);
+  ASSERT_EQ(planes.count, max_planes);
+  int weight = 0;
+  for (const HermitePlane& plane : planes.planes()) weight += plane.weight;
+  EXPECT_EQ(weight, 8 * 12);
+}
+
+}  // namespace
+}  // namespace voxweld
