@@ -71,7 +71,7 @@ TEST(Partition, OfOneShardOnManyThreads) {
   };
   const auto expect_one = [&](const Scene& scene, const Settings& mode) {
     const Hash128 one = content(scene, mode + Settings{"run.threads=1"});
-    for (const char* memory : {"run.memory=64GiB", "run.memory=96MiB"})
+    for (const char* memory : {"run.memory=64GiB", "run.memory=160MiB"})
       for (const char* threads : {"run.threads=2", "run.threads=7"})
         EXPECT_EQ(one, content(scene, mode + Settings{memory, threads}))
             << memory << ' ' << threads;
