@@ -8,7 +8,7 @@
 
 #include "pipeline/build/common_material.h"
 #include "pipeline/build/finer_build.h"
-#include "pipeline/build/shard_builder.h"
+#include "pipeline/build/shard_builders.h"
 #include "pipeline/executor/memory_budget.h"
 #include "pipeline/executor/probe.h"
 #include "stages/solids/lattice_solid.h"
@@ -84,7 +84,12 @@ std::vector<Unit> weighed_units(const BuildJob& job, std::span<const std::uint64
 bool proven(const BuildJob& job, Index3 shard, ShardBuilder& builder) {
   const auto path = shard_artifact_path(job, shard);
   const Hash128 stamp = volume_stamp(job, shard);
-  if (builder.input_hash(shard) != read_summary(open_octrees(job, shard)).input) return false;
+  const Hash128 known = read_summary(open_octrees(job, shard)).input;
+  // It may have been made with ranges that are of older samples now. All samples are read for that,
+  // which finds them anew, and only then those that build would have read with them.
+  const bool same = builder.input_hash(shard, true) == known ||
+                    (!job.ranges.empty() && builder.input_hash(shard, false) == known);
+  if (!same) return false;
   restamp_artifact(path, stamp);
   return true;
 }
@@ -139,6 +144,12 @@ class BuildWork final : public StageWork {
       context.nans.add(builder->nans());
     }
     builders_.reset();
+    if (context.bricks.unread > 0)
+      spdlog::info(
+          "of these shards' bricks {} have no surface, as an earlier build found: their samples "
+          "were "
+          "not read",
+          context.bricks.unread);
     if (context.bricks.kept > 0)
       spdlog::info("of these shards' bricks {} were built and {} kept: no edit of theirs changed",
                    context.bricks.built, context.bricks.kept);

@@ -6,6 +6,7 @@
 
 #include "pipeline/build/brick_octrees.h"
 #include "storage/artifact/brick_pieces.h"
+#include "storage/artifact/brick_ranges_artifact.h"
 #include "storage/artifact/shard_summary.h"
 #include "storage/types/nan_count.h"
 
@@ -33,6 +34,7 @@ struct RunPieces {
   BuiltRun built;
   std::vector<BrickPieces> bricks;
   NanCount nans;                     // among the run's own samples
+  std::vector<BrickRange> ranges;    // of the bricks
   std::unique_ptr<MemoryLoan> loan;  // what all this takes
 };
 

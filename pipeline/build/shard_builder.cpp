@@ -4,8 +4,10 @@
 
 #include "pipeline/build/common_material.h"
 #include "pipeline/build/runs_ahead.h"
+#include "pipeline/build/shard_builders.h"
 #include "pipeline/stage/shard_memory.h"
 #include "stages/contouring/inside_test.h"
+#include "storage/types/sample_range.h"
 
 namespace voxweld {
 namespace {
@@ -68,8 +70,8 @@ ShardBuilder::KnownBrick ShardBuilder::known_label(Index3 brick) const {
   const Box3 real = intersect(touched, Box3{{}, job_.grid.size()});
   if (real.empty()) return {NodeState::outside, exterior};
   std::optional<Material> material;
-  if (job_.volume.ranges() != nullptr)
-    material = common_material(*job_.parameters.labels.rules, job_.volume.ranges()->range(real));
+  if (const auto range = range_of_brick(brick, real))
+    material = common_material(*job_.parameters.labels.rules, *range);
   if (!job_.parameters.edits.empty())
     material = material_after(job_.parameters.edits, bounds_of(brick), material);
   if (!material || (*material != exterior && real != touched)) return {NodeState::split, exterior};
@@ -83,9 +85,10 @@ NodeState ShardBuilder::unedited_state(Index3 brick) const {
   const Box3 touched = touched_samples(brick);
   const Box3 real = intersect(touched, Box3{{}, job_.grid.size()});
   if (real.empty()) return NodeState::outside;
-  if (job_.volume.ranges() == nullptr) return NodeState::split;
+  const std::optional<ValueRange> known = range_of_brick(brick, real);
+  if (!known) return NodeState::split;
+  const ValueRange& range = *known;
   const bool in_ring = real != touched;
-  const ValueRange range = job_.volume.ranges()->range(real);
   const SurfaceParameters& surface = job_.parameters.surface;
   if (surface.label) return label_state(range, static_cast<double>(*surface.label), in_ring);
   const bool above = surface.inside == Inside::above;
@@ -134,8 +137,15 @@ void ShardBuilder::each_brick(Index3 shard, F&& f) const {
       for (std::int64_t x = bricks.lo.x; x < bricks.hi.x; ++x) f(Index3{x, y, z});
 }
 
-void ShardBuilder::look_at(Index3 shard) {
+// samples: those its cells touch, in the volume.
+std::optional<ValueRange> ShardBuilder::range_of_brick(Index3 brick, const Box3& samples) const {
+  if (job_.volume.ranges() != nullptr) return job_.volume.ranges()->range(samples);
+  return ranges_.of(brick);
+}
+
+void ShardBuilder::look_at(Index3 shard, Hash128 stamp, bool read_all) {
   shard_bricks_ = job_.grid.shard_bricks(shard);
+  ranges_.open(shard, stamp, read_all);
   known_.clear();
   each_brick(shard, [&](Index3 brick) { known_.push_back(find_known(brick)); });
 }
@@ -173,6 +183,20 @@ NanCount ShardBuilder::nans_of(const BrickRow& run) const {
                     intersect(own, run.samples));
 }
 
+std::vector<BrickRange> ShardBuilder::ranges_of(const BrickRow& run) const {
+  std::vector<BrickRange> ranges;
+  if (job_.ranges.empty()) return ranges;
+  for (std::int64_t i = 0; i < run.count; ++i) {
+    const Index3 brick = run.first + Index3{i, 0, 0};
+    const Box3 touched = intersect(touched_samples(brick), Box3{{}, job_.grid.size()});
+    const SampleType type = job_.volume.source->info().type;
+    ranges.push_back(BrickRange::make(
+        morton_encode(brick),
+        touched.empty() ? ValueRange{} : range_of(type, samples_, run.samples, touched)));
+  }
+  return ranges;
+}
+
 HaloBlock ShardBuilder::block_of(const BrickRow& run) const {
   const Index3 extent = run.samples.size();
   return {job_.volume.source->info().type,
@@ -183,14 +207,16 @@ HaloBlock ShardBuilder::block_of(const BrickRow& run) const {
           extent.x * extent.y};
 }
 
-Hash128 ShardBuilder::input_hash(Index3 shard) {
-  look_at(shard);
+Hash128 ShardBuilder::input_hash(Index3 shard, bool read_all) {
+  look_at(shard, job_.volume.stamp(shard_samples(job_, shard)), read_all);
   StreamHasher hash;
   note_sides(shard, hash);
   each_run(shard, [&](const BrickRow& run) {
     const Hash128 samples = read(run);
+    for (const BrickRange& range : ranges_of(run)) ranges_.add(range);
     hash.update(std::as_bytes(std::span(&samples, 1)));
   });
+  ranges_.close();
   return hash.finish();
 }
 
@@ -207,7 +233,10 @@ BuiltRun ShardBuilder::build_run(const BrickRow& run, const EarlierShard* earlie
   const bool all_kept = std::ranges::find(kept, nullptr) == kept.end();
   const BuiltRun* known = all_kept && earlier ? earlier->run(run.first, run.count) : nullptr;
   const BuiltRun built = known ? *known : BuiltRun{run.first, run.count, read(run)};
-  if (known == nullptr) nans_.add(nans_of(run));
+  if (known == nullptr) {
+    nans_.add(nans_of(run));
+    for (const BrickRange& range : ranges_of(run)) ranges_.add(range);
+  }
   const HaloBlock block = block_of(run);
   for (std::size_t i = 0; i < kept.size();) {
     std::size_t end = i;
@@ -245,6 +274,7 @@ std::unique_ptr<RunPieces> ShardBuilder::pieces_of(const BrickRow& run,
   auto pieces = std::make_unique<RunPieces>();
   pieces->built = {run.first, run.count, read(run)};
   pieces->nans = nans_of(run);
+  pieces->ranges = ranges_of(run);
   RunPiecesSink sink(job_, *pieces);
   octrees_->build(block_of(run), run.first, run.count, worker, sink);
   pieces->loan = MemoryLoan::attempt(*worker.memory(), sink.bytes_held());
@@ -254,10 +284,13 @@ std::unique_ptr<RunPieces> ShardBuilder::pieces_of(const BrickRow& run,
 
 void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlier,
                          const WorkerContext& worker) {
-  look_at(shard);
+  look_at(shard, stamp);
   StreamHasher hash;
   note_sides(shard, hash);
   octrees_->begin(shard, stamp);
+  if (ranges_.are_known())
+    bricks_.unread += static_cast<std::uint64_t>(std::ranges::count_if(
+        known_, [](const KnownBrick& brick) { return brick.state != NodeState::split; }));
   std::vector<BrickRow> rows;
   each_run(shard, [&](const BrickRow& run) { rows.push_back(run); });
   RunsAhead ahead(
@@ -276,6 +309,7 @@ void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlie
       octrees_->add_run(*pieces);
       bricks_.built += pieces->bricks.size();
       nans_.add(pieces->nans);
+      for (const BrickRange& range : pieces->ranges) ranges_.add(range);
       runs.push_back(pieces->built);
     } else {
       runs.push_back(build_run(rows[i], earlier, worker));
@@ -288,6 +322,7 @@ void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlie
     if (known.state == NodeState::inside) octrees_->inside(brick, known.material);
   });
   octrees_->finish(hash.finish(), std::move(runs));
+  ranges_.close();
 }
 
 void ShardBuilder::share_memory(const WorkerContext& worker) {
@@ -319,37 +354,6 @@ void ShardBuilder::build(Index3 shard, const WorkerContext& worker) {
       earlier && build_from(*earlier, true))
     return;
   build(shard, stamp, nullptr, worker);
-}
-
-ShardBuilders::ShardBuilders(const BuildJob& job, int count) {
-  for (int i = 0; i < count; ++i) {
-    all_.push_back(std::make_unique<ShardBuilder>(job, this));
-    free_.push_back(all_.back().get());
-  }
-}
-
-ShardBuilders::Loan ShardBuilders::borrow() {
-  std::unique_lock lock(mutex_);
-  freed_.wait(lock, [&] { return !free_.empty(); });
-  ShardBuilder* builder = free_.back();
-  free_.pop_back();
-  return {*this, builder};
-}
-
-ShardBuilders::Loan ShardBuilders::borrow_if_free() {
-  const std::scoped_lock lock(mutex_);
-  if (free_.empty()) return {*this, nullptr};
-  ShardBuilder* builder = free_.back();
-  free_.pop_back();
-  return {*this, builder};
-}
-
-void ShardBuilders::give_back(ShardBuilder* builder) {
-  {
-    const std::scoped_lock lock(mutex_);
-    free_.push_back(builder);
-  }
-  freed_.notify_one();
 }
 
 }  // namespace voxweld

@@ -1,11 +1,10 @@
 // One shard from samples to octree artifact, brick by brick.
 #pragma once
 
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <optional>
 
+#include "pipeline/build/brick_ranges.h"
 #include "pipeline/build/earlier_shard.h"
 #include "pipeline/build/shard_octrees.h"
 
@@ -16,15 +15,16 @@ class ShardBuilders;
 class ShardBuilder {
  public:
   // others: of the same job, for threads that help to build a shard; null: none does.
-  ShardBuilder(const BuildJob& job, ShardBuilders* others) : job_(job), others_(others) {}
+  ShardBuilder(const BuildJob& job, ShardBuilders* others)
+      : job_(job), others_(others), ranges_(job) {}
 
   // Reads, builds and writes the artifact. `worker` is asked to stop between bricks.
   void build(Index3 shard, const WorkerContext& worker);
   // For another builder's shard. Throws NoMemoryLeft where it had to wait for memory.
   std::unique_ptr<RunPieces> build_pieces(const BrickRow& run, const WorkerContext& worker);
   // Reads the samples build would and returns the content hash of them and of the sides that the
-  // bricks it need not read are on.
-  Hash128 input_hash(Index3 shard);
+  // bricks it need not read are on. read_all: as if no build before had found any.
+  Hash128 input_hash(Index3 shard, bool read_all);
   // Of all shards built so far.
   const BrickReport& bricks() const { return bricks_; }
   // Of the samples these were built from, where the volume is read in place: who copies one counts
@@ -40,7 +40,7 @@ class ShardBuilder {
   void each_run(Index3 shard, F&& f);
   template <class F>
   void each_brick(Index3 shard, F&& f) const;
-  void look_at(Index3 shard);
+  void look_at(Index3 shard, Hash128 stamp, bool read_all = false);
   std::vector<BrickRow> runs_of(Index3 row, std::int64_t end) const;
   Box3 touched_samples(Index3 brick) const;
   Bounds bounds_of(Index3 brick) const;
@@ -51,6 +51,8 @@ class ShardBuilder {
   const KnownBrick& known_of(Index3 brick) const;
   void note_sides(Index3 shard, StreamHasher& hash) const;
   NanCount nans_of(const BrickRow& run) const;
+  std::vector<BrickRange> ranges_of(const BrickRow& run) const;
+  std::optional<ValueRange> range_of_brick(Index3 brick, const Box3& samples) const;
   // Of the run's samples.
   Hash128 read(const BrickRow& run);
   HaloBlock block_of(const BrickRow& run) const;
@@ -63,7 +65,8 @@ class ShardBuilder {
 
   const BuildJob& job_;
   ShardBuilders* others_;
-  Box3 shard_bricks_;              // of the shard at hand
+  Box3 shard_bricks_;  // of the shard at hand
+  BrickRanges ranges_;
   std::vector<KnownBrick> known_;  // of these, x fastest
   std::vector<std::byte> samples_;
   // Both from the first build on; the share frees the octrees' buffers when it ends.
@@ -71,42 +74,6 @@ class ShardBuilder {
   std::optional<MemoryShare> share_;
   BrickReport bricks_;
   NanCount nans_;
-};
-
-// One for each thread of the stage, for whoever needs one. Thread-safe.
-class ShardBuilders {
- public:
-  ShardBuilders(const BuildJob& job, int count);
-
-  class Loan {
-   public:
-    Loan(ShardBuilders& of, ShardBuilder* builder) : of_(&of), builder_(builder) {}
-    Loan(const Loan&) = delete;
-    Loan& operator=(const Loan&) = delete;
-    ~Loan() {
-      if (builder_ != nullptr) of_->give_back(builder_);
-    }
-    explicit operator bool() const { return builder_ != nullptr; }
-    ShardBuilder* operator->() const { return builder_; }
-    ShardBuilder& operator*() const { return *builder_; }
-
-   private:
-    ShardBuilders* of_;
-    ShardBuilder* builder_;
-  };
-  // Waits until one is free; helpers give theirs back soon.
-  Loan borrow();
-  // None where none is free.
-  Loan borrow_if_free();
-  const std::vector<std::unique_ptr<ShardBuilder>>& all() const { return all_; }
-
- private:
-  void give_back(ShardBuilder* builder);
-
-  std::vector<std::unique_ptr<ShardBuilder>> all_;
-  std::mutex mutex_;
-  std::condition_variable freed_;
-  std::vector<ShardBuilder*> free_;
 };
 
 }  // namespace voxweld

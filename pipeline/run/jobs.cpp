@@ -86,6 +86,7 @@ void Jobs::open_volume(Config& config) {
                           paths.build, paths.build_key,
                           shard_memory(config, info, info.largest_decode)});
   if (ingest_.mesh) build_->largest_bin = largest_bin(*ingest_.mesh);
+  if (volume.ranges() == nullptr) build_->ranges = paths.ingest / "ranges";
   merge_ = {&*build_, paths.merge, paths.merge_key,
             static_cast<std::uint64_t>(config.output.tile_vertices)};
   stitch_.build = &*build_;

@@ -7,6 +7,7 @@
 #include "stages/build/build_brick.h"
 #include "stages/build/label_edge.h"
 #include "stages/solids/lattice_solid.h"
+#include "storage/artifact/brick_ranges_artifact.h"
 #include "storage/artifact/collapse_survey_artifact.h"
 #include "storage/artifact/cube_mesh_artifact.h"
 #include "storage/artifact/label_counts.h"
@@ -177,6 +178,21 @@ std::filesystem::path shard_artifact_path(const BuildJob& job, Index3 shard) {
 
 ArtifactReader open_octrees(const BuildJob& job, Index3 shard) {
   return ArtifactReader(shard_artifact_path(job, shard), shard_kind, shard_version);
+}
+
+std::filesystem::path brick_ranges_path(const BuildJob& job, Index3 shard) {
+  const std::int64_t side = std::int64_t{1} << job.grid.brick_level();
+  return fanned_out(job.ranges, shard, grid_name(shard, fmt::format(".{}", side).c_str()));
+}
+
+Hash128 brick_ranges_key(const BuildJob& job) {
+  KeyHasher key;
+  key.text("ranges")
+      .integer(brick_ranges_version)
+      .text(sample_type_name(job.volume.source->info().type));
+  key.integer(job.grid.brick_level()).integer(job.grid.shard_level());
+  const Index3 size = job.grid.size();
+  return key.integer(size.x).integer(size.y).integer(size.z).finish();
 }
 
 Hash128 shard_key(const BuildJob& job, Index3 shard) {

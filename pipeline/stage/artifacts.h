@@ -1,6 +1,7 @@
 // Where the artifacts of a run lie, and by which keys they are known: the one place for both.
 //
 //   <work>/ingest-<hash>/volume.zarr, records/, histogram, labels.all, labels/, mesh-<hash>/
+//   <work>/ingest-<hash>/ranges/.../<x>-<y>-<z>.<bricks' side>, of a volume that is read in place
 //   <work>/build-<hash>/<fanned out>/<x>-<y>-<z>.octree
 //   <work>/merge-<hash>/top.tree
 //   <work>/stitch-<hash>/.../<tile>.tile
@@ -69,6 +70,9 @@ ArtifactReader open_octrees(const BuildJob& job, Index3 shard);
 Hash128 shard_key(const BuildJob& job, Index3 shard);
 // The same of one brick.
 Hash128 brick_key(const BuildJob& job, Index3 brick);
+// The ranges of its bricks, and what they are of beside the samples.
+std::filesystem::path brick_ranges_path(const BuildJob& job, Index3 shard);
+Hash128 brick_ranges_key(const BuildJob& job);
 // The samples build reads for the shard, or would were no brick left out.
 Box3 shard_samples(const BuildJob& job, Index3 shard);
 // Where the shard's signs are looked at, for edits: spacing * sample index.

@@ -32,11 +32,13 @@ struct BrickReport {
   std::uint64_t kept = 0;       // as they were before the edits changed
   std::uint64_t cut = 0;        // from octrees of a smaller tolerance
   std::uint64_t bytes_cut = 0;  // read of these
+  std::uint64_t unread = 0;     // without a surface, as a build before has found
   BrickReport& operator+=(const BrickReport& other) {
     built += other.built;
     kept += other.kept;
     cut += other.cut;
     bytes_cut += other.bytes_cut;
+    unread += other.unread;
     return *this;
   }
 };

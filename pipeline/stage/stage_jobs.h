@@ -41,6 +41,8 @@ struct BuildJob {
   // sample is read. It outlives this.
   const BuildJob* finer = nullptr;
   bool finer_may_fail = false;  // samples are read where one of these octrees is damaged
+  // Where ranges of bricks are kept, whatever is built from them; empty: nowhere.
+  std::filesystem::path ranges = {};
 };
 
 struct MergeJob {

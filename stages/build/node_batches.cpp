@@ -193,17 +193,14 @@ class BrickNodes::MergeBatch {
     if (++count_ == lanes) flush();
   }
   // Of planes: one that BrickNodes::is_of_planes.
-  void add(std::size_t node, const SheetPlanes& planes) {
+  void add(std::size_t node, const SheetPlanes& planes, const NormalClusters& normals) {
     const std::uint32_t cluster = at_->first_cluster[node];
     put(node, cluster);
     CellExtent extent = CellExtent::none();
-    NormalSense sense = NormalSense::outward;
-    for (std::uint32_t cell = at_->first_child[node]; cell < at_->first_child[node + 1]; ++cell) {
+    for (std::uint32_t cell = at_->first_child[node]; cell < at_->first_child[node + 1]; ++cell)
       extent.join(CellExtent{}.in_parent(static_cast<int>(below_->codes[cell] & 7)));
-      sense = std::max(sense, brick_.cells_->normal_sense(cell));
-    }
     solver_.set_planes(count_, planes.planes(), extent);
-    at_->vertex(cluster).normals = cluster_normals(planes.normals(), sense);
+    at_->vertex(cluster).normals = normals;
     if (++count_ == lanes) flush();
   }
   void flush() {
@@ -300,7 +297,7 @@ class BrickNodes::NodeMerges {
     if (others_) others_->begin(l);
     for (std::size_t node = nodes.begin; node < nodes.end; ++node) {
       if (l == 1 && brick_.is_of_planes(node)) {
-        add_planes(at.codes[node], node);
+        add_planes(node);
         continue;
       }
       for (std::uint32_t i = at.first_cluster[node]; i < at.first_cluster[node + 1]; ++i)
@@ -312,18 +309,40 @@ class BrickNodes::NodeMerges {
   }
 
  private:
-  void add_planes(std::uint32_t code, std::size_t node) {
-    const LocalCell c = decode_local(code << 3);
+  void add_planes(std::size_t node) {
+    const NodeLevel& at = brick_.level(1);
+    const LocalCell c = decode_local(at.codes[node] << 3);
     gather_planes(c, brick_.rule_->crossings(c.x, c.y, c.z), edges_, brick_.parameters_.spacing,
                   planes_);
-    of_planes_.add(node, planes_);
+    // Where all are near their total, sums of some of them are, too: the cells' would be one cluster.
+    const NormalSense sense = sense_of(at.first_child[node], at.first_child[node + 1]);
+    const auto one = one_direction(planes_.normals(), sense);
+    of_planes_.add(node, planes_,
+                   one ? NormalClusters{{*one}, sense}
+                       : normals_of_cells(at.first_child[node], at.first_child[node + 1]));
+  }
+  NormalSense sense_of(std::size_t begin, std::size_t end) const {
+    NormalSense sense = NormalSense::outward;
+    for (std::size_t cell = begin; cell < end; ++cell)
+      sense = std::max(sense, brick_.cells_->normal_sense(cell));
+    return sense;
+  }
+  NormalClusters normals_of_cells(std::size_t begin, std::size_t end) {
+    const ActiveCells& cells = *brick_.cells_;
+    ClusterMerge normals;
+    for (std::size_t cell = begin; cell < end; ++cell) {
+      gather_planes(cells.at(cell), cells.sheets(cell), all_sheets, edges_,
+                    brick_.parameters_.spacing, of_cell_);
+      normals.add(cluster_normals(of_cell_.normals(), cells.normal_sense(cell)));
+    }
+    return normals.merged();
   }
 
   BrickNodes& brick_;
   const HermiteEdges& edges_;
   MergeBatch of_planes_, collapsing_;
   std::optional<MergeBatch> others_;
-  SheetPlanes planes_;
+  SheetPlanes planes_, of_cell_;
 };
 
 void BrickNodes::make_blocks(const HermiteEdges& edges, NodeMerges& merges) {

@@ -37,16 +37,22 @@ class Grouping {
 
 }  // namespace
 
-NormalClusters cluster_normals(std::span<const NormalSum> sums, NormalSense sense, float cosine) {
+std::optional<NormalSum> one_direction(std::span<const NormalSum> sums, NormalSense sense,
+                                       float cosine) {
   const Grouping grouping(sense, cosine);
-  NormalClusters clusters{{}, sense};
   NormalSum total{};
   for (const NormalSum& sum : sums) grouping.join(total, sum);
   const float whole = length(total);
   bool one = whole > 0;  // opposite sheets may cancel
   for (const NormalSum& sum : sums) one = one && grouping.near(sum, total, whole);
-  if (one) {
-    clusters.sum[0] = total;
+  return one ? std::optional(total) : std::nullopt;
+}
+
+NormalClusters cluster_normals(std::span<const NormalSum> sums, NormalSense sense, float cosine) {
+  const Grouping grouping(sense, cosine);
+  NormalClusters clusters{{}, sense};
+  if (const auto total = one_direction(sums, sense, cosine)) {
+    clusters.sum[0] = *total;
     return clusters;
   }
   std::size_t count = 0;

@@ -3,6 +3,7 @@
 // order), hence the same however the volume is cut into bricks.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "storage/types/brick_octree.h"
@@ -21,6 +22,10 @@ using NormalSum = std::array<float, 3>;
 // has that of its first sum.
 NormalClusters cluster_normals(std::span<const NormalSum> sums, NormalSense sense,
                                float cosine = cluster_cosine);
+
+// Their total, where all of them are near it.
+std::optional<NormalSum> one_direction(std::span<const NormalSum> sums, NormalSense sense,
+                                       float cosine = cluster_cosine);
 
 // A node's clusters from those of its children, given in octant order.
 class ClusterMerge {

@@ -1,12 +1,10 @@
 #include "stages/ingest/statistics.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "stages/ingest/histogram_bins.h"
+#include "storage/types/sample_range.h"
 
 namespace voxweld {
 namespace {
@@ -18,68 +16,6 @@ T load(const std::byte* at) {
   return value;
 }
 
-// The nearest doubles not above and not below.
-template <class T>
-double rounded_down(T value) {
-  const auto d = static_cast<double>(value);
-  if constexpr (std::is_integral_v<T> && sizeof(T) == 8)
-    if (static_cast<__int128>(d) > static_cast<__int128>(value))
-      return std::nextafter(d, -INFINITY);
-  return d + 0.0;
-}
-template <class T>
-double rounded_up(T value) {
-  const auto d = static_cast<double>(value);
-  if constexpr (std::is_integral_v<T> && sizeof(T) == 8)
-    if (static_cast<__int128>(d) < static_cast<__int128>(value)) return std::nextafter(d, INFINITY);
-  return d + 0.0;
-}
-
-template <class T>
-struct Extremes {
-  T lo, hi;
-  bool any_nan = false;
-};
-
-// Several running extremes side by side: floating minima may not be reordered by the compiler, and
-// so would go one sample at a time. NaNs fail both comparisons.
-template <class T>
-Extremes<T> extremes(std::span<const std::byte> samples) {
-  constexpr bool real = std::is_floating_point_v<T>;
-  constexpr std::size_t lanes = 64 / sizeof(T);
-  using Limits = std::numeric_limits<T>;
-  std::array<T, lanes> lo, hi;
-  std::array<bool, lanes> nan{};
-  lo.fill(real ? Limits::infinity() : Limits::max());
-  hi.fill(real ? -Limits::infinity() : Limits::lowest());
-  const std::size_t count = samples.size() / sizeof(T);
-  const auto take = [&](std::size_t i, std::size_t lane) {
-    const T v = load<T>(samples.data() + i * sizeof(T));
-    lo[lane] = v < lo[lane] ? v : lo[lane];
-    hi[lane] = v > hi[lane] ? v : hi[lane];
-    if constexpr (real) nan[lane] |= v != v;
-  };
-  std::size_t i = 0;
-  for (; i + lanes <= count; i += lanes)
-    for (std::size_t lane = 0; lane < lanes; ++lane) take(i + lane, lane);
-  for (; i < count; ++i) take(i, 0);
-  return {*std::min_element(lo.begin(), lo.end()), *std::max_element(hi.begin(), hi.end()),
-          std::find(nan.begin(), nan.end(), true) != nan.end()};
-}
-
-template <class T>
-ValueRange range_of(std::span<const std::byte> samples) {
-  if (samples.empty()) return {};
-  const Extremes<T> found = extremes<T>(samples);
-  ValueRange range;
-  range.any_nan = found.any_nan;
-  range.empty = found.lo > found.hi;  // nothing but NaNs
-  if (range.empty) return range;
-  range.lo = rounded_down(found.lo);
-  range.hi = rounded_up(found.hi);
-  return range;
-}
-
 }  // namespace
 
 HistogramStatistics::HistogramStatistics(SampleType type)
@@ -88,8 +24,10 @@ HistogramStatistics::HistogramStatistics(SampleType type)
 ValueRange HistogramStatistics::add(std::span<const std::byte> samples) {
   return dispatch_sample_type(type_, [&](auto tag) {
     using T = typename decltype(tag)::type;
-    const ValueRange range = range_of<T>(samples);
     const std::size_t count = samples.size() / sizeof(T);
+    SampleRange<T> extremes;
+    extremes.add(samples.data(), count);
+    const ValueRange range = extremes.range();
     if (range.empty) {
       nans_ += count;
       return range;

@@ -29,6 +29,8 @@ VARIANTS = {
     "voxweld, 256 MiB": {"run.memory": "256MiB"},
     "voxweld, tolerance 0.2": {"simplify.tolerance": 0.2},
     "voxweld, with merged mesh and report": {"output.merged": "auto", "output.report": True},
+    "voxweld, repair": {"simplify.refine": "repair"},
+    "voxweld, repair, tolerance 0.2": {"simplify.refine": "repair", "simplify.tolerance": 0.2},
     "voxweld, refine off": {"simplify.refine": "off"},
     "voxweld, refine off, 256 MiB": {"simplify.refine": "off", "run.memory": "256MiB"},
 }
