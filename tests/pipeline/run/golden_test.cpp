@@ -79,17 +79,17 @@ class Goldens : public ::testing::Test {
 std::unique_ptr<Scene> Goldens::scene_;
 
 TEST_F(Goldens, Build) {
-  expect_recorded({"build", 14, "22df2101c575be458df5e30bd4b69b83"}, shard_version,
+  expect_recorded({"build", 15, "4613ba351e93f33ea1550f75847db1a7"}, shard_version,
                   hash_of(work(".octree"), shard_kind, shard_version));
 }
 
 TEST_F(Goldens, Merge) {
-  expect_recorded({"merge", 10, "a4456333eb6eb65c210db5170cc51712"}, top_version,
+  expect_recorded({"merge", 10, "b09dc1a7ccfaba1f4a78f839df608572"}, top_version,
                   hash_of(work(".tree"), top_kind, top_version));
 }
 
 TEST_F(Goldens, Stitch) {
-  expect_recorded({"stitch", 6, "d439d5421bcc866ac6bdebd66b0be36b"}, tile_version,
+  expect_recorded({"stitch", 6, "8237b4f4dcb81211d64a2837118c0463"}, tile_version,
                   hash_of(work(".tile"), tile_kind, tile_version));
 }
 
@@ -99,7 +99,7 @@ TEST_F(Goldens, Encode) {
   auto files = files_ending(scene_->output(), ".drc");
   const auto glb = files_ending(scene_->output(), ".glb");
   files.insert(files.end(), glb.begin(), glb.end());
-  expect_recorded({"encode", 4, "81f8d86fa6b76cd3846f096f8e91b883"}, encode_version,
+  expect_recorded({"encode", 4, "4bd239ffcd6f6ff4f3e2f24f383d96ac"}, encode_version,
                   hash_of(files));
 }
 
@@ -117,9 +117,9 @@ TEST(SheetGoldens, OfEveryStage) {
   const Scene scene(scene_volume());
   VOXWELD_EXPECT_DONE(scene.run(
       {"work.brick=16", "work.shard=2", "output.tile_vertices=1024", "simplify.tolerance=0.2"}));
-  expect_stages(scene, {"build", 14, "98045bfaf2eb25a7f36e9bfd15454a8c"},
-                {"merge", 10, "413f95b97fac4a56c6f33ef901cb919f"},
-                {"stitch", 6, "4f130cde83557e8d3195bf438ac825c8"});
+  expect_stages(scene, {"build", 15, "33be436b04fd92567d100a16cde46aea"},
+                {"merge", 10, "a5ce14ba23673f8fd8d14868445665a5"},
+                {"stitch", 6, "2b9db126f3532d24ac8f325f12931e4d"});
 }
 
 // The same surface, refined.
@@ -138,15 +138,15 @@ void expect_refined(const char* topology, const Golden& cubes, const Golden& til
 TEST(RefinedGoldens, OfEveryStage) {
   expect_refined(
       "manifold",
-      {"stitch, refine, seams, mend and remend", 983046, "181040da97b5dd0f3dc8c3bfe8fc36d9"},
-      {"retile", 6, "6be3d8e87f4875afb6dac93c0b2346cf"});
+      {"stitch, refine, seams, mend and remend", 983046, "8014a0b748b759b1cfec606ee669d5c9"},
+      {"retile", 6, "64f439da6179b04752d8fe8ba75d23a3"});
 }
 
 TEST(RefinedGoldens, OfSafeCollapse) {
   expect_refined(
       "safe",
-      {"stitch, refine, seams, mend and remend", 983046, "a79a5a5d8759ef462afd635e2f31909e"},
-      {"retile", 6, "18ebc1a63bc67d30fce244f3286b1a10"});
+      {"stitch, refine, seams, mend and remend", 983046, "f3efea0c7bb5b0c3d50c70dcc1273eb2"},
+      {"retile", 6, "8f6e6473f5ee3175b53ac7729ab86917"});
 }
 
 // Two labels that share a ball, one below it, specks; an edit gives one more, another replaces.
@@ -192,7 +192,7 @@ TEST(RefinedGoldens, OfEachLabel) {
 TEST(RefinedGoldens, OfSharedLabels) {
   expect_refined_labels(
       {"labels.mode=shared"},
-      {"stitch, refine, seams, mend and remend", 983046, "de9124ad8e735a330a1ef226d3dee10b"},
+      {"stitch, refine, seams, mend and remend", 983046, "fe00efe3bcf788625b4eb4378ccde30f"},
       {"retile", 6, "ecd9135a0d12c8c805926e0083ae547c"});
 }
 
@@ -202,8 +202,8 @@ TEST(SheetGoldens, OfEachLabel) {
   std::ofstream(scene.config(), std::ios::app) << label_edits;
   VOXWELD_EXPECT_DONE(scene.run(
       {"labels.mode=each", "work.brick=16", "work.shard=2", "output.tile_vertices=1024"}));
-  expect_stages(scene, {"build", 14, "f5535450407a03a4d10db6bae3a431f8"},
-                {"merge", 10, "fe08b7e83c575be7dd920da25d590393"},
+  expect_stages(scene, {"build", 15, "cf7eff70fbb98ca713253f6094aa28a7"},
+                {"merge", 10, "c80e16e5b2beeeed519d2ddbf46fd3a7"},
                 {"stitch", 6, "53616ec95bdc1afb7c252a0526a66345"});
 }
 
@@ -245,13 +245,13 @@ INSTANTIATE_TEST_SUITE_P(
     Modes, LabelGoldens,
     ::testing::Values(
         LabelGolden{"each",
-                    {Golden{"build of each label", 1402, "95578f3a015ecf729ac9d388cea09ec6"},
-                     {"merge of each label", 10, "ec1364587567920041a025286905fdec"},
+                    {Golden{"build of each label", 1502, "b528eda3a2a89134183500f1d8a6e2fe"},
+                     {"merge of each label", 10, "eee4c5ee99f5235331487689391dd6cf"},
                      {"stitch of each label", 6, "59cdc8ffcee04a094002ca747ffecbbb"},
                      {"encode of each label", 4, "719088161d8237d4f4e462a72fb7bad2"}}},
         LabelGolden{"shared",
-                    {Golden{"build of shared labels", 1402, "42865b902206dd8078300470336ec603"},
-                     {"merge of shared labels", 10, "521dee06a5ae4427ac65dc89ef7cb198"},
+                    {Golden{"build of shared labels", 1502, "39253f4616d7810d8419c0bad387a6fb"},
+                     {"merge of shared labels", 10, "bd38348c0919d732b93c3ddb6cc0709e"},
                      {"stitch of shared labels", 6, "05d69da8e8cc4a33c37bdd751c8c158f"},
                      {"encode of shared labels", 4, "1de6db2e211df989b6eff7efb88d742f"}}}),
     [](const auto& each) { return each.param.mode; });
