@@ -207,6 +207,9 @@ PieceHead append_piece(const PieceKey& key, const BrickOctree& octree,
                        std::vector<std::byte>& section) {
   const PieceLists piece = piece_lists(key, section.size(), octree, blocks, above);
   const std::vector<std::byte> head = head_bytes(piece.head);
+  std::size_t size = section.size() + head.size();
+  for (const auto& list : piece.lists) size += list.size();
+  if (size > section.capacity()) section.reserve(section.empty() ? size : 2 * size);
   section.insert(section.end(), head.begin(), head.end());
   for (const auto& list : piece.lists) section.insert(section.end(), list.begin(), list.end());
   return piece.head;
