@@ -146,9 +146,7 @@ class BuildWork final : public StageWork {
     builders_.reset();
     if (context.bricks.unread > 0)
       spdlog::info(
-          "of these shards' bricks {} have no surface, as an earlier build found: their samples "
-          "were "
-          "not read",
+          "of these shards' bricks {} have no surface, as an earlier build found: not read",
           context.bricks.unread);
     if (context.bricks.kept > 0)
       spdlog::info("of these shards' bricks {} were built and {} kept: no edit of theirs changed",

@@ -302,7 +302,7 @@ void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlie
         return helper ? helper->build_pieces(run, worker) : nullptr;
       },
       [&](const BrickRow& run) { return pieces_of(run, worker); });
-  share_->set_before_waiting([&ahead] { ahead.stop(); });
+  const MemoryShare::BeforeWaiting forgets(*share_, [&ahead] { ahead.stop(); });
   std::vector<BuiltRun> runs;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (const auto pieces = ahead.take(i)) {
@@ -316,7 +316,6 @@ void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlie
     }
     hash.update(std::as_bytes(std::span(&runs.back().samples, 1)));
   }
-  share_->set_before_waiting({});
   each_brick(shard, [&](Index3 brick) {
     const KnownBrick& known = known_of(brick);
     if (known.state == NodeState::inside) octrees_->inside(brick, known.material);

@@ -126,8 +126,20 @@ class MemoryShare {
    private:
     MemoryShare& share_;
   };
-  // Called before it waits, to give back what else the worker holds of the pool. May be empty.
-  void set_before_waiting(std::function<void()> before) { before_waiting_ = std::move(before); }
+  // While it lives, `before` is called before reserve waits, to give back what else the worker holds of
+  // the pool.
+  class BeforeWaiting {
+   public:
+    BeforeWaiting(MemoryShare& share, std::function<void()> before) : share_(share) {
+      share_.before_waiting_ = std::move(before);
+    }
+    ~BeforeWaiting() { share_.before_waiting_ = nullptr; }
+    BeforeWaiting(const BeforeWaiting&) = delete;
+    BeforeWaiting& operator=(const BeforeWaiting&) = delete;
+
+   private:
+    MemoryShare& share_;
+  };
   // Between two pieces of work: where others wait, lets go of everything.
   void yield();
   std::uint64_t held() const { return held_; }

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 #include <span>
+#include <type_traits>
 
 #include "storage/types/sample_type.h"
 #include "storage/types/volume.h"

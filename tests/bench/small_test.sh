@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # That the benchmark still runs: at a small size, one turn, with those peers that can be built here,
 # and that every figure is there and plausible. Measures nothing worth reading.
-# Usage: tests/bench/small_test.sh run|scaling|compare|kernels BUILD
+# Usage: tests/bench/small_test.sh run|labels|scaling|compare|kernels BUILD
 # Exit status 77 where a program that is needed was not built or is not installed.
 set -euo pipefail
 # shellcheck source=tests/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/../common.sh"
-what=${1:?run, scaling, compare or kernels} build=${2:?a build folder}
+what=${1:?run, labels, scaling, compare or kernels} build=${2:?a build folder}
 here=$root/tests/bench
 make_scratch
 
@@ -39,6 +39,24 @@ for kind, volume in volumes.items():
             defects = mesh["defects"]
             assert defects["nonmanifold_edges"] == defects["boundary_edges"] == 0, what
             assert defects["intersecting_pairs"] == 0, what
+PYTHON
+    ;;
+  labels)
+    "$here/labels.sh" --build "$build" -o "$scratch/labels" --size 48 --times 1
+    # Closed meshes have an even number of triangles.
+    /usr/bin/python3 - "$scratch/labels/labels.json" <<'PYTHON'
+import json
+import sys
+
+programs = json.load(open(sys.argv[1]))["programs"]
+assert "voxweld, each label" in programs and "voxweld, shared" in programs, programs.keys()
+for name, turns in programs.items():
+    assert turns[0]["triangles"] > 1000, (name, turns)
+    assert turns[0]["triangles"] % 2 == 0 or "each label" not in name, (name, turns)
+    assert turns[0]["output_bytes"] > 10000, (name, turns)
+each = programs["voxweld, each label"][0]["triangles"]
+if "FlyingEdges, each label" in programs:  # which simplifies nothing
+    assert programs["FlyingEdges, each label"][0]["triangles"] > each
 PYTHON
     ;;
   scaling)

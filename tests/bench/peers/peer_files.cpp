@@ -13,7 +13,7 @@ namespace {
 
 std::size_t sample_bytes(const Volume& volume) {
   static const std::map<std::string, std::size_t> known = {
-      {"uint8", 1}, {"uint16", 2}, {"float", 4}};
+      {"uint8", 1}, {"uint16", 2}, {"float", 4}, {"uint32", 4}};
   const auto found = known.find(volume.type);
   return found == known.end() ? 0 : found->second;
 }
@@ -44,25 +44,55 @@ void take_line(const std::string& line, Header& header) {
   }
 }
 
-}  // namespace
-
-Volume read_volume(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  Header header;
-  std::string line;
-  while (std::getline(file, line) && !line.empty()) take_line(line, header);
-  Volume& volume = header.volume;
-  const std::size_t each = sample_bytes(volume);
-  if (!file || each == 0 || !header.is_plain || !header.has_isovalue || !header.is_below)
-    throw std::runtime_error(path +
-                             ": expected a phantom as voxweld writes it: NRRD, raw, little-endian, "
-                             "uint8, uint16 or float, material below the isovalue in its comment");
-  std::size_t bytes = each;
+// Of a file whose header has been read.
+void take_samples(std::ifstream& file, const std::string& path, Volume& volume) {
+  std::size_t bytes = sample_bytes(volume);
   for (const int side : volume.size) bytes *= static_cast<std::size_t>(side);
   volume.samples.resize(bytes);
   file.read(reinterpret_cast<char*>(volume.samples.data()), static_cast<std::streamsize>(bytes));
   if (!file) throw std::runtime_error(path + ": ends before its last sample");
+}
+
+Header read_header(std::ifstream& file) {
+  Header header;
+  std::string line;
+  while (std::getline(file, line) && !line.empty()) take_line(line, header);
+  header.is_plain = header.is_plain && file && sample_bytes(header.volume) != 0;
+  return header;
+}
+
+template <class T>
+std::vector<std::uint32_t> as_numbers(const Volume& volume) {
+  std::vector<std::uint32_t> numbers(volume.samples.size() / sizeof(T));
+  const auto* samples = reinterpret_cast<const T*>(volume.samples.data());
+  std::copy(samples, samples + numbers.size(), numbers.begin());
+  return numbers;
+}
+
+}  // namespace
+
+Volume read_volume(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  Header header = read_header(file);
+  if (!header.is_plain || !header.has_isovalue || !header.is_below)
+    throw std::runtime_error(path +
+                             ": expected a phantom as voxweld writes it: NRRD, raw, little-endian, "
+                             "uint8, uint16 or float, material below the isovalue in its comment");
+  take_samples(file, path, header.volume);
   return std::move(header.volume);
+}
+
+Labels read_labels(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  Header header = read_header(file);
+  Volume& volume = header.volume;
+  if (!header.is_plain || volume.type == "float")
+    throw std::runtime_error(path +
+                             ": expected labels: NRRD, raw, little-endian, uint8, uint16 or uint32");
+  take_samples(file, path, volume);
+  if (volume.type == "uint8") return {volume.size, as_numbers<std::uint8_t>(volume)};
+  if (volume.type == "uint16") return {volume.size, as_numbers<std::uint16_t>(volume)};
+  return {volume.size, as_numbers<std::uint32_t>(volume)};
 }
 
 void write_ply(const std::string& path, const Mesh& mesh) {

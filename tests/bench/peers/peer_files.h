@@ -12,10 +12,10 @@
 namespace peers {
 
 // As `voxweld phantom` writes it: an NRRD file with its samples in itself, whose comment says the
-// isovalue. Material is below it.
+// isovalue. Material is below it. Labels have none.
 struct Volume {
   std::array<int, 3> size{};  // x first
-  std::string type;           // as NRRD names it: uint8, uint16, float
+  std::string type;           // as NRRD names it: uint8, uint16, float; of labels uint32 too
   double isovalue = 0;
   std::vector<std::byte> samples;  // x fastest
 };
@@ -46,6 +46,12 @@ class Stopwatch {
 
 // std::runtime_error where it is no such file; the message names it and what is wrong.
 Volume read_volume(const std::string& path);
+// The same of labels, as numbers.
+struct Labels {
+  std::array<int, 3> size{};
+  std::vector<std::uint32_t> samples;
+};
+Labels read_labels(const std::string& path);
 
 // A binary .ply. std::runtime_error where it cannot be written.
 void write_ply(const std::string& path, const Mesh& mesh);

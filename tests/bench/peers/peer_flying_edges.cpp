@@ -2,13 +2,11 @@
 // then, with an error given, simplified by meshoptimizer, which has one thread.
 // Usage: peer_flying_edges VOLUME.nrrd MESH.ply [ERROR [THREADS]]   ERROR: in samples; 0: none
 #include <meshoptimizer.h>
-#include <vtkCellArray.h>
 #include <vtkFloatArray.h>
 #include <vtkFlyingEdges3D.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
-#include <vtkPolyData.h>
 #include <vtkSMPTools.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkUnsignedShortArray.h>
@@ -17,7 +15,7 @@
 #include <cstdio>
 #include <string>
 
-#include "peer_files.h"
+#include "vtk_mesh.h"
 
 namespace {
 
@@ -38,26 +36,6 @@ void set(vtkImageData& image, std::uint16_t* samples, std::size_t count) {
 }
 void set(vtkImageData& image, float* samples, std::size_t count) {
   set_samples<vtkFloatArray>(image, samples, count);
-}
-
-Mesh mesh_of(vtkPolyData& data) {
-  Mesh mesh;
-  mesh.vertices.resize(static_cast<std::size_t>(data.GetNumberOfPoints()));
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    double point[3];
-    data.GetPoint(static_cast<vtkIdType>(i), point);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      mesh.vertices[i][axis] = static_cast<float>(point[axis]);
-  }
-  mesh.triangles.resize(static_cast<std::size_t>(data.GetNumberOfPolys()));
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    vtkIdType corners = 0;
-    const vtkIdType* corner = nullptr;
-    data.GetPolys()->GetCellAtId(static_cast<vtkIdType>(i), corners, corner);
-    for (std::size_t k = 0; k < 3; ++k)
-      mesh.triangles[i][k] = static_cast<std::uint32_t>(corner[k]);
-  }
-  return mesh;
 }
 
 Mesh contour(Volume& volume) {

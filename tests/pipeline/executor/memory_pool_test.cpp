@@ -144,7 +144,7 @@ TEST(MemoryShare, InAHurryTakesWhatIsFreeAndWaitsForNothing) {
   }
   EXPECT_EQ(freed, 0);
   int asked = 0;
-  share.set_before_waiting([&] {
+  const MemoryShare::BeforeWaiting before(share, [&] {
     ++asked;
     pool->give_back(50);
   });
