@@ -284,7 +284,9 @@ std::unique_ptr<RunPieces> ShardBuilder::pieces_of(const BrickRow& run,
 
 void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlier,
                          const WorkerContext& worker) {
-  look_at(shard, stamp);
+  // Bricks that an earlier build of the same surface has kept need no ranges, and an artifact of it is the
+  // same whether there are any or not.
+  look_at(shard, stamp, earlier != nullptr && !earlier->is_finer());
   StreamHasher hash;
   note_sides(shard, hash);
   octrees_->begin(shard, stamp);
@@ -320,8 +322,9 @@ void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlie
     const KnownBrick& known = known_of(brick);
     if (known.state == NodeState::inside) octrees_->inside(brick, known.material);
   });
-  octrees_->finish(hash.finish(), std::move(runs));
+  // First: a shard that is there is not built again, and would never have them.
   ranges_.close();
+  octrees_->finish(hash.finish(), std::move(runs));
 }
 
 void ShardBuilder::share_memory(const WorkerContext& worker) {

@@ -3,6 +3,7 @@
 #include "pipeline/info/label_survey.h"
 #include "stages/filter/stored_value.h"
 #include "storage/artifact/asset_record.h"
+#include "storage/artifact/brick_ranges_artifact.h"
 #include "storage/artifact/histogram_artifact.h"
 #include "storage/artifact/noise_artifact.h"
 #include "storage/artifact/piece_changes.h"
@@ -115,6 +116,20 @@ InfoDocument describe_noise(const fs::path& path) {
   return document;
 }
 
+InfoDocument describe_brick_ranges(const fs::path& path, const InfoOptions& options) {
+  const BrickRangesArtifact artifact = read_brick_ranges(path);
+  InfoDocument document = keyed_document("brick_ranges", path, artifact.key);
+  document["bricks"] = artifact.ranges.size();
+  if (!options.verbose) return document;
+  document["brick_list"] = InfoDocument::array();
+  for (const BrickRange& range : artifact.ranges)
+    document["brick_list"].push_back({{"brick", facts_of(morton_decode(range.brick))},
+                                      {"lowest", range.lo},
+                                      {"highest", range.hi},
+                                      {"nans", range.range().any_nan}});
+  return document;
+}
+
 InfoDocument describe_labels(const fs::path& path) {
   const LabelCounts counts(path);
   InfoDocument document = keyed_document("label_counts", path, counts.key());
@@ -151,6 +166,7 @@ InfoDocument describe_kind(const fs::path& path, const ArtifactHead& head,
   if (kind == "tpln") return describe_tile_plan(path, options);
   if (kind == "hist") return describe_histogram(path);
   if (kind == "nois") return describe_noise(path);
+  if (kind == "rang") return describe_brick_ranges(path, options);
   if (kind == "srvy") return describe_collapse_survey(path, options);
   if (kind == "tolr") return describe_tolerance(path);
   if (kind == "lcnt") return describe_labels(path);

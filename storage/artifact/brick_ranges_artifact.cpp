@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "storage/artifact/container.h"
-#include "storage/support/error.h"
 
 namespace voxweld {
 namespace {
@@ -21,27 +20,19 @@ bool is_sound(const std::vector<BrickRange>& ranges) {
 
 }  // namespace
 
-void write_brick_ranges(const std::filesystem::path& path, Hash128 key, Hash128 stamp,
-                        std::span<const BrickRange> ranges) {
-  ArtifactWriter out(path, {brick_ranges_kind, brick_ranges_version, key});
-  out.set_input_stamp(stamp);
-  out.section(ranges_section, std::as_bytes(ranges));
+void write_brick_ranges(const std::filesystem::path& path, const BrickRangesArtifact& artifact) {
+  ArtifactWriter out(path, {brick_ranges_kind, brick_ranges_version, artifact.key});
+  out.set_input_stamp(artifact.stamp);
+  out.section(ranges_section, as_section(artifact.ranges));
   out.commit();
 }
 
-std::optional<std::vector<BrickRange>> read_brick_ranges(const std::filesystem::path& path,
-                                                         Hash128 key, Hash128 stamp) {
-  std::error_code missing;
-  if (!std::filesystem::exists(path, missing)) return std::nullopt;
-  try {
-    const ArtifactReader in(path, brick_ranges_kind, brick_ranges_version);
-    if (in.key() != key || in.input_stamp() != stamp) return std::nullopt;
-    auto ranges = in.read_array<BrickRange>(ranges_section);
-    if (!is_sound(ranges)) return std::nullopt;
-    return ranges;
-  } catch (const Error&) {
-    return std::nullopt;  // the bricks are read, and it is written anew
-  }
+BrickRangesArtifact read_brick_ranges(const std::filesystem::path& path) {
+  const ArtifactReader in(path, brick_ranges_kind, brick_ranges_version);
+  BrickRangesArtifact artifact{in.key(), in.input_stamp(), {}};
+  in.read_array(ranges_section, artifact.ranges);
+  if (!is_sound(artifact.ranges)) in.damaged("its ranges are none, or in no order");
+  return artifact;
 }
 
 }  // namespace voxweld

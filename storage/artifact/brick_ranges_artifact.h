@@ -6,8 +6,6 @@
 
 #include <array>
 #include <filesystem>
-#include <optional>
-#include <span>
 #include <vector>
 
 #include "storage/support/hash.h"
@@ -30,11 +28,13 @@ struct BrickRange {
   ValueRange range() const { return {lo, hi, (flags & 1) != 0, (flags & 2) != 0}; }
 };
 
-// stamp: of what the samples come from. StorageError where the file cannot be written.
-void write_brick_ranges(const std::filesystem::path& path, Hash128 key, Hash128 stamp,
-                        std::span<const BrickRange> ranges);
-// Nothing where there is no such file, or a damaged one, or one of another key or other samples.
-std::optional<std::vector<BrickRange>> read_brick_ranges(const std::filesystem::path& path,
-                                                         Hash128 key, Hash128 stamp);
+struct BrickRangesArtifact {
+  Hash128 key, stamp;  // stamp: of what the samples come from
+  std::vector<BrickRange> ranges;
+};
+
+void write_brick_ranges(const std::filesystem::path& path, const BrickRangesArtifact& artifact);
+// DamagedArtifact when it fails its checks, StorageError when it cannot be read.
+BrickRangesArtifact read_brick_ranges(const std::filesystem::path& path);
 
 }  // namespace voxweld

@@ -7,6 +7,7 @@
 
 #include "stages/build/cut_brick.h"
 #include "storage/artifact/asset_record.h"
+#include "storage/artifact/brick_ranges_artifact.h"
 #include "storage/artifact/collapse_survey_artifact.h"
 #include "storage/artifact/cube_mesh_artifact.h"
 #include "storage/artifact/histogram_artifact.h"
@@ -143,6 +144,7 @@ struct ArtifactParser {
 const ArtifactParser parsers[] = {
     {"cubm", cube_mesh_version, read_cubes},
     {"hist", histogram_version, [](const fs::path& path) { read_histogram_artifact(path); }},
+    {"rang", brick_ranges_version, [](const fs::path& path) { read_brick_ranges(path); }},
     {"nois", noise_version, [](const fs::path& path) { read_noise_artifact(path); }},
     {"lcnt", label_counts_version, read_counts},
     {"mesh", mesh_record_version, [](const fs::path& path) { read_mesh_record(path); }},

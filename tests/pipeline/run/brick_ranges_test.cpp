@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "storage/artifact/brick_ranges_artifact.h"
-#include "storage/support/file_io.h"
+#include "storage/support/error.h"
 #include "tests/pipeline/run/scene.h"
 
 namespace voxweld::testing {
@@ -135,20 +135,22 @@ TEST(BrickRanges, AreReadAsTheyWereWritten) {
   const std::vector<BrickRange> ranges = {BrickRange::make(3, {-1.5, 2, false, false}),
                                           BrickRange::make(7, {0, 0, true, true}),
                                           BrickRange::make(9, {5, 5, true, false})};
-  write_brick_ranges(path, key, stamp, ranges);
-  const auto found = read_brick_ranges(path, key, stamp);
-  ASSERT_TRUE(found);
-  ASSERT_EQ(found->size(), 3U);
+  write_brick_ranges(path, {key, stamp, ranges});
+  const BrickRangesArtifact found = read_brick_ranges(path);
+  EXPECT_EQ(found.key, key);
+  EXPECT_EQ(found.stamp, stamp);
+  ASSERT_EQ(found.ranges.size(), 3U);
   for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_EQ((*found)[i].brick, ranges[i].brick);
-    EXPECT_EQ((*found)[i].lo, ranges[i].lo);
-    EXPECT_EQ((*found)[i].hi, ranges[i].hi);
-    EXPECT_EQ((*found)[i].range().any_nan, i > 0);
-    EXPECT_EQ((*found)[i].range().empty, i == 1);
+    EXPECT_EQ(found.ranges[i].brick, ranges[i].brick);
+    EXPECT_EQ(found.ranges[i].lo, ranges[i].lo);
+    EXPECT_EQ(found.ranges[i].hi, ranges[i].hi);
+    EXPECT_EQ(found.ranges[i].range().any_nan, i > 0);
+    EXPECT_EQ(found.ranges[i].range().empty, i == 1);
   }
-  EXPECT_FALSE(read_brick_ranges(path, key, Hash128{3, 5}));
-  EXPECT_FALSE(read_brick_ranges(path, Hash128{1, 3}, stamp));
-  EXPECT_FALSE(read_brick_ranges(folder / "b.16", key, stamp));
+  write_brick_ranges(path, {key, stamp, {ranges[1], ranges[0]}});
+  EXPECT_THROW(read_brick_ranges(path), DamagedArtifact);  // in no order
+  write_brick_ranges(path, {key, stamp, {BrickRange{1, 5, 4, 0}}});
+  EXPECT_THROW(read_brick_ranges(path), DamagedArtifact);
 }
 
 }  // namespace
