@@ -84,12 +84,11 @@ std::vector<Unit> weighed_units(const BuildJob& job, std::span<const std::uint64
 bool proven(const BuildJob& job, Index3 shard, ShardBuilder& builder) {
   const auto path = shard_artifact_path(job, shard);
   const Hash128 stamp = volume_stamp(job, shard);
-  const Hash128 known = read_summary(open_octrees(job, shard)).input;
-  // It may have been made with ranges that are of older samples now. All samples are read for that,
-  // which finds them anew, and only then those that build would have read with them.
-  const bool same = builder.input_hash(shard, true) == known ||
-                    (!job.ranges.empty() && builder.input_hash(shard, false) == known);
-  if (!same) return false;
+  const ShardSummary made = read_summary(open_octrees(job, shard));
+  Hash128 input = builder.input_hash(shard, true);
+  // Where ranges left bricks out, that was to find them anew.
+  if (made.unread > 0) input = builder.input_hash(shard, false);
+  if (input != made.input) return false;
   restamp_artifact(path, stamp);
   return true;
 }

@@ -20,6 +20,8 @@ class EarlierShard {
   const ArtifactReader& artifact() const { return artifact_; }
   // Whether its bricks are to be cut.
   bool is_finer() const { return finer_; }
+  // Whether it left none out by ranges of bricks.
+  bool has_read_all() const { return read_summary(artifact_).unread == 0; }
   // The brick, if building it now would make the same, or a cut of it; else null.
   const BuiltBrick* brick(Index3 brick) const;
   // The run of these bricks, if they were read as one; else null.

@@ -284,15 +284,17 @@ std::unique_ptr<RunPieces> ShardBuilder::pieces_of(const BrickRow& run,
 
 void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlier,
                          const WorkerContext& worker) {
-  // Bricks that an earlier build of the same surface has kept need no ranges, and an artifact of it is the
-  // same whether there are any or not.
-  look_at(shard, stamp, earlier != nullptr && !earlier->is_finer());
+  // As the earlier build, so that its runs are those of this one.
+  look_at(shard, stamp, earlier != nullptr && earlier->has_read_all());
   StreamHasher hash;
   note_sides(shard, hash);
   octrees_->begin(shard, stamp);
-  if (ranges_.are_known())
-    bricks_.unread += static_cast<std::uint64_t>(std::ranges::count_if(
-        known_, [](const KnownBrick& brick) { return brick.state != NodeState::split; }));
+  const auto unread =
+      ranges_.are_known()
+          ? static_cast<std::uint64_t>(std::ranges::count_if(
+                known_, [](const KnownBrick& b) { return b.state != NodeState::split; }))
+          : 0;
+  bricks_.unread += unread;
   std::vector<BrickRow> rows;
   each_run(shard, [&](const BrickRow& run) { rows.push_back(run); });
   RunsAhead ahead(
@@ -324,7 +326,7 @@ void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlie
   });
   // First: a shard that is there is not built again, and would never have them.
   ranges_.close();
-  octrees_->finish(hash.finish(), std::move(runs));
+  octrees_->finish(hash.finish(), std::move(runs), unread);
 }
 
 void ShardBuilder::share_memory(const WorkerContext& worker) {

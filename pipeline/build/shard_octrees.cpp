@@ -189,9 +189,10 @@ class ShardOctrees::NodeWriter {
   std::optional<CubeReduction> reduction_;
 };
 
-void ShardOctrees::finish(Hash128 input, std::vector<BuiltRun> runs) {
+void ShardOctrees::finish(Hash128 input, std::vector<BuiltRun> runs, std::uint64_t unread) {
   summary_.bricks = static_cast<std::uint64_t>(job_.grid.shard_bricks(shard_).count());
   summary_.input = input;
+  summary_.unread = unread;
   history_.runs = std::move(runs);
   NodeWriter nodes(job_, summary_, *out_);
   SortKey key;

@@ -35,8 +35,9 @@ class ShardOctrees final : private BrickSink {
   // The same of one of the same samples at a smaller tolerance. Where each sheet collapses by itself
   // only. Returns the bytes read.
   std::uint64_t cut(Index3 brick, const BuiltBrick& built, const ArtifactReader& from);
-  // Writes the artifact. input: of all that was read; runs: those.
-  void finish(Hash128 input, std::vector<BuiltRun> runs);
+  // Writes the artifact. input: of all that was read; runs: those; unread: bricks left out by ranges of
+  // an earlier build.
+  void finish(Hash128 input, std::vector<BuiltRun> runs, std::uint64_t unread);
 
  private:
   class NodeWriter;

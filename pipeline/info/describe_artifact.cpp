@@ -35,6 +35,7 @@ InfoDocument describe_octrees(const fs::path& path, const InfoOptions& options) 
   document["input_hash"] = to_hex(summary.input);
   document["bricks"] = summary.bricks;
   document["active_bricks"] = summary.active_bricks;
+  if (summary.unread > 0) document["unread_bricks"] = summary.unread;
   document["active_cells"] = summary.counts.active_cells;
   document["crossing_edges"] = summary.counts.crossing_edges;
   document["vertices"] = summary.counts.vertices;

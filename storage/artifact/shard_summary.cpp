@@ -8,7 +8,8 @@ constexpr std::uint64_t built_bricks_section = shard_section(5);
 constexpr std::uint64_t runs_section = shard_section(6);
 
 struct ShardSummaryRecord {
-  std::uint64_t active_cells, crossing_edges, vertices, bricks, active_bricks, collapsed_above;
+  std::uint64_t active_cells, crossing_edges, vertices, bricks, active_bricks, collapsed_above,
+      unread;
   Hash128 input;
   LeafCounts by_level;
 };
@@ -29,6 +30,7 @@ void each_figure(Record& record, Summary& summary, const F& f) {
   f(record.bricks, summary.bricks);
   f(record.active_bricks, summary.active_bricks);
   f(record.collapsed_above, summary.collapsed_above);
+  f(record.unread, summary.unread);
   f(record.input, summary.input);
   f(record.by_level, summary.counts.by_level);
 }

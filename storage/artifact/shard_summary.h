@@ -22,6 +22,7 @@ struct ShardSummary {
   std::uint64_t bricks = 0;
   std::uint64_t active_bricks = 0;
   std::uint64_t collapsed_above = 0;  // nodes above the bricks that took in their children
+  std::uint64_t unread = 0;           // bricks left out by ranges that an earlier build had found
   Hash128 input;                      // content hash of the samples read, and of unread sides
 };
 

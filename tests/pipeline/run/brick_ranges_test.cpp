@@ -55,6 +55,24 @@ TEST(BrickRanges, ASecondIsovalueLeavesTheSameAsARunByItself) {
             "");
 }
 
+// A larger tolerance on top: nothing is built, whether the first build has read all bricks or not.
+TEST(BrickRanges, ALargerToleranceStillReadsNoSample) {
+  const Scene scene(round_volume(100));
+  const Settings other = many_bricks + Settings{"surface.isovalue=70"};
+  VOXWELD_EXPECT_DONE(scene.run(many_bricks));
+  VOXWELD_EXPECT_DONE(scene.run(other));
+  for (const Settings& settings : {many_bricks, other}) {
+    const Settings coarser = settings + Settings{"simplify.tolerance=0.3"};
+    const ProgramResult result = scene.run(coarser);
+    VOXWELD_EXPECT_DONE(result);
+    expect_says(result, "bricks 0 were built");
+    const Tree found = output_tree(scene.output());
+    EXPECT_EQ(difference(scene.clean_tree(coarser), found), "");
+    VOXWELD_EXPECT_DONE(scene.run(many_bricks));
+    VOXWELD_EXPECT_DONE(scene.run(other));
+  }
+}
+
 // Of another volume nothing is believed.
 TEST(BrickRanges, AreOfTheSamplesTheyWereFoundIn) {
   const Scene scene(round_volume(70));

@@ -79,12 +79,12 @@ class Goldens : public ::testing::Test {
 std::unique_ptr<Scene> Goldens::scene_;
 
 TEST_F(Goldens, Build) {
-  expect_recorded({"build", 15, "4613ba351e93f33ea1550f75847db1a7"}, shard_version,
+  expect_recorded({"build", 15, "e89ed61f33a9fd37d38f85a98ca6f9bc"}, shard_version,
                   hash_of(work(".octree"), shard_kind, shard_version));
 }
 
 TEST_F(Goldens, Merge) {
-  expect_recorded({"merge", 10, "b09dc1a7ccfaba1f4a78f839df608572"}, top_version,
+  expect_recorded({"merge", 10, "b69e3c8f6ca3b8f6aa0e4b42f380fc1f"}, top_version,
                   hash_of(work(".tree"), top_kind, top_version));
 }
 
@@ -117,8 +117,8 @@ TEST(SheetGoldens, OfEveryStage) {
   const Scene scene(scene_volume());
   VOXWELD_EXPECT_DONE(scene.run(
       {"work.brick=16", "work.shard=2", "output.tile_vertices=1024", "simplify.tolerance=0.2"}));
-  expect_stages(scene, {"build", 15, "33be436b04fd92567d100a16cde46aea"},
-                {"merge", 10, "a5ce14ba23673f8fd8d14868445665a5"},
+  expect_stages(scene, {"build", 15, "1be4381c150c3685096c4803803a2f3d"},
+                {"merge", 10, "27ab206b2324925258f63c351d04ebae"},
                 {"stitch", 6, "2b9db126f3532d24ac8f325f12931e4d"});
 }
 
@@ -202,8 +202,8 @@ TEST(SheetGoldens, OfEachLabel) {
   std::ofstream(scene.config(), std::ios::app) << label_edits;
   VOXWELD_EXPECT_DONE(scene.run(
       {"labels.mode=each", "work.brick=16", "work.shard=2", "output.tile_vertices=1024"}));
-  expect_stages(scene, {"build", 15, "cf7eff70fbb98ca713253f6094aa28a7"},
-                {"merge", 10, "c80e16e5b2beeeed519d2ddbf46fd3a7"},
+  expect_stages(scene, {"build", 15, "48eb0696e50755302a4b8e59eb94ca2c"},
+                {"merge", 10, "f8c36157ee94ddf57630ea326592208f"},
                 {"stitch", 6, "53616ec95bdc1afb7c252a0526a66345"});
 }
 
@@ -245,13 +245,13 @@ INSTANTIATE_TEST_SUITE_P(
     Modes, LabelGoldens,
     ::testing::Values(
         LabelGolden{"each",
-                    {Golden{"build of each label", 1502, "b528eda3a2a89134183500f1d8a6e2fe"},
-                     {"merge of each label", 10, "eee4c5ee99f5235331487689391dd6cf"},
+                    {Golden{"build of each label", 1502, "af3275bf64bb74582d202c62405322a6"},
+                     {"merge of each label", 10, "38e6c977a186cd71ffc695238ad7c19a"},
                      {"stitch of each label", 6, "59cdc8ffcee04a094002ca747ffecbbb"},
                      {"encode of each label", 4, "719088161d8237d4f4e462a72fb7bad2"}}},
         LabelGolden{"shared",
-                    {Golden{"build of shared labels", 1502, "39253f4616d7810d8419c0bad387a6fb"},
-                     {"merge of shared labels", 10, "bd38348c0919d732b93c3ddb6cc0709e"},
+                    {Golden{"build of shared labels", 1502, "d1612ff6a60749ddbbad424cef6adadf"},
+                     {"merge of shared labels", 10, "2ad601b431d9438617387eef5b1c8d58"},
                      {"stitch of shared labels", 6, "05d69da8e8cc4a33c37bdd751c8c158f"},
                      {"encode of shared labels", 4, "1de6db2e211df989b6eff7efb88d742f"}}}),
     [](const auto& each) { return each.param.mode; });
