@@ -31,7 +31,8 @@ class NodeSolver {
  public:
   explicit NodeSolver(const ContourParameters& parameters);
 
-  // A batch of finest cells, or of nodes above: up to max_planes a lane.
+  // A batch of finest cells, or of nodes above: up to max_planes a lane. extent: which of its finest cells
+  // the planes are of.
   void clear_planes();
   void set_planes(std::size_t lane, std::span<const HermitePlane> planes,
                   const CellExtent& extent = {});

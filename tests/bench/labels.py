@@ -58,13 +58,7 @@ def run_voxweld(tools, volume, folder, name, threads):
     programs.remove(mesh)
     programs.remove(work)
     settings = {**SETTINGS, "run.threads": threads, **VARIANTS[name]}
-    sets = [
-        word
-        for key, value in settings.items()
-        for word in ("--set", f"{key}={str(value).lower() if isinstance(value, bool) else value}")
-    ]
-    command = [tools.voxweld, "run", config, "--json", "--log-level", "quiet", *sets]
-    figures, printed = tools.timed(folder, command)
+    figures, printed = tools.timed(folder, programs.run_command(tools, config, settings))
     figures["triangles"] = json.loads(printed)["counts"]["triangles"]
     figures["output_bytes"] = sum(p.stat().st_size for p in mesh.rglob("*") if p.is_file())
     return figures

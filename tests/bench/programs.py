@@ -139,6 +139,15 @@ def build_peers(build):
     return [name for name, (program, _) in PEERS.items() if (folder / program).exists()]
 
 
+def run_command(tools, config, settings):
+    sets = [
+        word
+        for key, value in settings.items()
+        for word in ("--set", f"{key}={str(value).lower() if isinstance(value, bool) else value}")
+    ]
+    return [tools.voxweld, "run", config, "--json", "--log-level", "quiet", *sets]
+
+
 def voxweld_command(tools, volume, folder, name, settings, threads):
     """Writes the config."""
     isovalue, inside = surface_of(volume)
@@ -146,13 +155,7 @@ def voxweld_command(tools, volume, folder, name, settings, threads):
     config.write_text(
         f'[input]\npath = "{volume}"\n[surface]\nisovalue = {isovalue}\ninside = "{inside}"\n'
     )
-    both = {**SETTINGS, "run.threads": threads, **settings}
-    sets = [
-        word
-        for key, value in both.items()
-        for word in ("--set", f"{key}={str(value).lower() if isinstance(value, bool) else value}")
-    ]
-    return [tools.voxweld, "run", config, "--json", "--log-level", "quiet", *sets]
+    return run_command(tools, config, {**SETTINGS, "run.threads": threads, **settings})
 
 
 def run_voxweld(tools, volume, folder, name, settings, threads=0, keep=False):
