@@ -99,13 +99,13 @@ class EdgeBatch {
     }
   }
 
+  EdgeStencils stencils_;
+  EdgeLanes lanes_;
   const HaloBlock& block_;
   const EdgeEstimator<T>& estimator_;
   std::span<HermiteEdge> edges_;
   EdgeKernel kernel_;
   EdgeRule rule_;
-  EdgeStencils stencils_;
-  EdgeLanes lanes_;
   std::array<Waiting, lanes> waiting_;
   std::size_t count_ = 0;
 };

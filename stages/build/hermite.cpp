@@ -1,5 +1,7 @@
 #include "stages/build/hermite.h"
 
+#include <algorithm>
+
 #include "stages/build/edge_batch.h"
 #include "stages/build/label_edge.h"
 #include "stages/build/label_field.h"
@@ -45,7 +47,8 @@ void HermiteEdges::find_rows(const SignGrid& signs, int side, const Box3& where)
   bits_.resize(3 * points_ * points_ * row_words_);
   each_row([&](int axis, int y, int z) {
     for (std::size_t w = 0; w < row_words_; ++w) {
-      const int last = side - static_cast<int>(w) * 64;  // x = side in this word, or past it
+      // x = side in this word, or past it.
+      const int last = std::max(side - static_cast<int>(w) * 64, 0);
       const std::uint64_t points = last >= 63 ? ~std::uint64_t{0} : (std::uint64_t{2} << last) - 1;
       const std::uint64_t starts = last >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << last) - 1;
       const std::uint64_t* row = signs.row(y, z);
