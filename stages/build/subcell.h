@@ -96,11 +96,15 @@ bool has_kink_beside(const Samples& f, double step, const KinkGate& gate) {
   return !(std::abs(own) <= KinkGate::least_ratio * beside);
 }
 
-// The slope at f[0] of the branch, of those on both sides of it, that bends less.
+// The slope at f[0] of the branch, of those on both sides of it, that bends less. Where samples are
+// infinite or no numbers, of any that has its samples in the volume.
 // Precondition: has_kink_beside.
 template <class Samples>
 double smooth_side_difference(const Samples& f, double step, const KinkGate& gate) {
-  const bool below = !(std::abs(second_difference(f, -1)) > std::abs(second_difference(f, 1)));
+  const bool has_below = f.index >= 2, has_above = f.index + 2 < f.size;
+  if (!has_below && !has_above) return 0.5 * (f[1] - f[-1]);
+  const bool bends_less = !(std::abs(second_difference(f, -1)) > std::abs(second_difference(f, 1)));
+  const bool below = has_below && (bends_less || !has_above);
   return below ? branch_towards(f, 1, step, gate).slope_at(0)
                : -branch_towards(f, -1, step, gate).slope_at(0);
 }

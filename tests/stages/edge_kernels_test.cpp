@@ -104,6 +104,40 @@ TEST(EdgeKernels, MakeWhatTheEstimatorMakes) {
   expect_the_same_of_type<double>(SampleType::f64);
 }
 
+// Samples that are no numbers or infinite beside the border of the volume, which ends where the memory does:
+// nothing beyond it is read (as the address sanitizer sees), and every edge gets a crossing within it.
+TEST(EdgeKernels, OfWildSamplesAtTheBorder) {
+  std::mt19937 random(3);
+  for (int round = 0; round < 200; ++round) {
+    const Index3 size{2 + static_cast<std::int64_t>(random() % 5),
+                      2 + static_cast<std::int64_t>(random() % 5),
+                      2 + static_cast<std::int64_t>(random() % 5)};
+    const auto volume = MemoryVolume::made<float>(size, SampleType::f32, [&](Index3) {
+      const auto kind = random() % 8;
+      if (kind == 0) return std::numeric_limits<float>::quiet_NaN();
+      if (kind < 3) return (kind == 1 ? 1 : -1) * std::numeric_limits<float>::infinity();
+      return static_cast<float>(static_cast<int>(random() % 9) - 4);
+    });
+    ContourParameters parameters;
+    parameters.surface.gradient = Gradient::subcell;
+    parameters.surface.isovalue = {0.5};
+    const HaloBlock block{volume.type,           volume.size,   {{}, volume.size},
+                          volume.samples.data(), volume.size.x, volume.size.x * volume.size.y};
+    SignGrid signs;
+    signs.fill(block, {}, 8, parameters.surface);
+    HermiteEdges edges;
+    edges.compute(block, {}, 8, signs, parameters);
+    for (int axis = 0; axis < 3; ++axis)
+      each_index(splat(9), [&](Index3 p) {
+        const auto x = static_cast<int>(p.x), y = static_cast<int>(p.y), z = static_cast<int>(p.z);
+        if (!edges.has(axis, x, y, z)) return;
+        const HermiteEdge& edge = edges.at(axis, x, y, z);
+        EXPECT_TRUE(edge.t > 0 && edge.t < 1) << edge.t;
+        for (const float n : edge.normal) EXPECT_TRUE(std::isfinite(n));
+      });
+  }
+}
+
 TEST(EdgeKernels, EveryVectorUnitGivesTheSameBits) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal(0, 0.15);
