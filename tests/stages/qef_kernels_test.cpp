@@ -21,7 +21,8 @@ TEST(QefKernels, EveryVectorUnitGivesTheSameBits) {
   std::mt19937 random(2);
   for (int round = 0; round < 500; ++round) {
     const auto sets = eight_sets([&](int) {
-      return random_planes(random, 1 + static_cast<int>(random() % max_planes), round % 3 == 0 ? 0 : 0.3);
+      return random_planes(random, 1 + static_cast<int>(random() % max_planes),
+                           round % 3 == 0 ? 0 : 0.3);
     });
     const PlaneBatch batch = batch_of(sets);
     FactorBatch expected;
@@ -136,7 +137,8 @@ TEST(QefKernels, ALaneDoesNotDependOnTheOthers) {
   };
   for (int round = 0; round < 300; ++round) {
     const auto sets = eight_sets([&](int) {
-      return random_planes(random, 1 + static_cast<int>(random() % max_planes), round % 3 == 0 ? 0 : 0.3);
+      return random_planes(random, 1 + static_cast<int>(random() % max_planes),
+                           round % 3 == 0 ? 0 : 0.3);
     });
     FactorBatch together, merged;
     SolutionBatch solved, merged_solved;

@@ -87,8 +87,8 @@ Labels read_labels(const std::string& path) {
   Header header = read_header(file);
   Volume& volume = header.volume;
   if (!header.is_plain || volume.type == "float")
-    throw std::runtime_error(path +
-                             ": expected labels: NRRD, raw, little-endian, uint8, uint16 or uint32");
+    throw std::runtime_error(
+        path + ": expected labels: NRRD, raw, little-endian, uint8, uint16 or uint32");
   take_samples(file, path, volume);
   if (volume.type == "uint8") return {volume.size, as_numbers<std::uint8_t>(volume)};
   if (volume.type == "uint16") return {volume.size, as_numbers<std::uint16_t>(volume)};
