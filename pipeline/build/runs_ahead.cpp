@@ -10,7 +10,8 @@ RunsAhead::RunsAhead(std::span<const BrickRow> runs, const WorkerContext& worker
       worker_(worker),
       build_(std::move(build)),
       build_own_(std::move(build_own)),
-      runs_(runs.size()) {}
+      runs_(runs.size()),
+      stopped_(!build_) {}
 
 std::unique_ptr<RunPieces> RunsAhead::take(std::size_t run) {
   std::unique_lock lock(mutex_);

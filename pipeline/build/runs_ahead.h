@@ -22,7 +22,8 @@ class RunsAhead {
   // it had to wait for memory.
   using BuildRun = std::function<std::unique_ptr<RunPieces>(const BrickRow&)>;
 
-  // build: for helpers; build_own: the same on the shard's own thread. All outlive it.
+  // build: for helpers, empty where none may help; build_own: the same on the shard's own thread. All
+  // outlive it.
   RunsAhead(std::span<const BrickRow> runs, const WorkerContext& worker, BuildRun build,
             BuildRun build_own);
   ~RunsAhead() { stop(); }
@@ -56,7 +57,7 @@ class RunsAhead {
   std::vector<Run> runs_;
   std::size_t at_ = 0;  // the shard's own thread
   int helpers_ = 0;     // called, and not done
-  bool stopped_ = false;
+  bool stopped_;
   tbb::task_group group_;
 };
 

@@ -297,15 +297,14 @@ void ShardBuilder::build(Index3 shard, Hash128 stamp, const EarlierShard* earlie
   bricks_.unread += unread;
   std::vector<BrickRow> rows;
   each_run(shard, [&](const BrickRow& run) { rows.push_back(run); });
-  RunsAhead ahead(
-      rows, worker,
-      [&](const BrickRow& run) -> std::unique_ptr<RunPieces> {
-        // What is taken over or cut costs little.
-        if (others_ == nullptr || earlier != nullptr) return nullptr;
-        const ShardBuilders::Loan helper = others_->borrow_if_free();
-        return helper ? helper->build_pieces(run, worker) : nullptr;
-      },
-      [&](const BrickRow& run) { return pieces_of(run, worker); });
+  RunsAhead::BuildRun by_helper;  // not of what is taken over or cut: nothing is read of that
+  if (earlier == nullptr)
+    by_helper = [&](const BrickRow& run) -> std::unique_ptr<RunPieces> {
+      const ShardBuilders::Loan helper = others_.borrow_if_free();
+      return helper ? helper->build_pieces(run, worker) : nullptr;
+    };
+  RunsAhead ahead(rows, worker, by_helper,
+                  [&](const BrickRow& run) { return pieces_of(run, worker); });
   const MemoryShare::BeforeWaiting forgets(*share_, [&ahead] { ahead.stop(); });
   std::vector<BuiltRun> runs;
   for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -14,8 +14,8 @@ class ShardBuilders;
 
 class ShardBuilder {
  public:
-  // others: of the same job, for threads that help to build a shard; null: none does.
-  ShardBuilder(const BuildJob& job, ShardBuilders* others)
+  // others: of the same job, for threads that help to build a shard.
+  ShardBuilder(const BuildJob& job, ShardBuilders& others)
       : job_(job), others_(others), ranges_(job) {}
 
   // Reads, builds and writes the artifact. `worker` is asked to stop between bricks.
@@ -64,7 +64,7 @@ class ShardBuilder {
   BuiltRun build_run(const BrickRow& run, const EarlierShard* earlier, const WorkerContext& worker);
 
   const BuildJob& job_;
-  ShardBuilders* others_;
+  ShardBuilders& others_;
   Box3 shard_bricks_;  // of the shard at hand
   BrickRanges ranges_;
   std::vector<KnownBrick> known_;  // of these, x fastest

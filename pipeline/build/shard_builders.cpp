@@ -4,7 +4,7 @@ namespace voxweld {
 
 ShardBuilders::ShardBuilders(const BuildJob& job, int count) {
   for (int i = 0; i < count; ++i) {
-    all_.push_back(std::make_unique<ShardBuilder>(job, this));
+    all_.push_back(std::make_unique<ShardBuilder>(job, *this));
     free_.push_back(all_.back().get());
   }
 }
@@ -12,16 +12,21 @@ ShardBuilders::ShardBuilders(const BuildJob& job, int count) {
 ShardBuilders::Loan ShardBuilders::borrow() {
   std::unique_lock lock(mutex_);
   freed_.wait(lock, [&] { return !free_.empty(); });
-  ShardBuilder* builder = free_.back();
-  free_.pop_back();
-  return {*this, builder};
+  return take();
 }
 
 ShardBuilders::Loan ShardBuilders::borrow_if_free() {
   const std::scoped_lock lock(mutex_);
-  if (free_.empty()) return {*this, nullptr};
-  ShardBuilder* builder = free_.back();
-  free_.pop_back();
+  return take();
+}
+
+// With the lock held.
+ShardBuilders::Loan ShardBuilders::take() {
+  ShardBuilder* builder = nullptr;
+  if (!free_.empty()) {
+    builder = free_.back();
+    free_.pop_back();
+  }
   return {*this, builder};
 }
 

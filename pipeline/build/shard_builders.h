@@ -38,6 +38,7 @@ class ShardBuilders {
   const std::vector<std::unique_ptr<ShardBuilder>>& all() const { return all_; }
 
  private:
+  Loan take();
   void give_back(ShardBuilder* builder);
 
   std::vector<std::unique_ptr<ShardBuilder>> all_;

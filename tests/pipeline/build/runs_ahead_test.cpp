@@ -147,6 +147,18 @@ TEST(RunsAhead, WithoutHelpersIsTheShardsOwnWork) {
   EXPECT_EQ(sum(counts.own), 20);
 }
 
+// Neither do they where they may not, nor is anything built ahead meanwhile.
+TEST(RunsAhead, WhereNoneMayHelpNothingIsBuiltAhead) {
+  const auto rows = some_rows(20);
+  as_only_unit([&](const WorkerContext& worker) {
+    RunsAhead ahead(rows, worker, {}, [](const BrickRow&) -> std::unique_ptr<RunPieces> {
+      ADD_FAILURE() << "built ahead";
+      return nullptr;
+    });
+    for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(ahead.take(i), nullptr);
+  });
+}
+
 // What was built ahead is forgotten, and its memory is given back, before the one who asks for it
 // waits.
 TEST(RunsAhead, StopsAndForgets) {
