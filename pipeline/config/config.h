@@ -283,12 +283,16 @@ inline bool collapses_by_sheets(const Config& config) {
          config.labels.mode != LabelMode::shared;
 }
 
+// Whether samples are labels, and not compared with an isovalue.
+inline bool is_of_labels(const Config& config) {
+  return config.surface.label || config.labels.mode != LabelMode::off;
+}
+
 // How many cells a vertex may leave its own by where edges are collapsed afterwards. Along creases that meet
 // at small angles planes of one cell meet some cells away. Between labels none: their surfaces have no sharp
 // edges, and it made 8 % more triangles of the liver (tolerance 0.1).
 inline double vertex_overhang(const Config& config) {
-  const bool of_labels = config.surface.label || config.labels.mode != LabelMode::off;
-  return refine_mode(config) != SimplifyConfig::Refine::collapse || of_labels ? 0 : 3;
+  return refine_mode(config) != SimplifyConfig::Refine::collapse || is_of_labels(config) ? 0 : 3;
 }
 
 // Reads the TOML file at `path`, then applies `overrides` in order, each "table.key=value": the

@@ -69,10 +69,6 @@ VolumeLook look(const Manifest& manifest, const Config& config, const SampleRequ
 
 }  // namespace
 
-bool is_of_labels(const Config& config) {
-  return config.surface.label || config.labels.mode != LabelMode::off;
-}
-
 std::string why_no_volume(const Manifest& manifest, const Config& config) {
   if (config.input.is_mesh()) return "The input is a mesh and not a volume.";
   if (config.input.is_empty()) return "There is no volume: the surface is made of solids alone.";

@@ -26,7 +26,4 @@ std::string why_no_volume(const Manifest& manifest, const Config& config);
 // request.labels: set by what the config asks for.
 VolumeLook look_at_volume(const Manifest& manifest, const Config& config, SampleRequest request);
 
-// Whether samples are labels, and not compared with an isovalue.
-bool is_of_labels(const Config& config);
-
 }  // namespace voxweld
