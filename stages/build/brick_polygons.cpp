@@ -20,19 +20,19 @@ class PolygonEmitter {
 
   void emit_all(const SignGrid& signs) {
     signs_ = &signs;
-    each_last_edge([&](std::size_t i, int axis, int low) {
-      const unsigned s = cells_.signs(i);
-      if ((s >> 7 & 1u) != (s >> low & 1u)) emit(i, axis, (s >> low & 1u) != 0);
+    each_last_edge([&](const Owner& owner, int axis, int low) {
+      const unsigned s = cells_.signs(owner.cell);
+      if ((s >> 7 & 1u) != (s >> low & 1u)) emit(owner, axis, (s >> low & 1u) != 0);
     });
   }
 
   void emit_all(const LabelGrid& labels) {
-    each_last_edge([&](std::size_t i, int axis, int low) {
-      const LocalCell c = cells_.at(i);
+    each_last_edge([&](const Owner& owner, int axis, int low) {
+      const LocalCell& c = owner.at;
       const std::uint32_t at_low =
           labels.at(c.x + (low & 1), c.y + (low >> 1 & 1), c.z + (low >> 2));
       const std::uint32_t at_high = labels.at(c.x + 1, c.y + 1, c.z + 1);
-      if (at_low == at_high || !emit(i, axis, at_low < at_high)) return;
+      if (at_low == at_high || !emit(owner, axis, at_low < at_high)) return;
       const auto [inside, outside] = std::minmax(at_low, at_high);
       const auto [pair, is_new] = pairs_.try_emplace(std::uint64_t{inside} << 32 | outside,
                                                      static_cast<std::uint32_t>(pairs_.size()));
@@ -42,15 +42,34 @@ class PolygonEmitter {
   }
 
  private:
-  // f(cell, axis, low corner) of every cell's last edges: the owner of an edge is the lowest of its
-  // four cells.
+  // The lowest of an edge's four cells.
+  struct Owner {
+    std::size_t cell = 0;
+    LocalCell at;
+    int last =
+        0;  // in its leaf: one less than the leaf's side; 0 also where the cell is of several leaves
+
+    // Whether all cells around its last edge along an axis that is neither b nor c are of its leaf. Their
+    // sheets meet in the edge, so they are of one cluster, and have one vertex.
+    bool is_within_leaf(int b, int c) const {
+      return (at[b] & last) != last && (at[c] & last) != last;
+    }
+  };
+  Owner owner_of(std::size_t cell) const {
+    const std::uint32_t first = leaves_.first_vertex(cell);
+    const bool apart = (first & BrickLeaves::apart) != 0;
+    return {cell, cells_.at(cell), apart ? 0 : (1 << out_.vertices[first].leaf.level()) - 1};
+  }
+
+  // f(owner, axis, low corner) of every cell's last edges.
   template <class F>
   void each_last_edge(F&& f) {
     std::size_t block = 0;
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       const std::size_t of_cell = cells_.code(i) >> (3 * block_level);
       for (; block < of_cell; ++block) close_block(block);
-      for (int axis = 0; axis < 3; ++axis) f(i, axis, 7 ^ 1 << axis);
+      const Owner owner = owner_of(i);
+      for (int axis = 0; axis < 3; ++axis) f(owner, axis, 7 ^ 1 << axis);
     }
     for (; block < out_.blocks.size(); ++block) close_block(block);
   }
@@ -64,22 +83,22 @@ class PolygonEmitter {
   //   3 2   c = axis + 2
   //   0 1   b = axis + 1 to the right, c up
   // Whether it made a polygon.
-  bool emit(std::size_t owner, int axis, bool low_inside) {
+  bool emit(const Owner& owner, int axis, bool low_inside) {
     const int b = (axis + 1) % 3, c = (axis + 2) % 3;
-    const LocalCell at = cells_.at(owner);
     ++out_.counts.crossing_edges;
-    if (open_ && ends_in_ring(at, axis)) return false;
+    if (owner.is_within_leaf(b, c)) return false;
+    if (open_ && ends_in_ring(owner.at, axis)) return false;
     const unsigned around[4] = {0, 1u << b, 1u << b | 1u << c, 1u << c};
     PolygonRefs refs;
     for (std::size_t k = 0; k < 4; ++k) {
       // In the cell at this offset the edge's low corner is what remains to (b, c) = (1, 1).
       const int corner = (1 << b | 1 << c) & ~static_cast<int>(around[k]);
-      refs[k] = corner_ref(owner, around[k], edge_at(axis, corner));
+      refs[k] = corner_ref(owner.cell, around[k], edge_at(axis, corner));
     }
     if (!low_inside) std::swap(refs[1], refs[3]);
     if (!may_be_polygon(refs)) return false;
     if (free_) {
-      const std::uint8_t levels = emit_levels(at, axis);
+      const std::uint8_t levels = emit_levels(owner.at, axis);
       if (all_local(refs) && (levels >> smallest_level(refs) & 1) == 0) return false;
       out_.emit_levels.push_back(levels);
     }
