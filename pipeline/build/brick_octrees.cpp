@@ -16,16 +16,18 @@ void BrickOctrees::free_buffers() {
   octree_ = {};
 }
 
-void BrickOctrees::build(const HaloBlock& block, Index3 first, std::int64_t count,
-                         const WorkerContext& worker, BrickSink& sink) {
+void BrickOctrees::build(const BricksToBuild& bricks, const WorkerContext& worker,
+                         BrickSink& sink) {
   sink_ = &sink;
-  if (job_.parameters.labels.mode == LabelMode::each) labels_.fill(block, job_.parameters);
-  for (std::int64_t i = 0; i < count; ++i)
-    build_brick(block, first + Index3{i, 0, 0}, worker, sink);
+  if (job_.parameters.labels.mode == LabelMode::each) labels_.fill(bricks.block, job_.parameters);
+  for (std::int64_t i = 0; i < bricks.count; ++i)
+    build_brick(bricks.block, bricks.first + Index3{i, 0, 0},
+                bricks.sides.empty() ? NodeState::split : bricks.sides[static_cast<std::size_t>(i)],
+                worker, sink);
 }
 
-void BrickOctrees::build_brick(const HaloBlock& block, Index3 brick, const WorkerContext& worker,
-                               BrickSink& sink) {
+void BrickOctrees::build_brick(const HaloBlock& block, Index3 brick, NodeState side,
+                               const WorkerContext& worker, BrickSink& sink) {
   sink.begin_brick(brick);
   worker.check_interrupt();
   const BrickPlace place = place_of_brick(job_.grid, brick);
@@ -34,6 +36,9 @@ void BrickOctrees::build_brick(const HaloBlock& block, Index3 brick, const Worke
       worker.check_interrupt();
       sink.put(material, octree);
     });
+  } else if (side != NodeState::split) {
+    build_whole_brick(place, side, octree_);
+    sink.put(sole_material, octree_);
   } else {
     voxweld::build_brick(block, place, edits_.around(sign_samples(job_.grid, brick)), scratch_,
                          octree_);

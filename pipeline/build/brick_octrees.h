@@ -22,21 +22,28 @@ class BrickSink {
   virtual std::uint64_t bytes_held() const { return 0; }
 };
 
+// `count` bricks along x from `first` on, of samples that reach as far around them as they need.
+struct BricksToBuild {
+  HaloBlock block;
+  Index3 first;
+  std::int64_t count = 0;
+  // Which side all samples that a brick's cells touch are known to be on; split: not known. Empty: of none.
+  std::span<const NodeState> sides = {};
+};
+
 class BrickOctrees {
  public:
   // Bricks take their memory from `share`. Both live longer.
   BrickOctrees(const BuildJob& job, MemoryShare& share);
 
-  // `count` bricks along x from `first` on, of samples that reach as far around them as they need.
   // `worker` is asked to stop between bricks.
-  void build(const HaloBlock& block, Index3 first, std::int64_t count, const WorkerContext& worker,
-             BrickSink& sink);
+  void build(const BricksToBuild& bricks, const WorkerContext& worker, BrickSink& sink);
   // Gives what bricks have left behind back to the system.
   void free_buffers();
 
  private:
-  void build_brick(const HaloBlock& block, Index3 brick, const WorkerContext& worker,
-                   BrickSink& sink);
+  void build_brick(const HaloBlock& block, Index3 brick, NodeState side,
+                   const WorkerContext& worker, BrickSink& sink);
 
   const BuildJob& job_;
   LocalEdits edits_;

@@ -86,9 +86,11 @@ NodeState ShardBuilder::unedited_state(Index3 brick) const {
   const Box3 real = intersect(touched, Box3{{}, job_.grid.size()});
   if (real.empty()) return NodeState::outside;
   const std::optional<ValueRange> known = range_of_brick(brick, real);
-  if (!known) return NodeState::split;
-  const ValueRange& range = *known;
-  const bool in_ring = real != touched;
+  return known ? side_of(*known, real != touched) : NodeState::split;
+}
+
+// in_ring: whether its cells touch samples beyond the volume, too.
+NodeState ShardBuilder::side_of(const ValueRange& range, bool in_ring) const {
   const SurfaceParameters& surface = job_.parameters.surface;
   if (surface.label) return label_state(range, static_cast<double>(*surface.label), in_ring);
   const bool above = surface.inside == Inside::above;
@@ -197,6 +199,15 @@ std::vector<BrickRange> ShardBuilder::ranges_of(const BrickRow& run) const {
   return ranges;
 }
 
+// Of a run's bricks as their ranges tell, where nothing else has a say.
+std::vector<NodeState> ShardBuilder::sides_of(std::span<const BrickRange> ranges) const {
+  std::vector<NodeState> sides;
+  if (job_.parameters.labels.mode != LabelMode::off || !job_.parameters.edits.empty()) return sides;
+  for (const BrickRange& range : ranges)
+    sides.push_back(side_of(range.range(), meets_ring(morton_decode(range.brick))));
+  return sides;
+}
+
 HaloBlock ShardBuilder::block_of(const BrickRow& run) const {
   const Index3 extent = run.samples.size();
   return {job_.volume.source->info().type,
@@ -233,15 +244,22 @@ BuiltRun ShardBuilder::build_run(const BrickRow& run, const EarlierShard* earlie
   const bool all_kept = std::ranges::find(kept, nullptr) == kept.end();
   const BuiltRun* known = all_kept && earlier ? earlier->run(run.first, run.count) : nullptr;
   const BuiltRun built = known ? *known : BuiltRun{run.first, run.count, read(run)};
+  std::vector<NodeState> sides;
   if (known == nullptr) {
     nans_.add(nans_of(run));
-    for (const BrickRange& range : ranges_of(run)) ranges_.add(range);
+    const std::vector<BrickRange> ranges = ranges_of(run);
+    for (const BrickRange& range : ranges) ranges_.add(range);
+    sides = sides_of(ranges);
   }
   const HaloBlock block = block_of(run);
   for (std::size_t i = 0; i < kept.size();) {
     std::size_t end = i;
     while (end < kept.size() && kept[end] == nullptr) ++end;
-    if (end > i) octrees_->build(block, brick(i), static_cast<std::int64_t>(end - i), worker);
+    if (end > i)
+      octrees_->build(
+          {block, brick(i), static_cast<std::int64_t>(end - i),
+           sides.empty() ? std::span<const NodeState>() : std::span(sides).subspan(i, end - i)},
+          worker);
     bricks_.built += end - i;
     for (i = end; i < kept.size() && kept[i] != nullptr; ++i)
       take_over(brick(i), *kept[i], *earlier, worker);
@@ -275,8 +293,9 @@ std::unique_ptr<RunPieces> ShardBuilder::pieces_of(const BrickRow& run,
   pieces->built = {run.first, run.count, read(run)};
   pieces->nans = nans_of(run);
   pieces->ranges = ranges_of(run);
+  const std::vector<NodeState> sides = sides_of(pieces->ranges);
   RunPiecesSink sink(job_, *pieces);
-  octrees_->build(block_of(run), run.first, run.count, worker, sink);
+  octrees_->build({block_of(run), run.first, run.count, sides}, worker, sink);
   pieces->loan = MemoryLoan::attempt(*worker.memory(), sink.bytes_held());
   if (!pieces->loan) throw NoMemoryLeft();
   return pieces;

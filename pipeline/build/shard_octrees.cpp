@@ -28,14 +28,12 @@ void ShardOctrees::begin(Index3 shard, Hash128 input_stamp) {
                                                shard_key(job_, shard), input_stamp);
 }
 
-void ShardOctrees::build(const HaloBlock& block, Index3 first, std::int64_t count,
-                         const WorkerContext& worker) {
-  bricks_.build(block, first, count, worker, *this);
+void ShardOctrees::build(const BricksToBuild& bricks, const WorkerContext& worker) {
+  bricks_.build(bricks, worker, *this);
 }
 
-void ShardOctrees::build(const HaloBlock& block, Index3 first, std::int64_t count,
-                         const WorkerContext& worker, BrickSink& out) {
-  bricks_.build(block, first, count, worker, out);
+void ShardOctrees::build(const BricksToBuild& bricks, const WorkerContext& worker, BrickSink& out) {
+  bricks_.build(bricks, worker, out);
 }
 
 void ShardOctrees::add_run(const RunPieces& run) {

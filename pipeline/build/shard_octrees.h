@@ -22,9 +22,8 @@ class ShardOctrees final : private BrickSink {
   void free_buffers();
   void begin(Index3 shard, Hash128 input_stamp);
   // As BrickOctrees::build; into the artifact, or into `out`.
-  void build(const HaloBlock& block, Index3 first, std::int64_t count, const WorkerContext& worker);
-  void build(const HaloBlock& block, Index3 first, std::int64_t count, const WorkerContext& worker,
-             BrickSink& out);
+  void build(const BricksToBuild& bricks, const WorkerContext& worker);
+  void build(const BricksToBuild& bricks, const WorkerContext& worker, BrickSink& out);
   // What another one has built so.
   void add_run(const RunPieces& run);
   // A brick that is all inside, or of this material, as is known without its samples.

@@ -32,11 +32,14 @@ void clear(BrickOctree& brick, int level) {
 }
 
 // Of a brick without a surface.
-RootRecord whole_brick(const SignGrid& signs) {
+RootRecord whole_brick(NodeState side) {
   RootRecord root;
-  root.state = signs.inside(0, 0, 0) ? NodeState::inside : NodeState::outside;
-  root.corner_signs = root.state == NodeState::inside ? 255 : 0;
+  root.state = side;
+  root.corner_signs = side == NodeState::inside ? 255 : 0;
   return root;
+}
+RootRecord whole_brick(const SignGrid& signs) {
+  return whole_brick(signs.inside(0, 0, 0) ? NodeState::inside : NodeState::outside);
 }
 RootRecord whole_brick(const LabelGrid& labels) {
   RootRecord root;
@@ -236,6 +239,11 @@ void build_brick(const HaloBlock& block, const BrickPlace& place, const LabelPar
   if (part.is_edited()) reserve_worst(scratch, place.level, parameters);
   const bool edited = part.apply_edits(block, parameters, s.surface, s.any_label);
   build_surface(block, frame, part.window(), edited, parameters, scratch, out);
+}
+
+void build_whole_brick(const BrickPlace& place, NodeState side, BrickOctree& out) {
+  clear(out, place.level);
+  out.root = whole_brick(side);
 }
 
 namespace {

@@ -75,6 +75,10 @@ class LabelPart;
 void build_brick(const HaloBlock& block, const BrickPlace& place, const LabelPart& part,
                  const ContourParameters& parameters, BrickScratch& scratch, BrickOctree& out);
 
+// What build_brick gives where all samples its cells touch are on one side, and no edit reaches it. They are not
+// looked at.
+void build_whole_brick(const BrickPlace& place, NodeState side, BrickOctree& out);
+
 // An upper bound on what build_brick and its result hold, in bytes, for the worst volume there is.
 std::uint64_t build_brick_bytes(int level);
 // The same for a brick with so many active cells.

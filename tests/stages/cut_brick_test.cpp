@@ -6,14 +6,14 @@
 #include <span>
 
 #include "stages/build/build_brick.h"
-#include "storage/artifact/container.h"
-#include "storage/artifact/node_record_bytes.h"
 #include "tests/stages/cluster_volumes.h"
+#include "tests/stages/same_octree.h"
 
 namespace voxweld {
 namespace {
 
 using testing::by_sheets;
+using testing::expect_same;
 using testing::MemoryVolume;
 
 BrickOctree build(const MemoryVolume& volume, const BrickPlace& place, double tolerance) {
@@ -23,34 +23,6 @@ BrickOctree build(const MemoryVolume& volume, const BrickPlace& place, double to
                         volume.samples.data(), volume.size.x, volume.size.x * volume.size.y};
   build_brick(block, place, by_sheets(tolerance), scratch, out);
   return out;
-}
-
-template <class T>
-bool same(const std::vector<T>& a, const std::vector<T>& b) {
-  return std::ranges::equal(as_section(a), as_section(b));
-}
-std::vector<std::byte> bytes_of(const NodeRecord& record) {
-  std::vector<std::byte> bytes;
-  put_bytes(record, bytes);
-  return bytes;
-}
-
-void expect_same(const BrickOctree& a, const BrickOctree& b) {
-  EXPECT_TRUE(same(a.vertices, b.vertices));
-  EXPECT_TRUE(same(a.roots, b.roots));
-  EXPECT_EQ(bytes_of(a.record), bytes_of(b.record));
-  EXPECT_TRUE(same(a.polygons, b.polygons));
-  EXPECT_TRUE(same(a.blocks, b.blocks));
-  EXPECT_TRUE(same(a.ghost.cells, b.ghost.cells));
-  EXPECT_TRUE(same(a.ghost.vertices, b.ghost.vertices));
-  EXPECT_TRUE(same(a.ghost.apart, b.ghost.apart));
-  EXPECT_TRUE(same(a.ghost.roots, b.ghost.roots));
-  EXPECT_TRUE(same(a.levels.errors, b.levels.errors));
-  EXPECT_TRUE(same(a.levels.parents, b.levels.parents));
-  EXPECT_TRUE(same(a.levels.clusters, b.levels.clusters));
-  EXPECT_TRUE(same(a.levels.merges, b.levels.merges));
-  EXPECT_TRUE(std::ranges::equal(as_record(a.root), as_record(b.root)));
-  EXPECT_TRUE(std::ranges::equal(as_record(a.counts), as_record(b.counts)));
 }
 
 constexpr double tolerances[] = {0, 0.02, 0.1, 0.3, 0.6, 1.7, 12, testing::infinite};
