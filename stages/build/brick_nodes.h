@@ -141,6 +141,7 @@ class BrickNodes {
   };
   class CellBatches;
   class MergeBatch;
+  class PlaneMerges;
   class NodeMerges;
   void make_cells(Range cells, CellBatches& batches);
   bool is_of_planes(std::size_t node) const;

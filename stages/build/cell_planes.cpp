@@ -25,34 +25,6 @@ void gather_planes(LocalCell c, const CellSheets& sheets, int sheet, const Hermi
   }
 }
 
-void gather_planes(LocalCell c, const NodeCrossings& crossings, const HermiteEdges& edges,
-                   Vec3 spacing, SheetPlanes& out) {
-  out.count = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto at = static_cast<std::size_t>(axis);
-    for (std::uint32_t rest = crossings[at]; rest != 0;) {
-      const int row = std::countr_zero(rest) / 3, y = row % 3, z = row / 3;
-      std::uint32_t here = rest >> (3 * row) & 7;
-      rest &= ~(std::uint32_t{7} << (3 * row));
-      const HermiteEdge* edge = &edges.at(axis, c.x + std::countr_zero(here), c.y + y, c.z + z);
-      for (; here != 0; here &= here - 1, ++edge) {
-        const std::array<int, 3> low = {std::countr_zero(here), y, z};
-        const std::size_t k = out.count++;
-        HermitePlane& plane = out.all_planes[k];
-        plane.weight = 1;
-        for (std::size_t a = 0; a < 3; ++a) {
-          plane.normal[a] = static_cast<double>(edge->normal[a]);
-          const double along = a == at ? static_cast<double>(edge->t) : 0.0;
-          plane.point[a] = (low[a] - 1 + along) * spacing[static_cast<int>(a)];
-          if (a != at && low[a] == 1) plane.weight *= 2;
-        }
-        const auto weight = static_cast<float>(plane.weight);
-        for (std::size_t a = 0; a < 3; ++a) out.all_normals[k][a] = weight * edge->normal[a];
-      }
-    }
-  }
-}
-
 Vec3 node_centre(const BrickFrame& frame, int level, std::uint32_t code, Vec3 spacing) {
   const LocalCell c = decode_local(code);
   Vec3 centre;

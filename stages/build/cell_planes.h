@@ -1,4 +1,4 @@
-// The Hermite data of one sheet of one cell, or of a node of 2^3 cells, as QEF planes and normals.
+// The Hermite data of one sheet of one cell as QEF planes and normals.
 #pragma once
 
 #include "stages/build/brick_nodes.h"
@@ -18,11 +18,6 @@ inline constexpr int all_sheets = -1;
 
 // The planes of `sheet` (or of all_sheets) of the cell at c, in edge order, relative to its centre.
 void gather_planes(LocalCell c, const CellSheets& sheets, int sheet, const HermiteEdges& edges,
-                   Vec3 spacing, SheetPlanes& out);
-// All planes of the node of 2^3 cells whose lowest is at c, by axis and then in the order edges are
-// kept, relative to its centre. An edge weighs as many cells of the node as it is of: so this is what
-// its cells' planes add up to.
-void gather_planes(LocalCell c, const NodeCrossings& crossings, const HermiteEdges& edges,
                    Vec3 spacing, SheetPlanes& out);
 
 // Centre of a node of `level` at local Morton `code` (in its level's units), in the volume's frame

@@ -3,6 +3,7 @@
 
 #include "stages/build/brick_nodes.h"
 #include "stages/build/cell_planes.h"
+#include "stages/build/plane_merges.h"
 #include "stages/contouring/cluster_sum.h"
 
 namespace voxweld {
@@ -166,15 +167,13 @@ void BrickNodes::settle_cells(Range range, CellBatches& batches) {
 // Clusters of one level on their way.
 class BrickNodes::MergeBatch {
  public:
-  // collapsing: solves them too, and says which are within the tolerance. of_planes: of those of their
-  // edges, not of the clusters below.
-  MergeBatch(BrickNodes& brick, bool collapsing, bool of_planes = false)
+  // collapsing: solves them too, and says which are within the tolerance.
+  MergeBatch(BrickNodes& brick, bool collapsing)
       : solver_(brick.parameters_),
         sum_(brick.parameters_),
         brick_(brick),
-        collapsing_(collapsing),
-        of_planes_(of_planes) {
-    clear();
+        collapsing_(collapsing) {
+    solver_.clear_children();
   }
 
   void begin(int l) {
@@ -183,7 +182,9 @@ class BrickNodes::MergeBatch {
     below_ = &brick_.levels_[static_cast<std::size_t>(l) - 1];
   }
   void add(std::size_t node, std::uint32_t cluster) {
-    put(node, cluster);
+    if (solver_.needs_centres()) solver_.set_centre(count_, centre(l_, at_->codes[node]));
+    nodes_[count_] = static_cast<std::uint32_t>(node);
+    clusters_[count_] = cluster;
     if (at_->kinds[node] == NodeKind::simple)
       each_child(node, [&](int octant, std::uint32_t part) {
         solver_.set_child(count_, octant, below_->qef(part));
@@ -192,23 +193,9 @@ class BrickNodes::MergeBatch {
       add_up(node, cluster);
     if (++count_ == lanes) flush();
   }
-  // Of planes: one that BrickNodes::is_of_planes.
-  void add(std::size_t node, const SheetPlanes& planes, const NormalClusters& normals) {
-    const std::uint32_t cluster = at_->first_cluster[node];
-    put(node, cluster);
-    CellExtent extent = CellExtent::none();
-    for (std::uint32_t cell = at_->first_child[node]; cell < at_->first_child[node + 1]; ++cell)
-      extent.join(CellExtent{}.in_parent(static_cast<int>(below_->codes[cell] & 7)));
-    solver_.set_planes(count_, planes.planes(), extent);
-    at_->vertex(cluster).normals = normals;
-    if (++count_ == lanes) flush();
-  }
   void flush() {
     if (count_ == 0) return;
-    if (of_planes_)
-      solver_.reduce();
-    else
-      solver_.merge(l_ - 1);
+    solver_.merge(l_ - 1);
     if (collapsing_) solver_.solve(l_, count_);
     for (std::size_t i = 0; i < count_; ++i) {
       SheetCluster& cluster = at_->clusters[clusters_[i]];
@@ -219,26 +206,14 @@ class BrickNodes::MergeBatch {
         cluster.collapses = solver_.within_tolerance(vertex.solution);
       }
       // Of what has not collapsed nothing is made but by sheets.
-      if (!of_planes_ && at_->kinds[nodes_[i]] == NodeKind::simple &&
-          (cluster.collapses || brick_.by_sheets_))
+      if (at_->kinds[nodes_[i]] == NodeKind::simple && (cluster.collapses || brick_.by_sheets_))
         vertex.normals = normals_of(nodes_[i]);
     }
-    clear();
+    count_ = 0;
+    solver_.clear_children();
   }
 
  private:
-  void clear() {
-    count_ = 0;
-    if (of_planes_)
-      solver_.clear_planes();
-    else
-      solver_.clear_children();
-  }
-  void put(std::size_t node, std::uint32_t cluster) {
-    if (solver_.needs_centres()) solver_.set_centre(count_, centre(l_, at_->codes[node]));
-    nodes_[count_] = static_cast<std::uint32_t>(node);
-    clusters_[count_] = cluster;
-  }
   Vec3 centre(int l, std::uint32_t code) const {
     return node_centre(brick_.frame_, l, code, brick_.parameters_.spacing);
   }
@@ -273,14 +248,14 @@ class BrickNodes::MergeBatch {
   std::array<std::uint32_t, lanes> nodes_{}, clusters_{};
   std::size_t count_ = 0;
   int l_ = 0;
-  bool collapsing_, of_planes_;
+  bool collapsing_;
 };
 
 // All clusters of nodes that were made.
 class BrickNodes::NodeMerges {
  public:
   NodeMerges(BrickNodes& brick, const HermiteEdges& edges)
-      : brick_(brick), edges_(edges), of_planes_(brick, true, true), collapsing_(brick, true) {
+      : brick_(brick), of_planes_(brick, edges), collapsing_(brick, true) {
     if (brick.by_sheets_) others_.emplace(brick, false);
   }
 
@@ -292,12 +267,11 @@ class BrickNodes::NodeMerges {
     }
     at.vertices.resize(at.clusters.size());
     at.qefs.resize(at.clusters.size() - at.first_qef);
-    of_planes_.begin(l);
     collapsing_.begin(l);
     if (others_) others_->begin(l);
     for (std::size_t node = nodes.begin; node < nodes.end; ++node) {
       if (l == 1 && brick_.is_of_planes(node)) {
-        add_planes(node);
+        of_planes_.add(node);
         continue;
       }
       for (std::uint32_t i = at.first_cluster[node]; i < at.first_cluster[node + 1]; ++i)
@@ -309,40 +283,10 @@ class BrickNodes::NodeMerges {
   }
 
  private:
-  void add_planes(std::size_t node) {
-    const NodeLevel& at = brick_.level(1);
-    const LocalCell c = decode_local(at.codes[node] << 3);
-    gather_planes(c, brick_.rule_->crossings(c.x, c.y, c.z), edges_, brick_.parameters_.spacing,
-                  planes_);
-    // Where all are near their total, sums of some of them are, too: the cells' would be one cluster.
-    const NormalSense sense = sense_of(at.first_child[node], at.first_child[node + 1]);
-    const auto one = one_direction(planes_.normals(), sense);
-    of_planes_.add(node, planes_,
-                   one ? NormalClusters{{*one}, sense}
-                       : normals_of_cells(at.first_child[node], at.first_child[node + 1]));
-  }
-  NormalSense sense_of(std::size_t begin, std::size_t end) const {
-    NormalSense sense = NormalSense::outward;
-    for (std::size_t cell = begin; cell < end; ++cell)
-      sense = std::max(sense, brick_.cells_->normal_sense(cell));
-    return sense;
-  }
-  NormalClusters normals_of_cells(std::size_t begin, std::size_t end) {
-    const ActiveCells& cells = *brick_.cells_;
-    ClusterMerge normals;
-    for (std::size_t cell = begin; cell < end; ++cell) {
-      gather_planes(cells.at(cell), cells.sheets(cell), all_sheets, edges_,
-                    brick_.parameters_.spacing, of_cell_);
-      normals.add(cluster_normals(of_cell_.normals(), cells.normal_sense(cell)));
-    }
-    return normals.merged();
-  }
-
   BrickNodes& brick_;
-  const HermiteEdges& edges_;
-  MergeBatch of_planes_, collapsing_;
+  PlaneMerges of_planes_;
+  MergeBatch collapsing_;
   std::optional<MergeBatch> others_;
-  SheetPlanes planes_, of_cell_;
 };
 
 void BrickNodes::make_blocks(const HermiteEdges& edges, NodeMerges& merges) {

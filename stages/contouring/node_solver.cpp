@@ -17,8 +17,7 @@ void NodeSolver::clear_planes() {
   extents_ = {};
 }
 
-void NodeSolver::set_planes(std::size_t lane, std::span<const HermitePlane> planes,
-                            const CellExtent& extent) {
+void NodeSolver::set_planes(std::size_t lane, std::span<const HermitePlane> planes) {
   static constexpr std::array<double, 5> roots = {0, 1, 1.4142135623730951, 0, 2};
   for (; planes_.rows < static_cast<int>(planes.size()); ++planes_.rows)
     if (planes_.rows >= 3) planes_.plane[static_cast<std::size_t>(planes_.rows)] = {};
@@ -38,7 +37,6 @@ void NodeSolver::set_planes(std::size_t lane, std::span<const HermitePlane> plan
     total += weight;
   }
   for (std::size_t a = 0; a < 3; ++a) planes_.mass[a][lane] = sum[a] / total;
-  extents_[lane] = extent;
 }
 
 void NodeSolver::reduce() {

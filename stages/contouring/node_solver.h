@@ -31,11 +31,12 @@ class NodeSolver {
  public:
   explicit NodeSolver(const ContourParameters& parameters);
 
-  // A batch of finest cells, or of nodes above: up to max_planes a lane. extent: which of its finest cells
-  // the planes are of.
+  // A batch of finest cells, or of nodes of whose finest cells set_extent says which the planes are of: up
+  // to max_planes a lane.
   void clear_planes();
-  void set_planes(std::size_t lane, std::span<const HermitePlane> planes,
-                  const CellExtent& extent = {});
+  void set_planes(std::size_t lane, std::span<const HermitePlane> planes);
+  PlaneBatch& planes() { return planes_; }  // to fill for all lanes at once
+  void set_extent(std::size_t lane, const CellExtent& extent) { extents_[lane] = extent; }
   void reduce();  // planes -> factors
 
   // A batch of nodes to merge from children of level `child_level`: up to eight a lane, set in the

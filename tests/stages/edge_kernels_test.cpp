@@ -9,25 +9,14 @@
 #include "stages/build/edge_estimator.h"
 #include "stages/build/edge_kernels.h"
 #include "stages/build/hermite.h"
-#include "stages/contouring/qef.h"
+#include "tests/stages/with_all_kernels.h"
 #include "tests/support/contour_in_memory.h"
 
 namespace voxweld {
 namespace {
 
 using testing::MemoryVolume;
-
-// The kernels that this processor has; the widest are chosen again at the end.
-template <class F>
-void with_all_kernels(const F& f) {
-  const std::string_view before = qef_kernels().name;
-  for (const char* name : {"base", "avx2", "avx512"}) {
-    if (!choose_qef_kernels(name)) continue;
-    SCOPED_TRACE(name);
-    f();
-  }
-  choose_qef_kernels(before);
-}
+using testing::with_all_kernels;
 
 std::array<std::uint32_t, 4> bits_of(const HermiteEdge& edge) {
   return {std::bit_cast<std::uint32_t>(edge.t), std::bit_cast<std::uint32_t>(edge.normal[0]),

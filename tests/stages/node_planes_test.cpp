@@ -1,8 +1,14 @@
 // The planes of a node of 2^3 cells against those of its cells, one by one.
 #include <gtest/gtest.h>
 
-#include "stages/build/cell_planes.h"
+#include <bit>
+#include <memory>
+
+#include "stages/build/node_planes.h"
+#include "stages/contouring/node_solver.h"
 #include "tests/stages/cluster_volumes.h"
+#include "tests/stages/plain_node_planes.h"
+#include "tests/stages/with_all_kernels.h"
 
 namespace voxweld {
 namespace {
@@ -72,7 +78,7 @@ int expect_sums_of_cells(const MemoryVolume& volume, Vec3 spacing) {
       of_cells.add(planes, centre(cells.at(i), 0.5));
     }
     const LocalCell c = decode_local(node << 3);
-    gather_planes(c, signs.crossings(c.x, c.y, c.z), edges, spacing, planes);
+    testing::gather_node_planes(c, signs.crossings(c.x, c.y, c.z), edges, spacing, planes);
     EXPECT_LE(planes.count, max_planes);
     of_node.add(planes, centre(c, 1));
     expect_near(of_node, of_cells);
@@ -102,11 +108,112 @@ TEST(NodePlanes, OfAllItsEdges) {
   HermiteEdges edges;
   edges.compute(block, {}, 8, signs, parameters);
   SheetPlanes planes;
-  gather_planes({2, 2, 2}, signs.crossings(2, 2, 2), edges, {1, 1, 1}, planes);
+  testing::gather_node_planes({2, 2, 2}, signs.crossings(2, 2, 2), edges, {1, 1, 1}, planes);
   ASSERT_EQ(planes.count, max_planes);
   int weight = 0;
   for (const HermitePlane& plane : planes.planes()) weight += plane.weight;
   EXPECT_EQ(weight, 8 * 12);
+}
+
+// What is compared of a batch, to the bit.
+struct BatchBits {
+  int rows = 0;
+  std::vector<std::uint64_t> doubles;
+
+  void add(const LaneArray& values) {
+    for (const double v : values) doubles.push_back(std::bit_cast<std::uint64_t>(v));
+  }
+  static BatchBits of(const PlaneBatch& planes) {
+    BatchBits bits{planes.rows, {}};
+    const auto filled = static_cast<std::size_t>(std::max(planes.rows, 3));
+    for (std::size_t k = 0; k < filled; ++k)
+      for (const LaneArray& value : planes.plane[k]) bits.add(value);
+    for (const LaneArray& mass : planes.mass) bits.add(mass);
+    return bits;
+  }
+  friend bool operator==(const BatchBits&, const BatchBits&) = default;
+};
+
+// Nodes eight at a time, the last batch not full, and one by one.
+class Batches {
+ public:
+  Batches(Vec3 spacing, NormalSense sense)
+      : spacing_(spacing), sense_(sense), at_once_(spacing), plain_(parameters(spacing)) {
+    plain_.clear_planes();
+  }
+
+  void add(LocalCell c, const NodeCrossings& crossings, const HermiteEdges& edges) {
+    at_once_.gather(count_, c, crossings, edges);
+    testing::gather_node_planes(c, crossings, edges, spacing_, planes_);
+    plain_.set_planes(count_, planes_.planes());
+    directions_[count_] = one_direction(planes_.normals(), sense_);
+    if (++count_ == lanes) compare();
+  }
+  void compare() {
+    if (count_ == 0) return;
+    auto planes = std::make_unique<PlaneBatch>();
+    for (auto& row : planes->plane)
+      for (LaneArray& value : row) value.fill(7);  // what an earlier batch left
+    at_once_.compute(*planes);
+    EXPECT_EQ(BatchBits::of(*planes), BatchBits::of(plain_.planes()));
+    for (std::size_t i = 0; i < count_; ++i) {
+      EXPECT_EQ(at_once_.direction(i, sense_), directions_[i]);
+      ones += directions_[i] ? 1 : 0;
+    }
+    nodes += static_cast<int>(count_);
+    count_ = 0;
+    at_once_.clear();
+    plain_.clear_planes();
+  }
+
+  int nodes = 0, ones = 0;
+
+ private:
+  static ContourParameters parameters(Vec3 spacing) {
+    ContourParameters parameters = testing::by_sheets(0.1);
+    parameters.spacing = spacing;
+    return parameters;
+  }
+  Vec3 spacing_;
+  NormalSense sense_;
+  NodePlanes at_once_;
+  NodeSolver plain_;
+  SheetPlanes planes_;
+  std::array<std::optional<NormalSum>, lanes> directions_;
+  std::size_t count_ = 0;
+};
+
+void expect_the_same_at_once(const MemoryVolume& volume, Vec3 spacing, NormalSense sense) {
+  constexpr int side = 32;
+  ContourParameters parameters = testing::by_sheets(0.1);
+  parameters.spacing = spacing;
+  const HaloBlock block{volume.type,           volume.size,   {{}, volume.size},
+                        volume.samples.data(), volume.size.x, volume.size.x * volume.size.y};
+  SignGrid signs;
+  signs.fill(block, {}, side, parameters.surface);
+  HermiteEdges edges;
+  edges.compute(block, {}, side, signs, parameters);
+  Batches batches(spacing, sense);
+  each_index(splat(side / 2), [&](Index3 node) {
+    const LocalCell c{static_cast<int>(2 * node.x), static_cast<int>(2 * node.y),
+                      static_cast<int>(2 * node.z)};
+    const NodeCrossings crossings = signs.crossings(c.x, c.y, c.z);
+    if ((crossings[0] | crossings[1] | crossings[2]) != 0) batches.add(c, crossings, edges);
+  });
+  batches.compare();
+  EXPECT_GT(batches.nodes, 100);
+  EXPECT_GT(batches.ones, batches.nodes / 200);
+  EXPECT_LT(batches.ones, batches.nodes);
+}
+
+TEST(NodePlanes, AtOnceAreThoseOfOneAfterTheOther) {
+  testing::with_all_kernels([] {
+    for (const NormalSense sense : {NormalSense::outward, NormalSense::either})
+      for (unsigned seed = 0; seed < 3; ++seed) {
+        expect_the_same_at_once(testing::noise_volume(30, seed), {1, 1, 1}, sense);
+        expect_the_same_at_once(testing::plates(30, seed), {0.5, 1, 3}, sense);
+      }
+  });
 }
 
 }  // namespace

@@ -1,0 +1,17 @@
+#ifdef __AVX512F__
+#include "stages/build/plane_kernels.inc"
+#else
+#include "stages/build/plane_kernels.h"
+#endif
+
+namespace voxweld {
+
+PlaneKernel plane_kernel_avx512() {
+#ifdef __AVX512F__
+  return planes_of_nodes;
+#else
+  return nullptr;
+#endif
+}
+
+}  // namespace voxweld
