@@ -58,6 +58,39 @@ struct alignas(64) SolutionBatch {
   LaneArray energy{};            // sum of squared distances to the planes, at x
 };
 
+// Relative to the node's centre.
+struct LaneBox {
+  std::array<double, 3> lo{}, hi{};
+  bool contains(int axis, double x) const {
+    const auto a = static_cast<std::size_t>(axis);
+    return lo[a] <= x && x <= hi[a];
+  }
+  double clamp(int axis, double x) const {
+    const auto a = static_cast<std::size_t>(axis);
+    return std::clamp(x, lo[a], hi[a]);
+  }
+};
+
+// One lane of a factor, and the box its minimiser is to lie in. cut: squared, below which a singular value
+// counts for nothing.
+struct BoxedFactor {
+  std::array<double, 10> r{};
+  std::array<double, 3> mass{};
+  LaneBox box;
+  double cut = 0;
+};
+
+// Minimisers over the faces of a box, and over its edges, in three batches: of the faces, low and high of
+// each axis, in the first six lanes; of the four edges along x and of those along y; and of those along z, in
+// the first four. What other lanes have is of no meaning.
+struct alignas(64) BorderPoints {
+  std::array<std::array<LaneArray, 3>, 3> x{};  // of each batch
+  std::array<LaneArray, 3> energy{};
+  std::array<LaneArray, 3> from_mass{};  // squared distance from the mass point
+  std::array<std::array<std::int64_t, lanes>, 3>
+      in_box{};  // 0: outside, which those of faces may be
+};
+
 struct QefKernels {
   void (*reduce)(const PlaneBatch&, FactorBatch&);
   // half: half the child's side on each axis, scaled.
@@ -65,6 +98,7 @@ struct QefKernels {
   // Unconstrained minimiser nearest the mass point; singular values under threshold * largest are
   // dropped.
   void (*solve)(const FactorBatch&, double threshold, SolutionBatch&);
+  void (*border)(const BoxedFactor&, BorderPoints&);
   const char* name;
 };
 
@@ -80,19 +114,6 @@ const QefKernels* qef_kernels_avx512();
 
 Qef store_lane(const FactorBatch& factor, std::size_t lane);
 void load_lane(const Qef& qef, std::size_t lane, FactorBatch& factor);
-
-// Relative to the node's centre.
-struct LaneBox {
-  std::array<double, 3> lo{}, hi{};
-  bool contains(int axis, double x) const {
-    const auto a = static_cast<std::size_t>(axis);
-    return lo[a] <= x && x <= hi[a];
-  }
-  double clamp(int axis, double x) const {
-    const auto a = static_cast<std::size_t>(axis);
-    return std::clamp(x, lo[a], hi[a]);
-  }
-};
 
 // Replaces the solution of one lane by the minimiser over the box, where it lies outside: exact over the box's faces, edges and corners, each solved with the same
 // threshold; where many are equal but for rounding, the one nearest the mass point.

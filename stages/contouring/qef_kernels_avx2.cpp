@@ -8,7 +8,7 @@ namespace voxweld {
 
 const QefKernels* qef_kernels_avx2() {
 #ifdef __AVX2__
-  static constexpr QefKernels kernels{reduce, merge, solve, "avx2"};
+  static constexpr QefKernels kernels{reduce, merge, solve, border, "avx2"};
   const bool supported = __builtin_cpu_supports("avx2");
   return supported ? &kernels : nullptr;
 #else

@@ -3,7 +3,7 @@
 namespace voxweld {
 
 const QefKernels& qef_kernels_base() {
-  static constexpr QefKernels kernels{reduce, merge, solve, "base"};
+  static constexpr QefKernels kernels{reduce, merge, solve, border, "base"};
   return kernels;
 }
 

@@ -4,7 +4,9 @@
 #include <bit>
 #include <span>
 
+#include "tests/stages/plain_box_minimiser.h"
 #include "tests/stages/qef_planes.h"
+#include "tests/stages/with_all_kernels.h"
 
 namespace voxweld::testing {
 namespace {
@@ -50,6 +52,38 @@ TEST(QefKernels, EveryVectorUnitGivesTheSameBits) {
       EXPECT_TRUE(same_bits(merged, expected_merge)) << kernels->name;
     }
   }
+}
+
+// Few planes leave lines and planes of minima; boxes lie beside the minimiser, or far from it.
+TEST(QefKernels, MinimisersInBoxesAreThoseOfThePlainWay) {
+  with_all_kernels([] {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> end(-1, 1);
+    int moved = 0;
+    for (int round = 0; round < 2000; ++round) {
+      const auto sets = eight_sets([&](int) {
+        return random_planes(random, 1 + static_cast<int>(random() % 7), round % 3 == 0 ? 0 : 0.3);
+      });
+      FactorBatch factor;
+      SolutionBatch before;
+      qef_kernels().reduce(batch_of(sets), factor);
+      qef_kernels().solve(factor, 0.1, before);
+      SolutionBatch found = before, expected = before;
+      for (std::size_t lane = 0; lane < lanes; ++lane) {
+        LaneBox box;
+        for (std::size_t a = 0; a < 3; ++a) {
+          box.lo[a] = round % 2 == 0 ? -0.5 : end(random);
+          box.hi[a] = round % 2 == 0 ? 0.5 : box.lo[a] + end(random) + 1;
+        }
+        const double threshold = round % 5 == 0 ? 0 : 0.1;
+        constrain_lane(factor, lane, box, threshold, found);
+        plain::constrain_lane(factor, lane, box, threshold, expected);
+        moved += found.x[0][lane] != before.x[0][lane] ? 1 : 0;
+      }
+      ASSERT_TRUE(same_bits(found, expected)) << "round " << round;
+    }
+    EXPECT_GT(moved, 2000);
+  });
 }
 
 // The plain way to the triangle: rows put in one after the other, each by a Givens rotation a column.
