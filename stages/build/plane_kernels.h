@@ -21,7 +21,7 @@ struct EdgePlace {
 struct alignas(64) NodeEdges {
   struct Row {
     std::array<std::int32_t, lanes> place;
-    // The crossing, from 0 at the low end, and the normal. Finite numbers even where there is no edge.
+    // The crossing, from 0 at the low end, and the normal. Anything where there is no edge.
     std::array<std::array<float, lanes>, 4> edge{};
     Row() { place.fill(EdgePlace::none); }
   };

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <limits>
 #include <memory>
 
 #include "stages/build/node_planes.h"
@@ -213,6 +214,32 @@ TEST(NodePlanes, AtOnceAreThoseOfOneAfterTheOther) {
         expect_the_same_at_once(testing::noise_volume(30, seed), {1, 1, 1}, sense);
         expect_the_same_at_once(testing::plates(30, seed), {0.5, 1, 3}, sense);
       }
+  });
+}
+
+// What earlier nodes left where a node has no edge.
+TEST(NodePlanes, WhereThereIsNoEdgeNothingHasASay) {
+  testing::with_all_kernels([] {
+    auto clean = std::make_unique<NodeEdges>(), dirty = std::make_unique<NodeEdges>();
+    clean->rows = dirty->rows = 4;
+    for (std::size_t k = 0; k < 4; ++k)
+      for (std::size_t lane = 0; lane < lanes; ++lane)
+        for (std::size_t i = 0; i < 4; ++i) {
+          const bool is_there = (k + lane) % 3 == 0;
+          clean->row[k].edge[i][lane] = is_there ? 0.25F * static_cast<float>(i + 1) : 0;
+          dirty->row[k].edge[i][lane] =
+              is_there ? clean->row[k].edge[i][lane] : std::numeric_limits<float>::quiet_NaN();
+          if (is_there) clean->row[k].place[lane] = EdgePlace::make(1, 2, 1, 1);
+          dirty->row[k].place[lane] = clean->row[k].place[lane];
+        }
+    auto expected = std::make_unique<PlaneBatch>(), found = std::make_unique<PlaneBatch>();
+    NodeDirections of_clean, of_dirty;
+    plane_kernel()(*clean, {1, 2, 1}, 0.9F, *expected, of_clean);
+    plane_kernel()(*dirty, {1, 2, 1}, 0.9F, *found, of_dirty);
+    EXPECT_EQ(BatchBits::of(*found), BatchBits::of(*expected));
+    EXPECT_EQ(of_dirty.total, of_clean.total);
+    EXPECT_EQ(of_dirty.is_one, of_clean.is_one);
+    EXPECT_NE(of_clean.is_one[0], 0);
   });
 }
 
