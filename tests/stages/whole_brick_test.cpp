@@ -10,7 +10,8 @@ namespace {
 
 using testing::MemoryVolume;
 
-constexpr int level = 4, side = 1 << level;
+constexpr int level = 4;
+constexpr std::int64_t side = std::int64_t{1} << level;
 
 // One sample, `odd`, is on the other side.
 BrickOctree of_samples(Index3 brick, Inside inside, Index3 odd) {
