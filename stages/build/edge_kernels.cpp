@@ -1,17 +1,11 @@
 #include "stages/build/edge_kernels.h"
 
-#include <string_view>
-
-#include "stages/contouring/qef.h"
+#include "stages/contouring/chosen_unit.h"
 
 namespace voxweld {
 
 EdgeKernel edge_kernel() {
-  const std::string_view unit = qef_kernels().name;
-  const EdgeKernel kernel = unit == "avx512" ? edge_kernel_avx512()
-                            : unit == "avx2" ? edge_kernel_avx2()
-                                             : edge_kernel_base();
-  return kernel != nullptr ? kernel : edge_kernel_base();
+  return of_chosen_unit(edge_kernel_base(), edge_kernel_avx2(), edge_kernel_avx512());
 }
 
 }  // namespace voxweld

@@ -1,15 +1,11 @@
 #include "stages/build/plane_kernels.h"
 
-#include <string_view>
+#include "stages/contouring/chosen_unit.h"
 
 namespace voxweld {
 
 PlaneKernel plane_kernel() {
-  const std::string_view unit = qef_kernels().name;
-  const PlaneKernel kernel = unit == "avx512" ? plane_kernel_avx512()
-                             : unit == "avx2" ? plane_kernel_avx2()
-                                              : plane_kernel_base();
-  return kernel != nullptr ? kernel : plane_kernel_base();
+  return of_chosen_unit(plane_kernel_base(), plane_kernel_avx2(), plane_kernel_avx512());
 }
 
 }  // namespace voxweld

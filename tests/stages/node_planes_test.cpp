@@ -16,6 +16,23 @@ namespace {
 
 using testing::MemoryVolume;
 
+constexpr int cells_a_side = 32;
+
+// Sides and crossings of a volume's first brick.
+struct Contoured {
+  SignGrid signs;
+  HermiteEdges edges;
+
+  Contoured(const MemoryVolume& volume, int cells, Vec3 spacing) {
+    ContourParameters parameters = testing::by_sheets(0.1);
+    parameters.spacing = spacing;
+    const HaloBlock block{volume.type,           volume.size,   {{}, volume.size},
+                          volume.samples.data(), volume.size.x, volume.size.x * volume.size.y};
+    signs.fill(block, {}, cells, parameters.surface);
+    edges.compute(block, {}, cells, signs, parameters);
+  }
+};
+
 // Sums of what a QEF is made of, about the brick's corner.
 struct Sums {
   double planes = 0;
@@ -54,18 +71,10 @@ void expect_near(const Sums& found, const Sums& expected) {
 
 // Returns how many nodes were compared.
 int expect_sums_of_cells(const MemoryVolume& volume, Vec3 spacing) {
-  constexpr int side = 32;
-  ContourParameters parameters = testing::by_sheets(0.1);
-  parameters.spacing = spacing;
-  const HaloBlock block{volume.type,           volume.size,   {{}, volume.size},
-                        volume.samples.data(), volume.size.x, volume.size.x * volume.size.y};
-  SignGrid signs;
-  signs.fill(block, {}, side, parameters.surface);
+  const Contoured brick(volume, cells_a_side, spacing);
   ActiveCells cells;
-  cells.count(signs, side, {{}, splat(side)});
-  cells.find(signs);
-  HermiteEdges edges;
-  edges.compute(block, {}, side, signs, parameters);
+  cells.count(brick.signs, cells_a_side, {{}, splat(cells_a_side)});
+  cells.find(brick.signs);
   const auto centre = [&](LocalCell c, double half) {
     return Vec3{(c.x + half) * spacing.x, (c.y + half) * spacing.y, (c.z + half) * spacing.z};
   };
@@ -75,11 +84,12 @@ int expect_sums_of_cells(const MemoryVolume& volume, Vec3 spacing) {
     const std::uint32_t node = cells.code(i) >> 3;
     Sums of_cells, of_node;
     for (; i < cells.size() && cells.code(i) >> 3 == node; ++i) {
-      gather_planes(cells.at(i), cells.sheets(i), all_sheets, edges, spacing, planes);
+      gather_planes(cells.at(i), cells.sheets(i), all_sheets, brick.edges, spacing, planes);
       of_cells.add(planes, centre(cells.at(i), 0.5));
     }
     const LocalCell c = decode_local(node << 3);
-    testing::gather_node_planes(c, signs.crossings(c.x, c.y, c.z), edges, spacing, planes);
+    testing::gather_node_planes(c, brick.signs.crossings(c.x, c.y, c.z), brick.edges, spacing,
+                                planes);
     EXPECT_LE(planes.count, max_planes);
     of_node.add(planes, centre(c, 1));
     expect_near(of_node, of_cells);
@@ -101,15 +111,10 @@ TEST(NodePlanes, OfAllItsEdges) {
   const auto chess = MemoryVolume::made<float>(splat(8), SampleType::f32, [](Index3 s) {
     return (s.x + s.y + s.z) % 2 == 0 ? 1.0F : -1.0F;
   });
-  const HaloBlock block{chess.type,           chess.size,   {{}, chess.size},
-                        chess.samples.data(), chess.size.x, chess.size.x * chess.size.y};
-  const ContourParameters parameters = testing::by_sheets(0.1);
-  SignGrid signs;
-  signs.fill(block, {}, 8, parameters.surface);
-  HermiteEdges edges;
-  edges.compute(block, {}, 8, signs, parameters);
+  const Contoured brick(chess, 8, {1, 1, 1});
   SheetPlanes planes;
-  testing::gather_node_planes({2, 2, 2}, signs.crossings(2, 2, 2), edges, {1, 1, 1}, planes);
+  testing::gather_node_planes({2, 2, 2}, brick.signs.crossings(2, 2, 2), brick.edges, {1, 1, 1},
+                              planes);
   ASSERT_EQ(planes.count, max_planes);
   int weight = 0;
   for (const HermitePlane& plane : planes.planes()) weight += plane.weight;
@@ -185,21 +190,13 @@ class Batches {
 };
 
 void expect_the_same_at_once(const MemoryVolume& volume, Vec3 spacing, NormalSense sense) {
-  constexpr int side = 32;
-  ContourParameters parameters = testing::by_sheets(0.1);
-  parameters.spacing = spacing;
-  const HaloBlock block{volume.type,           volume.size,   {{}, volume.size},
-                        volume.samples.data(), volume.size.x, volume.size.x * volume.size.y};
-  SignGrid signs;
-  signs.fill(block, {}, side, parameters.surface);
-  HermiteEdges edges;
-  edges.compute(block, {}, side, signs, parameters);
+  const Contoured brick(volume, cells_a_side, spacing);
   Batches batches(spacing, sense);
-  each_index(splat(side / 2), [&](Index3 node) {
+  each_index(splat(cells_a_side / 2), [&](Index3 node) {
     const LocalCell c{static_cast<int>(2 * node.x), static_cast<int>(2 * node.y),
                       static_cast<int>(2 * node.z)};
-    const NodeCrossings crossings = signs.crossings(c.x, c.y, c.z);
-    if ((crossings[0] | crossings[1] | crossings[2]) != 0) batches.add(c, crossings, edges);
+    const NodeCrossings crossings = brick.signs.crossings(c.x, c.y, c.z);
+    if ((crossings[0] | crossings[1] | crossings[2]) != 0) batches.add(c, crossings, brick.edges);
   });
   batches.compare();
   EXPECT_GT(batches.nodes, 100);
