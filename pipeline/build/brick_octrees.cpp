@@ -20,10 +20,11 @@ void BrickOctrees::build(const BricksToBuild& bricks, const WorkerContext& worke
                          BrickSink& sink) {
   sink_ = &sink;
   if (job_.parameters.labels.mode == LabelMode::each) labels_.fill(bricks.block, job_.parameters);
-  for (std::int64_t i = 0; i < bricks.count; ++i)
-    build_brick(bricks.block, bricks.first + Index3{i, 0, 0},
-                bricks.sides.empty() ? NodeState::split : bricks.sides[static_cast<std::size_t>(i)],
-                worker, sink);
+  Index3 brick = bricks.first;
+  for (const NodeState side : bricks.sides) {
+    build_brick(bricks.block, brick, side, worker, sink);
+    ++brick.x;
+  }
 }
 
 void BrickOctrees::build_brick(const HaloBlock& block, Index3 brick, NodeState side,

@@ -22,13 +22,12 @@ class BrickSink {
   virtual std::uint64_t bytes_held() const { return 0; }
 };
 
-// `count` bricks along x from `first` on, of samples that reach as far around them as they need.
+// Bricks along x from `first` on, of samples that reach as far around them as they need.
 struct BricksToBuild {
   HaloBlock block;
   Index3 first;
-  std::int64_t count = 0;
-  // Which side all samples that a brick's cells touch are known to be on; split: not known. Empty: of none.
-  std::span<const NodeState> sides = {};
+  // Of each: which side all samples that its cells touch are known to be on; split: not known.
+  std::span<const NodeState> sides;
 };
 
 class BrickOctrees {

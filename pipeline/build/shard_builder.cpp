@@ -199,12 +199,13 @@ std::vector<BrickRange> ShardBuilder::ranges_of(const BrickRow& run) const {
   return ranges;
 }
 
-// Of a run's bricks as their ranges tell, where nothing else has a say.
-std::vector<NodeState> ShardBuilder::sides_of(std::span<const BrickRange> ranges) const {
-  std::vector<NodeState> sides;
+// Of each of the run's bricks as its range tells, where there are ranges and nothing else has a say.
+std::vector<NodeState> ShardBuilder::sides_of(const BrickRow& run,
+                                              std::span<const BrickRange> ranges) const {
+  std::vector<NodeState> sides(static_cast<std::size_t>(run.count), NodeState::split);
   if (job_.parameters.labels.mode != LabelMode::off || !job_.parameters.edits.empty()) return sides;
-  for (const BrickRange& range : ranges)
-    sides.push_back(side_of(range.range(), meets_ring(morton_decode(range.brick))));
+  for (std::size_t i = 0; i < ranges.size(); ++i)
+    sides[i] = side_of(ranges[i].range(), meets_ring(morton_decode(ranges[i].brick)));
   return sides;
 }
 
@@ -244,22 +245,18 @@ BuiltRun ShardBuilder::build_run(const BrickRow& run, const EarlierShard* earlie
   const bool all_kept = std::ranges::find(kept, nullptr) == kept.end();
   const BuiltRun* known = all_kept && earlier ? earlier->run(run.first, run.count) : nullptr;
   const BuiltRun built = known ? *known : BuiltRun{run.first, run.count, read(run)};
-  std::vector<NodeState> sides;
+  std::vector<BrickRange> ranges;
   if (known == nullptr) {
     nans_.add(nans_of(run));
-    const std::vector<BrickRange> ranges = ranges_of(run);
+    ranges = ranges_of(run);
     for (const BrickRange& range : ranges) ranges_.add(range);
-    sides = sides_of(ranges);
   }
+  const std::vector<NodeState> sides = sides_of(run, ranges);
   const HaloBlock block = block_of(run);
   for (std::size_t i = 0; i < kept.size();) {
     std::size_t end = i;
     while (end < kept.size() && kept[end] == nullptr) ++end;
-    if (end > i)
-      octrees_->build(
-          {block, brick(i), static_cast<std::int64_t>(end - i),
-           sides.empty() ? std::span<const NodeState>() : std::span(sides).subspan(i, end - i)},
-          worker);
+    if (end > i) octrees_->build({block, brick(i), std::span(sides).subspan(i, end - i)}, worker);
     bricks_.built += end - i;
     for (i = end; i < kept.size() && kept[i] != nullptr; ++i)
       take_over(brick(i), *kept[i], *earlier, worker);
@@ -293,9 +290,9 @@ std::unique_ptr<RunPieces> ShardBuilder::pieces_of(const BrickRow& run,
   pieces->built = {run.first, run.count, read(run)};
   pieces->nans = nans_of(run);
   pieces->ranges = ranges_of(run);
-  const std::vector<NodeState> sides = sides_of(pieces->ranges);
+  const std::vector<NodeState> sides = sides_of(run, pieces->ranges);
   RunPiecesSink sink(job_, *pieces);
-  octrees_->build({block_of(run), run.first, run.count, sides}, worker, sink);
+  octrees_->build({block_of(run), run.first, sides}, worker, sink);
   pieces->loan = MemoryLoan::attempt(*worker.memory(), sink.bytes_held());
   if (!pieces->loan) throw NoMemoryLeft();
   return pieces;

@@ -47,7 +47,7 @@ class ShardBuilder {
   bool meets_ring(Index3 brick) const;
   NodeState unedited_state(Index3 brick) const;
   NodeState side_of(const ValueRange& range, bool in_ring) const;
-  std::vector<NodeState> sides_of(std::span<const BrickRange> ranges) const;
+  std::vector<NodeState> sides_of(const BrickRow& run, std::span<const BrickRange> ranges) const;
   KnownBrick known_label(Index3 brick) const;
   KnownBrick find_known(Index3 brick) const;
   const KnownBrick& known_of(Index3 brick) const;

@@ -46,8 +46,8 @@ class PolygonEmitter {
   struct Owner {
     std::size_t cell = 0;
     LocalCell at;
-    int last =
-        0;  // in its leaf: one less than the leaf's side; 0 also where the cell is of several leaves
+    // In its leaf: one less than the leaf's side; 0 also where the cell is of several leaves.
+    int last = 0;
 
     // Whether all cells around its last edge along an axis that is neither b nor c are of its leaf. Their
     // sheets meet in the edge, so they are of one cluster, and have one vertex.

@@ -61,9 +61,7 @@ class NodePlanes {
       const NodeEdges::Row& row = edges_.row[k];
       const std::int32_t place = row.place[lane];
       if (place == EdgePlace::none) break;
-      float weight = 1;
-      for (int a = 0; a < 3; ++a)
-        if (a != place >> 6 && (place >> 2 * a & 3) == 1) weight *= 2;
+      const auto weight = static_cast<float>(EdgePlace::cells(place));
       for (std::size_t a = 0; a < 3; ++a) normals[count][a] = weight * row.edge[a + 1][lane];
       ++count;
     }

@@ -15,6 +15,13 @@ struct EdgePlace {
   static constexpr std::int32_t make(int axis, int x, int y, int z) {
     return x | y << 2 | z << 4 | axis << 6;
   }
+  // How many of the node's cells have it.
+  static constexpr int cells(std::int32_t place) {
+    int cells = 1;
+    for (int a = 0; a < 3; ++a)
+      if (a != place >> 6 && (place >> 2 * a & 3) == 1) cells *= 2;
+    return cells;
+  }
 };
 
 // The edges of eight nodes, each node's by axis and then in the order edges are kept.
