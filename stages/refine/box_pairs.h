@@ -40,9 +40,9 @@ class BoxPairs {
       for (auto& end : ends) end.fill(INT16_MAX);
     }
     EightShorts end(std::size_t k) const {
-      EightShorts lanes;
-      std::memcpy(&lanes, ends[k].data(), sizeof lanes);
-      return lanes;
+      EightShorts values;
+      std::memcpy(&values, ends[k].data(), sizeof values);
+      return values;
     }
   };
   // What those must be at most to meet a box.

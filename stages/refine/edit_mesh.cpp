@@ -177,36 +177,41 @@ void EditMesh::note_left(const Change& change, std::uint32_t v) {
               left_.end());
 }
 
-double EditMesh::measure(const Change& change, const Step& step, double enough, double most,
-                         bool finds_places) {
+double EditMesh::measure(const Change& change, const Step& step, double enough, double most) {
   const double limit = most * most;
   double reach = enough * enough;
-  // Any triangle will do that is no further than another sample is.
-  const auto to_nearest = [&](const LatticePoint& place, const MaterialPair& sides,
-                              std::size_t guess) {
-    const Nearest now = nearest_.to(place, sides, guess, finds_places ? -1 : reach);
-    places_.push_back(static_cast<std::uint32_t>(now.triangle));
-    return now.squared;
-  };
   places_.clear();
   note_left(change, step);
   nearest_.clear();
   for (std::size_t i = 0; i < change.shapes.size(); ++i)
     nearest_.add(change.shapes[i], sides(change.old[i]));
-  for (const Left& left : left_) {
-    reach = std::max(reach, to_nearest(left.place, left.sides, 0));
-    if (reach > limit) return reach;
-  }
-  for (std::size_t i = 0; i < change.old.size(); ++i) {
-    const std::uint32_t t = change.old[i];
-    for (std::uint32_t s = sample_heads_[t]; s != none; s = sample_next_[s]) {
-      // What takes the triangle's place is as good a guess as any.
-      const double now = to_nearest(samples_[s], sides(t), i);
-      if (now <= reach || now <= squared_distance(samples_[s], shape(t))) continue;
-      reach = now;
-      if (reach > limit) return reach;
+  struct Asked {
+    LatticePoint place;
+    std::uint32_t triangle;  // whose sample it is now; none: a place that is left
+  };
+  std::array<Asked, lanes> asked;
+  const auto answer = [&] {
+    const std::size_t count = nearest_.waiting();
+    const NearestLanes& nearest = nearest_.answer();
+    for (std::size_t i = 0; i < count; ++i) {
+      places_.push_back(static_cast<std::uint32_t>(nearest.triangle[i]));
+      const auto [place, t] = asked[i];
+      const double now = nearest.squared[i];
+      if (now > reach && (t == none || now > squared_distance(place, shape(t)))) reach = now;
     }
-  }
+    return reach <= limit;
+  };
+  const auto is_near = [&](const Asked& one, const MaterialPair& sides) {
+    asked[nearest_.waiting()] = one;
+    nearest_.ask(one.place, sides);
+    return !nearest_.is_full() || answer();
+  };
+  for (const Left& left : left_)
+    if (!is_near({left.place, none}, left.sides)) return reach;
+  for (const std::uint32_t t : change.old)
+    for (std::uint32_t s = sample_heads_[t]; s != none; s = sample_next_[s])
+      if (!is_near({samples_[s], t}, sides(t))) return reach;
+  if (nearest_.waiting() > 0) answer();
   return reach;
 }
 

@@ -178,13 +178,13 @@ class EditMesh {
   // further from the new ones than `most`, or than it is now. Of the new ones only those count that
   // separate what its triangle does; a place that a vertex leaves is one of each sheet there.
   bool keeps_samples(const Change& change, const Step& step, double most) {
-    return measure(change, step, most, most, true) <= most * most;
+    return measure(change, step, most, most) <= most * most;
   }
   // The square of the least distance for which keeps_samples() would say yes: no more exactly than
   // whether it is more than `most`, or no more than `enough`. Quicker than that, as which triangle is
   // nearest to a sample does not matter.
   double squared_reach(const Change& change, const Step& step, double enough, double most) {
-    return measure(change, step, enough, most, false);
+    return measure(change, step, enough, most);
   }
   // Precondition: keeps_samples() has said yes to this change, and was not asked since. Samples go to
   // the nearest of the new triangles.
@@ -198,9 +198,8 @@ class EditMesh {
   }
 
  private:
-  // squared_reach(). finds_places: places_ tells the nearest triangles then.
-  double measure(const Change& change, const Step& step, double enough, double most,
-                 bool finds_places);
+  // squared_reach(). places_ tells the nearest triangles, unless it is more than `most`.
+  double measure(const Change& change, const Step& step, double enough, double most);
   // The places that vertices leave.
   void note_left(const Change& change, const Step& step);
   void note_left(const Change& change, std::uint32_t v);

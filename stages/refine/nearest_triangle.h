@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "stages/exact/triangle_pair.h"
+#include "stages/refine/nearest_kernels.h"
 #include "storage/types/lattice_box.h"
 #include "storage/types/tile_mesh.h"
 
@@ -12,60 +13,43 @@ namespace voxweld {
 
 double squared_distance(const LatticePoint& point, const LatticeTriangle& triangle);
 
-// squared: infinite where there is none. triangle: which; of equal ones the first.
-struct Nearest {
-  double squared = 0;
-  std::size_t triangle = 0;
-};
-
-// A triangle to measure many points from. What does not depend on the point is computed once: the ways
-// from the first corner to the others, their products and the normal. All but the normal's square are
-// integers of less than 53 bits as long as sides have 25, so nothing is lost.
+// A triangle to measure many points from.
 class MeasuredTriangle {
  public:
   explicit MeasuredTriangle(const LatticeTriangle& shape);
   double squared_distance(const LatticePoint& point) const;
+  const MeasuredShape& shape() const { return shape_; }
 
  private:
-  LatticePoint first_;
-  Vec3 ab_, ac_, normal_;
-  double abab_, abac_, acac_, nn_;
+  MeasuredShape shape_;  // its sides are 0
 };
 
-// Of few triangles the nearest to each of many points, among those that separate the same.
+// Of few triangles the nearest to each of many points, among those that separate the same. Eight points
+// are looked up at once, since each that it takes alone costs as much.
 class NearestTriangles {
  public:
   void clear() {
-    triangles_.clear();
-    measured_.clear();
+    shapes_.clear();
+    sides_.clear();
+    points_ = 0;
   }
   void add(const LatticeTriangle& shape, const MaterialPair& sides);
-  // guess: of the triangle that may well be it; any number will do. enough: the square of a distance
-  // at which any triangle will do. To the bit what a look at all of them says, or where it says no more
-  // than enough, something else that is no more: a triangle is passed over only where its box is
-  // further than another triangle.
-  Nearest to(const LatticePoint& point, const MaterialPair& sides, std::size_t guess,
-             double enough = -1);
+  // The next point. Precondition: fewer than eight wait.
+  void ask(const LatticePoint& point, const MaterialPair& sides);
+  std::size_t waiting() const { return points_; }
+  bool is_full() const { return points_ == lanes; }
+  // Looks them up; they wait no longer. The results are theirs in the order of asking.
+  const NearestLanes& answer();
 
  private:
-  static constexpr std::size_t lanes = 4;
-  using Ints = std::int32_t __attribute__((vector_size(16)));
-  using Floats = float __attribute__((vector_size(16)));
-  struct Triangle {
-    LatticeTriangle shape;
-    MaterialPair sides;
-    std::uint32_t measured;  // its number in measured_, from 1 on; 0 where nobody has asked for it
-  };
-  double squared_distance(std::size_t triangle, const LatticePoint& point);
-  // Boxes of four triangles, to which distances are computed at once.
-  struct Boxes {
-    Ints lo[3], hi[3];
-    Floats squared_distances(const LatticePoint& point) const;
-  };
-  std::vector<Triangle> triangles_;
-  std::vector<MeasuredTriangle> measured_;  // those that were near enough to be looked at
-  std::vector<Boxes>
-      boxes_;  // of a group of triangles; those beyond the last triangle are not looked at
+  double number_of(const MaterialPair& sides) const;
+
+  NearestKernel kernel_ = nearest_kernel();
+  std::vector<MeasuredShape> shapes_;
+  std::vector<MaterialPair> sides_;  // of triangles, each once
+  PointLanes asked_{};
+  NearestLanes found_{};
+  std::size_t points_ = 0;
 };
 
 }  // namespace voxweld

@@ -37,7 +37,7 @@ class RangeRefiner {
   RefineMesh run() {
     sort_into_cubes();
     find_pairs();
-    for (auto at = populated_.cbegin(); at != populated_.cend();) at = refine_some(at);
+    refine_cubes();
     return refiner_.take();
   }
 
@@ -81,7 +81,7 @@ class RangeRefiner {
   void sort_into_cubes();
   void find_pairs();
   using Populated = std::map<Cube, TriangleNumbers>;
-  Populated::const_iterator refine_some(Populated::const_iterator at);
+  void refine_cubes();
   TriangleNumbers staying_in(Index3 cube, const TriangleNumbers& meeting,
                              const std::optional<Room>& room) const;
 
@@ -151,39 +151,44 @@ TriangleNumbers RangeRefiner::staying_in(Index3 cube, const TriangleNumbers& mee
   return staying;
 }
 
-// Refines as many cubes at the same time as have no more triangles than parameters say: so threads that
-// are free help, and memory is bounded. Returns the cube that comes next.
-RangeRefiner::Populated::const_iterator RangeRefiner::refine_some(Populated::const_iterator at) {
+// As many cubes at the same time as have no more triangles than parameters say: so threads that are free
+// help, and memory is bounded.
+void RangeRefiner::refine_cubes() {
   struct One {
     Index3 cube;
     const TriangleNumbers* meeting;
     std::optional<BoxRefiner::Outcome> outcome = {};
   };
-  std::vector<One> some;
-  for (std::size_t sum = 0; at != populated_.cend() && some.size() < most_at_once; ++at) {
-    sum += at->second.size();
-    if (!some.empty() && sum > parameters_.at_once) break;
-    some.push_back({morton_decode(at->first.number), &at->second});
+  std::vector<One> cubes;
+  std::size_t largest = 0;
+  for (const auto& [cube, triangles] : populated_) {
+    cubes.push_back({morton_decode(cube.number), &triangles});
+    largest = std::max(largest, triangles.size());
   }
-  // One alone may be cut up, and its parts are done at the same time.
-  const std::size_t most =
-      some.front().meeting->size() > most_part_triangles ? most_at_once : some.size();
-  while (extracts_.size() < most) extracts_.emplace_back(mesh_);
-  const auto extracts = [&](std::size_t i) {
-    return some.size() == 1 ? std::span(extracts_) : std::span(extracts_).subspan(i, 1);
+  // One that is cut up is alone, and its parts are done at the same time.
+  const auto is_cut = [&](std::size_t i) { return cubes[i].meeting->size() > most_part_triangles; };
+  const std::size_t slots =
+      largest > most_part_triangles ? most_at_once : std::min(most_at_once, cubes.size());
+  while (extracts_.size() < slots) extracts_.emplace_back(mesh_);
+  const auto size = [&](std::size_t i) {
+    return is_cut(i) ? parameters_.at_once + 1 : cubes[i].meeting->size();
   };
-  for_each_index(some.size(), [&](std::size_t i) {
-    One& one = some[i];
+  const auto work = [&](std::size_t i, std::size_t slot) {
+    One& one = cubes[i];
     const auto room = room_of(one.cube);
     const TriangleNumbers staying = staying_in(one.cube, *one.meeting, room);
+    const auto extracts = is_cut(i) ? std::span(extracts_) : std::span(extracts_).subspan(slot, 1);
     if (room)
-      one.outcome = refiner_.work_on({*room, *one.meeting, staying, fixed_}, extracts(i));
+      one.outcome = refiner_.work_on({*room, *one.meeting, staying, fixed_}, extracts);
     else
       one.outcome = refiner_.kept(staying, fixed_);
-  });
-  for (const One& one : some) refiner_.put_out(*one.outcome);
-  counts_.cubes += some.size();
-  return at;
+  };
+  const auto put = [&](std::size_t i) {
+    refiner_.put_out(*cubes[i].outcome);
+    cubes[i].outcome.reset();
+  };
+  for_each_in_order({cubes.size(), size, work, put}, slots, parameters_.at_once);
+  counts_.cubes += cubes.size();
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <map>
 #include <random>
 
-#include "plain_nearest.h"
+#include "random_places.h"
 #include "stages/refine/edge_queue.h"
 #include "stages/refine/edit_moves.h"
 #include "stages/refine/nearest_triangle.h"
@@ -18,89 +18,9 @@
 namespace voxweld {
 namespace {
 
-class Random {
- public:
-  std::int32_t operator()(std::int32_t lo, std::int32_t hi) {
-    return lo + static_cast<std::int32_t>(engine_() % static_cast<std::uint32_t>(hi - lo + 1));
-  }
-  LatticePoint point(std::int32_t lo, std::int32_t hi) {
-    return {(*this)(lo, hi), (*this)(lo, hi), (*this)(lo, hi)};
-  }
-  LatticeTriangle triangle(std::int32_t lo, std::int32_t hi) {
-    LatticeTriangle t;
-    do t = {point(lo, hi), point(lo, hi), point(lo, hi)};
-    while (has_no_area(t));
-    return t;
-  }
+using testing::RandomPlaces;
 
- private:
-  std::mt19937 engine_{7};
-};
-
-// Of few coordinates, so that many are equally near.
-TEST(NearestTriangles, SayWhatAllOfThemSay) {
-  Random random;
-  for (int round = 0; round < 400; ++round) {
-    NearestTriangles nearest;
-    std::vector<LatticeTriangle> shapes;
-    const std::int32_t side = round % 2 == 0 ? 6 : 30000;
-    const std::size_t count = 1 + static_cast<std::size_t>(random(0, 12));
-    for (std::size_t i = 0; i < count; ++i) {
-      shapes.push_back(random.triangle(0, side));
-      nearest.add(shapes.back(), {});
-    }
-    for (int k = 0; k < 20; ++k) {
-      const LatticePoint point = random.point(-side / 2, side + side / 2);
-      const Nearest plain = testing::nearest_triangle(point, shapes);
-      const Nearest found =
-          nearest.to(point, {}, static_cast<std::size_t>(random(0, 2 * static_cast<int>(count))));
-      EXPECT_EQ(found.squared, plain.squared);
-      EXPECT_EQ(found.triangle, plain.triangle);
-    }
-  }
-}
-
-// Where it is near enough any will do, and is what is said to be so far.
-TEST(NearestTriangles, StopWhereOneIsNearEnough) {
-  Random random;
-  std::size_t others = 0;
-  for (int round = 0; round < 400; ++round) {
-    NearestTriangles nearest;
-    std::vector<LatticeTriangle> shapes;
-    const std::size_t count = 1 + static_cast<std::size_t>(random(0, 12));
-    for (std::size_t i = 0; i < count; ++i) {
-      shapes.push_back(random.triangle(0, 100));
-      nearest.add(shapes.back(), {});
-    }
-    for (int k = 0; k < 20; ++k) {
-      const LatticePoint point = random.point(-50, 150);
-      const Nearest plain = testing::nearest_triangle(point, shapes);
-      const double enough = random(0, 3000);
-      const Nearest found = nearest.to(
-          point, {}, static_cast<std::size_t>(random(0, 2 * static_cast<int>(count))), enough);
-      EXPECT_EQ(found.squared, squared_distance(point, shapes[found.triangle]));
-      if (plain.squared > enough) {
-        EXPECT_EQ(found.squared, plain.squared);
-        EXPECT_EQ(found.triangle, plain.triangle);
-      } else {
-        EXPECT_LE(found.squared, enough);
-        others += found.triangle != plain.triangle ? 1 : 0;
-      }
-    }
-  }
-  EXPECT_GT(others, 100u);
-}
-
-TEST(NearestTriangles, AreOfTheSameSides) {
-  NearestTriangles nearest;
-  nearest.add({{{0, 0, 0}, {9, 0, 0}, {0, 9, 0}}}, {1, 2});
-  nearest.add({{{0, 0, 5}, {9, 0, 5}, {0, 9, 5}}}, {1, 3});
-  EXPECT_EQ(nearest.to({1, 1, 0}, {1, 3}, 0).triangle, 1u);
-  EXPECT_EQ(nearest.to({1, 1, 0}, {1, 3}, 0).squared, 25);
-  EXPECT_TRUE(std::isinf(nearest.to({1, 1, 0}, {2, 3}, 0).squared));
-}
-
-LatticeBox random_box(Random& random, const LatticeBox& around, std::int32_t beyond) {
+LatticeBox random_box(RandomPlaces& random, const LatticeBox& around, std::int32_t beyond) {
   LatticeTriangle corners;
   for (LatticePoint& p : corners)
     for (std::size_t a = 0; a < 3; ++a) p[a] = random(around.lo[a] - beyond, around.hi[a] + beyond);
@@ -113,7 +33,7 @@ LatticeBox random_box(Random& random, const LatticeBox& around, std::int32_t bey
 
 // Cubes of few steps and of so many that their coordinates are rounded; boxes that lie far outside.
 TEST(TriangleGrid, FindsAllThatMeet) {
-  Random random;
+  RandomPlaces random;
   for (const std::int32_t side : {300, 20000, 20001, 3000000}) {
     const LatticeBox around{{500, 600, 700}, {500 + side, 600 + side, 700 + side}};
     TriangleGrid grid(around, side == 20000 ? 100 : 100000);  // both make bins of their own sizes
@@ -162,7 +82,7 @@ TEST(TriangleGrid, PassesOverWhatIsFarAway) {
 
 // Ids of neighbours, as meshes have them, and of any bits, 0 among them.
 TEST(VertexTable, FindsThoseThatCameFirst) {
-  Random random;
+  RandomPlaces random;
   for (const std::size_t reserved : {0u, 700u, 5000u}) {
     std::vector<VertexId> ids;
     VertexTable table{VertexIdHash{&ids}};
@@ -210,7 +130,7 @@ TEST(VertexCubes, AreThoseOfCornersAndBoxes) {
 }
 
 TEST(EdgeQueue, GivesTheCheapestFirstAndEqualOnesInTurn) {
-  Random random;
+  RandomPlaces random;
   EdgeQueue queue;
   std::vector<double> costs;
   QueuedEdge edge{};
@@ -240,7 +160,7 @@ TEST(EdgeQueue, GivesTheCheapestFirstAndEqualOnesInTurn) {
 // Whether a change makes triangles intersect is known from shadows and from what was known before;
 // hits() looks at all pairs. Half of the changes are made, so that what is kept has to be right.
 TEST(EditMesh, AChangeIsCleanWhereNothingIsHit) {
-  Random random;
+  RandomPlaces random;
   const LatticeBox box{{0, 0, 0}, {1000, 1000, 1000}};
   EditMesh mesh(testing::torus(), box);
   mesh.set_intersecting(mesh.find_intersecting());
@@ -293,7 +213,7 @@ std::vector<std::uint32_t> triangles_that_intersect(const EditMesh& mesh) {
 // triangles finds.
 TEST(EditMesh, ManyChangesTellInTheEndWhatIntersects) {
   for (std::int32_t reach : {30, 120, 400}) {
-    Random random;
+    RandomPlaces random;
     EditMesh mesh(testing::torus(), {{0, 0, 0}, {1000, 1000, 1000}});
     ASSERT_TRUE(mesh.find_intersecting().empty());
     EditMoves moves(mesh);

@@ -8,6 +8,12 @@
 
 namespace voxweld::testing {
 
+// squared: infinite where there is none. triangle: which; of equal ones the first.
+struct Nearest {
+  double squared = 0;
+  std::size_t triangle = 0;
+};
+
 inline Nearest nearest_triangle(const LatticePoint& point,
                                 std::span<const LatticeTriangle> triangles) {
   Nearest best{std::numeric_limits<double>::infinity(), 0};
