@@ -78,6 +78,7 @@ class RangeRefiner {
     room.box = room.box.common(*parameters_.within);
     return room;
   }
+  class CubeLists;
   void sort_into_cubes();
   void find_pairs();
   using Populated = std::map<Cube, TriangleNumbers>;
@@ -98,17 +99,42 @@ class RangeRefiner {
   TriangleNumbers fixed_;          // that intersect others that are fixed too
 };
 
+// Most triangles lie in the cube of the one before, which is not looked up again.
+class RangeRefiner::CubeLists {
+ public:
+  // Null where there is none.
+  TriangleNumbers* of(Index3 cube) {
+    if (cube == last_) return list_;
+    last_ = cube;
+    const auto at = lists_.find(morton_encode(cube));
+    return list_ = at == lists_.end() ? nullptr : at->second;
+  }
+  void add(Index3 cube, TriangleNumbers& list) {
+    lists_.try_emplace(morton_encode(cube), &list);
+    last_ = {-1, -1, -1};
+  }
+
+ private:
+  std::unordered_map<std::uint64_t, TriangleNumbers*> lists_;
+  Index3 last_{-1, -1, -1};
+  TriangleNumbers* list_ = nullptr;
+};
+
 void RangeRefiner::sort_into_cubes() {
-  std::unordered_map<std::uint64_t, TriangleNumbers*> found;
+  CubeLists lists;
+  const auto is_own_cube = [&](Index3 cube) {
+    if (lists.of(cube) != nullptr) return true;
+    const std::uint64_t code = cubes_.code(cube);
+    if (!own_.contains(code)) return false;
+    lists.add(cube, populated_[{code, morton_encode(cube)}]);
+    return true;
+  };
   const auto count = static_cast<std::uint32_t>(mesh_.triangles.size());
   std::vector<bool> used(mesh_.positions.size());
   std::uint64_t triangles = 0;
   for (std::uint32_t t = 0; t < count; ++t) {
     if (!places_.is_inside(t)) crossing_.push_back(t);
-    const Index3 home = places_.home(t);
-    const std::uint64_t code = cubes_.code(home), number = morton_encode(home);
-    if (!own_.contains(code)) continue;
-    found.try_emplace(number, &populated_[{code, number}]);
+    if (!is_own_cube(places_.home(t))) continue;
     ++triangles;
     for (const std::uint32_t v : mesh_.triangles[t]) used[v] = true;
   }
@@ -118,8 +144,7 @@ void RangeRefiner::sort_into_cubes() {
   refiner_.reserve({vertices, triangles, samples, mesh_.sides.empty() ? 0 : triangles});
   for (std::uint32_t t = 0; t < count; ++t)
     each_index(places_.around(t), [&](Index3 cube) {
-      const auto at = found.find(morton_encode(cube));
-      if (at != found.end()) at->second->push_back(t);
+      if (TriangleNumbers* list = lists.of(cube)) list->push_back(t);
     });
 }
 
