@@ -100,8 +100,7 @@ RunContext make_context(Program& program, const RunArguments& arguments, Executo
   if (context.config.run.executor == RunConfig::Executor::slurm &&
       context.config.work.copy == WorkConfig::Copy::automatic)
     context.config.work.copy = WorkConfig::Copy::always;
-  if (context.config.output.tile_vertices == 0)
-    context.config.output.tile_vertices = fitting_tile_vertices(context.config);
+  fit_tiles(context.config);
   context.executor = &executor;
   context.console = program.console;
   context.progress.enabled = shows_progress(program.log_level);

@@ -99,6 +99,11 @@ bool only_repairs(const Config& config) {
   return refine_mode(config) == SimplifyConfig::Refine::repair;
 }
 
+std::int64_t planned_tile_vertices(const Config& config) {
+  const OutputConfig& output = config.output;
+  return output.planned_vertices > 0 ? output.planned_vertices : output.tile_vertices;
+}
+
 bool has_levels(const Config& config) {
   return config.output.levels != 1;
 }

@@ -48,7 +48,8 @@ bool refines(const Config& config);
 bool mends(const Config& config);
 // Of a mesh that is refined only what intersects is changed.
 bool only_repairs(const Config& config);
-bool has_levels(const Config& config);  // of detail, beside the mesh itself
+std::int64_t planned_tile_vertices(const Config& config);  // of the tiles that merge plans
+bool has_levels(const Config& config);                     // of detail, beside the mesh itself
 
 // What is told of a key, whatever it is bound to.
 struct KeyFacts {

@@ -72,7 +72,7 @@ void Jobs::open_volume(Config& config) {
         chosen.padding ? fmt::format(" (leaving out padding of {})", *chosen.padding) : "");
     config.surface.isovalue = chosen.threshold.value;
   }
-  if (config.output.tile_vertices == 0) config.output.tile_vertices = fitting_tile_vertices(config);
+  fit_tiles(config);
   if (asks_for_noise(config)) config.surface.noise = choose_noise(config, ingest_);
   const Volume volume = ingested_volume(config, ingest_);
   VolumeInfo info = volume.source->info();
@@ -88,7 +88,7 @@ void Jobs::open_volume(Config& config) {
   if (ingest_.mesh) build_->largest_bin = largest_bin(*ingest_.mesh);
   if (volume.ranges() == nullptr) build_->ranges = paths.ingest / "ranges";
   merge_ = {&*build_, paths.merge, paths.merge_key,
-            static_cast<std::uint64_t>(config.output.tile_vertices)};
+            static_cast<std::uint64_t>(planned_tile_vertices(config))};
   stitch_.build = &*build_;
   stitch_.merge = &merge_;
   stitch_.parameters.frame = output.volume;
@@ -279,6 +279,18 @@ std::int64_t fitting_tile_vertices(const Config& config) {
   };
   while (vertices / 2 >= least && !fits(vertices)) vertices /= 2;
   return vertices;
+}
+
+// With levels tiles are small for those who look at them. What is stitched and refined at once need not be:
+// refine of porous stone (512^3) took a tenth longer in ranges of a tile of 65536 vertices. And so a run
+// with levels goes on from what one without them has left.
+void fit_tiles(Config& config) {
+  if (config.output.tile_vertices != 0) return;
+  config.output.tile_vertices = fitting_tile_vertices(config);
+  if (!refines(config)) return;
+  Config alone = config;
+  alone.output.levels = 1;
+  config.output.planned_vertices = fitting_tile_vertices(alone);
 }
 
 void warn_of_large_tiles(const RunContext& context) {

@@ -124,20 +124,23 @@ WorkPlan plan_work(const RunContext& context, const Jobs& jobs, std::int64_t slo
   }
   add(Stage::build, n, n, whole(look.octree_bytes), whole(look.cpu_s) * 1.3);  // and reading
   add(Stage::merge, 1, 1, 16 * n, 1e-4 * n);
-  const double tiles =
-      rounded_up(plan.vertices / (static_cast<double>(config.output.tile_vertices) * tile_filling));
-  add(Stage::stitch, tiles, tiles, tile_bytes * plan.vertices,
+  const auto tiles_of = [&](std::int64_t vertices) {
+    return rounded_up(plan.vertices / (static_cast<double>(vertices) * tile_filling));
+  };
+  const double planned = tiles_of(planned_tile_vertices(config));
+  const double tiles = tiles_of(config.output.tile_vertices);
+  add(Stage::stitch, planned, planned, tile_bytes * plan.vertices,
       usual_cost("stitch", plan.vertices + polygons));
   if (refines(config)) {
     for (const Stage pass : stages_of(config)) {
       const double weight = plan.vertices + polygons;
       if (pass == Stage::survey || pass == Stage::recount)
-        add(pass, tiles, tiles, counts_bytes * tiles, usual_cost("survey", weight));
+        add(pass, planned, planned, counts_bytes * planned, usual_cost("survey", weight));
       if (Stage::refine <= pass && pass <= Stage::remend && pass != Stage::recount) {
         // Where the mesh is only repaired, the first one looks and writes nothing.
         const bool looks = pass == Stage::refine && only_repairs(config);
         const bool only_mends = pass >= Stage::mend || only_repairs(config);
-        add(pass, tiles, tiles, looks ? 0 : cubes_bytes * plan.vertices,
+        add(pass, planned, planned, looks ? 0 : cubes_bytes * plan.vertices,
             usual_cost(only_mends ? "mend" : "refine", weight));
       }
     }

@@ -82,12 +82,19 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info, const Label
   paths.build_key = build.finish();
   paths.build = work / ("build-" + short_hex(paths.build_key));
 
-  const auto next = [&](Stage stage, std::uint32_t version, Hash128 before) {
+  const auto next_of = [](const Config& of, Stage stage, std::uint32_t version, Hash128 before) {
     KeyHasher key;
-    key.text(stage_name(stage)).integer(version).hash(before).hash(parameter_hash(config, stage));
+    key.text(stage_name(stage)).integer(version).hash(before).hash(parameter_hash(of, stage));
     return key.finish();
   };
-  paths.merge_key = next(Stage::merge, top_version, paths.build_key);
+  const auto next = [&](Stage stage, std::uint32_t version, Hash128 before) {
+    return next_of(config, stage, version, before);
+  };
+  paths.merge_key = [&] {
+    Config planned = config;
+    planned.output.tile_vertices = planned_tile_vertices(config);
+    return next_of(planned, Stage::merge, top_version, paths.build_key);
+  }();
   paths.merge = work / ("merge-" + short_hex(paths.merge_key));
   paths.stitch_key = next(Stage::stitch, stitch_version << 16 | tile_version, paths.merge_key);
   if (g.first != Vec3{}) {
@@ -123,6 +130,8 @@ StagePaths stage_paths(const Config& config, const VolumeInfo& info, const Label
       last = paths.remend_key = next(Stage::remend, version, paths.mend_key);
       paths.remend = work / ("remend-" + short_hex(paths.remend_key));
     }
+    if (planned_tile_vertices(config) != config.output.tile_vertices)
+      last = KeyHasher().hash(last).text("tiles").integer(config.output.tile_vertices).finish();
     paths.retile_key = next(Stage::retile, tile_plan_version << 16 | tile_version, last);
     paths.refine = work / ("refine-" + short_hex(paths.refine_key));
     paths.retile = work / ("retile-" + short_hex(paths.retile_key));
