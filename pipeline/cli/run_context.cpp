@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "pipeline/report/report.h"
-#include "pipeline/run/jobs.h"
 #include "pipeline/run/run.h"
+#include "pipeline/run/tile_vertices.h"
 #include "pipeline/slurm/slurm_run.h"
 #include "stages/contouring/qef.h"
 #include "storage/manifest/manifest.h"

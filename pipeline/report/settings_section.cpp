@@ -8,7 +8,7 @@
 #include "pipeline/config/settings.h"
 #include "pipeline/report/html_text.h"
 #include "pipeline/report/report_volume.h"
-#include "pipeline/run/jobs.h"
+#include "pipeline/run/tile_vertices.h"
 #include "storage/support/error.h"
 
 namespace voxweld {

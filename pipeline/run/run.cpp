@@ -17,6 +17,7 @@
 #include "pipeline/run/last_config.h"
 #include "pipeline/run/output_claim.h"
 #include "pipeline/run/stages.h"
+#include "pipeline/run/tile_vertices.h"
 #include "pipeline/stage/file_layout.h"
 #include "pipeline/stage/work_claim.h"
 #include "storage/support/error.h"

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "pipeline/build/build_stage.h"
+#include "pipeline/run/tile_vertices.h"
 #include "pipeline/slurm/batch_script.h"
 #include "pipeline/slurm/queued_tasks.h"
 #include "pipeline/slurm/task_cost.h"

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "pipeline/config/settings.h"
-#include "pipeline/run/jobs.h"
+#include "pipeline/run/tile_vertices.h"
 #include "pipeline/stage/artifacts.h"
 #include "tests/pipeline/refine/refine_work.h"
 
