@@ -106,7 +106,10 @@ std::vector<Setting> work_settings() {
            "1GiB, 16 below 256MiB. Never changes the result."},
           binding::member(work, &Work::brick, PowerOfTwoRule{16, 256}), ingest_and_build),
       row({"work", "shard",
-           "Bricks a side of a shard, one store file and build task. Never changes the result."},
+           "Bricks a side of a shard, one store file and build task. Never changes the result. "
+           "From "
+           "a volume that is not copied first, whole rows are read for each shard: with 2048 "
+           "samples a side or more, 8 or 16 are quicker."},
           binding::member(work, &Work::shard, PowerOfTwoRule{1, 16}), ingest_and_build),
       row({"work", "copy",
            "Copy the samples into the brick store first. \"auto\" copies only inputs that cannot "
