@@ -102,15 +102,11 @@ BoxRefiner::Outcome BoxRefiner::work_on(const Work& work, std::span<Extract> ext
         parts.push_back({box, inside, nullptr});
       },
       [&](std::uint32_t t) { outcome.keep(t, work.bad); });
-  for (std::size_t first = 0, end = 0; first < parts.size(); first = end) {
-    std::size_t sum = 0;
-    while (end < parts.size() && end - first < extracts.size() &&
-           (end == first || sum + parts[end].inside.size() <= parameters_.at_once))
-      sum += parts[end++].inside.size();
-    for_each_index(end - first,
-                   [&](std::size_t i) { work_on_part(parts[first + i], extracts[i]); });
-    for (Part& part : std::span(parts).subspan(first, end - first)) outcome.add(std::move(part));
-  }
+  for_each_in_order(
+      {parts.size(), [&](std::size_t i) { return parts[i].inside.size(); },
+       [&](std::size_t i, std::size_t slot) { work_on_part(parts[i], extracts[slot]); },
+       [&](std::size_t i, std::size_t) { outcome.add(std::move(parts[i])); }},
+      extracts.size(), parameters_.at_once);
   for (const std::uint32_t t : work.others) outcome.keep(t, work.bad);
   outcome.finish();
   return outcome;

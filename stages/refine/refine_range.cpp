@@ -179,38 +179,34 @@ TriangleNumbers RangeRefiner::staying_in(Index3 cube, const TriangleNumbers& mee
 // As many cubes at the same time as have no more triangles than parameters say: so threads that are free
 // help, and memory is bounded.
 void RangeRefiner::refine_cubes() {
-  struct One {
-    Index3 cube;
-    const TriangleNumbers* meeting;
-    std::optional<BoxRefiner::Outcome> outcome = {};
-  };
-  std::vector<One> cubes;
+  std::vector<std::pair<Index3, const TriangleNumbers*>> cubes;
   std::size_t largest = 0;
   for (const auto& [cube, triangles] : populated_) {
-    cubes.push_back({morton_decode(cube.number), &triangles});
+    cubes.emplace_back(morton_decode(cube.number), &triangles);
     largest = std::max(largest, triangles.size());
   }
   // One that is cut up is alone, and its parts are done at the same time.
-  const auto is_cut = [&](std::size_t i) { return cubes[i].meeting->size() > most_part_triangles; };
+  const auto is_cut = [&](std::size_t i) { return cubes[i].second->size() > most_part_triangles; };
   const std::size_t slots =
       largest > most_part_triangles ? most_at_once : std::min(most_at_once, cubes.size());
   while (extracts_.size() < slots) extracts_.emplace_back(mesh_);
+  std::vector<std::optional<BoxRefiner::Outcome>> outcomes(slots);
   const auto size = [&](std::size_t i) {
-    return is_cut(i) ? parameters_.at_once + 1 : cubes[i].meeting->size();
+    return is_cut(i) ? parameters_.at_once + 1 : cubes[i].second->size();
   };
   const auto work = [&](std::size_t i, std::size_t slot) {
-    One& one = cubes[i];
-    const auto room = room_of(one.cube);
-    const TriangleNumbers staying = staying_in(one.cube, *one.meeting, room);
+    const auto& [cube, meeting] = cubes[i];
+    const auto room = room_of(cube);
+    const TriangleNumbers staying = staying_in(cube, *meeting, room);
     const auto extracts = is_cut(i) ? std::span(extracts_) : std::span(extracts_).subspan(slot, 1);
     if (room)
-      one.outcome = refiner_.work_on({*room, *one.meeting, staying, fixed_}, extracts);
+      outcomes[slot] = refiner_.work_on({*room, *meeting, staying, fixed_}, extracts);
     else
-      one.outcome = refiner_.kept(staying, fixed_);
+      outcomes[slot] = refiner_.kept(staying, fixed_);
   };
-  const auto put = [&](std::size_t i) {
-    refiner_.put_out(*cubes[i].outcome);
-    cubes[i].outcome.reset();
+  const auto put = [&](std::size_t, std::size_t slot) {
+    refiner_.put_out(*outcomes[slot]);
+    outcomes[slot].reset();
   };
   for_each_in_order({cubes.size(), size, work, put}, slots, parameters_.at_once);
   counts_.cubes += cubes.size();

@@ -83,7 +83,7 @@ class OrderedRun {
     putting_ = true;
     while (const auto next = next_to_put()) {
       lock.unlock();
-      work_.put(put_);
+      work_.put(put_, *next);
       lock.lock();
       ++put_;
       taken_ -= states_[*next].size;
@@ -113,7 +113,7 @@ void for_each_in_order(const OrderedWork& work, std::size_t slots, std::size_t m
   static_cast<void>(slots), static_cast<void>(most);
   for (std::size_t i = 0; i < work.count; ++i) {
     work.work(i, 0);
-    work.put(i);
+    work.put(i, 0);
   }
 #else
   OrderedRun(work, slots, most).run();

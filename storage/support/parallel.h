@@ -18,8 +18,8 @@ struct OrderedWork {
   std::function<std::size_t(std::size_t i)> size;
   // As f of for_each_index(). slot: less than the slots there are, and no other i has it meanwhile.
   std::function<void(std::size_t i, std::size_t slot)> work;
-  // In the order of i, one at a time, each after its work.
-  std::function<void(std::size_t i)> put;
+  // In the order of i, one at a time, each after its work; until then the slot is its own.
+  std::function<void(std::size_t i, std::size_t slot)> put;
 };
 
 // No more than `slots` numbers are at work or wait to be put, and all they take is no more than `most`,
