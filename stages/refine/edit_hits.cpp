@@ -9,7 +9,7 @@
 
 // Which triangles intersect, behind tests that spare nearly all of them an exact look.
 //
-// Triangles that share a vertex: where all around it, seen along one axis, run the same way and once
+// Triangles that share a vertex: where all around it, seen along one direction, run the same way and once
 // around, they lie beside each other as their shadows do. That is decided by signs of integers.
 
 namespace voxweld {
@@ -31,10 +31,10 @@ bool intersect(const Corners& a, const LatticeTriangle& shape_a, const Index3& n
   return intersect_by_planes(shape_a, normal_a, shape_b, normal_b);
 }
 
-// axis: 1 to 3 along it, -1 to -3 against it.
-bool runs_along(const Index3& normal, int axis) {
-  const std::int64_t along = normal[std::abs(axis) - 1];
-  return axis > 0 ? along > 0 : along < 0;
+// Small integers, as normals have up to 51 bits.
+constexpr double most_along = 127;
+bool runs_along(const Index3& normal, const std::array<std::int8_t, 3>& along) {
+  return normal.x * along[0] + normal.y * along[1] + normal.z * along[2] > 0;
 }
 
 void make_ascending(std::vector<std::uint32_t>& numbers) {
@@ -77,38 +77,66 @@ void EditMesh::gather_umbrella(std::uint32_t v, const Change* change) {
   });
 }
 
-// Of the umbrella that was gathered.
-EditMesh::SignedAxis EditMesh::proper_axis(std::uint32_t v) const {
+// How the umbrella that was gathered is proper; nothing where it is not, as far as that is looked into.
+EditMesh::Along EditMesh::proper_along(std::uint32_t v) const {
   // Where several sheets meet, their shadows may lie on each other.
-  if (kinds_[v] != StarKind::disc) return 0;
-  // The one along which they are largest together.
-  std::array<double, 3> sums{};
-  for (const Rib& rib : umbrella_)
-    for (int a = 0; a < 3; ++a)
-      sums[static_cast<std::size_t>(a)] += static_cast<double>((*rib.normal)[a]);
-  std::size_t axis = 0;
-  for (std::size_t a = 1; a < 3; ++a)
-    if (std::abs(sums[a]) > std::abs(sums[axis])) axis = a;
-  const auto found =
-      static_cast<SignedAxis>((sums[axis] > 0 ? 1 : -1) * static_cast<int>(axis + 1));
-  const std::size_t up = (axis + 1) % 3;
+  if (kinds_[v] != StarKind::disc) return {};
+  Vec3 sum;
+  for (const Rib& rib : umbrella_) sum = sum + as_vec3(*rib.normal);
+  // Most are so along the axis along which they are largest together, which is quickest to see.
+  int axis = 0;
+  for (int a = 1; a < 3; ++a)
+    if (std::abs(sum[a]) > std::abs(sum[axis])) axis = a;
+  const double largest = std::abs(sum[axis]);
+  if (!(largest > 0)) return {};
+  Along along{};
+  along[static_cast<std::size_t>(axis)] = sum[axis] > 0 ? 1 : -1;
+  if (is_proper_along_axis(along, axis)) return along;
+  for (int a = 0; a < 3; ++a)
+    along[static_cast<std::size_t>(a)] =
+        static_cast<std::int8_t>(std::lround(sum[a] * (most_along / largest)));
+  return is_proper(along, axis) ? along : Along{};
+}
+
+bool EditMesh::is_proper_along_axis(const Along& along, int axis) const {
+  const auto up = static_cast<std::size_t>((axis + 1) % 3);
   std::size_t changes = 0;
   for (const Rib& rib : umbrella_) {
-    if (!runs_along(*rib.normal, found)) return 0;
+    if (((*rib.normal)[axis] > 0) != (along[static_cast<std::size_t>(axis)] > 0) ||
+        (*rib.normal)[axis] == 0)
+      return false;
     const std::int32_t y = (*rib.at)[up];
     changes += ((*rib.next)[up] < y) != ((*rib.last)[up] < y) ? 1 : 0;
   }
-  return changes == 2 ? found : SignedAxis{0};
+  return changes == 2;
+}
+
+// axis: along which it is largest.
+bool EditMesh::is_proper(const Along& along, int axis) const {
+  // At a right angle to it.
+  Index3 across;
+  across[axis] = -along[static_cast<std::size_t>((axis + 1) % 3)];
+  across[(axis + 1) % 3] = along[static_cast<std::size_t>(axis)];
+  std::size_t changes = 0;
+  const auto is_before = [&](const LatticePoint& at, const LatticePoint& p) {
+    const Index3 way = lattice_vector(at, p);
+    return across.x * way.x + across.y * way.y + across.z * way.z < 0;
+  };
+  for (const Rib& rib : umbrella_) {
+    if (!runs_along(*rib.normal, along)) return false;
+    changes += is_before(*rib.at, *rib.next) != is_before(*rib.at, *rib.last) ? 1 : 0;
+  }
+  return changes == 2;
 }
 
 // Where one or two triangles come in the place of some, and run the same way, they all still run once
 // around: two are less than a whole turn, and there are only whole turns.
 bool EditMesh::stays_proper(std::uint32_t v, const Change& change) {
   if (std::popcount(uses_[v]) > 2 || kinds_[v] != StarKind::disc) return false;
-  if (proper_[v] == 0) {
+  if (proper_[v] == Along{}) {
     gather_umbrella(v, nullptr);
-    proper_[v] = proper_axis(v);
-    if (proper_[v] == 0) return false;
+    proper_[v] = proper_along(v);
+    if (proper_[v] == Along{}) return false;
   }
   for (std::uint64_t left = uses_[v]; left != 0; left &= left - 1)
     if (!runs_along(change.planes[static_cast<std::size_t>(std::countr_zero(left))], proper_[v]))
@@ -121,8 +149,8 @@ bool EditMesh::stays_proper(std::uint32_t v, const Change& change) {
 void EditMesh::keep_proper(const Change& change, const Step& step) {
   for (std::size_t i = 0; i < change.now.size(); ++i)
     for (const std::uint32_t v : change.now[i])
-      if (proper_[v] != 0 && !runs_along(change.planes[i], proper_[v])) proper_[v] = 0;
-  if (step.moved != none) proper_[step.moved] = 0;
+      if (!runs_along(change.planes[i], proper_[v])) proper_[v] = {};
+  if (step.moved != none) proper_[step.moved] = {};
 }
 
 void EditMesh::mark_old(const Change& change) {
@@ -159,7 +187,7 @@ bool EditMesh::umbrellas_are_clean(const Change& change) {
   for (const std::uint32_t v : used_) {
     if (stays_proper(v, change)) continue;
     gather_umbrella(v, &change);
-    if (proper_axis(v) != 0) continue;
+    if (proper_along(v) != Along{}) continue;
     for (std::size_t i = 0; i < umbrella_.size() && umbrella_[i].triangle == none; ++i)
       for (std::size_t j = i + 1; j < umbrella_.size(); ++j)
         if (ribs_intersect(i, j)) return false;
@@ -229,8 +257,8 @@ std::vector<std::uint32_t> EditMesh::find_intersecting() {
     if (!box_.contains(positions_[v])) continue;
     gather_umbrella(v, nullptr);
     if (umbrella_.size() < 2) continue;
-    proper_[v] = proper_axis(v);
-    if (proper_[v] != 0) continue;
+    proper_[v] = proper_along(v);
+    if (proper_[v] != Along{}) continue;
     for (std::size_t i = 0; i < umbrella_.size(); ++i)
       for (std::size_t j = i + 1; j < umbrella_.size(); ++j) {
         const std::uint32_t a = umbrella_[i].triangle, b = umbrella_[j].triangle;

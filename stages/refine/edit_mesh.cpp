@@ -63,7 +63,7 @@ EditMesh::EditMesh(const RefineMesh& mesh, const LatticeBox& box,
   heads_.assign(n, none);
   versions_.assign(n, 0);
   uses_.assign(n, 0);
-  proper_.assign(n, 0);
+  proper_.assign(n, {});
   next_.assign(std::size_t{3} * m, none);
   marks_.assign(m, 0);
   sample_heads_.assign(m, none);

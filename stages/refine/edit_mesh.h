@@ -214,8 +214,8 @@ class EditMesh {
   bool hit(std::uint32_t t, const Corners& corners, const LatticeTriangle& own,
            const Index3& normal) const;
   bool apart(std::uint32_t t, const LatticeTriangle& shape, const Index3& normal) const;
-  // An axis and a direction on it: 1 to 3 along it, -1 to -3 against it, 0 none.
-  using SignedAxis = std::int8_t;
+  // A direction; zeros: none.
+  using Along = std::array<std::int8_t, 3>;
   // A triangle around a vertex, the vertex first.
   struct Rib {
     const LatticePoint *at, *next, *last;
@@ -226,7 +226,9 @@ class EditMesh {
   };
   bool ribs_intersect(std::size_t i, std::size_t j) const;
   void gather_umbrella(std::uint32_t v, const Change* change);
-  SignedAxis proper_axis(std::uint32_t v) const;
+  Along proper_along(std::uint32_t v) const;
+  bool is_proper_along_axis(const Along& along, int axis) const;
+  bool is_proper(const Along& along, int axis) const;
   bool stays_proper(std::uint32_t v, const Change& change);
   void keep_proper(const Change& change, const Step& step);
   template <class Takes>
@@ -272,9 +274,9 @@ class EditMesh {
   std::vector<std::uint64_t> uses_;
   std::vector<std::uint32_t> used_;
   std::vector<Rib> umbrella_;
-  // Of vertices: along which axis all triangles around it are known to run the same way and once
+  // Of vertices: along which direction all triangles around it are known to run the same way and once
   // around, as they are now.
-  std::vector<SignedAxis> proper_;
+  std::vector<Along> proper_;
 };
 
 }  // namespace voxweld
