@@ -10,7 +10,7 @@
 // Which triangles intersect, behind tests that spare nearly all of them an exact look.
 //
 // Triangles that share a vertex: where all around it, seen along one direction, run the same way and once
-// around, they lie beside each other as their shadows do. That is decided by signs of integers.
+// around, they lie beside each other as their shadows do (umbrella.h). That is decided by signs of integers.
 
 namespace voxweld {
 namespace {
@@ -29,12 +29,6 @@ bool intersect(const Corners& a, const LatticeTriangle& shape_a, const Index3& n
     for (std::size_t j = 0; j < 3; ++j)
       if (a[i] != b[j] && same_place(shape_a[i], shape_b[j])) return true;
   return intersect_by_planes(shape_a, normal_a, shape_b, normal_b);
-}
-
-// Small integers, as normals have up to 51 bits.
-constexpr double most_along = 127;
-bool runs_along(const Index3& normal, const std::array<std::int8_t, 3>& along) {
-  return normal.x * along[0] + normal.y * along[1] + normal.z * along[2] > 0;
 }
 
 void make_ascending(std::vector<std::uint32_t>& numbers) {
@@ -78,53 +72,33 @@ void EditMesh::gather_umbrella(std::uint32_t v, const Change* change) {
 }
 
 // How the umbrella that was gathered is proper; nothing where it is not, as far as that is looked into.
-EditMesh::Along EditMesh::proper_along(std::uint32_t v) const {
+Along EditMesh::proper_along(std::uint32_t v) const {
   // Where several sheets meet, their shadows may lie on each other.
   if (kinds_[v] != StarKind::disc) return {};
   Vec3 sum;
   for (const Rib& rib : umbrella_) sum = sum + as_vec3(*rib.normal);
   // Most are so along the axis along which they are largest together, which is quickest to see.
-  int axis = 0;
-  for (int a = 1; a < 3; ++a)
-    if (std::abs(sum[a]) > std::abs(sum[axis])) axis = a;
-  const double largest = std::abs(sum[axis]);
-  if (!(largest > 0)) return {};
-  Along along{};
-  along[static_cast<std::size_t>(axis)] = sum[axis] > 0 ? 1 : -1;
-  if (is_proper_along_axis(along, axis)) return along;
-  for (int a = 0; a < 3; ++a)
-    along[static_cast<std::size_t>(a)] =
-        static_cast<std::int8_t>(std::lround(sum[a] * (most_along / largest)));
-  return is_proper(along, axis) ? along : Along{};
-}
-
-bool EditMesh::is_proper_along_axis(const Along& along, int axis) const {
-  const auto up = static_cast<std::size_t>((axis + 1) % 3);
-  std::size_t changes = 0;
-  for (const Rib& rib : umbrella_) {
-    if (((*rib.normal)[axis] > 0) != (along[static_cast<std::size_t>(axis)] > 0) ||
-        (*rib.normal)[axis] == 0)
-      return false;
-    const std::int32_t y = (*rib.at)[up];
-    changes += ((*rib.next)[up] < y) != ((*rib.last)[up] < y) ? 1 : 0;
+  const int axis = longest_axis(sum);
+  if (is_proper_along_axis(axis, sum[axis] > 0)) {
+    Along along{};
+    along[static_cast<std::size_t>(axis)] = sum[axis] > 0 ? 1 : -1;
+    return along;
   }
-  return changes == 2;
+  const Along along = direction_of(sum);
+  ShadowTurns turns(along);
+  for (const Rib& rib : umbrella_)
+    if (!turns.add(*rib.at, *rib.next, *rib.last, *rib.normal)) return {};
+  return turns.once() ? along : Along{};
 }
 
-// axis: along which it is largest.
-bool EditMesh::is_proper(const Along& along, int axis) const {
-  // At a right angle to it.
-  Index3 across;
-  across[axis] = -along[static_cast<std::size_t>((axis + 1) % 3)];
-  across[(axis + 1) % 3] = along[static_cast<std::size_t>(axis)];
+bool EditMesh::is_proper_along_axis(int axis, bool up) const {
+  const auto side = static_cast<std::size_t>((axis + 1) % 3);
   std::size_t changes = 0;
-  const auto is_before = [&](const LatticePoint& at, const LatticePoint& p) {
-    const Index3 way = lattice_vector(at, p);
-    return across.x * way.x + across.y * way.y + across.z * way.z < 0;
-  };
   for (const Rib& rib : umbrella_) {
-    if (!runs_along(*rib.normal, along)) return false;
-    changes += is_before(*rib.at, *rib.next) != is_before(*rib.at, *rib.last) ? 1 : 0;
+    const std::int64_t along = (*rib.normal)[axis];
+    if (up ? along <= 0 : along >= 0) return false;
+    const std::int32_t at = (*rib.at)[side];
+    changes += ((*rib.next)[side] < at) != ((*rib.last)[side] < at) ? 1 : 0;
   }
   return changes == 2;
 }

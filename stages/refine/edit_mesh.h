@@ -13,6 +13,7 @@
 #include "stages/exact/triangle_pair.h"
 #include "stages/refine/nearest_triangle.h"
 #include "stages/refine/triangle_grid.h"
+#include "stages/refine/umbrella.h"
 #include "stages/refine/vertex_star.h"
 #include "storage/types/refine_mesh.h"
 
@@ -214,8 +215,6 @@ class EditMesh {
   bool hit(std::uint32_t t, const Corners& corners, const LatticeTriangle& own,
            const Index3& normal) const;
   bool apart(std::uint32_t t, const LatticeTriangle& shape, const Index3& normal) const;
-  // A direction; zeros: none.
-  using Along = std::array<std::int8_t, 3>;
   // A triangle around a vertex, the vertex first.
   struct Rib {
     const LatticePoint *at, *next, *last;
@@ -227,8 +226,7 @@ class EditMesh {
   bool ribs_intersect(std::size_t i, std::size_t j) const;
   void gather_umbrella(std::uint32_t v, const Change* change);
   Along proper_along(std::uint32_t v) const;
-  bool is_proper_along_axis(const Along& along, int axis) const;
-  bool is_proper(const Along& along, int axis) const;
+  bool is_proper_along_axis(int axis, bool up) const;
   bool stays_proper(std::uint32_t v, const Change& change);
   void keep_proper(const Change& change, const Step& step);
   template <class Takes>

@@ -8,6 +8,7 @@
 
 #include "stages/refine/box_pairs.h"
 #include "stages/refine/plane_tests.h"
+#include "stages/refine/umbrella.h"
 #include "stages/refine/vertex_cubes.h"
 #include "storage/types/index_table.h"
 
@@ -33,11 +34,14 @@ struct Star {
   std::uint32_t triangle = 0;  // the last one of them
   std::uint8_t axis = 0;       // along which the sum is largest
   bool any_own = false;
-  bool bends = false;  // normals do not all go the sum's way along the axis, or several sheets meet
+  bool bends = false;   // normals do not all go the sum's way along the axis
+  bool sheets = false;  // several meet: their shadows may lie on each other
 
-  // Whether the triangles, seen along the axis, run the same way and once around the vertex. Then none
-  // of them intersect. They make rings where nothing is left in the balance, but for a chance of 2^-64.
-  bool is_proper() const { return !bends && changes == 2 && balance == 0; }
+  // Whether the triangles make rings: nothing is left in the balance, but for a chance of 2^-64.
+  bool is_ring() const { return !sheets && balance == 0; }
+  // Whether they run the same way, seen along the axis, and once around the vertex. Then none of them
+  // intersect.
+  bool is_proper() const { return is_ring() && !bends && changes == 2; }
 };
 
 class PairFinder {
@@ -77,7 +81,14 @@ class PairFinder {
   }
 
  private:
+  struct Rib {
+    std::uint32_t triangle;
+    LatticeTriangle shape;
+    Index3 normal;
+  };
   void add_around_vertices();
+  bool run_once_around(std::uint32_t v, const std::vector<Rib>& ribs) const;
+  void add_pairs_of(const std::vector<Rib>& ribs);
   std::vector<Star> find_stars() const;
   void add_apart();
   Index3 normal(std::uint32_t t) const {
@@ -101,33 +112,50 @@ class PairFinder {
 
 // Of pairs that share a vertex.
 void PairFinder::add_around_vertices() {
-  std::vector<std::uint8_t> asks;  // of a vertex, for a closer look
-  asks.reserve(mesh_.positions.size());
-  for (const Star& star : find_stars()) asks.push_back(star.any_own && !star.is_proper() ? 1 : 0);
-  struct Rib {
-    std::uint32_t vertex, triangle;
-    LatticeTriangle shape;
-    Index3 normal;
-  };
+  enum : std::uint8_t { proper, ring, other };
+  std::vector<std::uint8_t> stars;
+  stars.reserve(mesh_.positions.size());
+  for (const Star& star : find_stars())
+    stars.push_back(!star.any_own || star.is_proper() ? proper : star.is_ring() ? ring : other);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> corners;  // vertex, triangle
-  for (std::uint32_t t = 0; t < own_.size(); ++t) {
-    const auto [a, b, c] = mesh_.triangles[t];
-    if ((asks[a] | asks[b] | asks[c]) == 0) continue;
-    for (const std::uint32_t v : {a, b, c})
-      if (asks[v] != 0) corners.emplace_back(v, t);
-  }
+  for (std::uint32_t t = 0; t < own_.size(); ++t)
+    for (const std::uint32_t v : mesh_.triangles[t])
+      if (stars[v] != proper) corners.emplace_back(v, t);
   std::ranges::sort(corners);
   std::vector<Rib> ribs;  // of one vertex
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const auto [v, t] = corners[i];
-    if (!ribs.empty() && ribs[0].vertex != v) ribs.clear();
-    ribs.push_back({v, t, mesh_.shape(t), normal(t)});
-    const Rib& a = ribs.back();
-    for (const Rib& b : std::span(ribs).first(ribs.size() - 1))
+  for (std::size_t i = 0; i < corners.size();) {
+    const std::uint32_t v = corners[i].first;
+    ribs.clear();
+    for (; i < corners.size() && corners[i].first == v; ++i) {
+      const std::uint32_t t = corners[i].second;
+      ribs.push_back({t, mesh_.shape(t), normal(t)});
+    }
+    if (stars[v] != ring || !run_once_around(v, ribs)) add_pairs_of(ribs);
+  }
+}
+
+// A closer look than along axes. Precondition: they make a ring.
+bool PairFinder::run_once_around(std::uint32_t v, const std::vector<Rib>& ribs) const {
+  Vec3 sum;
+  for (const Rib& rib : ribs) sum = sum + as_vec3(rib.normal);
+  ShadowTurns turns(direction_of(sum));
+  for (const Rib& rib : ribs) {
+    const Corners& c = mesh_.triangles[rib.triangle];
+    const std::size_t k = c[0] == v ? 0 : c[1] == v ? 1 : 2;
+    if (!turns.add(rib.shape[k], rib.shape[(k + 1) % 3], rib.shape[(k + 2) % 3], rib.normal))
+      return false;
+  }
+  return turns.once();
+}
+
+void PairFinder::add_pairs_of(const std::vector<Rib>& ribs) {
+  for (std::size_t i = 0; i < ribs.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const Rib &a = ribs[i], &b = ribs[j];
       if (own_[a.triangle] + own_[b.triangle] > 0 &&
           intersect_by_planes(a.shape, a.normal, b.shape, b.normal))
         add(a.triangle, b.triangle);
-  }
+    }
 }
 
 // Triangles come one after the other, and not those of each vertex: so they need no lists.
@@ -154,9 +182,8 @@ std::vector<Star> PairFinder::find_stars() const {
       const std::size_t next = (k + 1) % 3, last = (k + 2) % 3;
       Star& star = stars[c[k]];
       const std::size_t axis = star.axis, up = axis == 2 ? 0 : axis + 1;
-      // Where several sheets meet, their shadows may lie on each other.
-      star.bends |= !(normals[t][axis] * star.sum[axis] > 0) ||
-                    (!sides.empty() && sides[t] != sides[star.triangle]);
+      star.bends |= !(normals[t][axis] * star.sum[axis] > 0);
+      star.sheets |= !sides.empty() && sides[t] != sides[star.triangle];
       star.changes += (shape[next][up] < shape[k][up]) != (shape[last][up] < shape[k][up]);
       star.balance += marks[next] - marks[last];
       star.any_own |= own_[t] != 0;
