@@ -236,6 +236,7 @@ class EditMesh {
   bool umbrellas_are_clean(const Change& change);
   bool others_stay_apart(const Change& change);
 
+  NearestTriangles nearest_;  // of the change at hand; first, as it has the alignment of vectors
   LatticeBox box_;
   std::optional<LatticeBox> samples_box_;
   std::vector<LatticePoint> positions_;
@@ -257,7 +258,6 @@ class EditMesh {
   };
   std::vector<Left> left_;
   std::vector<std::uint32_t> places_, moved_samples_;
-  NearestTriangles nearest_;  // of the change at hand
   // Made when it is first asked for, which it never is of many meshes, and again after many changes.
   std::optional<TriangleGrid> grid_;
   // Of triangles that have changed since begin_changes(), 1.

@@ -44,11 +44,12 @@ class NearestTriangles {
  private:
   double number_of(const MaterialPair& sides) const;
 
+  // The first ones have the alignment of vectors.
+  PointLanes asked_{};
+  NearestLanes found_{};
   NearestKernel kernel_ = nearest_kernel();
   std::vector<MeasuredShape> shapes_;
   std::vector<MaterialPair> sides_;  // of triangles, each once
-  PointLanes asked_{};
-  NearestLanes found_{};
   std::size_t points_ = 0;
 };
 

@@ -12,7 +12,7 @@ namespace voxweld {
 
 // A direction of small integers, so that products with a normal, which has up to 46 bits, are exact.
 // Zeros: none.
-using Along = std::array<std::int8_t, 3>;
+using Along = std::array<std::int16_t, 3>;
 
 inline bool runs_along(const Index3& normal, const Along& along) {
   return normal.x * along[0] + normal.y * along[1] + normal.z * along[2] > 0;
@@ -34,7 +34,7 @@ inline Along direction_of(Vec3 v) {
   if (!(longest > 0)) return along;
   for (int a = 0; a < 3; ++a)
     along[static_cast<std::size_t>(a)] =
-        static_cast<std::int8_t>(std::lround(v[a] * (most / longest)));
+        static_cast<std::int16_t>(std::lround(v[a] * (most / longest)));
   return along;
 }
 
@@ -46,7 +46,7 @@ class ShadowTurns {
   explicit ShadowTurns(const Along& along) : along_(along) {
     const int axis = longest_axis(as_vec3({along[0], along[1], along[2]}));
     // At a right angle to it.
-    across_[axis] = -along[static_cast<std::size_t>((axis + 1) % 3)];
+    across_[axis] = -std::int64_t{along[static_cast<std::size_t>((axis + 1) % 3)]};
     across_[(axis + 1) % 3] = along[static_cast<std::size_t>(axis)];
   }
 
