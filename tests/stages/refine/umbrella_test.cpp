@@ -8,6 +8,7 @@
 
 #include "stages/refine/edit_mesh.h"
 #include "stages/refine/find_pairs.h"
+#include "stages/stitch/lattice_plan.h"
 
 namespace voxweld {
 namespace {
