@@ -107,8 +107,7 @@ std::vector<Setting> work_settings() {
           binding::member(work, &Work::brick, PowerOfTwoRule{16, 256}), ingest_and_build),
       row({"work", "shard",
            "Bricks a side of a shard, one store file and build task. Never changes the result. "
-           "From "
-           "a volume that is not copied first, whole rows are read for each shard: with 2048 "
+           "From a volume that is not copied first, whole rows are read for each shard: with 2048 "
            "samples a side or more, 8 or 16 are quicker."},
           binding::member(work, &Work::shard, PowerOfTwoRule{1, 16}), ingest_and_build),
       row({"work", "copy",

@@ -58,8 +58,8 @@ double squared_distance(const LatticePoint& point, const LatticeTriangle& triang
 
 void NearestTriangles::add(const LatticeTriangle& shape, const MaterialPair& sides) {
   shapes_.push_back(MeasuredTriangle(shape).shape());
-  if (std::ranges::find(sides_, sides) == sides_.end()) sides_.push_back(sides);
   shapes_.back().sides = number_of(sides);
+  if (shapes_.back().sides == static_cast<double>(sides_.size())) sides_.push_back(sides);
 }
 
 double NearestTriangles::number_of(const MaterialPair& sides) const {

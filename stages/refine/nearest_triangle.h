@@ -25,7 +25,7 @@ class MeasuredTriangle {
 };
 
 // Of few triangles the nearest to each of many points, among those that separate the same. Eight points
-// are looked up at once, since each that it takes alone costs as much.
+// are looked up at once, since one alone costs as much.
 class NearestTriangles {
  public:
   void clear() {
@@ -42,7 +42,7 @@ class NearestTriangles {
   const NearestLanes& answer();
 
  private:
-  double number_of(const MaterialPair& sides) const;
+  double number_of(const MaterialPair& sides) const;  // of new ones the next
 
   // The first ones have the alignment of vectors.
   PointLanes asked_{};
