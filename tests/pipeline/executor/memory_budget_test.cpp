@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cstring>
 #include <limits>
@@ -62,15 +65,19 @@ TEST(MemoryBudget, WritesBytesExactlyAndForPeople) {
   EXPECT_EQ(readable_bytes(3.4 * 1024 * 1024 * 1024), "3.4 GiB");
 }
 
+// Straight from the system: an allocator, a sanitizer's above all, may keep what is freed.
+bool hold_for_a_moment(std::size_t bytes) {
+  void* block = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (block == MAP_FAILED) return false;
+  std::memset(block, 1, bytes);
+  return munmap(block, bytes) == 0;
+}
+
 TEST(Resources, PeakSeesAnAllocationAndForgetsItAtTheNextStage) {
   constexpr std::size_t large = 64 * mebibyte;
   const StageMeter first;
   const std::uint64_t before = resident_bytes();
-  // Straight from the system: an allocator, a sanitizer's above all, may keep what is freed.
-  void* block = mmap(nullptr, large, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  ASSERT_NE(block, MAP_FAILED);
-  std::memset(block, 1, large);
-  ASSERT_EQ(munmap(block, large), 0);
+  ASSERT_TRUE(hold_for_a_moment(large));
   const StageFigures figures = first.read();
   if (before == 0) GTEST_SKIP() << "the system does not tell resident sizes";
   EXPECT_GE(figures.peak_resident + mebibyte, before + large);
@@ -80,6 +87,27 @@ TEST(Resources, PeakSeesAnAllocationAndForgetsItAtTheNextStage) {
   if (second.read().peak_is_of_stage) {
     EXPECT_LT(second.read().peak_resident, figures.peak_resident);
   }
+}
+
+TEST(Resources, WhoWaitsForTheProcessIsToldThePeakOfAllItsStages) {
+#ifdef __SANITIZE_THREAD__
+  GTEST_SKIP() << "the thread sanitizer makes a copy for vfork";
+#endif
+  constexpr std::size_t large = 256 * mebibyte;
+  const std::uint64_t before = resident_bytes();
+  const pid_t child = fork();
+  if (child == 0) {
+    const StageMeter first;
+    const bool held = hold_for_a_moment(large);
+    const StageMeter second;
+    _exit(held && second.read().peak_resident < large + before ? 0 : 1);
+  }
+  ASSERT_GT(child, 0);
+  int status = 0;
+  rusage used{};
+  ASSERT_EQ(wait4(child, &status, 0, &used), child);
+  EXPECT_EQ(status, 0);
+  EXPECT_GE(static_cast<std::uint64_t>(used.ru_maxrss) * 1024, large);
 }
 
 }  // namespace
