@@ -23,6 +23,12 @@ double part_near(const LatticeBox& whole, const LatticeBox& box) {
   return part;
 }
 
+LatticeBox box_of_run(const RefineMesh& mesh, std::size_t first, std::size_t end) {
+  LatticeBox around = mesh.box(first);
+  for (std::size_t t = first + 1; t < end; ++t) around.extend(mesh.box(t));
+  return around;
+}
+
 }  // namespace
 
 BoxReads::BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const MendBox& box)
@@ -30,7 +36,7 @@ BoxReads::BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const MendBox& 
   const CubeKey begin{box.label, 0}, end{box.label, CubeRange{}.end};
   const Box3 near{cubes.cube_of(box.box.lo), cubes.cube_of(box.box.hi) + splat(1)};
   const auto& entries = meshes.entries();
-  const auto add = [&](const Read& read, const PartCounts& counts) {
+  const auto add = [&](const PartOfPiece& read, const PartCounts& counts) {
     parts_.push_back(read);
     all_ += counts;
     largest_part_ = std::max(largest_part_, part_bytes(counts));
@@ -76,18 +82,28 @@ void BoxReads::limit(const CubeLattice& blocks) {
 
 void BoxReads::add_hashes(KeyHasher& key) const {
   for (std::size_t a = 0; a < 3; ++a) key.integer(box_.box.lo[a]).integer(box_.box.hi[a]);
-  for (const Read& read : parts_) meshes_.add_hashes(key, read.artifact, read.piece, read.part);
+  for (const PartOfPiece& read : parts_)
+    meshes_.add_hashes(key, read.artifact, read.piece, read.part);
 }
 
-HeldPart::HeldPart(RefineMesh part) : mesh_(std::move(part)) {
-  const std::size_t count = mesh_.triangles.size();
-  around_.reserve((count + run - 1) / run);
+HeldPart::HeldPart(RefineMesh part, const BoxTree& boxes) {
+  const std::size_t count = part.triangles.size();
+  const auto is_near = [&](const LatticeBox& box) {
+    return boxes.any_meeting(box, [](std::uint32_t) { return true; });
+  };
+  std::vector<std::uint32_t> near;
   for (std::size_t first = 0; first < count; first += run) {
-    LatticeBox around = mesh_.box(first);
-    for (std::size_t t = first + 1; t < std::min(first + run, count); ++t)
-      around.extend(mesh_.box(t));
-    around_.push_back(around);
+    const std::size_t end = std::min(first + run, count);
+    if (!is_near(box_of_run(part, first, end))) continue;
+    for (std::size_t t = first; t < end; ++t)
+      if (is_near(part.box(t))) near.push_back(static_cast<std::uint32_t>(t));
   }
+  // A copy of nearly all is not worth it.
+  mesh_ = near.size() < count / 4 * 3 ? Extract(part).of(near) : std::move(part);
+  const std::size_t held = mesh_.triangles.size();
+  around_.reserve((held + run - 1) / run);
+  for (std::size_t first = 0; first < held; first += run)
+    around_.push_back(box_of_run(mesh_, first, std::min(first + run, held)));
 }
 
 std::vector<std::uint32_t> HeldPart::meeting(const LatticeBox& box) const {
@@ -101,16 +117,37 @@ std::vector<std::uint32_t> HeldPart::meeting(const LatticeBox& box) const {
   return found;
 }
 
-RefineMesh BoxReads::read(const Held& held, const std::function<void()>& between) const {
-  MeshGather mesh;
-  mesh.reserve(all_.vertices, all_.triangles, all_.samples, all_.sided);
-  for (const Read& read : parts_) {
+const HeldPart& HeldParts::get(const PartOfPiece& part) {
+  if (const auto kept = parts_.find(part); kept != parts_.end()) return kept->second;
+  if (const auto held = others_.find(part); held != others_.end()) return held->second;
+  HeldPart other = read(part);
+  const PartCounts counts = counts_of(other.mesh());
+  const std::uint64_t bytes = part_bytes(counts) / 2 + HeldPart::bytes(counts.triangles);
+  if (others_bytes_ + bytes > most_others_bytes) {
+    others_.clear();
+    others_bytes_ = 0;
+  }
+  others_bytes_ += bytes;
+  return others_.emplace(part, std::move(other)).first->second;
+}
+
+// A box is mostly much smaller than the pieces that it reaches into: so there is room for what meets it.
+RefineMesh BoxReads::read(HeldParts& held, const std::function<void()>& between) const {
+  std::vector<std::vector<std::uint32_t>> meeting;
+  std::uint64_t triangles = 0;
+  for (const PartOfPiece& part : parts_) {
     between();
-    const auto add = [&](const HeldPart& part) { mesh.add(part.mesh(), part.meeting(box_.box)); };
-    if (const auto there = held.find(read); there != held.end())
-      add(there->second);
-    else
-      add(HeldPart(meshes_.read(read.artifact, read.piece, read.part)));
+    triangles += meeting.emplace_back(held.get(part).meeting(box_.box)).size();
+  }
+  MeshGather mesh;
+  const double share = static_cast<double>(triangles) /
+                       static_cast<double>(std::max<std::uint64_t>(all_.triangles, 1));
+  mesh.reserve(std::min(all_.vertices, triangles + 64), triangles,
+               static_cast<std::uint64_t>(share * static_cast<double>(all_.samples)),
+               all_.sided > 0 ? triangles : 0);
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    between();
+    if (!meeting[i].empty()) mesh.add(held.get(parts_[i]).mesh(), meeting[i]);
   }
   return mesh.take();
 }

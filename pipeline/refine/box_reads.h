@@ -5,13 +5,14 @@
 
 #include "pipeline/refine/cube_meshes.h"
 #include "pipeline/refine/mend_plan.h"
+#include "stages/exact/box_tree.h"
 
 namespace voxweld {
 
-// A part of a piece, read once for several boxes.
+// Of a part of a piece the triangles that meet one of some boxes.
 class HeldPart {
  public:
-  explicit HeldPart(RefineMesh part);
+  HeldPart(RefineMesh part, const BoxTree& boxes);
 
   const RefineMesh& mesh() const { return mesh_; }
   // The triangles that meet the box, ascending.
@@ -29,16 +30,38 @@ class HeldPart {
       around_;  // so many triangles that follow each other, which mostly lie close
 };
 
+struct PartOfPiece {
+  std::size_t artifact = 0, piece = 0;
+  CubePart part = CubePart::inside;
+  auto operator<=>(const PartOfPiece&) const = default;
+};
+
+// What some boxes read. Parts that are kept are read once; of others the last few are held.
+class HeldParts {
+ public:
+  static constexpr std::uint64_t most_others_bytes = 4 << 20;
+
+  HeldParts(CubeMeshes& meshes, const std::vector<LatticeBox>& boxes)
+      : meshes_(meshes), boxes_(boxes) {}
+
+  void keep(const PartOfPiece& part) { parts_.try_emplace(part, read(part)); }
+  // Valid until it is called again.
+  const HeldPart& get(const PartOfPiece& part);
+
+ private:
+  HeldPart read(const PartOfPiece& part) {
+    return {meshes_.read(part.artifact, part.piece, part.part), boxes_};
+  }
+
+  CubeMeshes& meshes_;
+  BoxTree boxes_;
+  std::map<PartOfPiece, HeldPart> parts_, others_;
+  std::uint64_t others_bytes_ = 0;
+};
+
 // The pieces of one label with triangles that may meet a box.
 class BoxReads {
  public:
-  struct Read {
-    std::size_t artifact = 0, piece = 0;
-    CubePart part = CubePart::inside;
-    auto operator<=>(const Read&) const = default;
-  };
-  using Held = std::map<Read, HeldPart>;
-
   BoxReads(CubeMeshes& meshes, const CubeLattice& cubes, const MendBox& box);
 
   // Looks at full pieces closer, before all() is asked for: what meets the box is as blocks say, by
@@ -47,19 +70,20 @@ class BoxReads {
   void limit(const CubeLattice& blocks);
 
   const MendBox& box() const { return box_; }
+  const std::vector<PartOfPiece>& parts() const { return parts_; }
   // What meets the box, at most; after limit() about that much.
   const PartCounts& all() const { return all_; }
   std::uint64_t largest_part_bytes() const { return largest_part_; }
   void add_hashes(KeyHasher& key) const;
-  // The triangles that meet the box. held: parts that need not be read.
-  RefineMesh read(const Held& held, const std::function<void()>& between) const;
+  // The triangles that meet the box, which is one of those of `held`.
+  RefineMesh read(HeldParts& held, const std::function<void()>& between) const;
 
  private:
   double triangles_near(const CubeLattice& blocks) const;
 
   CubeMeshes& meshes_;
   MendBox box_;
-  std::vector<Read> parts_;
+  std::vector<PartOfPiece> parts_;
   std::vector<std::size_t> counted_;  // artifacts that count triangles near the box
   PartCounts all_;
   std::uint64_t largest_part_ = 0;

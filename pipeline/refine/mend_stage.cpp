@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
+#include <set>
 
 #include "pipeline/refine/box_reads.h"
 #include "pipeline/refine/mend_plan.h"
@@ -172,15 +174,19 @@ class MendStage final : public RangeStage {
     });
   }
 
-  BoxReads::Held read_pieces(const LabelWork& work, const WorkerContext& worker) {
-    BoxReads::Held held;
-    for (const PieceRead& own : work.pieces) {
-      worker.check_interrupt();
-      for (const CubePart part : {CubePart::inside, CubePart::leaving})
-        held.try_emplace({own.artifact, own.piece, part},
-                         meshes_.read(own.artifact, own.piece, part));
-    }
-    return held;
+  static std::vector<LatticeBox> boxes_of(const LabelWork& work) {
+    std::vector<LatticeBox> boxes;
+    boxes.reserve(work.boxes.size());
+    for (const BoxReads& reads : work.boxes) boxes.push_back(reads.box().box);
+    return boxes;
+  }
+
+  void keep_pieces(const LabelWork& work, HeldParts& held, const WorkerContext& worker) {
+    for (const PieceRead& own : work.pieces)
+      for (const CubePart part : {CubePart::inside, CubePart::leaving}) {
+        worker.check_interrupt();
+        held.keep({own.artifact, own.piece, part});
+      }
   }
 
   void mend(std::uint64_t unit, LabelWork& work, const WorkerContext& worker, CubeMeshWriter& file,
@@ -188,7 +194,8 @@ class MendStage final : public RangeStage {
     MeshGather gather;
     const PartCounts most = counts_after(work);
     gather.reserve(most.vertices, most.triangles, most.samples, most.sided);
-    BoxReads::Held held = read_pieces(work, worker);
+    std::optional<HeldParts> held(std::in_place, meshes_, boxes_of(work));
+    keep_pieces(work, *held, worker);
     std::uint64_t lost = 0;
     std::map<std::uint64_t, std::uint64_t> more;  // triangles of blocks, modulo 2^64
     // f(cube) where the triangle is at home in a cube of the unit.
@@ -220,12 +227,12 @@ class MendStage final : public RangeStage {
     };
     BoxesAtOnce boxes(job_.parameters, take);
     for (const BoxReads& reads : work.boxes) {
-      RefineMesh mesh = reads.read(held, [&] { worker.check_interrupt(); });
+      RefineMesh mesh = reads.read(*held, [&] { worker.check_interrupt(); });
       const std::uint64_t bytes = mending_bytes(counts_of(mesh));
       boxes.add(reads, std::move(mesh), bytes);
     }
     boxes.finish();
-    held.clear();
+    held.reset();
     if (lost > 0) result.changes.push_back({work.label, lost});
     for (const auto& [code, triangles] : more)
       if (triangles != 0) result.blocks.push_back({work.label, code, triangles});
@@ -303,6 +310,24 @@ class MendStage final : public RangeStage {
     return refining_bytes(all, own);
   }
 
+  // Of the parts of others' pieces, as far as they are held.
+  std::uint64_t others_bytes(const LabelWork& work) {
+    std::set<PartOfPiece> seen;
+    for (const PieceRead& own : work.pieces)
+      for (const CubePart part : {CubePart::inside, CubePart::leaving})
+        seen.insert({own.artifact, own.piece, part});
+    std::uint64_t bytes = 0;
+    for (const BoxReads& reads : work.boxes)
+      for (const PartOfPiece& part : reads.parts()) {
+        if (bytes >= HeldParts::most_others_bytes) return HeldParts::most_others_bytes;
+        if (!seen.insert(part).second) continue;
+        const CubePieceRecord& piece = meshes_.open(part.artifact)->pieces()[part.piece];
+        const PartCounts& counts = part.part == CubePart::inside ? piece.inside : piece.leaving;
+        bytes += part_bytes(counts) / 2 + HeldPart::bytes(counts.triangles);
+      }
+    return std::min(bytes, HeldParts::most_others_bytes);
+  }
+
   std::uint64_t bytes_of(const LabelWork& work) {
     std::uint64_t box_bytes = 0;
     for (const BoxReads& reads : work.boxes)
@@ -310,6 +335,7 @@ class MendStage final : public RangeStage {
                             mending_bytes(reads.all())});
     // One is read while others wait.
     if (work.boxes.size() > 1) box_bytes += BoxesAtOnce::most_bytes;
+    box_bytes += others_bytes(work);
     const PartCounts before = counts_before(work);
     const std::uint64_t held = part_bytes(before) / 2 + HeldPart::bytes(before.triangles) +
                                2 * work.pieces.size() * HeldPart::bytes(0);
