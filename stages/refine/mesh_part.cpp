@@ -154,12 +154,20 @@ void MeshGather::reserve(std::uint64_t vertices, std::uint64_t triangles, std::u
 
 void remove_inside(RefineMesh& mesh, const std::vector<LatticeBox>& boxes) {
   const BoxTree tree(boxes);
-  std::vector<std::uint32_t> box_of(mesh.positions.size(), no_number);
-  for (std::size_t v = 0; v < box_of.size(); ++v)
-    tree.any_meeting({mesh.positions[v], mesh.positions[v]}, [&](std::uint32_t box) {
-      box_of[v] = box;
-      return true;
-    });
+  const auto& positions = mesh.positions;
+  std::vector<std::uint32_t> box_of(positions.size(), no_number);
+  constexpr std::size_t run = 16;  // vertices that follow each other mostly lie close
+  for (std::size_t first = 0; first < box_of.size(); first += run) {
+    const std::size_t end = std::min(first + run, box_of.size());
+    LatticeBox around{positions[first], positions[first]};
+    for (std::size_t v = first + 1; v < end; ++v) around.extend({positions[v], positions[v]});
+    if (!tree.any_meeting(around, [](std::uint32_t) { return true; })) continue;
+    for (std::size_t v = first; v < end; ++v)
+      tree.any_meeting({positions[v], positions[v]}, [&](std::uint32_t box) {
+        box_of[v] = box;
+        return true;
+      });
+  }
   std::vector<std::uint32_t> number(mesh.triangles.size(), no_number);
   std::uint32_t left = 0;
   for (std::size_t t = 0; t < number.size(); ++t) {

@@ -39,7 +39,7 @@ std::vector<BlockCount> find_blocks(const RefineMesh& mesh, const CubeLattice& l
 
 // A place in one order of all triangles.
 struct Place {
-  VertexId first;  // mostly tells which of a block comes first
+  VertexId first, second;  // mostly tell which of a block comes first
   std::uint32_t triangle = 0;
 };
 
@@ -58,12 +58,14 @@ std::vector<Place> in_order(const RefineMesh& mesh, const CubeLattice& lattice) 
   for (const std::uint32_t b : by_code) begin = (next[b] = begin) + blocks[b].triangles;
   std::vector<Place> order(mesh.triangles.size());
   for (std::uint32_t t = 0; t < order.size(); ++t)
-    order[next[block_of[t]]++] = {mesh.ids[mesh.triangles[t][0]], t};
+    order[next[block_of[t]]++] = {mesh.ids[mesh.triangles[t][0]], mesh.ids[mesh.triangles[t][1]],
+                                  t};
   auto first = order.begin();
   for (const std::uint32_t b : by_code) {
     const auto end = order.begin() + static_cast<std::ptrdiff_t>(next[b]);
     std::sort(first, end, [&](const Place& x, const Place& y) {
       if (x.first != y.first) return x.first < y.first;
+      if (x.second != y.second) return x.second < y.second;
       return mesh.ids_of(x.triangle) < mesh.ids_of(y.triangle);
     });
     first = end;
@@ -149,7 +151,7 @@ TileMesh to_tile_mesh(const RefineMesh& mesh, CellKey tile, const OutputLattice&
   out.corner_normals.reserve(mesh.normals.empty() ? 0 : mesh.triangles.size());
   out.triangle_pairs.reserve(mesh.sides.size());
   std::vector<std::uint32_t> number(mesh.positions.size(), not_in_tile);
-  for (const auto& [first, t] : in_order(mesh, blocks)) {
+  for (const auto& [first, second, t] : in_order(mesh, blocks)) {
     auto triangle = mesh.triangles[t];
     add_corner_normals(mesh, triangle, out);
     for (std::uint32_t& v : triangle) {
