@@ -32,7 +32,7 @@
 namespace voxweld {
 
 // Goes up whenever encode's bytes change. (The versions of the others stand beside their formats.)
-inline constexpr std::uint32_t encode_version = 5;
+inline constexpr std::uint32_t encode_version = 6;
 // And whenever vertices lie elsewhere on the lattice.
 inline constexpr std::uint32_t stitch_version = 1;
 // And whenever the bytes of refine change.

@@ -151,8 +151,8 @@ void set_options(draco::ExpertEncoder& encoder, const OutputLattice& lattice,
   encoder.SetSpeedOptions(parameters.encode_speed, parameters.decode_speed);
   encoder.options().SetAttributeOptions(ids.position, lattice_quantization(lattice));
   if (ids.normal >= 0) encoder.SetAttributeQuantization(ids.normal, parameters.normal_bits);
-  // Else the fast speeds cut the connectivity along normal seams.
-  encoder.options().SetGlobalBool("split_mesh_on_seams", false);
+  // Said in any case: else it goes by the speed.
+  encoder.options().SetGlobalBool("split_mesh_on_seams", ids.one_normal_each);
   encoder.SetTrackEncodedProperties(true);
 }
 

@@ -2,8 +2,8 @@
 //
 // Positions are quantized on the run's output lattice, not on the mesh's own bounding box, so every
 // file decodes a shared vertex to the same bits: exactly origin + q * step (DESIGN: the output
-// lattice). Connectivity is that of the positions; normals that change at a feature are attribute
-// seams on it and do not cut it.
+// lattice). Normals that change at a feature are attribute seams on the connectivity of the positions,
+// where many do. Where few do, one vertex is encoded for each normal, which is quicker to decode.
 #pragma once
 
 #include <array>

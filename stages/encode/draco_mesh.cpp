@@ -60,10 +60,18 @@ int fill_plain(draco::Mesh& out, const TileMesh& mesh) {
   return id;
 }
 
+// Measured at 512^3: one connectivity for both takes 15 % less time to encode and 28 % less to decode. With
+// 1.2 % more points than vertices (gyroid) the bytes are 0.7 % more, with 6.9 % (porous) 4 %, with 31 %
+// (part) 16 %.
+bool has_few_seams(std::uint64_t vertices, std::uint64_t points) {
+  return points <= vertices + vertices / 12;
+}
+
 DracoAttributes fill_with_normals(draco::Mesh& out, const TileMesh& mesh) {
   const CornerPoints points(mesh);
   out.set_num_points(points.count());
   DracoAttributes ids;
+  ids.one_normal_each = has_few_seams(mesh.positions.size(), points.count());
   ids.position = add_positions(out, mesh, false);
   ids.normal = add_float_attribute(out, draco::GeometryAttribute::NORMAL, true, points.count());
   draco::PointAttribute& position = *out.attribute(ids.position);

@@ -29,6 +29,9 @@ struct DracoAttributes {
   int normal = -1;  // -1: none
   int pair = -1;
   int colour = -1;
+  // Few vertices have several normals: then it is encoded with a vertex for each of them, not with normals
+  // as seams on the connectivity of positions. The decoded points are the same.
+  bool one_normal_each = false;
 };
 
 // colours: null unless encode_draco has them. Precondition: the mesh is one that encode_draco takes.

@@ -99,7 +99,7 @@ TEST_F(Goldens, Encode) {
   auto files = files_ending(scene_->output(), ".drc");
   const auto glb = files_ending(scene_->output(), ".glb");
   files.insert(files.end(), glb.begin(), glb.end());
-  expect_recorded({"encode", 5, "4bd239ffcd6f6ff4f3e2f24f383d96ac"}, encode_version,
+  expect_recorded({"encode", 6, "0bf1421c488e4c56dae565abe430ca3f"}, encode_version,
                   hash_of(files));
 }
 
@@ -248,12 +248,12 @@ INSTANTIATE_TEST_SUITE_P(
                     {Golden{"build of each label", 1502, "af3275bf64bb74582d202c62405322a6"},
                      {"merge of each label", 10, "38e6c977a186cd71ffc695238ad7c19a"},
                      {"stitch of each label", 6, "59cdc8ffcee04a094002ca747ffecbbb"},
-                     {"encode of each label", 5, "141590bccb677d852b82a4e68563a1e8"}}},
+                     {"encode of each label", 6, "1b9b2d2959d13b7ddf4174ab40da0909"}}},
         LabelGolden{"shared",
                     {Golden{"build of shared labels", 1502, "d1612ff6a60749ddbbad424cef6adadf"},
                      {"merge of shared labels", 10, "2ad601b431d9438617387eef5b1c8d58"},
                      {"stitch of shared labels", 6, "05d69da8e8cc4a33c37bdd751c8c158f"},
-                     {"encode of shared labels", 5, "90c12958e47f9a413fc30528bae518ba"}}}),
+                     {"encode of shared labels", 6, "90c12958e47f9a413fc30528bae518ba"}}}),
     [](const auto& each) { return each.param.mode; });
 
 }  // namespace

@@ -2,10 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
+#include <map>
 #include <random>
 #include <set>
+#include <utility>
 
+#include "stages/encode/corner_points.h"
+#include "stages/encode/draco_mesh.h"
 #include "stages/encode/lattice_mesh.h"
 #include "storage/support/error.h"
 #include "tests/support/shapes.h"
@@ -121,6 +126,48 @@ TEST(DracoCodec, CornersGetTheNormalOfTheirCluster) {
     for (const std::uint32_t v : t) {
       const auto& n = decoded.normals[v];
       EXPECT_GT(dot(face, Vec3{n[0], n[1], n[2]}), 0.999);
+    }
+  }
+}
+
+// By the places of a triangle's corners, the least of them first, its corners' normals.
+using ThreeFloats = std::array<std::array<float, 3>, 3>;
+std::map<ThreeFloats, ThreeFloats> normals_by_corners(const DecodedMesh& mesh) {
+  std::map<ThreeFloats, ThreeFloats> normals;
+  for (Triangle t : mesh.triangles) {
+    std::ranges::rotate(
+        t, std::ranges::min_element(t, {}, [&](std::uint32_t v) { return mesh.positions[v]; }));
+    ThreeFloats places, of_corner;
+    for (std::size_t k = 0; k < 3; ++k) {
+      places[k] = mesh.positions[t[k]];
+      of_corner[k] = mesh.normals[t[k]];
+    }
+    normals.emplace(places, of_corner);
+  }
+  return normals;
+}
+
+TEST(DracoCodec, FewSeamsAreCutsOfTheConnectivity) {
+  for (const auto& [across, cut] : {std::pair(40, true), {14, true}, {8, false}}) {
+    const TileMesh mesh = make_torus({.around = 60, .across = across}, small_lattice());
+    const std::vector<std::byte> bytes = encode_draco(mesh, {}).bytes;
+    // A seam's vertices are there twice where it is cut: with one normal each.
+    const auto there = decode_draco_mesh(bytes, "test");
+    const auto circle = static_cast<std::uint32_t>(60);
+    const auto vertices = static_cast<std::uint32_t>(mesh.positions.size());
+    EXPECT_EQ(there->num_points(), vertices + circle);
+    EXPECT_EQ(there->GetNamedAttribute(draco::GeometryAttribute::POSITION)->size(),
+              cut ? vertices + circle : vertices)
+        << across;
+
+    const auto expected = normals_by_corners(corner_points(mesh, true));
+    const auto decoded = normals_by_corners(decode_draco(bytes));
+    ASSERT_EQ(decoded.size(), mesh.triangles.size());
+    for (const auto& [places, normals] : expected) {
+      ASSERT_TRUE(decoded.contains(places));
+      for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t a = 0; a < 3; ++a)
+          EXPECT_NEAR(decoded.at(places)[k][a], normals[k][a], 0.004);
     }
   }
 }
