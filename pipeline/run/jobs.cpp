@@ -106,6 +106,7 @@ void Jobs::plan_refine(const Config& config, const OutputFrame& output) {
   stitch_.cubes = frame;
   stitch_.parameters.aims = build_->parameters.simplify.overhang > 0;
   stitch_.parameters.normals = true;  // refine goes by them
+  stitch_.parameters.triangle_notes = false;
   RefineParameters parameters;
   // Enumerators in the same order.
   parameters.intersections = static_cast<IntersectionRule>(config.simplify.intersections);

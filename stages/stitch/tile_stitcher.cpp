@@ -260,9 +260,10 @@ void TileStitcher::add_polygon(std::array<std::uint32_t, 4> corners) {
 }
 
 void TileStitcher::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  mesh_.triangles.push_back({a, b, c});
+  if (!parameters_.triangle_notes) return;
   const Vec3 area = area_vector(mesh_.positions[a], mesh_.positions[b], mesh_.positions[c]);
   if (area == Vec3{}) ++mesh_.collinear;
-  mesh_.triangles.push_back({a, b, c});
   if (!parameters_.normals) return;
   const auto cluster = [&](std::uint32_t v) {
     return nearest_cluster(mesh_.normals[v], area, senses_[v]);

@@ -24,6 +24,8 @@ struct StitchParameters {
   Vec3 first{};  // output coordinates of sample (0, 0, 0), multiples of the lattice's step
   bool normals = true;
   bool aims = false;  // TileMesh::aims are wanted
+  // Which normals corners take, and how many triangles are collinear: not for a mesh that is refined.
+  bool triangle_notes = true;
 };
 
 // One brick with what its polygons refer to. The spans are the caller's and need to live for the
