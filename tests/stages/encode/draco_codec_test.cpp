@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
+#include <bit>
 #include <map>
 #include <random>
 #include <set>
@@ -186,7 +186,8 @@ TEST(DracoCodec, SeamVerticesDecodeToTheSameBitsInEveryTile) {
       const auto [found, added] =
           seen.try_emplace(testing::snap(mesh.lattice, {p[0], p[1], p[2]}), p);
       seams += !added;
-      EXPECT_EQ(std::memcmp(found->second.data(), p.data(), sizeof p), 0);
+      using Bits = std::array<std::uint32_t, 3>;
+      EXPECT_EQ(std::bit_cast<Bits>(found->second), std::bit_cast<Bits>(p));
     }
   }
   EXPECT_GT(seams, 100u);
