@@ -135,8 +135,10 @@ using ThreeFloats = std::array<std::array<float, 3>, 3>;
 std::map<ThreeFloats, ThreeFloats> normals_by_corners(const DecodedMesh& mesh) {
   std::map<ThreeFloats, ThreeFloats> normals;
   for (Triangle t : mesh.triangles) {
-    std::ranges::rotate(
-        t, std::ranges::min_element(t, {}, [&](std::uint32_t v) { return mesh.positions[v]; }));
+    // Not ranges::rotate: of its result clang 14 makes nothing.
+    const auto least =
+        std::ranges::min_element(t, {}, [&](std::uint32_t v) { return mesh.positions[v]; });
+    std::rotate(t.begin(), least, t.end());
     ThreeFloats places, of_corner;
     for (std::size_t k = 0; k < 3; ++k) {
       places[k] = mesh.positions[t[k]];
