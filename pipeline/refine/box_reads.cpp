@@ -121,8 +121,7 @@ const HeldPart& HeldParts::get(const PartOfPiece& part) {
   if (const auto kept = parts_.find(part); kept != parts_.end()) return kept->second;
   if (const auto held = others_.find(part); held != others_.end()) return held->second;
   HeldPart other = read(part);
-  const PartCounts counts = counts_of(other.mesh());
-  const std::uint64_t bytes = part_bytes(counts) / 2 + HeldPart::bytes(counts.triangles);
+  const std::uint64_t bytes = bytes_of(counts_of(other.mesh()));
   if (others_bytes_ + bytes > most_others_bytes) {
     others_.clear();
     others_bytes_ = 0;

@@ -44,7 +44,11 @@ class HeldParts {
   HeldParts(CubeMeshes& meshes, const std::vector<LatticeBox>& boxes)
       : meshes_(meshes), boxes_(boxes) {}
 
-  void keep(const PartOfPiece& part) { parts_.try_emplace(part, read(part)); }
+  // Bytes of a held part, at most.
+  static std::uint64_t bytes_of(const PartCounts& counts) {
+    return part_bytes(counts) / 2 + HeldPart::bytes(counts.triangles);
+  }
+  void keep(const PartOfPiece& part) { parts_.emplace(part, read(part)); }
   // Valid until it is called again.
   const HeldPart& get(const PartOfPiece& part);
 

@@ -181,12 +181,12 @@ class MendStage final : public RangeStage {
     return boxes;
   }
 
-  void keep_pieces(const LabelWork& work, HeldParts& held, const WorkerContext& worker) {
+  static std::vector<PartOfPiece> own_parts(const LabelWork& work) {
+    std::vector<PartOfPiece> parts;
     for (const PieceRead& own : work.pieces)
-      for (const CubePart part : {CubePart::inside, CubePart::leaving}) {
-        worker.check_interrupt();
-        held.keep({own.artifact, own.piece, part});
-      }
+      for (const CubePart part : {CubePart::inside, CubePart::leaving})
+        parts.push_back({own.artifact, own.piece, part});
+    return parts;
   }
 
   void mend(std::uint64_t unit, LabelWork& work, const WorkerContext& worker, CubeMeshWriter& file,
@@ -195,7 +195,10 @@ class MendStage final : public RangeStage {
     const PartCounts most = counts_after(work);
     gather.reserve(most.vertices, most.triangles, most.samples, most.sided);
     std::optional<HeldParts> held(std::in_place, meshes_, boxes_of(work));
-    keep_pieces(work, *held, worker);
+    for (const PartOfPiece& part : own_parts(work)) {
+      worker.check_interrupt();
+      held->keep(part);
+    }
     std::uint64_t lost = 0;
     std::map<std::uint64_t, std::uint64_t> more;  // triangles of blocks, modulo 2^64
     // f(cube) where the triangle is at home in a cube of the unit.
@@ -312,18 +315,15 @@ class MendStage final : public RangeStage {
 
   // Of the parts of others' pieces, as far as they are held.
   std::uint64_t others_bytes(const LabelWork& work) {
-    std::set<PartOfPiece> seen;
-    for (const PieceRead& own : work.pieces)
-      for (const CubePart part : {CubePart::inside, CubePart::leaving})
-        seen.insert({own.artifact, own.piece, part});
+    const std::vector<PartOfPiece> own = own_parts(work);
+    std::set<PartOfPiece> seen(own.begin(), own.end());
     std::uint64_t bytes = 0;
     for (const BoxReads& reads : work.boxes)
       for (const PartOfPiece& part : reads.parts()) {
         if (bytes >= HeldParts::most_others_bytes) return HeldParts::most_others_bytes;
         if (!seen.insert(part).second) continue;
         const CubePieceRecord& piece = meshes_.open(part.artifact)->pieces()[part.piece];
-        const PartCounts& counts = part.part == CubePart::inside ? piece.inside : piece.leaving;
-        bytes += part_bytes(counts) / 2 + HeldPart::bytes(counts.triangles);
+        bytes += HeldParts::bytes_of(part.part == CubePart::inside ? piece.inside : piece.leaving);
       }
     return std::min(bytes, HeldParts::most_others_bytes);
   }
@@ -337,8 +337,8 @@ class MendStage final : public RangeStage {
     if (work.boxes.size() > 1) box_bytes += BoxesAtOnce::most_bytes;
     box_bytes += others_bytes(work);
     const PartCounts before = counts_before(work);
-    const std::uint64_t held = part_bytes(before) / 2 + HeldPart::bytes(before.triangles) +
-                               2 * work.pieces.size() * HeldPart::bytes(0);
+    const std::uint64_t held =
+        HeldParts::bytes_of(before) + 2 * work.pieces.size() * HeldPart::bytes(0);
     const PartCounts after = counts_after(work);
     return gather_bytes(after.vertices, after.triangles, after.samples, after.sided) +
            std::max({held + work.largest, held + box_bytes,
