@@ -49,11 +49,12 @@ if [ $# -eq 0 ]; then
   "${fixed_addresses[@]}" ctest --test-dir "$build" --output-on-failure -j "$jobs"
 else
   "${fixed_addresses[@]}" cmake --build "$build" -j "$jobs" --target "$@"
-  # In shards, since one program may have all the long tests.
+  # In shards, since one program may have all the long tests, and in many, since one shard may.
+  shards=$((8 * jobs))
   for program in "$@"; do
     echo "$kind: $program"
-    seq 0 $((jobs - 1)) |
-      xargs -P "$jobs" -I{} env GTEST_TOTAL_SHARDS="$jobs" GTEST_SHARD_INDEX={} \
+    seq 0 $((shards - 1)) |
+      xargs -P "$jobs" -I{} env GTEST_TOTAL_SHARDS="$shards" GTEST_SHARD_INDEX={} \
         "${fixed_addresses[@]}" "$build/$program" --gtest_brief=1
   done
 fi
