@@ -1,4 +1,4 @@
-// What is done to a mesh: refine, the lattice, Draco, exact tests.
+// What is done to a mesh: stitch, refine, the lattice, Draco, exact tests.
 #include <random>
 
 #include "stages/encode/draco_codec.h"
@@ -35,6 +35,34 @@ struct Cube {
       if (lies_in(mesh, t, box)) ++triangles;
   }
 };
+
+// The octrees of a gyroid of 160 samples, with one tile planned. Made once.
+struct Stitchable {
+  static const Stitchable& get() {
+    static const Stitchable made;
+    return made;
+  }
+  VolumeBricks bricks;
+  VolumeContour plan;
+
+ private:
+  Stitchable() {
+    ContourOptions options;
+    options.tile_vertices = 1000000000;
+    bricks = build_bricks(GyroidVolume(160), gyroid_parameters(), options);
+    plan = plan_tiles(bricks);
+  }
+};
+
+// The dual walk: polygons of all bricks' edges become one mesh. Items are triangles.
+void stitch_a_tile(benchmark::State& state) {
+  const Stitchable& of = Stitchable::get();
+  std::size_t triangles = 0;
+  while (state.KeepRunning())
+    triangles = stitch_tile(of.bricks, of.plan, of.plan.plan.at(0)).triangles.size();
+  count(state, triangles);
+}
+BENCHMARK(stitch_a_tile)->Unit(benchmark::kMillisecond);
 
 // Edges of a cube collapsed, and what intersects mended: items are triangles as they come.
 void refine_a_cube(benchmark::State& state) {
