@@ -11,7 +11,7 @@ CodecChain chain_of(std::int64_t number) {
   chain.checksums_outside = 1;
   switch (number) {
     case 0:
-      chain.compressor = Compressor{CompressorKind::blosc, "lz4", 5, Shuffle::byte};
+      chain.compressor.emplace();
       break;
     case 1:
       chain.compressor = Compressor{CompressorKind::zstd, "", 3, Shuffle::none};

@@ -36,31 +36,11 @@ struct Cube {
   }
 };
 
-// The octrees of a gyroid of 160 samples, with one tile planned. Made once.
-struct Stitchable {
-  static const Stitchable& get() {
-    static const Stitchable made;
-    return made;
-  }
-  VolumeBricks bricks;
-  VolumeContour plan;
-
- private:
-  Stitchable() {
-    ContourOptions options;
-    options.tile_vertices = 1000000000;
-    bricks = build_bricks(GyroidVolume(160), gyroid_parameters(), options);
-    plan = plan_tiles(bricks);
-  }
-};
-
 // The dual walk: polygons of all bricks' edges become one mesh. Items are triangles.
 void stitch_a_tile(benchmark::State& state) {
-  const Stitchable& of = Stitchable::get();
-  std::size_t triangles = 0;
-  while (state.KeepRunning())
-    triangles = stitch_tile(of.bricks, of.plan, of.plan.plan.at(0)).triangles.size();
-  count(state, triangles);
+  const GyroidTile& tile = GyroidTile::get();
+  while (state.KeepRunning()) benchmark::DoNotOptimize(tile.stitched());
+  count(state, tile.mesh.triangles.size());
 }
 BENCHMARK(stitch_a_tile)->Unit(benchmark::kMillisecond);
 

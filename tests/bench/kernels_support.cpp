@@ -10,7 +10,9 @@ GyroidTile::GyroidTile() {
   parameters.simplify.overhang = 1;  // as refine wants it
   ContourOptions options;
   options.tile_vertices = 1000000000;
-  mesh = contour_volume(volume, parameters, options).tiles.at(0);
+  bricks = build_bricks(volume, parameters, options);
+  plan = plan_tiles(bricks);
+  mesh = stitched();
   frame = {plan_lattice({volume.size, {1, 1, 1}, options.precision}), {1, 1, 1}, {}, volume.size};
 }
 

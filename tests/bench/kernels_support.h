@@ -50,13 +50,17 @@ struct GyroidBrick {
                   volume.samples.data(), volume.size.x, volume.size.x* volume.size.y};
 };
 
-// One tile: the surface of a gyroid of 160 samples, before refine. Made once.
+// One tile: the surface of a gyroid of 160 samples, before refine, and the octrees that it is stitched of. Made once.
 struct GyroidTile {
   static const GyroidTile& get() {
     static const GyroidTile tile;
     return tile;
   }
 
+  TileMesh stitched() const { return stitch_tile(bricks, plan, plan.plan.at(0)); }
+
+  VolumeBricks bricks;
+  VolumeContour plan;
   TileMesh mesh;
   RefineFrame frame;
 
