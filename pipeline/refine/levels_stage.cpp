@@ -22,11 +22,12 @@ MeshSize size_of(const PartCounts& counts) {
 constexpr std::uint64_t triangles_at_once = 1 << 16;
 
 std::uint64_t bytes_of(const NodeReads& reads) {
-  const PartCounts all = reads.counts();
+  PartCounts all = reads.counts();
+  all.samples = std::min(all.samples, all.triangles);  // as read() leaves them
   const std::uint64_t mesh = mesh_bytes(all.vertices, all.triangles, all.samples, all.sided);
-  return std::max(gather_bytes(all.vertices, all.triangles, all.samples, all.sided) +
-                      reads.largest_part_bytes(),
-                  mesh + coarsen_bytes(size_of(all)));
+  return std::max(
+      gather_bytes(all.vertices, all.triangles, all.samples, all.sided) + reads.parts_bytes(),
+      mesh + coarsen_bytes(size_of(all)));
 }
 
 double diagonal(const LatticeBox& box) {
@@ -102,11 +103,12 @@ class LevelsStage final : public StageWork {
     const LevelNode& node = node_of(unit.key);
     CubeMeshWriter file(path_of(unit.key), key(unit.key));
     RefineCounts counts;
+    const double tolerance = level_tolerance(job().parameters.tolerance, node.doublings);
     each_chunk(unit.key, [&](std::span<const NodeReads> chunk) {
       std::vector<Coarse> made(chunk.size());
       for_each_index(chunk.size(), [&](std::size_t i) {
-        made[i] =
-            coarse(chunk[i].read([&] { worker.check_interrupt(); }), chunk[i], sources_, node);
+        made[i] = coarse(chunk[i].read(tolerance, [&] { worker.check_interrupt(); }), chunk[i],
+                         sources_, node);
       });
       worker.check_interrupt();
       for (std::size_t i = 0; i < chunk.size(); ++i) {

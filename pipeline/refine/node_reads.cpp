@@ -3,11 +3,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "stages/refine/mesh_part.h"
+#include "stages/refine/sample_choice.h"
 #include "storage/support/error.h"
+#include "storage/support/parallel.h"
 
 namespace voxweld {
+namespace {
+
+using Child = std::shared_ptr<const CubeMeshArtifact>;
+
+// Parts that are read and wait to be put together take no more, unless it is one alone.
+constexpr std::uint64_t bytes_at_once = std::uint64_t{4} << 20;
+constexpr std::size_t most_at_once = 8;
+
+}  // namespace
 
 NodeChildren::NodeChildren(const NodeSources& sources, std::uint64_t node)
     : of_(sources.tree.nodes()[node].name()) {
@@ -103,8 +116,8 @@ void NodeReads::find_others() {
 template <class F>
 void NodeReads::each_child_piece(F&& f) const {
   const CubeKey begin{surface_.label, 0}, end{surface_.label, CubeRange{}.end};
-  children_.each([&](const CubeMeshArtifact& child) {
-    each_piece_of(child, begin, end,
+  children_.each([&](const Child& child) {
+    each_piece_of(*child, begin, end,
                   [&](std::size_t p, const CubePieceRecord& piece) { f(child, p, piece); });
   });
 }
@@ -129,69 +142,91 @@ PartCounts NodeReads::counts() const {
     sum += record(piece).leaving;
   }
   for (const Piece& piece : others_) sum += record(piece).leaving;
-  each_child_piece([&](const CubeMeshArtifact&, std::size_t, const CubePieceRecord& piece) {
+  each_child_piece([&](const Child&, std::size_t, const CubePieceRecord& piece) {
     sum += piece.inside;
     sum += piece.leaving;
   });
   return sum;
 }
 
-std::uint64_t NodeReads::largest_part_bytes() const {
-  std::uint64_t most = 0;
-  const auto see = [&](const CubePieceRecord& piece) {
-    most = std::max({most, part_bytes(piece.inside), part_bytes(piece.leaving)});
+// A part of a piece of the mesh itself, or of a child that is a node.
+struct NodeReads::Part {
+  PartRead read;
+  Child child;
+  std::uint64_t bytes = 0;
+};
+
+// In the order in which one mesh is made of them soonest: what leaves its cube comes first.
+std::vector<NodeReads::Part> NodeReads::parts() const {
+  CubeMeshes& meshes = sources_.meshes;
+  const auto record = [&](const auto& piece) {
+    return meshes.open(piece.artifact)->pieces()[piece.piece];
   };
-  for (const std::vector<Piece>* const pieces : {&own_, &others_})
-    for (const Piece& piece : *pieces)
-      see(sources_.meshes.open(piece.artifact)->pieces()[piece.piece]);
-  each_child_piece(
-      [&](const CubeMeshArtifact&, std::size_t, const CubePieceRecord& piece) { see(piece); });
-  return most;
+  std::vector<PartRead> own;
+  for (const Piece& piece : own_)
+    add_parts({piece.artifact, piece.piece, true}, record(piece), own);
+  for (const Piece& piece : others_)
+    add_parts({piece.artifact, piece.piece, false}, record(piece), own);
+  put_in_order(own);
+  std::vector<Part> parts;
+  for (const CubePart where : {CubePart::leaving, CubePart::inside}) {
+    const auto bytes = [&](const CubePieceRecord& piece) {
+      return part_bytes(where == CubePart::inside ? piece.inside : piece.leaving);
+    };
+    for (const PartRead& read : own)
+      if (read.part == where) parts.push_back({read, nullptr, bytes(record(read.piece))});
+    each_child_piece([&](const Child& child, std::size_t p, const CubePieceRecord& piece) {
+      const bool inside = where == CubePart::inside;
+      const PartCounts& counts = inside ? piece.inside : piece.leaving;
+      if (counts.triangles > 0)
+        parts.push_back(
+            {{{0, p, true}, where, piece.cube, counts.vertices, inside}, child, bytes(piece)});
+    });
+  }
+  return parts;
 }
 
-RefineMesh NodeReads::read(const std::function<void()>& between) const {
-  CubeMeshes& meshes = sources_.meshes;
-  std::vector<PartRead> parts;
-  for (const Piece& piece : own_)
-    add_parts({piece.artifact, piece.piece, true},
-              meshes.open(piece.artifact)->pieces()[piece.piece], parts);
-  for (const Piece& piece : others_)
-    add_parts({piece.artifact, piece.piece, false},
-              meshes.open(piece.artifact)->pieces()[piece.piece], parts);
-  std::uint64_t shared = put_in_order(parts);
-  each_child_piece([&](const CubeMeshArtifact&, std::size_t, const CubePieceRecord& piece) {
-    shared += piece.leaving.vertices;
-  });
+std::uint64_t NodeReads::parts_bytes() const {
+  std::uint64_t most = 0, all = 0;
+  for (const Part& part : parts()) {
+    most = std::max(most, part.bytes);
+    all += part.bytes;
+  }
+  return std::max(most, std::min(all, bytes_at_once));
+}
+
+RefineMesh NodeReads::read(const Part& part) const {
+  const PieceRead& piece = part.read.piece;
+  return part.child != nullptr ? part.child->read(piece.piece, part.read.part)
+                               : sources_.meshes.read(piece.artifact, piece.piece, part.read.part);
+}
+
+RefineMesh NodeReads::read(double tolerance, const std::function<void()>& between) const {
+  const std::vector<Part> parts = this->parts();
+  std::uint64_t shared = 0;
+  for (const Part& part : parts)
+    if (!part.read.last) shared += part.read.vertices;
   MeshGather mesh;
   const PartCounts all = counts();
-  mesh.reserve(all.vertices, all.triangles, all.samples, all.sided, shared);
-  // What leaves its cube comes first, children's too.
-  auto part = parts.begin();
-  for (; part != parts.end() && part->part == CubePart::leaving; ++part) {
+  mesh.reserve(all.vertices, all.triangles, std::min(all.samples, all.triangles), all.sided,
+               shared);
+  std::array<RefineMesh, most_at_once> waiting;
+  const auto size = [&](std::size_t i) { return parts[i].bytes; };
+  const auto work = [&](std::size_t i, std::size_t slot) {
     between();
-    const RefineMesh leaving =
-        meshes.read(part->piece.artifact, part->piece.piece, CubePart::leaving);
-    if (part->piece.whole)
-      mesh.add(leaving);
+    waiting[slot] = read(parts[i]);
+    thin_samples(waiting[slot], tolerance);
+  };
+  const auto put = [&](std::size_t i, std::size_t slot) {
+    const RefineMesh part = std::exchange(waiting[slot], {});
+    if (parts[i].read.last)
+      mesh.add_last(part);
+    else if (parts[i].read.piece.whole)
+      mesh.add(part);
     else
-      mesh.add(leaving, [&](std::size_t t) { return leaving.box(t).meets(box_); });
-  }
-  each_child_piece([&](const CubeMeshArtifact& child, std::size_t p, const CubePieceRecord&) {
-    mesh.add(child.read(p, CubePart::leaving));
-  });
-  for (; part != parts.end(); ++part) {
-    between();
-    const RefineMesh inside =
-        meshes.read(part->piece.artifact, part->piece.piece, CubePart::inside);
-    if (part->last)
-      mesh.add_last(inside);
-    else
-      mesh.add(inside);
-  }
-  each_child_piece([&](const CubeMeshArtifact& child, std::size_t p, const CubePieceRecord&) {
-    between();
-    mesh.add_last(child.read(p, CubePart::inside));
-  });
+      mesh.add(part, [&](std::size_t t) { return part.box(t).meets(box_); });
+  };
+  for_each_in_order({parts.size(), size, work, put}, most_at_once, bytes_at_once);
   return mesh.take();
 }
 

@@ -24,7 +24,7 @@ class NodeChildren {
   // f(artifact) of each. InputError where one is missing.
   template <class F>
   void each(F&& f) const {
-    for (std::size_t i = 0; i < paths_.size(); ++i) f(*open(i));
+    for (std::size_t i = 0; i < paths_.size(); ++i) f(open(i));
   }
 
  private:
@@ -45,22 +45,27 @@ class NodeReads {
   bool all() const { return surface_.all; }
   // Of all that the node stands for. Children need not be there: they are made of the same.
   void add_hashes(KeyHasher& key) const;
-  // The most that is read, and the largest part of it. InputError where a child is missing.
+  // The most that is read, and what parts of it take that are held at once. InputError where a child is
+  // missing.
   PartCounts counts() const;
-  std::uint64_t largest_part_bytes() const;
-  // between: called before each piece.
-  RefineMesh read(const std::function<void()>& between) const;
+  std::uint64_t parts_bytes() const;
+  // Samples are as thin_samples() leaves them. tolerance: of the node, in lattice steps. Threads that are free
+  // help. between: called for each part, by any of them.
+  RefineMesh read(double tolerance, const std::function<void()>& between) const;
 
  private:
   struct Piece {
     std::size_t artifact = 0, piece = 0;
   };
+  struct Part;
+  std::vector<Part> parts() const;
+  RefineMesh read(const Part& part) const;
   CubeRange cubes_of(CellKey cell) const;  // of the pieces that it holds
   template <class F>
   void each_piece(const CubeRange& range, F&& f) const;
   void find_own();
   void find_others();
-  // f(artifact, number of a piece) of the surface in children that are nodes.
+  // f(artifact, number of a piece, its record) of the surface in children that are nodes.
   template <class F>
   void each_child_piece(F&& f) const;
 

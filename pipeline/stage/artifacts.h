@@ -38,7 +38,7 @@ inline constexpr std::uint32_t stitch_version = 1;
 // And whenever the bytes of refine change.
 inline constexpr std::uint32_t refine_version = 15;
 // And those of levels, beside what refine does.
-inline constexpr std::uint32_t levels_version = 6;
+inline constexpr std::uint32_t levels_version = 7;
 
 // Folders of a run's artifacts, each named for what its stage and those before it read.
 struct StagePaths {

@@ -69,7 +69,7 @@ BoxRefiner::Outcome BoxRefiner::kept(const TriangleNumbers& triangles,
                                      const TriangleNumbers& bad) const {
   Outcome outcome(mesh_);
   for (const std::uint32_t t : triangles) outcome.keep(t, bad);
-  outcome.finish();
+  outcome.finish(parameters_.counts_distances);
   return outcome;
 }
 
@@ -108,7 +108,7 @@ BoxRefiner::Outcome BoxRefiner::work_on(const Work& work, std::span<Extract> ext
        [&](std::size_t i, std::size_t) { outcome.add(std::move(parts[i])); }},
       extracts.size(), parameters_.at_once);
   for (const std::uint32_t t : work.others) outcome.keep(t, work.bad);
-  outcome.finish();
+  outcome.finish(parameters_.counts_distances);
   return outcome;
 }
 
@@ -154,11 +154,12 @@ void BoxRefiner::Outcome::add_refined(std::unique_ptr<RefineMesh> part, const La
   }
 }
 
-void BoxRefiner::Outcome::finish() {
+void BoxRefiner::Outcome::finish(bool counts_distances) {
   std::sort(done_.begin(), done_.end(), [&](const Done& a, const Done& b) {
     if (a.first != b.first) return a.first < b.first;
     return mesh_of(a).ids_of(a.triangle) < mesh_of(b).ids_of(b.triangle);
   });
+  if (!counts_distances) return;
   std::vector<SampleReader> samples{SampleReader(*mesh_)};
   for (const auto& mesh : refined_) samples.emplace_back(*mesh);
   for (const Done& done : done_)

@@ -100,8 +100,8 @@ class BoxRefiner::Outcome {
   }
   // The mesh of a part, refined, which takes the place of what lies in the box.
   void add_refined(std::unique_ptr<RefineMesh> part, const LatticeBox& box);
-  // Puts triangles in order, and counts their samples.
-  void finish();
+  // Puts triangles in order.
+  void finish(bool counts_distances);
 
   const RefineMesh* mesh_;
   std::vector<std::unique_ptr<RefineMesh>> refined_;

@@ -40,8 +40,9 @@ double level_tolerance(double finest, int doublings);
 // or less, since more bits say nothing and cost bytes. tolerance: of the level, in lattice steps.
 std::int32_t level_grain(double tolerance);
 
-// mesh: all triangles at home in the node, and of others those whose boxes meet its box. Of each triangle's
-// samples the farthest one is looked after, and in the end left: so there are no more at coarse levels.
+// mesh: all triangles at home in the node, and of others those whose boxes meet its box, with samples as
+// thin_samples() leaves them, since all there are will be looked after. In the end one is left for each triangle at
+// most, the farthest: so there are no more at coarse levels.
 // parameters: those of the mesh itself; its mode is taken for collapse. Returns the triangles at home,
 // refined. counts: what was done, and how far samples lie off.
 RefineMesh coarsen(RefineMesh mesh, const RefineFrame& frame, const CoarseNode& node,

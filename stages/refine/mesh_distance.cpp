@@ -18,13 +18,16 @@ constexpr std::size_t group_size = 8;
 constexpr std::size_t batch = 4096;
 
 std::vector<LatticeBox> group_boxes(const RefineMesh& mesh) {
-  std::vector<LatticeBox> boxes;
-  boxes.reserve(mesh.triangles.size() / group_size + 1);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    if (t % group_size == 0)
-      boxes.push_back(mesh.box(t));
-    else
-      boxes.back().extend(mesh.box(t));
+  const std::size_t triangles = mesh.triangles.size();
+  std::vector<LatticeBox> boxes((triangles + group_size - 1) / group_size);
+  for_each_index((boxes.size() + batch - 1) / batch, [&](std::size_t i) {
+    for (std::size_t g = i * batch; g < std::min((i + 1) * batch, boxes.size()); ++g) {
+      const std::size_t first = g * group_size;
+      boxes[g] = mesh.box(first);
+      for (std::size_t t = first + 1; t < std::min(first + group_size, triangles); ++t)
+        boxes[g].extend(mesh.box(t));
+    }
+  });
   return boxes;
 }
 
@@ -44,6 +47,17 @@ LatticePoint centroid(const LatticeTriangle& shape) {
 double length(const LatticePoint& a, const LatticePoint& b) {
   const Vec3 v = as_vec3(lattice_vector(a, b));
   return std::sqrt(dot(v, v));
+}
+
+// Holds all that is no farther from the point.
+LatticeBox box_around(const LatticePoint& point, double distance) {
+  const auto step = static_cast<std::int32_t>(std::min(std::ceil(distance), 1e9)) + 1;
+  LatticeBox box{point, point};
+  for (std::size_t k = 0; k < 3; ++k) {
+    box.lo[k] -= step;
+    box.hi[k] += step;
+  }
+  return box;
 }
 
 // Sums of integers do not depend on the order.
@@ -146,20 +160,14 @@ double MeshDistance::squared_beyond(const LatticePoint& point, double least, Hin
   LatticeBox box;
   const auto is_near = [&](std::uint32_t group) {
     best = std::min(best, nearest_in(group, point, box, least));
-    if (best > least) return false;
-    hint.group = group;
-    return true;
+    return best <= least;
   };
   // Boxes that get wider until what is nearest must lie in one.
-  for (bool first = true;; around *= 2, first = false) {
-    const auto step = static_cast<std::int32_t>(std::min(std::ceil(around), 1e9)) + 1;
-    for (std::size_t k = 0; k < 3; ++k) {
-      box.lo[k] = point[k] - step;
-      box.hi[k] = point[k] + step;
-    }
-    if (first && is_near(hint.group)) return least;
-    if (groups_.any_meeting(box, is_near)) return least;
-    if (best <= static_cast<double>(step) * step) return best;
+  for (;; around *= 2) {
+    box = box_around(point, around);
+    if (groups_.any_meeting_near(box, hint.place, is_near)) return least;
+    const double step = static_cast<double>(box.hi[0]) - point[0];
+    if (best <= step * step) return best;
   }
 }
 

@@ -19,7 +19,7 @@ class MeshDistance {
   // The same of squares. They are not rounded on the way: so the largest of many points does not
   // depend on their order. Points that come one near the other are quicker with the same hint.
   struct Hint {
-    std::uint32_t group = 0;  // that the point before was near
+    std::uint32_t place = 0;  // of the group that the point before was near
   };
   double squared_beyond(const LatticePoint& point, double least, Hint& hint) const;
   // Bytes it takes at most.

@@ -49,6 +49,8 @@ struct RefineParameters {
   // Whether vertices go where they best lie first, and edges flip to agree with normals
   // (vertex_places.h).
   bool settles = true;
+  // Whether distances of samples are counted when a cube is done.
+  bool counts_distances = true;
   // Triangles in the cubes, or parts of one, that are refined at the same time, unless it is one alone.
   // Memory grows with it, and nothing else depends on it.
   std::size_t at_once = most_part_triangles;
