@@ -152,7 +152,7 @@ struct OutputConfig {
                                       "glb"};  // by name, as listed; not empty, no duplicates
   Merged merged = Merged::automatic;
   bool tiles = true;               // false only where merged is not `never`
-  std::int64_t tile_vertices = 0;  // 0: 250000, fewer with levels or little memory
+  std::int64_t tile_vertices = 0;  // 0: 250000, fewer with levels, shared labels or little memory
   // No setting: of the tiles that merge plans, where refine makes others of them; 0: tile_vertices.
   std::int64_t planned_vertices = 0;
   std::int64_t levels = 1;  // of detail, the mesh itself among them; 0: as many as there are

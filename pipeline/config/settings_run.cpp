@@ -96,7 +96,8 @@ std::vector<Setting> output_settings() {
           binding::member(output, &Output::tiles, FlagRule{}), encode),
       row({"output", "tile_vertices",
            "The most vertices a tile may have. \"auto\" is 250000, or 65536 with levels of "
-           "detail, and less where run.memory is too small to encode several such tiles at once."},
+           "detail, or 131072 with labels.mode = \"shared\", and less where run.memory is too "
+           "small to encode several such tiles at once."},
           binding::integer_or_auto(output, &Output::tile_vertices, IntegerRule{1024, 1000000000}),
           merge),
       row({"output", "levels",

@@ -26,18 +26,25 @@ std::uint64_t level_bytes(std::int64_t vertices) {
   return mesh_bytes(size.vertices, size.triangles, size.samples) + coarsen_bytes(size);
 }
 
+// Larger tiles are not made quicker, take more memory, and leave most of a small mesh to one thread.
+std::int64_t good_tile_vertices(const Config& config) {
+  // Viewers take a few tiles of each level, so these have about a megabyte.
+  if (has_levels(config)) return 65536;
+  // Of connectomics (512^3) Draco took up to 140 MB for a tile of 250000 vertices between labels.
+  return config.labels.mode == LabelMode::shared ? 131072 : 250000;
+}
+
+constexpr std::int64_t least = 1024;
+
 }  // namespace
 
 std::int64_t fitting_tile_vertices(const Config& config) {
-  // Larger tiles are not made quicker, take more memory, and leave most of a small mesh to one thread.
-  // Where there are levels viewers take a few tiles of each, so these have about a megabyte.
-  const std::int64_t good = has_levels(config) ? 65536 : 250000;
   constexpr std::int64_t least = 1024;
   // Depends on the config alone, so that every process of a run has the same.
   constexpr std::uint64_t program = std::uint64_t{64} << 20, at_once = 2;
   const std::uint64_t memory = config.run.memory;
   const std::uint64_t most = memory > program ? (memory - program) / at_once : 0;
-  std::int64_t vertices = good;
+  std::int64_t vertices = good_tile_vertices(config);
   const auto fits = [&](std::int64_t v) {
     return tile_bytes(config, v) <= most &&
            (!has_levels(config) || level_bytes(v) <= most * at_once);

@@ -26,6 +26,20 @@ TEST(TileVertices, OfThePlanDoNotDependOnLevels) {
   EXPECT_EQ(planned_tile_vertices(refined(0)), 250000);
 }
 
+// Or two threads that encode the largest would take more than 256 MB.
+TEST(TileVertices, BetweenLabelsAreHalfAsMany) {
+  Config config;
+  config.run.memory = std::uint64_t{4} << 30;
+  config.labels.mode = LabelMode::shared;
+  fit_tiles(config);
+  EXPECT_EQ(config.output.tile_vertices, 131072);
+  EXPECT_EQ(planned_tile_vertices(config), 131072);
+  config.output.tile_vertices = 0;
+  config.labels.mode = LabelMode::each;
+  fit_tiles(config);
+  EXPECT_EQ(config.output.tile_vertices, 250000);
+}
+
 TEST(TileVertices, AreThoseThatAreAskedFor) {
   const Config config = refined(3, 5000);
   EXPECT_EQ(config.output.tile_vertices, 5000);
