@@ -56,6 +56,7 @@ TEST(BoxTree, AsksWhatMeetsOnceFromWhateverPlace) {
 TEST(BoxTree, AsksFirstWhatItFoundBefore) {
   Boxes random;
   std::vector<LatticeBox> boxes;
+  boxes.reserve(500);
   for (int i = 0; i < 500; ++i) boxes.push_back(random.next(60));
   const BoxTree tree(boxes);
   std::uint32_t place = 0;
