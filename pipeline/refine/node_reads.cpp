@@ -153,7 +153,8 @@ PartCounts NodeReads::counts() const {
 struct NodeReads::Part {
   PartRead read;
   Child child;
-  std::uint64_t bytes = 0;
+  PartCounts counts;
+  std::uint64_t bytes() const { return part_bytes(counts); }
 };
 
 // In the order in which one mesh is made of them soonest: what leaves its cube comes first.
@@ -170,17 +171,16 @@ std::vector<NodeReads::Part> NodeReads::parts() const {
   put_in_order(own);
   std::vector<Part> parts;
   for (const CubePart where : {CubePart::leaving, CubePart::inside}) {
-    const auto bytes = [&](const CubePieceRecord& piece) {
-      return part_bytes(where == CubePart::inside ? piece.inside : piece.leaving);
+    const bool inside = where == CubePart::inside;
+    const auto counts = [&](const CubePieceRecord& piece) {
+      return inside ? piece.inside : piece.leaving;
     };
     for (const PartRead& read : own)
-      if (read.part == where) parts.push_back({read, nullptr, bytes(record(read.piece))});
+      if (read.part == where) parts.push_back({read, nullptr, counts(record(read.piece))});
     each_child_piece([&](const Child& child, std::size_t p, const CubePieceRecord& piece) {
-      const bool inside = where == CubePart::inside;
-      const PartCounts& counts = inside ? piece.inside : piece.leaving;
-      if (counts.triangles > 0)
-        parts.push_back(
-            {{{0, p, true}, where, piece.cube, counts.vertices, inside}, child, bytes(piece)});
+      const PartCounts some = counts(piece);
+      if (some.triangles > 0)
+        parts.push_back({{{0, p, true}, where, piece.cube, some.vertices, inside}, child, some});
     });
   }
   return parts;
@@ -189,8 +189,8 @@ std::vector<NodeReads::Part> NodeReads::parts() const {
 std::uint64_t NodeReads::parts_bytes() const {
   std::uint64_t most = 0, all = 0;
   for (const Part& part : parts()) {
-    most = std::max(most, part.bytes);
-    all += part.bytes;
+    most = std::max(most, part.bytes());
+    all += part.bytes();
   }
   return std::max(most, std::min(all, bytes_at_once));
 }
@@ -204,14 +204,16 @@ RefineMesh NodeReads::read(const Part& part) const {
 RefineMesh NodeReads::read(double tolerance, const std::function<void()>& between) const {
   const std::vector<Part> parts = this->parts();
   std::uint64_t shared = 0;
-  for (const Part& part : parts)
+  PartCounts all;
+  for (const Part& part : parts) {
+    all += part.counts;
     if (!part.read.last) shared += part.read.vertices;
+  }
   MeshGather mesh;
-  const PartCounts all = counts();
   mesh.reserve(all.vertices, all.triangles, std::min(all.samples, all.triangles), all.sided,
                shared);
   std::array<RefineMesh, most_at_once> waiting;
-  const auto size = [&](std::size_t i) { return parts[i].bytes; };
+  const auto size = [&](std::size_t i) { return parts[i].bytes(); };
   const auto work = [&](std::size_t i, std::size_t slot) {
     between();
     waiting[slot] = read(parts[i]);

@@ -100,7 +100,7 @@ class BoxRefiner::Outcome {
   }
   // The mesh of a part, refined, which takes the place of what lies in the box.
   void add_refined(std::unique_ptr<RefineMesh> part, const LatticeBox& box);
-  // Puts triangles in order.
+  // Puts triangles in order, and counts their samples' distances where that is asked for.
   void finish(bool counts_distances);
 
   const RefineMesh* mesh_;
