@@ -22,7 +22,7 @@ struct PhantomArguments {
   double spacing = 1;
 };
 
-std::string description() {
+std::string phantom_description() {
   std::string text = "Writes a volume of a known solid, for demos and tests\nKinds:";
   for (const PhantomKindInfo& kind : phantom_kinds())
     text += fmt::format("\n  {:<9} {}", kind.name, kind.summary);
@@ -100,7 +100,7 @@ int make_phantom(const PhantomArguments& arguments, Program& program) {
 
 void add_phantom_command(CLI::App& app, Program& program) {
   auto arguments = std::make_shared<PhantomArguments>();
-  CLI::App* command = app.add_subcommand("phantom", description());
+  CLI::App* command = app.add_subcommand("phantom", phantom_description());
   add_examples(*command,
                {{"voxweld phantom gyroid --size 128 --spacing 0.5 --unit mm -o gyroid.nrrd",
                  "then: voxweld init gyroid.nrrd"}});
