@@ -41,7 +41,7 @@ void measure(const std::filesystem::path& source, const std::filesystem::path& o
   const TriangleMesh mesh = read_mesh_file(source).mesh;
   const Manifest manifest = read_manifest(output / manifest_name);
   const double cell = manifest.frame.spacing.x;
-  WeldedMesh result;
+  MeshWelder result;
   for_each_mesh(output,
                 [&](const DecodedMesh& part, auto) { result.add(part, manifest.frame.origin); });
   const double volume = std::abs(volume_of(mesh));

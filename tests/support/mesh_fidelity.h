@@ -53,7 +53,7 @@ inline std::size_t folded_edges(const TriangleMesh& mesh) {
 
 // Decoded meshes put together again: what lies at one place is one vertex, as those are that have
 // several normals or stand in several tiles.
-class WeldedMesh {
+class MeshWelder {
  public:
   template <class Decoded>
   void add(const Decoded& decoded, Vec3 by = {}) {

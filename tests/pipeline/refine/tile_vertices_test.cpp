@@ -9,7 +9,7 @@
 namespace voxweld::testing {
 namespace {
 
-Config refined(std::int64_t levels_of_detail, std::int64_t tile_vertices = 0) {
+Config refined_config(std::int64_t levels_of_detail, std::int64_t tile_vertices = 0) {
   Config config;
   config.run.memory = std::uint64_t{4} << 30;
   config.simplify.refine = SimplifyConfig::Refine::collapse;
@@ -20,10 +20,10 @@ Config refined(std::int64_t levels_of_detail, std::int64_t tile_vertices = 0) {
 }
 
 TEST(TileVertices, OfThePlanDoNotDependOnLevels) {
-  EXPECT_EQ(refined(1).output.tile_vertices, 250000);
-  EXPECT_EQ(planned_tile_vertices(refined(1)), 250000);
-  EXPECT_EQ(refined(0).output.tile_vertices, 65536);
-  EXPECT_EQ(planned_tile_vertices(refined(0)), 250000);
+  EXPECT_EQ(refined_config(1).output.tile_vertices, 250000);
+  EXPECT_EQ(planned_tile_vertices(refined_config(1)), 250000);
+  EXPECT_EQ(refined_config(0).output.tile_vertices, 65536);
+  EXPECT_EQ(planned_tile_vertices(refined_config(0)), 250000);
 }
 
 // Or two threads that encode the largest would take more than 256 MB.
@@ -41,7 +41,7 @@ TEST(TileVertices, BetweenLabelsAreHalfAsMany) {
 }
 
 TEST(TileVertices, AreThoseThatAreAskedFor) {
-  const Config config = refined(3, 5000);
+  const Config config = refined_config(3, 5000);
   EXPECT_EQ(config.output.tile_vertices, 5000);
   EXPECT_EQ(planned_tile_vertices(config), 5000);
 }
@@ -59,16 +59,16 @@ TEST(TileVertices, AreTheSameWhereNothingIsRefined) {
 // levels only in what is made of the refined mesh.
 TEST(TileVertices, TellWhatIsUsedAgain) {
   const auto paths = [](const Config& config) { return stage_paths(config, {}, {}); };
-  const StagePaths one = paths(refined(1)), many = paths(refined(0)),
-                   small = paths(refined(0, 5000));
+  const StagePaths one = paths(refined_config(1)), many = paths(refined_config(0)),
+                   few = paths(refined_config(0, 5000));
   EXPECT_EQ(one.stitch, many.stitch);
   EXPECT_EQ(one.remend, many.remend);
   EXPECT_NE(one.retile, many.retile);
   EXPECT_NE(one.encode, many.encode);
-  EXPECT_EQ(one.build, small.build);
-  EXPECT_NE(many.merge, small.merge);
-  EXPECT_NE(many.retile, small.retile);
-  EXPECT_NE(many.levels, small.levels);
+  EXPECT_EQ(one.build, few.build);
+  EXPECT_NE(many.merge, few.merge);
+  EXPECT_NE(many.retile, few.retile);
+  EXPECT_NE(many.levels, few.levels);
 }
 
 TEST(TileVertices, LevelsAreMadeOfWhatARunWithoutThemLeft) {

@@ -26,7 +26,7 @@ fs::path shared_mesh(const std::string& name) {
 }
 
 TriangleMesh welded_mesh(const fs::path& path, Vec3 by) {
-  WeldedMesh mesh;
+  MeshWelder mesh;
   mesh.add(load_mesh(path), by);
   return mesh.mesh();
 }
