@@ -28,6 +28,7 @@ void list_worst(const std::vector<Vec3>& points, const TriangleMesh& mesh, doubl
                 std::size_t count) {
   const TriangleTree tree(mesh);
   std::vector<std::pair<double, Vec3>> all;
+  all.reserve(points.size());
   for (const Vec3& p : points) all.emplace_back(tree.distance_to(p) / cell, p);
   std::stable_sort(all.begin(), all.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
