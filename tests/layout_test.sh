@@ -64,6 +64,21 @@ if ! circle=$(tsort "$includes" 2>&1 >/dev/null); then
 $circle"
 fi
 
+# Types of one name in one namespace break a program quietly: of two inline members with the same
+# symbol the linker keeps one. (Functions that are not inline it tells apart itself.)
+twice=$(sources 'storage|stages|pipeline|tests' | xargs -r awk '
+  FNR == 1 { space = ""; unnamed = 0 }
+  /^namespace \{/ { unnamed = 1 }
+  /^}  \/\/ namespace$/ { unnamed = 0 }
+  /^namespace [a-z_:]+ \{/ { space = $2 }
+  !unnamed && /^(class|struct|union|enum|enum class) [A-Z][A-Za-z0-9]*( |$)/ && !/;/ {
+    name = space "::" $(/^enum class/ ? 3 : 2)
+    if (name in where && where[name] != FILENAME) print name ": " where[name] ", " FILENAME
+    where[name] = FILENAME
+  }')
+[ -z "$twice" ] || breach "one name, two types:
+$twice"
+
 # confine LIBRARY FOLDER: of the program, only FOLDER includes the library's headers.
 confine() {
   local found

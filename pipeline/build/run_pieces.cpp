@@ -10,7 +10,7 @@ void RunPiecesSink::begin_brick(Index3 brick) {
 }
 
 void RunPiecesSink::put(Material material, const BrickOctree& octree) {
-  BrickPieces& brick = out_.bricks.back();
+  PiecesOfBrick& brick = out_.bricks.back();
   add_brick(brick.built.counts, octree.counts, octree.root.state);
   if (octree.root.state == NodeState::outside) return;
   const std::vector<FilledBlock> blocks = filled_blocks(octree.blocks);
@@ -19,7 +19,7 @@ void RunPiecesSink::put(Material material, const BrickOctree& octree) {
   const PieceHead head =
       append_piece({material, brick.built.code}, octree, blocks, above_, brick.section);
   brick.surface = brick.surface || has_surface(head);
-  BrickPieces::Note& note = brick.notes.emplace_back();
+  PiecesOfBrick::Note& note = brick.notes.emplace_back();
   note.key = head.piece.key;
   put_note(head, blocks, above_.record(), note.bytes);
   // Vectors may have grown to twice their content.

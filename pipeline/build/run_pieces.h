@@ -19,7 +19,7 @@ struct BrickRow {
   Box3 samples;
 };
 
-struct BrickPieces {
+struct PiecesOfBrick {
   BuiltBrick built;
   bool surface = false;            // of a material that does not fill the brick
   std::vector<std::byte> section;  // of the artifact; empty where the brick is outside
@@ -32,7 +32,7 @@ struct BrickPieces {
 
 struct RunPieces {
   BuiltRun built;
-  std::vector<BrickPieces> bricks;
+  std::vector<PiecesOfBrick> bricks;
   NanCount nans;                     // among the run's own samples
   std::vector<BrickRange> ranges;    // of the bricks
   std::unique_ptr<MemoryLoan> loan;  // what all this takes

@@ -37,9 +37,9 @@ void ShardOctrees::build(const BricksToBuild& bricks, const WorkerContext& worke
 }
 
 void ShardOctrees::add_run(const RunPieces& run) {
-  for (const BrickPieces& brick : run.bricks) {
+  for (const PiecesOfBrick& brick : run.bricks) {
     if (!brick.section.empty()) out_->brick(brick.built.code, brick.section);
-    for (const BrickPieces::Note& piece : brick.notes)
+    for (const PiecesOfBrick::Note& piece : brick.notes)
       notes_.push({piece.key.material, piece.key.brick}, piece.bytes);
     note(brick.built, brick.surface);
   }

@@ -13,7 +13,7 @@ namespace voxweld {
 
 struct VolumeLook {
   VolumeInfo info;
-  VolumeSamples samples;
+  SampleSurvey samples;
   std::vector<std::string> warnings;  // of its reader
 };
 

@@ -150,7 +150,7 @@ std::uint64_t stride_of(std::uint64_t pieces, std::uint64_t wanted) {
 }
 
 void count_samples(BoxReader& reader, const VolumeInfo& info, const SampleRequest& request,
-                   VolumeSamples& out) {
+                   SampleSurvey& out) {
   constexpr std::uint64_t least_chunks = 8;
   HistogramStatistics statistics(info.type);
   const Index3 size = info.geometry.size;
@@ -193,9 +193,9 @@ SampledSide sampled_side(int axis, std::int64_t size, int most) {
   return side;
 }
 
-VolumeSamples look_at_samples(const SampleSource& source, const SampleRequest& request) {
+SampleSurvey look_at_samples(const SampleSource& source, const SampleRequest& request) {
   const VolumeInfo& info = source.info();
-  VolumeSamples out;
+  SampleSurvey out;
   for (int i = 0; i < 3; ++i)
     out.slices[static_cast<std::size_t>(i)] = empty_slice(info, 2 - i, request);
   if (gives_boxes(info)) {

@@ -44,7 +44,7 @@ struct SampleRequest {
   const InterruptFlag* interrupt = nullptr;
 };
 
-struct VolumeSamples {
+struct SampleSurvey {
   std::array<Slice, 3> slices;  // of axes z, y, x
   Histogram histogram;
   std::uint64_t counted = 0;  // samples in the histogram
@@ -52,6 +52,6 @@ struct VolumeSamples {
 
 // Of a source of boxes only what is needed is read, a band at a time; others are gone through once.
 // Throws what source.read throws; Interrupted.
-VolumeSamples look_at_samples(const SampleSource& source, const SampleRequest& request);
+SampleSurvey look_at_samples(const SampleSource& source, const SampleRequest& request);
 
 }  // namespace voxweld

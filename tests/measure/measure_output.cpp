@@ -64,7 +64,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
 
 struct Measured {
   std::size_t triangles = 0;
-  MeshDistance mesh;
+  MeshDistances mesh;
   DistanceStatistics surface;  // from the surface to the mesh
   std::size_t folded = 0;
   MeshDefects defects;

@@ -3,21 +3,13 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "storage/support/file_io.h"
+#include "tests/support/python_script.h"
 
 namespace voxweld::testing {
-
-// A Python that has the module.
-inline std::optional<std::string> python_with(const std::string& module) {
-  for (const std::string python : {"python3", "/usr/bin/python3"})
-    if (std::system((python + " -c 'import " + module + "' >/dev/null 2>&1").c_str()) == 0)
-      return python;
-  return {};
-}
 
 // Runs the script in the folder. Its output is shown where it fails.
 inline void run_python(const std::string& python, const std::filesystem::path& folder,

@@ -14,7 +14,7 @@ namespace voxweld {
 
 using TriangleCorners = std::array<std::uint32_t, 3>;
 
-struct MeshDistance {
+struct MeshDistances {
   DistanceStatistics vertices;
   // Ten points a triangle, evenly spread inside it (barycentric (i + 1/3, j + 1/3, k + 1/3) / 4
   // with i + j + k = 3), every triangle counting the same.
@@ -51,8 +51,8 @@ DistanceStatistics measure_points(const F& distance_to, std::span<const Vec3> po
 
 // Precondition: triangles index vertices. Runs on the current TBB arena.
 template <class F>
-MeshDistance measure_mesh(const F& distance_to, std::span<const Vec3> vertices,
-                          std::span<const TriangleCorners> triangles) {
+MeshDistances measure_mesh(const F& distance_to, std::span<const Vec3> vertices,
+                           std::span<const TriangleCorners> triangles) {
   const auto points = barycentric_points();
   const WeighedStatistics inside = distance_statistics<points_a_triangle>(
       triangles.size(), [&](std::size_t i, std::array<double, points_a_triangle>& out) {

@@ -10,8 +10,8 @@ namespace voxweld {
 
 // Distances from the mesh to field's surface (a missing piece of mesh goes unseen). Vertices are in
 // voxel coordinates: sample (i, j, k) at (i, j, k). The same result whatever the threads.
-inline MeshDistance measure_mesh(const AnalyticField& field, std::span<const Vec3> vertices,
-                                 std::span<const TriangleCorners> triangles) {
+inline MeshDistances measure_mesh(const AnalyticField& field, std::span<const Vec3> vertices,
+                                  std::span<const TriangleCorners> triangles) {
   return measure_mesh([&](Vec3 p) { return field.surface_distance(p); }, vertices, triangles);
 }
 

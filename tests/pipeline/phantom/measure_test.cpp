@@ -19,7 +19,7 @@ TEST(MeasureMesh, ByHand) {
   const auto sphere = make_analytic_field(PhantomKind::sphere, 101);
   const std::vector<Vec3> vertices = {
       {50 + radius, 50, 50}, {50, 50 + radius + 1, 50}, {50, 50, 50 - radius + 3}};
-  const MeshDistance none = measure_mesh(*sphere, std::span<const Vec3>(vertices), {});
+  const MeshDistances none = measure_mesh(*sphere, std::span<const Vec3>(vertices), {});
   EXPECT_EQ(none.vertices.count, 3u);
   EXPECT_NEAR(none.vertices.max, 3, 1e-12);
   EXPECT_NEAR(none.vertices.mean, 4.0 / 3, 1e-12);
@@ -34,7 +34,7 @@ TEST(MeasureMesh, TrianglesAreSampledInside) {
   const std::vector<Vec3> vertices = {
       {50 + radius, 50, 50}, {50, 50 + radius, 50}, {50, 50, 50 + radius}};
   const std::vector<TriangleCorners> triangles = {{0, 1, 2}};
-  const MeshDistance result = measure_mesh(*sphere, std::span<const Vec3>(vertices), triangles);
+  const MeshDistances result = measure_mesh(*sphere, std::span<const Vec3>(vertices), triangles);
   EXPECT_EQ(result.triangles.count, 10u);
   EXPECT_NEAR(result.vertices.max, 0, 1e-12);
   EXPECT_NEAR(result.triangles.max, radius * (1 - 1 / std::sqrt(3.0)), 1e-9) << "its centre";
@@ -52,7 +52,7 @@ TEST(MeasureMesh, ByArea) {
       vertices.push_back(Vec3{x, 50, 50} + off * size * 1e3);
   vertices.push_back({50, 80, 50});
   const std::vector<TriangleCorners> triangles = {{0, 1, 2}, {3, 4, 5}, {6, 6, 6}};
-  const MeshDistance result = measure_mesh(*sphere, std::span<const Vec3>(vertices), triangles);
+  const MeshDistances result = measure_mesh(*sphere, std::span<const Vec3>(vertices), triangles);
   EXPECT_NEAR(result.triangles.mean, (0 + radius + radius - 30) / 3, 0.01);
   EXPECT_NEAR(result.by_area.mean, radius * 0.9, 0.01);
   EXPECT_NEAR(result.by_area.p99, radius, 0.1);
@@ -70,7 +70,7 @@ TEST(MeasureMesh, PercentileAndThreads) {
     triangles.push_back({i, (i + 1) % 20000, (i + 7) % 20000});
     distances.push_back(sphere->surface_distance(vertices.back()));
   }
-  const MeshDistance many = measure_mesh(*sphere, std::span<const Vec3>(vertices), triangles);
+  const MeshDistances many = measure_mesh(*sphere, std::span<const Vec3>(vertices), triangles);
   std::sort(distances.begin(), distances.end());
   EXPECT_GE(many.vertices.p99, distances[19799]);
   EXPECT_LE(many.vertices.p99, distances[19799] * 1.001);
@@ -78,7 +78,7 @@ TEST(MeasureMesh, PercentileAndThreads) {
   EXPECT_LE(many.vertices.p999, distances[19979] * 1.001);
   EXPECT_EQ(many.vertices.max, distances.back());
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
-  const MeshDistance one = measure_mesh(*sphere, std::span<const Vec3>(vertices), triangles);
+  const MeshDistances one = measure_mesh(*sphere, std::span<const Vec3>(vertices), triangles);
   EXPECT_EQ(one.vertices.mean, many.vertices.mean);
   EXPECT_EQ(one.triangles.mean, many.triangles.mean);
   EXPECT_EQ(one.triangles.max, many.triangles.max);

@@ -35,7 +35,7 @@ class Numbered final : public SampleSource {
   VolumeInfo info_;
 };
 
-void expect_slices(const VolumeSamples& found, Index3 size) {
+void expect_slices(const SampleSurvey& found, Index3 size) {
   for (int i = 0; i < 3; ++i) {
     const Slice& slice = found.slices[static_cast<std::size_t>(i)];
     const int axis = 2 - i;
@@ -87,7 +87,7 @@ TEST(VolumeSamples, AreTheSameHoweverTheVolumeIsRead) {
           const Numbered source(size, info);
           SampleRequest request;
           request.side = side;
-          const VolumeSamples found = look_at_samples(source, request);
+          const SampleSurvey found = look_at_samples(source, request);
           expect_slices(found, size);
           EXPECT_EQ(found.counted, 40u * 31 * 23);
         }
@@ -110,7 +110,7 @@ TEST(VolumeSamples, ReadNotMuchOfALargeVolume) {
   SampleRequest request;
   request.side = 50;
   request.most = 20000;
-  const VolumeSamples found = look_at_samples(source, request);
+  const SampleSurvey found = look_at_samples(source, request);
   expect_slices(found, size);
   EXPECT_LE(found.counted, 20000u);
   EXPECT_GE(found.counted, 10000u);
@@ -132,7 +132,7 @@ TEST(VolumeSamples, LabelsAreAsStored) {
   source.below_ = 10001;
   SampleRequest request;
   request.labels = true;
-  const VolumeSamples found = look_at_samples(source, request);
+  const SampleSurvey found = look_at_samples(source, request);
   EXPECT_TRUE(found.slices[0].values.empty());
   EXPECT_EQ(found.slices[0].labels[0], exterior);  // -1
   EXPECT_EQ(found.slices[0].labels[1], 0u);
